@@ -59,7 +59,11 @@ TIDY = 3600.0  # s between looks for what nobody has used for long
 
 
 def create_app(settings: Settings) -> FastAPI:
-    """Return the web application with the given settings: routes, middleware, jobs and metrics."""
+    """Return the web application with the given settings: routes, middleware, jobs and metrics.
+
+    Nothing runs yet: workers and background tasks start when a server starts the application, and
+    stop when it shuts down. Its parts hang on `app.state`, where routes find them.
+    """
     store = Store(settings.data_directory, settings.results_url)
     ledger = Ledger(settings.ledger)
     keys = Keys(ledger.database, settings.api_key_hashes)

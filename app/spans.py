@@ -103,7 +103,8 @@ class Traces:
     def began(self, item: Work) -> dict[str, str]:
         """Begin the span of an item of work, in the trace of the request that posted its study.
 
-        Return the trace's identifier as a field for the item's log lines.
+        The item is a study being computed, whose claim (`item.owner`) the span is kept under until
+        `ended`. Return the trace's identifier as a field for the item's log lines.
         """
         asked = self._posted.pop(item.key, None)  # None: another server's, or before a restart
         context = None if asked is None else set_span_in_context(NonRecordingSpan(asked))

@@ -15,7 +15,11 @@ from core.study.units import read_number
 
 
 def describe_all() -> list[dict[str, Any]]:
-    """Return one line for each scene: name, title, source, variants, methods of simulation."""
+    """Return one line for each scene, as a list for menus of the command line and the web page.
+
+    A line has name, title, section of the source, variants of the closed forms, and methods of
+    simulation (none for scenes that cannot be simulated).
+    """
     return [
         {
             "name": scene.name,
@@ -32,8 +36,14 @@ def describe_all() -> list[dict[str, Any]]:
 def describe(name: str, variant: str | None = None, *, method: str | None = None) -> dict[str, Any]:
     """Return the description of a scene: parameters, outputs, equations, regimes, validity.
 
-    It is that of a variant of the closed forms, by default the scene's own; with `method`, a method
-    of simulation, that of the scene's motion in time.
+    Parameters
+    ----------
+    name : str
+        The scene, such as rectangle-on-plane.
+    variant : str, optional
+        Variant of the closed forms; by default the scene's own.
+    method : str, optional
+        A method of simulation: the description is then that of the scene's motion in time.
 
     Raises
     ------
@@ -75,9 +85,10 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
 
 
 def _other_drives() -> list[dict[str, Any]]:
-    """Return the drives that may replace the plain sine: harmonics and steps, each with parameters.
+    """Return the waveforms of drives that may replace the plain sine, for the catalogue as JSON.
 
-    `instead_of` are the parameters of the sine that they replace.
+    Each has its `kind` (harmonics or steps of acceleration), the names of its `parameters`, and the
+    names of the sine's parameters that it is given instead of (`instead_of`).
     """
     kinds = {
         "harmonics": ("amplitude_", "phase_", "drive_factor"),
@@ -101,7 +112,11 @@ def scene_regimes(scene: Scene, variant: str) -> tuple[str, ...]:
 
 
 def needed_parameters(scene: Scene, variant: str, output: str) -> tuple[str, ...]:
-    """Return the parameters that one output of a variant needs, without those of its regime."""
+    """Return the parameters that the equations of one output need, in the order of all quantities.
+
+    `variant` is that of the scene's equations, or a method of simulation. What its regime needs
+    besides is not among them.
+    """
     met = behind((output,), scene.producers(variant).get)
     needed = {name for name, equation in met.items() if equation is None}
     return tuple(name for name in QUANTITIES if name in needed)
@@ -110,10 +125,17 @@ def needed_parameters(scene: Scene, variant: str, output: str) -> tuple[str, ...
 def asked_parameters(
     scene: Scene, variant: str, output: str, *, required: bool = False
 ) -> tuple[str, ...]:
-    """Return the parameters that a study of one output may set, for it and its regime.
+    """Return the parameters that a study of one output may set, for the output and its regime.
 
-    With `required`, only those that it has to give. A simulation always includes those of its
-    status, as it follows the part in any case.
+    Parameters
+    ----------
+    scene, variant : Scene, str
+        The scene, and the variant of its equations or method of simulation.
+    output : str
+        Name of the output.
+    required : bool
+        Whether only those are wanted that such a study has to give, as they have no default. A
+        simulation always includes those of its status, as it follows the part in any case.
     """
     regimes = (one for one in scene.conditions[variant] if output in one.outputs)
     produced, defaults = scene.producers(variant), scene.defaults_of(variant)
@@ -127,7 +149,18 @@ def asked_parameters(
 
 
 def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]:
-    """Return the description of a parameter: unit, bounds, default, examples."""
+    """Return the description of a parameter as plain values, for the catalogue as JSON.
+
+    It has label, symbol, unit, bounds, examples, the default in this scene and variant (None if it
+    has to be given), and `instead_of`, the quantities that it can be given for.
+
+    Parameters
+    ----------
+    scene, variant : Scene, str
+        The scene, and the variant of its equations or method of simulation.
+    name : str
+        The parameter, a key of `QUANTITIES`.
+    """
     quantity = QUANTITIES[name]
     default = scene.defaults_of(variant).get(name)
     replaces = [alias.gives for alias in ALIASES if name in alias.inputs]
@@ -148,7 +181,19 @@ def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]
 
 
 def _describe_output(scene: Scene, variant: str, equation: Equation) -> dict[str, Any]:
-    """Return the description of an output: unit, equation, threshold, parameters, regimes."""
+    """Return the description of an output as plain values, for the catalogue as JSON.
+
+    It has label, symbol, unit, equation and regimes; `level` is the value at which a regime begins,
+    drawn in plots, None without one; `asks` and `required` are the parameters that a study of the
+    output may or has to set.
+
+    Parameters
+    ----------
+    scene, variant : Scene, str
+        The scene, and the variant of its equations or method of simulation.
+    equation : Equation
+        Computes the output.
+    """
     quantity = QUANTITIES[equation.gives]
     level, begins = LEVELS.get(equation.gives, (None, ""))
     return {

@@ -24,15 +24,13 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def compiled(function: Function) -> Function:
-    """Return a function compiled by numba; it releases Python's global lock.
+    """Return a function compiled by numba for a kernel; it releases Python's global lock.
 
     Kernels stay sequential: a pool of threads shares out the cells, so that two requests of one
     process can run at a time, a batch can be stopped between pieces, and results do not depend on
-    the number of threads.
-
-    The code is cached in a folder of `NUMBA_CACHE_DIR`; without that variable, among the user's
-    caches. A function that stands in no kernel file, or for which no folder can be written or read,
-    is compiled once a process.
+    the number of threads. The machine code is cached in a folder of `NUMBA_CACHE_DIR`; without that
+    variable, among the user's caches. A function that stands in no kernel file, or for which no
+    folder can be written or read, is compiled once a process.
     """
     return _compiled(function)
 
@@ -61,11 +59,12 @@ def _without_aliases(flags: Any) -> None:
 
 @functools.cache
 def compiled_source(source: str) -> Any:
-    """Return the compiled function of a source text that defines exactly one.
+    """Return the compiled function of a source text that defines exactly one function.
 
-    Its arrays may not overlap. It may call `choose` (a selection, never a branch), `binade` and
-    `exponent` (of `core.mechanics.elementwise`) and the functions of `math`. The code is cached
-    under a digest of the text.
+    Chains of equations are written as one loop over cells in such a text. The arrays that the
+    function takes may not overlap. It may call `choose` (a selection, never a branch), `binade` and
+    `exponent` (powers of two of floats) and `copysign` and `sqrt` of `math`. The machine code is
+    cached under a digest of the text.
     """
     file = loop_name(source)
     names: dict[str, Any] = {"choose": _choose, "binade": _binade, "exponent": _exponent}
@@ -81,7 +80,9 @@ def compiled_source(source: str) -> Any:
 def _choose(context: Any, condition: Any, first: Any, second: Any) -> Any:
     """Return `first` if the condition holds, else `second`, without a branch; both are computed.
 
-    An intrinsic of numba: it returns the types of the call and a function that generates its code.
+    Compiled loops without branches are vectorised. It is an intrinsic of numba: the arguments are
+    the types of a call, and the result is the signature of the call (booleans or floats) and a
+    function that generates its code.
     """
     del context
     truth = isinstance(first, types.Boolean) and isinstance(second, types.Boolean)
@@ -101,7 +102,11 @@ def _choose(context: Any, condition: Any, first: Any, second: Any) -> Any:
 
 @intrinsic
 def _binade(context: Any, value: Any) -> Any:
-    """Return the largest power of 2 that is not above |value|, in compiled code."""
+    """Return the largest power of 2 that is not above |value|, in compiled code.
+
+    An intrinsic of numba: `value` is the type of the argument in a call, and the result is the
+    signature and a function that generates the code.
+    """
     del context
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -115,8 +120,10 @@ def _binade(context: Any, value: Any) -> Any:
 def _exponent(context: Any, value: Any) -> Any:
     """Return the exponent of the largest power of 2 that is not above |value|, as a float.
 
-    The exponent's bits, put into the last bits of the float 2^52, make the float 2^52 + exponent +
-    1023, from which the constants are subtracted: no conversion is needed.
+    An intrinsic of numba: `value` is the type of the argument in a call, and the result is the
+    signature and a function that generates the code. The exponent's bits, put into the last bits of
+    the float 2^52, make the float 2^52 + exponent + 1023, from which the constants are subtracted:
+    no conversion is needed.
     """
     del context
 
@@ -132,13 +139,21 @@ def _exponent(context: Any, value: Any) -> Any:
 
 
 def _exponent_bits(builder: Any, value: Any) -> Any:
+    """Generate code that keeps the exponent's bits of a float, as a 64-bit integer of LLVM.
+
+    `builder` is llvmlite's builder of instructions, `value` the float in the generated code.
+    """
     whole = ir.IntType(64)
     return builder.and_(builder.bitcast(value, whole), whole(0x7FF << 52))
 
 
 @intrinsic
 def _bits(context: Any, value: Any) -> Any:
-    """Return the 64 bits of a float as an integer."""
+    """Return the 64 bits of a float as an integer, in compiled code.
+
+    An intrinsic of numba: `value` is the type of the argument in a call, and the result is the
+    signature (float to integer) and a function that generates the code.
+    """
     del context
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -156,7 +171,9 @@ bits: Any = _bits
 def _raised(context: Any, flag: Any) -> Any:
     """True if the first byte of an array is not 0 now; the read is never optimised away.
 
-    `flag` is the array, which another thread may change.
+    Compiled loops look at it to be stopped: `flag` is the array (here its type), which another
+    thread may change meanwhile. An intrinsic of numba: the result is the signature of the call and
+    a function that generates its code.
     """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -175,13 +192,14 @@ raised: Any = _raised
 def by_type(argument: str, ways: Mapping[type, Any]) -> Callable[[Function], Function]:
     """Return a decorator: compiled code then calls one of several functions by an argument's type.
 
-    The decorated function itself is what Python calls, and declares arguments and result of all.
+    A motion kernel is so compiled once for each kind of drive or contact without branches at run
+    time. In plain Python, the decorated function itself is called; its signature is that of all.
 
     Parameters
     ----------
     argument : str
         Name of the argument that decides, a named tuple.
-    ways : mapping
+    ways : mapping of type to callable
         The compiled function for each type of this argument.
     """
 

@@ -24,14 +24,20 @@ class Stopwatch:
         self._listeners: list[Callable[[bool], object]] = []
 
     def begin(self) -> None:
-        """Start a compilation, perhaps within another one."""
+        """Note that a compilation has begun, perhaps within another one.
+
+        Listeners hear of the outermost only.
+        """
         self._depth += 1
         if self._depth == 1:
             self._began = time.perf_counter()
             self._tell(True)
 
     def end(self) -> None:
-        """End the compilation that was started last."""
+        """Note that the compilation that began last has ended; listeners hear when none is left.
+
+        The time since the outermost began is added to `spent`.
+        """
         self._depth -= 1
         if not self._depth:
             self.spent += time.perf_counter() - self._began
@@ -44,7 +50,10 @@ class Stopwatch:
 
     @contextmanager
     def telling(self, listener: Callable[[bool], object]) -> Iterator[None]:
-        """Call a function within the block whenever compiling begins (True) or ends (False)."""
+        """Call a function within the block whenever compiling begins (True) or ends (False).
+
+        `listener` is the function.
+        """
         self._listeners.append(listener)
         try:
             yield
@@ -66,7 +75,10 @@ ONCE = "compiling once, some seconds; it is kept"
 
 @contextmanager
 def announced(write: Callable[[str], object]) -> Iterator[None]:
-    """Write a message by calling `write`, the first time that the block compiles something."""
+    """Call `write` with a message the first time that the block compiles something.
+
+    The message tells a user who waits why the first run takes some seconds longer.
+    """
     waiting = [ONCE]
 
     def tell(compiles: bool) -> None:

@@ -75,9 +75,11 @@ def package_of(file: Path) -> str:
 
 @functools.cache
 def sources(package: str) -> tuple[Path, ...]:
-    """Return all files that the code of a package of kernels depends on, in a fixed order.
+    """Return all source files that compiled code of a kernel package depends on, in fixed order.
 
-    They are its own files, the files that these import, and those that say how to compile.
+    Its own modules, those that they import, and those that say how to compile: a change in any of
+    them makes cached code invalid. `package` is the name of the package, or `LOOPS` for generated
+    functions.
     """
     files = {CORE / name for name in COMPILERS}
     if package != LOOPS:
@@ -93,7 +95,10 @@ def sources(package: str) -> tuple[Path, ...]:
 
 
 def imported(text: str) -> Iterator[Path]:
-    """Yield the files of vibrafeed that a module imports; `text` is the module's source."""
+    """Yield the paths of the modules of this project that a module imports.
+
+    `text` is the module's source. Compiled code depends on these files, too.
+    """
     for module, names, whole in IMPORT.findall(text):
         below = [f"{module}.{name}" for name in re.findall(r"\w+", names)]
         for dotted in (module or whole, *below):
@@ -105,9 +110,11 @@ def imported(text: str) -> Iterator[Path]:
 
 @functools.cache
 def digest(package: str) -> str:
-    """Return a digest of everything that a package's code depends on, 16 hexadecimal digits.
+    """Return a digest of all that compiled code of a package depends on, 16 hexadecimal digits.
 
-    That is its sources, the compiler's versions and settings.
+    These are its source files, the versions of numba, llvmlite and NumPy, and the compiler's
+    settings. The digest names the cache folder, so that outdated code is never loaded. `package` is
+    the name of a package of kernels.
     """
     settings = {name: str(getattr(_settings, name, None)) for name in SETTINGS}
     versions = (numba.__version__, llvmlite.__version__, np.__version__)
@@ -126,10 +133,11 @@ def root() -> Path:
 
 @functools.cache
 def folder(package: str) -> Path | None:
-    """Return the cache folder of a package's code; create it if necessary.
+    """Return the folder in which compiled code of a package is cached; create it if necessary.
 
-    A folder that exists but cannot be written is used for reading, as an image may ship one; None
-    if there is none.
+    `package` is the name of a package of kernels. A folder that exists but cannot be written is
+    used for reading, as an image may ship one; None if there is none. Outdated folders are removed
+    but for the eight used last.
     """
     path = root() / f"{package}-{digest(package)}"
     with contextlib.suppress(OSError):
@@ -175,9 +183,9 @@ def are_kept(names: Iterable[str]) -> bool:
 
 
 def _forget_old(package: str, current: Path) -> None:
-    """Remove outdated cache folders of a package, except the eight used last.
+    """Remove the outdated cache folders of compiled code of a package, except the eight used last.
 
-    `current` is the folder in use.
+    `package` is the name of a package of kernels; `current` is its folder in use.
     """
     others = set(current.parent.glob(f"{package}-" + 16 * "[0-9a-f]")) - {current}
     with contextlib.suppress(OSError):  # another process removes the same ones
@@ -195,9 +203,11 @@ class _CacheFolder(caching._CacheLocator):
 
     @classmethod
     def from_function(cls, function: Callable[..., Any], file: str) -> _CacheFolder | None:
-        """Return the cache folder of a kernel; None for other functions, or without a folder.
+        """Return the cache folder of a kernel's code; None for other functions.
 
-        `file` is the path of the function's source file, or the name of a generated function.
+        numba asks this of each cache class; None also if no folder can be used. `function` is the
+        Python function, `file` the path of its source file, or the name of a generated function.
+        Only modules of the packages `kernels`, and generated loops, are cached here.
         """
         package = LOOPS
         if not file.startswith(LOOPS):

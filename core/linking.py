@@ -64,7 +64,11 @@ class _LinkedPart(_Library):
         return any(variable.name.startswith(GLOBALS) for variable in variables)
 
     def _get_module_for_linking(self) -> Any:
-        """Return the code with linkage that allows duplicates and removal of its functions."""
+        """Return the LLVM module of this function, prepared to be linked into its callers.
+
+        numba calls this once for each caller. External functions get the linkage `linkonce_odr`:
+        copies of one function may then meet in a program, and unused ones are removed.
+        """
         if self._shared_module is None:
             self._shared_module = self._final_module
             for function in self._final_module.functions:
@@ -77,7 +81,11 @@ class _Entry(_Library):
     """The code of a function for Python, with all that it calls."""
 
     def finalize(self) -> None:
-        """Link all called code, optimise it, and generate machine code."""
+        """Link all code that this function calls, optimise it as a whole, and make machine code.
+
+        numba calls this when the function has been translated. Python objects that the linked code
+        needs are then set in its global variables.
+        """
         self._linking_libraries = list(_reached(self, {}))
         super().finalize()
         for variable in self._final_module.global_variables:
@@ -88,9 +96,11 @@ class _Entry(_Library):
 
 
 def _reached(library: Any, known: dict[Any, None]) -> dict[Any, None]:
-    """Return all libraries that a library links, directly or not, each once and in order.
+    """Return all libraries that a compiled library links, directly or not, each once and in order.
 
-    `known` collects them; pass an empty dict.
+    Numba's code libraries; a new function has to be linked with all of them. The result is `known`,
+    a dict used as an ordered set, which collects them; pass an empty dict. Only libraries of this
+    module's own kind (`_LinkedPart`) are looked into further.
     """
     for called in library._linking_libraries:
         if called not in known:
@@ -109,9 +119,11 @@ class _Compiler(_NumbasCompiler):  # type: ignore[misc]
         self._library, self._change = library, change
 
     def _compile_core(self, args: Any, return_type: Any) -> Any:
-        """Compile the function for types of arguments into a library of ours.
+        """Compile the function for some argument types into a code library of this module.
 
-        Return numba's result. `return_type` is None where numba is to infer it.
+        Return numba's result. `args` are numba's types of the arguments, `return_type` is None
+        where numba infers it. A function for compiled callers (`_LinkedPart`) is only translated
+        for LLVM, without machine code and Python wrapper, and gets a name by which callers find it.
         """
         flags: Any = Flags()  # type: ignore[no-untyped-call]
         self.targetdescr.options.parse_as_flags(flags, self.targetoptions)

@@ -25,7 +25,10 @@ Schema = dict[str, Any]
 
 
 def study_schema() -> Schema:
-    """Return the JSON Schema of studies of all kinds; shared parts stand under `$defs`."""
+    """Return the JSON Schema of studies of all kinds, by which editors check and complete them.
+
+    Schemas that occur several times stand under `$defs`.
+    """
     models = {kind.model: kind for kind in KINDS.values()}
     references, found = models_json_schema([(model, "validation") for model in models])
     named = found["$defs"]
@@ -37,7 +40,12 @@ def study_schema() -> Schema:
 
 
 def _with_names(schema: Schema, kind: Kind) -> Schema:
-    """Return the schema of a kind with the names of its scenes, variants and outputs as choices."""
+    """Return a kind's JSON Schema with the names that it allows listed as choices.
+
+    Scenes, outputs, variants and the kind's own choices become ``enum`` lists, so that an editor
+    can offer them. `schema` is the one that pydantic makes of the kind's model; it is not changed
+    itself.
+    """
     first, properties = kind.scenes[0], {**schema["properties"]}
     giving = [scene for scenes in kind.scenes for scene in scenes.values()]
     outputs = {name for scene in giving for v in scene.variants for name in scene.outputs(v)}
@@ -100,7 +108,10 @@ def _children(schema: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def _below(schema: Any) -> Iterator[Schema]:
-    """Yield all schemas nested in a schema."""
+    """Yield all JSON Schemas nested in a schema, at any depth, each before those inside it.
+
+    Repeated ones are found so. Anything that is no object has none.
+    """
     if not isinstance(schema, dict):
         return
     for key, value in _children(schema):
@@ -112,7 +123,11 @@ def _below(schema: Any) -> Iterator[Schema]:
 
 
 def _map_children(schema: Any, change: Any) -> Any:
-    """Return a schema with each direct child replaced by the result of a function."""
+    """Return a JSON Schema with each schema directly inside it replaced by another.
+
+    `change` is called with a schema and returns one. A value that is no object is returned itself;
+    the schema that was given is not changed.
+    """
     if not isinstance(schema, dict):
         return schema
     changed: Schema = {}

@@ -91,7 +91,10 @@ _SYNONYMS: Final[Mapping[str, str]] = {
 
 
 def _names_by_synonym() -> dict[str, tuple[str, ...]]:
-    """Return the names that each synonym stands for, the first of them the most likely."""
+    """Return the names of quantities that each synonym stands for, the most likely first.
+
+    Users who write a synonym are told the name in use here.
+    """
     spoken: dict[str, tuple[str, ...]] = {}
     for name, others in _SYNONYMS.items():
         for other in others.split():
@@ -139,9 +142,10 @@ SEARCHED = 8  # names of one request that are worth a search for what was meant
 
 
 def suggestion(name: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
-    """Return the sentence ``Did you mean ...?``, or the list of known names.
+    """Return a sentence that helps with an unknown name: ``Did you mean ...?``, or the known names.
 
-    `name` is the unknown name; `listed` are the known names to list, if not all of them.
+    `name` is the unknown name, `known` are all known ones; `listed` are those to list where none is
+    similar, if not all of them.
     """
     choice = sorted(known)
     near = nearest(name, choice)
@@ -167,7 +171,10 @@ class Suggestions:
 
 
 def _in_families(names: Iterable[str]) -> list[str]:
-    """Return sorted names; those differing in a last number are joined, as in `spin_1 to _3`."""
+    """Return sorted names; those differing in a last number are joined, as in `spin_1 to _3`.
+
+    A list of known names in a message is shorter so.
+    """
     families: dict[str, list[str]] = {}
     for name in names:
         stem, _, number = name.rpartition("_")

@@ -27,7 +27,9 @@ FIRST, REST = slice(1), slice(1, None)
 
 
 def compile_kernels(processes: int) -> Path | None:
-    """Compile all kernels that are not in the cache for this processor.
+    """Compile all compiled code that is not in the cache for this processor.
+
+    So nobody waits for a compiler later. It is done by running studies in several processes.
 
     Parameters
     ----------

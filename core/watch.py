@@ -58,7 +58,8 @@ class Watch:
     def flag(self) -> Iterator[NDArray[np.int8]]:
         """Yield a one-element array for compiled code, which becomes nonzero when it is to stop.
 
-        A thread of the process sets it every 50 ms while the block runs.
+        Compiled code cannot call Python to look at a clock. So a thread of the process looks every
+        50 ms, while the block runs, whether the time limit has passed or a stop is wanted.
         """
         flag = np.zeros(1, dtype=np.int8)
         if self.stop is None and self.deadline is None:
@@ -90,7 +91,11 @@ class _Lookout:
         self._thread: threading.Thread | None = None
 
     def begin(self, watch: Watch, flag: NDArray[np.int8]) -> None:
-        """Begin to poll a watch, and set its flag when it says to stop."""
+        """Begin to ask a watch at short intervals, to set its flag when it says to stop.
+
+        `flag` is the one-element array that compiled code looks at. The thread that asks is started
+        if need be.
+        """
         with self._changed:
             self._watched[id(flag)] = watch, flag
             if self._thread is None or not self._thread.is_alive():
@@ -105,7 +110,11 @@ class _Lookout:
             del self._watched[id(flag)]
 
     def _look(self) -> None:
-        """Poll all watches until the process ends, sleeping when there are none."""
+        """Set the flags of running computations that are to stop, until the process ends.
+
+        It runs in a thread of its own and asks every watch at short intervals; it sleeps when there
+        are none. A watch that raises is taken for one that stops.
+        """
         while True:
             with self._changed:
                 while not self._watched:

@@ -70,7 +70,11 @@ class Commands(TyperGroup):
 
 
 def loaded(name: str) -> Any:
-    """Import the module of a command by its name and return the command with its options."""
+    """Import the module of a command by its name and return the command, ready for Click.
+
+    Modules are loaded when their command is called, so that the program starts quickly. `name` is
+    both that of the module and that of its function or group of commands.
+    """
     command = getattr(import_module(f"{__name__}.{name}"), name)
     if not isinstance(command, typer.Typer):
         function, command = command, typer.Typer(add_completion=False, **STYLE)

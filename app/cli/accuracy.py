@@ -111,10 +111,18 @@ def dataset_of(folder: Path, name: str) -> Path:
 
 
 def _extremes(stopped: Callable[[], bool]) -> tuple[dict[str, Table], list[PageSection], bool]:
-    """Run the hard cases, and count what studies do not load; return the results.
+    """Run the hard cases, and measure what studies of one output load and compute.
 
-    They are a table for each of the two, their sections of the page, and True if all hard cases
-    passed. `stopped` is a function that returns True once Ctrl-C was pressed.
+    `stopped` is a function that returns True once Ctrl-C was pressed.
+
+    Returns
+    -------
+    tables : dict of str to Table
+        One for each of the two, by the name of its file; those without rows are left out.
+    sections : list of PageSection
+        Their sections of the accuracy report.
+    right : bool
+        True if all hard cases passed.
     """
     with console.progress("hard cases") as advance:
         outcomes = run_cases(HARD_CASES, Watch(advance, stopped))

@@ -74,7 +74,11 @@ def atlas(
 def _refuse_problems(
     output: Path | None, charts: Path | None, resolution: str, *, force: bool
 ) -> None:
-    """Exit with every problem of the options of `vibrafeed atlas`; return if there is none."""
+    """Exit with every problem of the options of `vibrafeed atlas`; return if there is none.
+
+    `output` and `charts` are the files to write, None if they are not asked for; `resolution` is to
+    be full or coarse; `force` allows replacing files.
+    """
     problems = []
     if output is None and charts is None:
         fix = "Write -o atlas.nc, --charts book.pdf, or both"
@@ -136,9 +140,18 @@ def _run_with_progress(target: Path, carry_out: Callable[[Watch], str]) -> None:
 
 
 def _write_atlas(target: Path, resolution: str, watch: Watch) -> str:
-    """Compute an atlas and write it to a file; return its number of nodes along each axis in words.
+    """Compute an atlas of the motion of parts and write it to a file or Zarr group.
 
-    `resolution` is `full` or `coarse`.
+    The result is the number of nodes along each axis in words, such as "20 x 20 x 9 x 5 nodes".
+
+    Parameters
+    ----------
+    target : Path
+        The file, NetCDF or (with the suffix .zarr) a Zarr group.
+    resolution : str
+        `full` or `coarse`.
+    watch : Watch
+        Takes the progress and may stop the computation.
     """
     table = build(resolution, watch)
     # Without a history: two atlases of one version are equal to the byte.

@@ -16,7 +16,10 @@ REGIMES = ("regime", "value", "meaning")
 
 
 def show_scenes(lines: Sequence[Mapping[str, Any]]) -> None:
-    """Print one line for each scene of the catalogue: name, variants, methods, title."""
+    """Print a table of all scenes: name, variants (the default marked by *), methods, title.
+
+    `lines` are the entries of the catalogue, as `core.catalogue.describe_all` returns them.
+    """
     rows = []
     for line in lines:
         names = (f"{v}*" if v == line["default_variant"] else v for v in line["variants"])
@@ -64,7 +67,11 @@ def show_scene(scene: Mapping[str, Any], units: ShownUnits) -> None:
 
 
 def _parameter_row(parameter: Mapping[str, Any], units: ShownUnits) -> tuple[str, ...]:
-    """Return the row of a parameter in the table of a scene, numbers in the unit that is shown."""
+    """Return the row of a parameter in the table of a scene, numbers in the unit for printing.
+
+    `parameter` is its entry of the catalogue; the cells are name, symbol, unit, bounds, default and
+    description.
+    """
     shown = units.of(parameter["unit"], 0.0)
     default = ""
     if parameter["default"] is not None:

@@ -181,9 +181,11 @@ def _fit_recording(recording: Path, asked: Recording, plot: Path | None) -> Fit:
 
 
 def _problems_of_picture(plot: Path | None) -> list[Problem]:
-    """Return the problems of the file name of the picture, which is None without a picture.
+    """Return the problems of the file into which a plot of the drive's waveform is to be drawn.
 
-    Exit if matplotlib is not installed.
+    `plot` is its path, whose suffix decides the format; None if no plot is wanted, which has no
+    problems. The only problem is a suffix of no known format. Exits with a message how to install
+    matplotlib if that is missing.
     """
     if plot is None:
         return []

@@ -69,7 +69,11 @@ def document_of(fit: Fit, recording: Path) -> dict[str, Any]:
 
 
 def facts(fit: Fit) -> Iterator[tuple[str, str]]:
-    """Yield name and value of each result that holds for the whole fit, such as the noise."""
+    """Yield name and value, as texts, of each result that holds for the whole fit of a drive.
+
+    They are the frequency, the error of the recorder's clock, the share of the recording that the
+    fit does not explain, drift, and the tilt of the sensor, as far as they are known.
+    """
     frequency, error = _round_to_error(fit.frequency, fit.frequency_error)
     yield "frequency", f"{frequency} Hz" + (f" {PLUS_MINUS} {error} Hz" if error else ", as given")
     if fit.clock is not None:
@@ -88,7 +92,11 @@ def facts(fit: Fit) -> Iterator[tuple[str, str]]:
 
 
 def toml_of(fit: Fit, recording: Path) -> str:
-    """Return the fitted drive as TOML parameters of a study, with standard errors as comments."""
+    """Return a fitted drive as TOML parameters of a study, with standard errors as comments.
+
+    `recording` is the file, which the first line names. Amplitudes are in um, phases in degrees;
+    harmonics that are not distinguishable from zero are left out.
+    """
     lines = [f"# Fitted to {recording.name!a} by vibrafeed {core.__version__}"]
     lines += [f"# {name}: {text}" for name, text in facts(fit)]
     frequency, error = _round_to_error(fit.frequency, fit.frequency_error)

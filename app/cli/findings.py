@@ -40,7 +40,11 @@ def show_findings(result: Table, units: ShownUnits) -> None:
 
 
 def _read_values(result: Table, names: list[str], units: ShownUnits) -> tuple[str, list[str]]:
-    """Return the unit and the texts of some single values that have a common unit."""
+    """Return a readable unit, and the texts of some single values of a result in it.
+
+    `names` are variables without dimensions that have a common unit, `units` the units for
+    printing.
+    """
     values = [float(result.variables[name].values) for name in names]
     unit = str(result.variables[names[0]].attributes["units"])
     shown = units.of(unit, max(map(abs, values)))

@@ -189,7 +189,10 @@ def print_hash() -> None:
 
 @contextmanager
 def _database() -> Iterator[Database]:
-    """Yield the database of the ledger; if it cannot be used, print why and exit."""
+    """Yield the database of API keys, that of the ledger; if it cannot be used, print why and exit.
+
+    It is closed at the end. Errors of the database that the block raises are treated alike.
+    """
     settings = settings_in_force()
     os.umask(PRIVATE)  # it may be the one who makes the files
     ledger = Ledger(settings.ledger)

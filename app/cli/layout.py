@@ -14,9 +14,10 @@ Rows = Sequence[Sequence[str]]
 
 
 def plain_lines(columns: Sequence[str], rows: Rows) -> Iterator[str]:
-    """Yield one line of text per row, headings first, in aligned columns.
+    """Yield the lines of a table as text in aligned columns, headings first; no cell is cut.
 
-    Empty cells become `-`.
+    `columns` are the headings, `rows` the cells of each row; empty cells become `-`. This is how
+    tables are printed where there is no terminal.
     """
     told = [[*columns], *([cell or "-" for cell in row] for row in rows)]
     widths = [max(map(len, column)) for column in zip(*told, strict=True)]
@@ -25,9 +26,10 @@ def plain_lines(columns: Sequence[str], rows: Rows) -> Iterator[str]:
 
 
 def least_widths(columns: Sequence[str], rows: Rows) -> list[int]:
-    """Return the smallest width of each column [characters] that breaks no word.
+    """Return the smallest width of each column of a table [characters] that breaks no word.
 
-    A column of short cells has its full width.
+    `columns` are the headings, `rows` the cells of each row. A column of short cells has its full
+    width, so that it is not folded.
     """
     widths = []
     for heading, *cells in zip(columns, *rows, strict=True):
@@ -38,10 +40,10 @@ def least_widths(columns: Sequence[str], rows: Rows) -> list[int]:
 
 
 def block_lines(columns: Sequence[str], rows: Rows, width: int) -> Iterator[str]:
-    """Yield the lines of a table too wide for a terminal: a block for each row.
+    """Yield the lines of a table too wide for a terminal: a block of lines for each row.
 
-    Short columns stand in one line as far as they fit, long ones below as sentences. `width` is
-    that of the terminal [characters].
+    Short columns stand in one line as far as they fit, long ones below as sentences. `columns` are
+    the headings, `rows` the cells of each row, `width` is that of the terminal [characters].
     """
     natural = [max(map(len, column)) for column in zip(columns, *rows, strict=True)]
     first = [0]

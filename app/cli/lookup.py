@@ -104,7 +104,19 @@ def lookup(
 def _look_up_or_exit(
     path: Path, assignments: list[str], rows: Path | None, *, simulate: bool
 ) -> Table:
-    """Return the table of atlas values for the typed parameters; print every problem and exit."""
+    """Return the table of atlas values for the typed parameters; print every problem and exit.
+
+    Parameters
+    ----------
+    path : Path
+        The atlas.
+    assignments : list of str
+        Parameters typed as `name=value`.
+    rows : Path or None
+        CSV file with a case a row; the typed parameters are then for all rows.
+    simulate : bool
+        Whether cells without a value in the atlas are simulated.
+    """
     source = rows or Path("lookup")
     refused: dict[Path, list[Problem]] = {}
     parameters, problems = _parse_assignments(assignments)
@@ -143,7 +155,10 @@ def _look_up_or_exit(
 
 
 def _parse_assignments(assignments: list[str]) -> tuple[dict[str, str | float], list[Problem]]:
-    """Return typed `name=value` words as parameters, numbers as numbers, and the problems found."""
+    """Return typed `name=value` words as parameters by name, and the problems found.
+
+    A value that is a number becomes one; others stay text, such as "50 Hz".
+    """
     parameters: dict[str, str | float] = {}
     problems = []
     for text in assignments:
@@ -161,9 +176,10 @@ def _parse_assignments(assignments: list[str]) -> tuple[dict[str, str | float], 
 
 
 def _write(table: Table, output: str, *, force: bool) -> None:
-    """Write the looked-up table to a file; exit if the file exists or cannot be written.
+    """Write the table of a look-up in an atlas to a file, in the format of the suffix.
 
-    `force` replaces an existing file.
+    `output` is the path. The command exits with a message if the file exists and `force` is False,
+    if the suffix is unknown, or if the file cannot be written. Missing folders are made.
     """
     check_suffix(output)
     refuse_existing("lookup", output, force=force)
@@ -211,7 +227,8 @@ def _show_single(table: Table, shown: Any) -> None:
 def _show_many(table: Table, shown: Any) -> None:
     """Print the first rows of a look-up of many parts: parameters, speed, error, regime, status.
 
-    `shown` holds the units for printing.
+    `table` is the result of the look-up in an atlas; `shown` gives the units for printing. At most
+    `MAX_SHOWN` rows are printed.
     """
     speeds = table.variables["conveying_velocity"].values
     unit = shown.of("m s-1", float(np.nanmax(np.abs(speeds), initial=0.0)))
@@ -251,7 +268,11 @@ def _parameter_columns(table: Table) -> list[str]:
 
 
 def _to_document(table: Table) -> dict[str, Any]:
-    """Return the looked-up values as a JSON document, in the units of files."""
+    """Return the result of a look-up in an atlas as plain values, for the option `--json`.
+
+    `table` is the result. The document has a description of the atlas, and a list of values for
+    each coordinate and variable, in the units of files; flags such as `regime` are words.
+    """
     columns = {**table.coordinates, **table.variables}
     plain = {
         name: (_flag_words(table, name) if "flag_values" in one.attributes else one.values.tolist())

@@ -30,7 +30,7 @@ def nearest(result: Table, units: ShownUnits) -> list[str]:
 
     Each says by how much a limit is missed while all others are kept, or which change would let all
     be kept. The search takes a while; the result is empty if it is skipped by Ctrl-C, or not
-    needed. `units` are those for printing.
+    needed. `result` is the table of the optimisation, `units` are those for printing.
     """
     if stdout.quiet or not is_infeasible(result) or result.variables["optimum_status"].values.ndim:
         return []
@@ -63,7 +63,12 @@ def list_choice(choice: Mapping[str, float], units: ShownUnits) -> str:
 
 
 def is_infeasible(result: Table) -> bool:
-    """True if no design of an optimisation has a feasible solution."""
+    """True if a table is the result of an optimisation in which no design meets all limits.
+
+    `result` is the table of any study; its flag variable `optimum_status` says for every design if
+    and how an optimum was found. A table without this variable, of another kind of study, gives
+    False.
+    """
     status = result.variables.get("optimum_status")
     return status is not None and bool(
         np.all(status.values == OPTIMUM_STATUSES["infeasible"].value)

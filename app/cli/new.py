@@ -23,7 +23,10 @@ Answer = str | None
 
 
 def _option(name: str) -> Any:
-    """Return the command-line option of a question of `vibrafeed new`."""
+    """Return the command-line option for a question of `vibrafeed new`, with its help.
+
+    `name` is that of the question; giving the option answers it beforehand.
+    """
     question = _BY_NAME[name]
     words = ", ".join(question.choices)
     return typer.Option(
@@ -137,7 +140,11 @@ def _check_kind(kind: str, answers: Mapping[str, str]) -> None:
 
 
 def _collect_answers(options: dict[str, str], *, asks: bool) -> dict[str, str]:
-    """Return the answers to all questions that apply; print every invalid option and exit."""
+    """Return the answers to all questions that apply, by name; print every invalid option and exit.
+
+    `options` has the answers given on the command line, by question. With `asks`, a person is asked
+    the other questions; else their defaults are taken.
+    """
     answers: dict[str, str] = {}
     problems, warnings = [], []
     for question in QUESTIONS:
@@ -169,7 +176,10 @@ def _collect_answers(options: dict[str, str], *, asks: bool) -> dict[str, str]:
 
 
 def _ask(question: Question) -> str:
-    """Ask a person a question until the answer is valid; confirm an unusual value once."""
+    """Ask a person a question until the answer is valid, and return the answer.
+
+    An unusual value is questioned once: it is taken when typed again.
+    """
     width = max(map(len, question.choices), default=0)
     if question.choices:
         typer.echo(question.asks)

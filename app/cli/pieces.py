@@ -68,9 +68,12 @@ class Pieces:
         return sum(self._is_kept(index) for index in range(len(self))) if self._key else 0
 
     def tabulate(self, watch: Watch) -> Table:
-        """Return the labelled results, computing only the pieces that are not stored on disk.
+        """Return the result of the study as a table, computing only pieces that are not stored yet.
 
-        `watch` reports progress and says when to stop.
+        A piece is a range of cells; each is stored when it is done, so that a run that was stopped
+        can continue. Studies that are not divided (`_key` is empty) are computed at once. The price
+        in the attributes counts the computing time of earlier runs, too. `watch` takes the progress
+        and may stop the run.
 
         Raises
         ------
@@ -88,7 +91,11 @@ class Pieces:
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def _begin(self) -> None:
-        """Create the folder of the pieces, or read their size from the pieces that are there."""
+        """Create the folder of the pieces, or take the size of the pieces that are stored there.
+
+        A piece is a block of cells that is computed and stored at a time, so that a stopped run can
+        go on. Stored pieces may have another size than this machine would choose.
+        """
         key, _ = self._store.add(self._prepared.study)
         there = [int(one.name) for one in (self._store.folder(key) / "blocks").glob("[0-9]*")]
         if there and self._cells not in there:  # they come from a machine with other cores
@@ -101,9 +108,10 @@ class Pieces:
         return self._store.has_block(self._key, self._cells, index)
 
     def _compute(self, prepared: Prepared, watch: Watch) -> Computed:
-        """Compute all missing pieces, join them with the stored ones, and return the arrays.
+        """Compute all pieces that are not stored, join them with the stored, return the arrays.
 
-        After a stop the unfinished piece is among them.
+        `prepared` is the whole study. After a stop by `watch` the unfinished piece is among them;
+        cells that were not reached have no value.
         """
         count = len(self)
         left = [index for index in range(count) if not self._is_kept(index)]
@@ -118,9 +126,10 @@ class Pieces:
         return join(prepared, self._in_order(held, watch))
 
     def _in_order(self, held: dict[int, Computed], watch: Watch) -> Iterator[tuple[Box, Computed]]:
-        """Yield the box and the arrays of each piece, those just computed first, then stored ones.
+        """Yield the box and the arrays of each piece, first those that are not stored.
 
-        `held` are the computed pieces that could not be stored, by number.
+        `held` are the computed pieces that were unfinished or could not be stored, by number. A box
+        is start and stop of a piece on each axis. `watch` may stop computing a damaged piece again.
         """
         for index, computed in held.items():
             yield self._cut.box(index), computed
@@ -138,7 +147,11 @@ class Pieces:
         return computed, time.perf_counter() - started - (stopwatch.spent - compiling)
 
     def _keep(self, index: int, computed: Computed, seconds: float) -> bool:
-        """Store a piece on disk with its computing time [s]; True if that succeeded."""
+        """Store a computed piece on disk with its computing time; True if that succeeded.
+
+        `index` is the number of the piece, `seconds` its time [s], which is counted when the piece
+        is read.
+        """
         noted = replace(computed, notes={**computed.notes, SPENT: repr(seconds)})
         try:
             self._store.write_block(self._key, self._cells, index, noted)
@@ -148,9 +161,9 @@ class Pieces:
         return True
 
     def _read(self, index: int, watch: Watch) -> Computed:
-        """Return a piece read from disk, and count its computing time.
+        """Return a piece read from disk, and count its computing time; compute it again if damaged.
 
-        Compute it again if damaged.
+        `index` is the number of the piece; `watch` may stop computing it again.
         """
         try:
             computed = self._store.read_block(self._key, self._cells, index)

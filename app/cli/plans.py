@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 def plan_facts(path: Path, prepared: Prepared) -> dict[str, Any]:
     """Return the plan of a study as a JSON document: cells, bytes, dimensions, equations.
 
-    `path` is the study's file; values of defaults are in the units of files.
+    It says what `vibrafeed run` would compute, without computing it. `path` is the study's file;
+    values of defaults are in the units of files.
     """
     plan = prepared.plan
     facts: dict[str, Any] = {

@@ -29,9 +29,10 @@ def exit_if_empty(rows: Collection[Any], asked: str) -> None:
 
 
 def tell_notes(notes: Iterable[str], sources: Mapping[str, Mapping[str, str]]) -> None:
-    """Print the notes on a table of published values, and its numbered sources.
+    """Print the notes on a table of published values, and its sources with their numbers.
 
-    `sources` holds title, authors and address of each source.
+    `notes` are sentences; `sources` holds title, authors (`by`) and address of each source, by
+    name.
     """
     for line in notes:
         console.tell(f"- {line}")

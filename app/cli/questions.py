@@ -58,7 +58,10 @@ class Question:
         )
 
     def read(self, text: str) -> str:
-        """Return a typed answer in the form that the study takes.
+        """Return a typed answer in the form that the study takes: one of the choices, or a value.
+
+        A choice may be typed by a synonym; a value is a number with or without unit, and is
+        checked.
 
         Raises
         ------

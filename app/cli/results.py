@@ -58,10 +58,18 @@ def facts_of(path: Path, target: str, result: Table, cells: int) -> dict[str, An
 def streamed_facts(
     path: Path, target: str, result: Table, cells: int, passed: Passed
 ) -> dict[str, Any]:
-    """Return the JSON document of a sweep that was written tile by tile; as `facts_of`.
+    """Return the result of a sweep that was written tile by tile as a JSON document.
 
-    `result` has the values of arrays without dimensions only; `passed` has the ranges and regimes
-    of the tiles.
+    Parameters
+    ----------
+    path, target : Path, str
+        The study's file, and the path or URL of the result.
+    result : Table
+        The result; it has the values of arrays without dimensions only.
+    cells : int
+        Number of cells of the study.
+    passed : Passed
+        Ranges of the outputs and counts of the regimes, collected while tiles were written.
     """
     found: dict[str, Ends] = {**passed.ends}
     found |= {name: _finite_ends(one) for name, one in _outputs(result).items() if not one.dims}
@@ -123,7 +131,14 @@ def _show_values(
 ) -> None:
     """Print values or ranges of all outputs, and the shares of the statuses and regimes.
 
-    Arguments as in `show_result`; `units` are those for printing.
+    Parameters
+    ----------
+    facts, result : mapping, Table
+        The JSON document of the result, and the result.
+    units : ShownUnits
+        Units for printing.
+    everything : bool
+        True to print the outputs that describe the search of an optimum, too.
     """
     outputs = facts["outputs"]
     if not everything:
@@ -142,9 +157,12 @@ def _show_values(
 
 
 def _held_at(result: Table, units: ShownUnits) -> list[str]:
-    """Return a sentence with the values of uncertain parameters at which an optimum holds.
+    """Return at most one sentence: the outputs of a robust optimum hold at the interval middles.
 
-    It is the only entry of a list, which is empty for a result without such parameters.
+    An optimisation with uncertain parameters, given as intervals, finds the design that is best
+    over the whole range, while the outputs in the result are computed at the middle of each
+    interval. The list is empty for other results. `result` is the table of a study, `units` the
+    units in which values are printed.
     """
     if "optimum_status" not in result.variables:
         return []
@@ -159,7 +177,11 @@ def _held_at(result: Table, units: ShownUnits) -> list[str]:
 
 
 def _knee(result: Table, units: ShownUnits) -> str:
-    """Return a sentence on the knee of a trade-off front: outputs and choice; empty if none."""
+    """Return a sentence on the knee of a trade-off front: outputs and choice; empty if none.
+
+    The knee is the point of a Pareto front that is farthest from the chord between its ends.
+    `result` is the table of an optimisation, `units` are those for printing.
+    """
     knee = result.variables.get("knee")
     if knee is None or np.count_nonzero(knee.values) != 1:
         return ""
@@ -179,9 +201,10 @@ def _knee(result: Table, units: ShownUnits) -> str:
 
 
 def _fastest(result: Table, units: ShownUnits) -> str:
-    """Return a sentence on the cell with the largest conveying velocity; empty for a single cell.
+    """Return a sentence on the cell with the largest conveying velocity, and its parameters.
 
-    Empty, too, for optimisations and for results without a positive speed.
+    It is empty for a single cell, for optimisations, and for results without a positive velocity.
+    `units` are those for printing.
     """
     speed = result.variables.get("conveying_velocity")
     if speed is None or speed.values.size < 2 or "motion_status" not in result.variables:
@@ -199,7 +222,10 @@ def _fastest(result: Table, units: ShownUnits) -> str:
 
 
 def _regimes_computed(result: Table) -> NDArray[Any]:
-    """Return the regimes (flag values) of the computed cells, without those left out by a stop."""
+    """Return the regimes (flag values) of the computed cells of a result, without the others.
+
+    Cells that a stop has left out have a status that says so; their regime counts for nothing.
+    """
     regime = result.variables["regime"]
     for name, not_computed in STATUSES.items():
         status = result.variables.get(name)
@@ -221,18 +247,18 @@ def _result_document(
     states: Mapping[str, Ends],
     shares: Mapping[str, float],
 ) -> dict[str, Any]:
-    """Return the JSON document of a result from its cells, ranges and regime shares.
+    """Return the result of a study as a JSON document, for `--json` and for printing.
 
     Parameters
     ----------
     path, target : Path, str
         The study's file, and the path or URL of the result.
     result : Table
-        The result.
+        The result, with units, dimensions and attributes of the outputs.
     cells : int
         Number of cells of the study.
     states : mapping
-        Smallest and largest finite value of each output; None without any.
+        Smallest and largest finite value of each output, by name; None if it has none.
     shares : mapping
         Share of the cells in each regime, 0 to 1.
     """
@@ -287,10 +313,18 @@ def _show_outputs(outputs: Mapping[str, Mapping[str, Any]], units: ShownUnits) -
 
 
 def _show_regimes(shares: Mapping[str, float], cells: int, closed_forms: bool) -> None:
-    """Print the regimes with their shares, and how many cells are not valid.
+    """Print each regime that occurs with its share of the cells, and the share of invalid ones.
 
-    `shares` are those of the cells, 0 to 1; `closed_forms` is True for a result of formulas, which
-    then describe no real part, and False for a motion, which has no mean velocity then.
+    Parameters
+    ----------
+    shares : mapping of str to float
+        Share of the cells in each regime, 0 to 1, by name of the regime; nothing is printed if
+        empty.
+    cells : int
+        Number of cells; for a single one the name is printed without a share.
+    closed_forms : bool
+        True for a result of formulas, which do not describe a real part in an invalid regime; False
+        for a simulated motion, which has no mean velocity in one.
     """
     if not shares:
         return
@@ -305,9 +339,10 @@ def _show_regimes(shares: Mapping[str, float], cells: int, closed_forms: bool) -
 
 
 def _states(result: Table) -> dict[str, dict[str, float]]:
-    """Return the share of cells with each name, 0 to 1, for every output with named values.
+    """Return the share of cells in each state, 0 to 1, for every output that is a flag.
 
-    The regime and the statuses of whole cells are left out.
+    The keys are the names of the output and of the state. The regime and the statuses of whole
+    cells, which are printed elsewhere, are left out. `result` is the table of a study.
     """
     states = {}
     for name, column in result.variables.items():
@@ -344,7 +379,12 @@ def _percent(share: float) -> str:
 
 
 def _show_verified(result: Table) -> None:
-    """Print how many cells were verified and the worst one; print an error if some failed."""
+    """Print the number of verified cells and the worst of them, and an error if some failed.
+
+    Verified cells are a sample that was computed again by a reference method, to check the errors
+    that the result states. `result` is the table; the verification is in its attributes
+    `verified_...`, and nothing is printed if it has none.
+    """
     if "verified_worst" in result.attributes:
         against, count = (result.attributes[f"verified_{name}"] for name in ("against", "cells"))
         worst = "worst: " if count else ""

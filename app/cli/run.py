@@ -172,7 +172,10 @@ def run(
 
 
 def _show_plans(studies: Mapping[Path, Prepared], units: str | None, as_json: bool) -> None:
-    """Print the plans of all studies, or one JSON document with all of them (`as_json`)."""
+    """Print the plans of all studies, or one JSON document with all of them (`as_json`).
+
+    `studies` are by their files; `units` is the text of the option `--units`, if given.
+    """
     if as_json:
         told = [plans.plan_facts(path, prepared) for path, prepared in studies.items()]
         console.document({"vibrafeed": core.__version__, "plans": told})

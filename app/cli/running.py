@@ -72,10 +72,24 @@ class Running:
         targets: Mapping[Path, str],
         complete: Collection[Path],
     ) -> bool:
-        """Compute and write the results of all studies; True if all are complete and verified.
+        """Compute the studies of a command one after another, and write their results.
 
-        `targets` holds the path or URL of each study's result; studies in `complete` have one
-        already.
+        The facts on every result are appended to `self.facts`. A study that is interrupted ends the
+        run; the studies that were not carried out are then printed.
+
+        Parameters
+        ----------
+        studies : mapping of Path to Prepared
+            The studies by their files.
+        targets : mapping of Path to str
+            Path or URL of each study's result, by the study's file.
+        complete : collection of Path
+            Files of studies whose results exist already, which are not computed again.
+
+        Returns
+        -------
+        bool
+            True if all results are complete and verified.
         """
         verified, left = True, list(studies)
         for path, prepared in studies.items():
@@ -207,9 +221,9 @@ class Running:
 
 
 def _keep_or_remove(pieces: Pieces) -> None:
-    """Print how to continue a stopped study from its stored pieces.
+    """Print how to continue a stopped study from its stored pieces; remove their folder if none is.
 
-    Remove their folder if none is stored.
+    `pieces` are the blocks of cells that were finished before the stop.
     """
     if pieces.kept:
         done = f"{pieces.kept:,} of its {len(pieces):,} pieces are done and kept"

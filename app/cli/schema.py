@@ -46,7 +46,10 @@ def schema() -> None:
 
 
 def _digest() -> str:
-    """Return a digest of everything that the JSON Schema depends on, 16 hexadecimal digits."""
+    """Return a digest of everything that the JSON Schema depends on, 16 hexadecimal digits.
+
+    It names the cached schema: program sources, and the versions of Python and pydantic.
+    """
     content = hashlib.sha256(f"{sys.version} {version('pydantic')}".encode())
     for path in sorted(SOURCES.rglob("*.py")):
         content.update(f"\n{path.relative_to(SOURCES).as_posix()}\n".encode())

@@ -74,7 +74,10 @@ def serve(
 
 
 def _welcome(settings: Settings, host: str, port: int) -> None:
-    """Print the address of the web page and further hints at the start of a service."""
+    """Print the address of the web page and further hints at the start of a service.
+
+    `host` and `port` are where it listens; `settings` has the data directory.
+    """
     address = "http://" + (f"[{host}]:{port}/" if ":" in host else f"{host}:{port}/")
     typer.echo(f"Open {address} in a browser; Ctrl-C stops the service.")
     typer.echo(f"Programs use the same address: {address}docs describes what they may ask.")
@@ -92,7 +95,10 @@ def _tell_of_older_data(settings: Settings) -> None:
 
 
 def settings_in_force() -> Settings:
-    """Return the settings from the environment; print every invalid one and exit."""
+    """Return the service's settings from the environment; print every invalid one and exit.
+
+    Variables that begin with `VIBRAFEED_` and name no setting are invalid, too.
+    """
     problems = unknown_variables(os.environ)
     try:
         settings = Settings()
@@ -162,7 +168,11 @@ def _check_directory(directory: Path) -> None:
 
 
 def _check_ledger(settings: Settings, ledger: Ledger) -> None:
-    """Begin a write transaction in the ledger; if that fails, print why and exit."""
+    """Exit with a message if the ledger, the database of jobs, cannot be written.
+
+    It is found out by the begin of a write transaction. `settings` say where the ledger is, for the
+    message.
+    """
     try:
         with ledger.transaction():
             pass  # what can begin a change can be opened and written

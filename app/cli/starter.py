@@ -202,7 +202,7 @@ def _wishes(answers: Mapping[str, str]) -> dict[str, Any]:
     """Return the TOML tables of an optimisation, from the answers about the best drive.
 
     They are by the names of the tables; `robust` is a plain key of the study. Under the empty name
-    are the questions whose parameters are variables now and not fixed.
+    are the questions whose parameters are variables now and not fixed. `answers` are by question.
     """
     wishes: dict[str, Any] = {}
     stays = answers.get("hop") == "no"
@@ -219,9 +219,10 @@ def _wishes(answers: Mapping[str, str]) -> dict[str, Any]:
 
 
 def _variables(answers: Mapping[str, str]) -> dict[str, Any]:
-    """Return the variables of an optimisation with their bounds, by parameter.
+    """Return the variables of an optimisation with their bounds, by parameter, as TOML holds them.
 
-    The largest amplitude is the answer to its question, or half the stroke.
+    The largest amplitude is the answer to its question, or half the stroke. `answers` are by
+    question; a drive along an ellipse has three variables.
     """
     largest = answers.get("amplitude")
     if largest is None:  # a stroke, from end to end
@@ -263,7 +264,10 @@ def _say(container: Any, text: str) -> None:
 
 
 def _table(says: str, content: Mapping[str, Any]) -> Any:
-    """Return a TOML table that begins with comment lines (`says`), values on one line each."""
+    """Return a TOML table that begins with comment lines and has each value on one line.
+
+    `says` is the comment, `content` the values by key; a mapping becomes an inline table.
+    """
     table = tomlkit.table()
     _say(table, says)
     for name, value in content.items():

@@ -36,27 +36,29 @@ def run_streamed(
     deadline: float | None,
     units: str | None,
 ) -> tuple[bool, bool, dict[str, Any] | None]:
-    """Compute a sweep tile by tile and write it to a file or Zarr group.
+    """Compute a sweep too large for memory tile by tile, and write each tile to its file at once.
 
-    If it is stopped, the finished tiles are kept, and a line says how to go on.
+    A tile is a block of cells. If the run is stopped, the finished tiles are kept, and a line says
+    how to continue.
 
     Parameters
     ----------
     path, sweep, target : Path, Prepared, str
-        The study's file, the sweep, and the path or URL of its result.
+        The study's file, the sweep, and the path or URL of its result (NetCDF or Zarr).
     compression, resume : bool
-        True to compress NetCDF, and to go on with the tiles of an earlier run.
+        True to compress NetCDF; True to continue with the tiles of an earlier run.
     history : str
-        The CF attribute of the result.
+        The attribute `history` of the result: time and command.
     deadline : float or None
-        Time of `time.monotonic` at which to stop [s].
+        Time of `time.monotonic` at which to stop [s]; None for no limit.
     units : str or None
-        Units for printing.
+        Units for printing; None for those of studies.
 
     Returns
     -------
-    tuple
-        True if the result is complete; True if it is verified, too; its JSON document, if new.
+    tuple of (bool, bool, dict or None)
+        True if the result is complete; True if it is verified, too; facts on it for the JSON
+        output, None if it is incomplete or existed before.
     """
     if resume and is_complete(target, sweep):
         console.say(f"{path}: {target} is complete already")
@@ -128,8 +130,9 @@ def _check_disk_space(
 ) -> int:
     """Print the size of a result and return its bytes; exit if the disk has too little room.
 
-    Space that a stopped run of the same result takes counts as free. Arguments as in
-    `run_streamed`.
+    Space that a stopped run of the same result takes counts as free. `path` is the study's file,
+    `target` the path or URL of the result. With `compression`, and for Zarr, the size is an
+    estimate; `resume` is not used.
     """
     compressed = compression or is_zarr(target)
     size = bytes_in_file(sweep, compressed=compressed)

@@ -97,7 +97,10 @@ def content_of(path: Path) -> object:
 
 
 def refuse(problems_of: Mapping[Path, Sequence[Problem]]) -> NoReturn:
-    """Print all problems of all files on the error stream, and exit with code 2."""
+    """Print all problems of all files on the error stream, and exit with code 2.
+
+    `problems_of` has the problems by file, or by the name of an option.
+    """
     for path, problems in problems_of.items():
         count = len(problems)
         typer.echo(f"{_name_of(path)}: {count} problem{'s' if count > 1 else ''}", err=True)
@@ -124,7 +127,10 @@ def refuse_clashes(targets: Mapping[Path, Path | str], taken: Collection[Path | 
 
 
 def refuse_beyond_memory(path: Path, prepared: Prepared) -> None:
-    """Exit if the result of a study needs more memory than this machine has."""
+    """Exit if the result of a study needs more memory than this machine has.
+
+    `path` is the study's file, which the message names.
+    """
     size = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     if prepared.bytes > size:
         message = f"its {prepared.bytes:,} bytes are held in memory, which has {size:,}"

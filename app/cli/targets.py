@@ -49,7 +49,10 @@ def targets_of(studies: Mapping[Path, Prepared], output: str | None) -> dict[Pat
 
 
 def check_suffix(output: str) -> None:
-    """Exit if the suffix of an output names no format, or its writer is not installed."""
+    """Exit if the suffix of an output names no format of results, or its writer is not installed.
+
+    `output` is a path, or the URL of a Zarr group.
+    """
     suffix = suffix_of(output)
     problem = None
     if suffix not in FORMATS:
@@ -80,7 +83,11 @@ def make_folder_of(target: str) -> None:
 
 
 def kept_apart(target: str) -> str:
-    """Return the path for a partial result: beside an existing file, which may be complete."""
+    """Return the path for an incomplete result: beside an existing file, which may be complete.
+
+    `target` is the path of the complete result; a line on the error stream names the other path,
+    which ends in `.partial` and the suffix.
+    """
     if not Path(target).exists():
         return target
     suffix = suffix_of(target)
@@ -134,9 +141,10 @@ def _is_folder(output: str) -> bool:
 
 
 def _check_formats(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) -> None:
-    """Exit before computing if the format of a target cannot hold the result of its study.
+    """Exit before computing if the format of a file cannot hold the result of its study.
 
-    `targets` holds the path or URL of each study's result.
+    An Excel sheet, for example, has a largest number of rows. `studies` holds the studies ready to
+    be computed, by their files; `targets` the path or URL of each result, by the same files.
     """
     invalid = {}
     for path, prepared in studies.items():

@@ -60,7 +60,11 @@ def show_design(result: Table, units: ShownUnits) -> None:
 
 
 def _demand_in_words(attributes: Mapping[str, Any], units: ShownUnits) -> str:
-    """Return a demand in words, its bounds in the shown units."""
+    """Return the label of a probability, such as `probability of x at most 2 mm`.
+
+    A sensitivity study computes it. `attributes` are those of its variable: a regime, or an output
+    with the bounds `at_least` and `at_most`, in the units of files. `units` are those for printing.
+    """
     if "regime" in attributes:
         return f"probability of {attributes['regime']}"
     output = str(attributes["output"])
@@ -74,7 +78,9 @@ def _demand_in_words(attributes: Mapping[str, Any], units: ShownUnits) -> str:
 def _show_output(result: Table, output: str, units: ShownUnits) -> None:
     """Print mean, quantiles, Sobol indices and the tolerance budget of one output of a design.
 
-    `result` is a sensitivity study with a single cell; `units` are those for printing.
+    The budget says which share of the variance comes from which uncertain parameter. `result` is a
+    sensitivity study with a single cell, `output` the name of the output; `units` are those for
+    printing.
     """
     columns = {
         name.removeprefix(f"{output}_"): column

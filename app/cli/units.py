@@ -53,10 +53,19 @@ def format_number(value: float | None, digits: int = DIGITS) -> str:
 def shown_range(
     unit: str, least: float | None, largest: float | None, units: ShownUnits
 ) -> tuple[str, str, str]:
-    """Return the unit for printing an output's values, and its smallest and largest value in it.
+    """Return the unit for printing an output, and its smallest and largest value as texts in it.
 
-    Both have as many digits as make their difference visible. `unit` is that of files; a value that
-    is None becomes a dash.
+    Both have as many digits as make their difference visible.
+
+    Parameters
+    ----------
+    unit : str
+        The unit of the values in files.
+    least, largest : float or None
+        The smallest and largest value in that unit; None, for an output without values, gives a
+        dash.
+    units : ShownUnits
+        Chooses the unit for printing.
     """
     if least is None or largest is None:
         return units.of(unit, 0.0).unit, "-", "-"

@@ -149,7 +149,10 @@ def _read(path: Path) -> ProgramAnswers:
 
 
 def _own_outcomes(problems: Sequence[Case]) -> tuple[list[Outcome], str]:
-    """Return the outcomes of this program and its name; exit if it was stopped."""
+    """Solve validation problems with this program; return the outcomes and the program's name.
+
+    Exit if that was stopped by Ctrl-C.
+    """
     with console.progress("validate") as advance, interruption() as interrupted:
         outcomes = run_cases(problems, Watch(advance, interrupted))
     if len(outcomes) < len(problems):
@@ -200,7 +203,10 @@ def _print_outcomes(outcomes: Sequence[Outcome], program: str, *, listed: bool) 
 
 
 def _outcomes_as_text(outcomes: Sequence[Outcome], program: str) -> str:
-    """Return outcomes as plain lines of text: a row per family, then every problem."""
+    """Return outcomes of validation as plain lines of text: a row per family, then every problem.
+
+    `program` is the name of the program that solved the problems.
+    """
     families = plain_lines(FAMILY_COLUMNS, family_rows(summaries(outcomes)))
     lines = [
         *families,
@@ -213,7 +219,10 @@ def _outcomes_as_text(outcomes: Sequence[Outcome], program: str) -> str:
 
 
 def _write(content: object, output: Path | None) -> None:
-    """Write a JSON document to a file or to standard output."""
+    """Write a JSON document (`content`) to a file, or to standard output if `output` is None.
+
+    If the file cannot be written, the reason is printed and the program exits.
+    """
     if output is None:
         console.document(content)
     else:

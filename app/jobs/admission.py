@@ -182,10 +182,11 @@ class Admission:
         return True
 
     def _measure_job(self, prepared: Prepared, process: str) -> tuple[int, int, int]:
-        """Return the cells of a block, the number of blocks, and the most bytes of all files.
+        """Return the cells of a block, the number of blocks, and the disk space of a job [bytes].
 
-        These bytes are for blocks and result together, which are on the disk at the same time for a
-        moment. `process` is what is carried out, such as `sweep` or `accuracy`.
+        A block is what a worker computes at a time. The bytes are for blocks and result together,
+        which exist at the same time for a moment. `prepared` is the study; `process` is what is
+        carried out, such as `sweep` or `accuracy`.
         """
         cells, blocks = work.blocks(prepared, process, self._settings)
         # Blocks and the result are there at the same time, for a moment.
@@ -193,7 +194,10 @@ class Admission:
         return cells, blocks, needed
 
     def _check_jobs(self, who: Key) -> None:
-        """Raise `TooManyJobsError` if an API key has as many running or waiting jobs as it may."""
+        """Raise `TooManyJobsError` if an API key has as many running or waiting jobs as it may.
+
+        `who` is the key with its limits.
+        """
         if who.jobs is not None and self.ledger.active(who.name) >= who.jobs:
             raise TooManyJobsError(
                 f"Your key may have at most {who.jobs:,} jobs that run or wait. Dismiss a "
@@ -201,10 +205,24 @@ class Admission:
             )
 
     def keep(self, sweep: Prepared, who: Key = NOBODY) -> tuple[str, bool]:
-        """Store a sweep without computing it, to be read in slices.
+        """Store a sweep without computing it, so that clients can read slices computed on demand.
 
-        Return its identifier and its novelty. The second result is True if the sweep is new to the
-        API key `who`, although others may have posted it; for an admin, if it is new to the store.
+        Room for it is made first, by the quota of the API key.
+
+        Parameters
+        ----------
+        sweep : Prepared
+            The checked sweep.
+        who : Key
+            The API key of the request; by default that of a service without keys.
+
+        Returns
+        -------
+        str
+            Identifier of the study, a digest of its content.
+        bool
+            True if this key had not posted the study before; for an admin, if the store did not
+            have it.
 
         Raises
         ------
@@ -354,7 +372,10 @@ class Admission:
             self._quota.make(key, needed, who)
 
     def tidy(self) -> None:
-        """Remove old jobs, unused studies, and files that killed writers and workers left."""
+        """Remove old jobs, unused studies, and files that killed writers and workers left.
+
+        The service calls it every hour. Studies in work stay.
+        """
         before = time.time() - self._settings.retention_days * DAY
         self.ledger.forget(before, MAX_JOBS)
         audit.forget(self.ledger.database)

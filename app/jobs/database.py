@@ -206,8 +206,8 @@ class Database:
     def _upgrade(self, engine: Engine) -> None:
         """Create the tables of the ledger or upgrade them to this version, in one transaction.
 
-        Does nothing if they are of this version already. Raises `LaterLedgerError` if a later
-        version of vibrafeed made them.
+        Nothing changes if they are of this version already. Raises `LaterLedgerError` if a later
+        version of vibrafeed made them. `engine` is SQLAlchemy's.
         """
         with engine.begin() as connection:
             for statement in BEGIN[self.kind]:
@@ -230,7 +230,11 @@ class Database:
 
 @contextmanager
 def _plain_errors() -> Iterator[None]:
-    """Turn errors of SQLAlchemy into errors of SQLite, or into OSError for a remote database."""
+    """Turn SQLAlchemy's errors in the block into `sqlite3.Error` or `OSError`.
+
+    The latter are those of a remote database; so callers treat it as they treat a failing disk. A
+    lost connection becomes `LostLedgerError`; errors of other kinds pass.
+    """
     try:
         yield
     except exc.TimeoutError as error:

@@ -56,7 +56,7 @@ def problem(error: OSError | sqlite3.OperationalError) -> dict[str, Any]:
 
 
 def why(error: OSError | sqlite3.Error) -> str:
-    """Return the cause of a storage error in a few words, without any path."""
+    """Return the cause of a storage error in a few words for clients, without any path."""
     if isinstance(error, LostLedgerError):
         return LOST
     if isinstance(error, LostStoreError):

@@ -49,14 +49,22 @@ class RunningTime:
         self._blocks, self._since = 0, 0.0
 
     def begin(self) -> None:
-        """Count one more working worker; the first one starts the clock of the time limit."""
+        """Note that one more worker has begun with a block of the item of work.
+
+        The first worker starts the clock of the item's time limit, which stands while none works on
+        it.
+        """
         self._blocks += 1
         if self._blocks == 1 and not self._limit.expired():
             self._since = asyncio.get_running_loop().time()
             self._limit.reschedule(self._since + self._left)
 
     def end(self) -> None:
-        """Count one worker less; the last one stops the clock of the time limit."""
+        """Note that a worker has ended its block of the item of work.
+
+        The last worker stops the clock of the item's time limit, which stands while none works on
+        it.
+        """
         self._blocks -= 1
         if self._blocks == 0 and not self._limit.expired():
             self._left -= asyncio.get_running_loop().time() - self._since
@@ -131,10 +139,11 @@ class Dispatcher:
         self.work_progress = WorkProgress()
 
     async def carry_out(self, item: Work, seconds: float) -> None:
-        """Compute the missing blocks of an item and write its result, within the time limit.
+        """Compute missing blocks of an item of work and write its result, within the time limit.
 
-        `seconds` is the expected time of one block [s]. Raises `TooLongError` beyond the time limit
-        of a job; finished blocks are kept.
+        The item is a study that jobs wait for. `seconds` is the expected time of one of its blocks
+        [s]. Raises `TooLongError` beyond the time limit of a job; finished blocks are kept. If it
+        is cut off, workers are told to stop its blocks.
         """
         most = self._settings.max_job_seconds
         try:
@@ -155,9 +164,16 @@ class Dispatcher:
             ) from error
 
     async def is_there(self, item: Work) -> bool:
-        """True if the result of an item exists; it is then sent to the object store, if one is set.
+        """True if the complete result of a study exists on disk, so that it need not be computed.
 
-        Blocks that are left beside a finished result are removed.
+        The result is then uploaded to the object store, if one is configured, and blocks that were
+        stored while it was computed are removed. `item` is the item of work: the study that jobs
+        wait for.
+
+        Raises
+        ------
+        LostError
+            If the upload fails; the item is then tried again later.
         """
         await self._thread_pool(self._store.drop_blocks, item.key)
         if await self._thread_pool(self._store.manifest, item.key) is None:
@@ -166,10 +182,15 @@ class Dispatcher:
         return True
 
     async def _send(self, item: Work) -> None:
-        """Upload the result of an item to the object store, if one is configured.
+        """Upload the result of a study to the object store; do nothing if none is configured.
 
-        Raises `LostError` if that fails, so that the work is tried again later; `trouble` then says
-        so.
+        `item` is the item of work whose result is complete on disk. `self.trouble` is set to a
+        sentence for the status page if the upload fails, and to None if it succeeds.
+
+        Raises
+        ------
+        LostError
+            If the upload fails; the item is then tried again later.
         """
         try:
             await asyncio.to_thread(self._store.send, item.key)
@@ -179,9 +200,10 @@ class Dispatcher:
         self.trouble = None
 
     async def _compute_and_write(self, progress: _Progress) -> None:
-        """Compute missing blocks of an item and write its result; repeat while blocks are damaged.
+        """Compute missing blocks of an item and write its result; repeat while any is damaged.
 
-        Raises `TornBlockError` if the same block is damaged for the third time.
+        Writing checks each block and removes damaged ones. Raises `TornBlockError` if the same
+        block is damaged for the third time. `progress` has the item and its running time.
         """
         item = progress.item
         about = item.key, item.process, item.block_cells
@@ -206,10 +228,11 @@ class Dispatcher:
                 return
 
     async def _compute(self, progress: _Progress, missing: list[int]) -> float:
-        """Compute blocks on the cluster, two per worker at a time.
+        """Compute blocks of an item on the cluster, two per worker at a time; return their seconds.
 
-        Return the seconds that they took. `missing` are the numbers of the blocks. The seconds are
-        summed over all workers; `progress` is updated after each block.
+        `missing` are the numbers of the blocks. The seconds [s] are summed over all workers;
+        `progress`, the ledger and observers are updated after each block. If one fails or this is
+        cancelled, the others are cancelled.
         """
         item, total = progress.item, 0.0
         progress.done = max(0, item.blocks - len(missing))
@@ -241,10 +264,17 @@ class Dispatcher:
             await asyncio.gather(*running, *finished, return_exceptions=True)
 
     async def _on_worker(self, progress: _Progress, function: Any, *arguments: Any) -> float:
-        """Run a function of `app.jobs.work` on the cluster and return the seconds that it took.
+        """Run a function on a worker of the cluster and return the seconds that it took.
 
-        The function gets the data directory and then `arguments`. The clock of the item's time
-        limit runs while a worker has the call, and not while the call waits.
+        The time limit of the item runs only while a worker executes the call, not while the call
+        waits for a free worker.
+
+        Parameters
+        ----------
+        progress : _Progress
+            The item of work (a study), its running time, and the expected time of one block [s].
+        function : callable
+            A function of `app.jobs.work`, which is called with the data directory and `arguments`.
         """
         has_begun = False
 
@@ -269,9 +299,10 @@ class Dispatcher:
                 progress.running.end()
 
     async def _note(self, progress: _Progress, seconds: float) -> None:
-        """Write the number of finished blocks of an item into the ledger.
+        """Write the number of finished blocks of an item into the ledger, for its jobs to show.
 
-        `seconds` is the computing time since the last note [s], summed over workers.
+        `seconds` is the computing time since the last note [s], summed over workers. `progress` has
+        the item, the number, and when the first block began.
         """
         await self._thread_pool(
             self._ledger.advance, progress.item, done=progress.done, seconds=seconds,

@@ -86,10 +86,10 @@ class Executor:
         function: Callable[..., float],
         *arguments: Any,
     ) -> float:
-        """Run a function on a worker and return its result.
+        """Run a function on a worker of the cluster when its turn comes, and return its result.
 
-        A caller that is cancelled need not wait for the worker. A worker that does not end an
-        abandoned call within the grace period is killed.
+        A caller that is cancelled need not wait for the worker: the call is then abandoned, and a
+        worker that does not end it within the grace period is killed.
 
         Parameters
         ----------
@@ -98,11 +98,11 @@ class Executor:
         seconds : float
             The expected time of the call [s].
         began : callable
-            Awaited once a worker has begun and has loaded its code.
+            Awaited once a worker has begun with the call and has loaded its code.
         function : callable
             A function of a module; workers import it by its name.
         arguments
-            What the function is called with.
+            Its arguments.
 
         Raises
         ------
@@ -150,10 +150,12 @@ class Executor:
         return self.trouble or ("all workers are busy" if self._fair_queue.waiting else None)
 
     async def _submit(self, function: Callable[..., float], arguments: Any) -> _Call:
-        """Submit a call to the cluster, register it, and return its record.
+        """Submit a call to the Dask cluster, register it, and return its record.
 
-        The record has the future of its result, and futures that workers' reports set: begun, and
-        code loaded.
+        `function` is a module function that returns its computing time [s]; it is sent by name, as
+        workers import their own code. `arguments` are its arguments. The record has the future of
+        the result, and two futures that the worker's reports set: when it has begun, and when its
+        code is loaded.
         """
         client = await self._client()
         future = client.submit(by_name(function), *arguments, pure=False)
@@ -177,10 +179,11 @@ class Executor:
                 event.set_result(None)
 
     async def _await_result(self, call: _Call, began: Callable[[], Awaitable[None]]) -> float:
-        """Wait for the result of a call and return it.
+        """Wait for the result of a call on a worker and return it.
 
-        Await `began` once a worker has loaded the code. Raises the error of the call; `LostError`
-        if the cluster is lost.
+        `began` is awaited once, when a worker has loaded the code of the call. While nothing
+        happens, the cluster is looked at every few seconds. Raises the error of the call;
+        `LostError` if the cluster is lost.
         """
         announced = False
         while True:
@@ -210,7 +213,11 @@ class Executor:
         task.add_done_callback(self._ending.discard)
 
     async def _await_end(self, call: _Call, slot: Slot) -> None:
-        """Wait until an abandoned call ends, killing its worker if need be; then free its slot."""
+        """Wait until an abandoned call ends, killing its worker if need be; then free its slot.
+
+        A worker that has begun with the call gets the grace period to end it by itself. `slot` is
+        the place on a worker that the fair queue counts as taken until then.
+        """
         try:
             either: set[asyncio.Future[Any]] = {call.result, call.begun}
             await asyncio.wait(either, timeout=SETTLE, return_when=asyncio.FIRST_COMPLETED)
@@ -229,10 +236,10 @@ class Executor:
             self._fair_queue.leave(slot)
 
     async def _kill(self, call: _Call) -> None:
-        """Kill and restart the worker of an abandoned call.
+        """Kill and restart the worker of a call that was abandoned and has not ended by itself.
 
-        A worker without a nanny, which nothing would start again, is not killed: its call is waited
-        for.
+        `call` is the record of the call, with the worker's address. A worker is restarted by its
+        nanny, a process of Dask; one without is not killed, but its call waited for.
         """
         about = {"worker": call.worker}
         if not await self._cluster.has_nanny(call.worker):
@@ -249,9 +256,10 @@ class Executor:
         await self._cluster.restart(call.worker)
 
     async def _client(self) -> Client:
-        """Return the client of the cluster; record the number of workers, or why there are none.
+        """Return the Dask client; record the number of workers, or why there are none.
 
-        Raises `LostError` if the cluster cannot be reached.
+        The fair queue gets as many slots as there are workers. Raises `LostError` if the cluster
+        cannot be reached; `trouble` then says so.
         """
         try:
             client = await self._cluster.client()

@@ -75,10 +75,14 @@ class FairQueue:
         self._hand_out()
 
     async def take(self, share: str, seconds: float) -> Slot:
-        """Wait for a slot and return it; the slot goes to the account that has had the least time.
+        """Wait for a slot, a place on a worker, and return it.
 
-        `share` is the account that is charged, and `seconds` the expected time of use [s].
+        The next free slot goes to the account that has had the least time so far. `share` is the
+        account that is charged, and `seconds` the expected time of use [s]. A caller that is
+        cancelled gets none, and gives back a slot that it has just got.
         """
+        # `_due` is the time that an account which was always here would have had: a new one begins
+        # there, with neither a debt nor a claim to slots that others used before it came.
         if share not in self._had:
             self._had[share] = max(self._due, min(self._had.values(), default=0.0))
         got: asyncio.Future[Slot] = asyncio.get_running_loop().create_future()
@@ -96,7 +100,11 @@ class FairQueue:
             raise
 
     def leave(self, slot: Slot) -> None:
-        """Free a slot, charge its account for the real time of use, and give the slot on."""
+        """Free a slot and give it to the next call that waits.
+
+        The account of the slot, which was charged for the expected time, is charged for the time
+        that it was really used.
+        """
         self._taken.remove(slot)
         used = time.monotonic() - slot.since
         self._had[slot.share] += used - slot.seconds  # it was charged for what was expected
@@ -105,9 +113,12 @@ class FairQueue:
         self._hand_out()
 
     def _hand_out(self) -> None:
-        """Give free slots to waiting calls, first to those whose account has had the least time.
+        """Give free slots to waiting calls, so that every account gets an equal share of time.
 
-        A long call gets no slot while long calls hold all slots but one.
+        A slot is a place on a worker; an account is that of an API key. The next call is the one
+        whose account would have had the least time with it [s], and among equals the first that
+        asked. A long call gets no slot while long calls hold all slots but one, which stays free
+        for short ones.
         """
         # Who was cancelled stays here until its task runs again.
         self._waiting = [waiter for waiter in self._waiting if not waiter[3].done()]

@@ -65,7 +65,7 @@ def _read(path: Path, *changes: int) -> Mapping[str, str]:
 
 
 def files_of(group: Path) -> Iterator[tuple[str, Path]]:
-    """Yield key and path of every file in a Zarr group."""
+    """Yield every file in a Zarr group, sorted: path within the group as text, and full path."""
     for path in sorted(group.rglob("*")):
         if path.is_file():
             yield path.relative_to(group).as_posix(), path

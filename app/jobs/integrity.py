@@ -16,7 +16,7 @@ PIECE = 1 << 20  # bytes that are read at a time for a digest
 # Bytes; larger files are read by a thread of their own, so that small ones, which take some
 # milliseconds, do not wait for them.
 LARGE = 8 << 20
-MAX_KNOWN = 100_000  # files that are remembered as intact that are remembered as intact
+MAX_KNOWN = 100_000  # files that are remembered as intact
 
 
 class Integrity:
@@ -56,8 +56,8 @@ class Integrity:
     def look(self, file: FileIO, digest: str) -> bool:
         """True if an open file has the given SHA-256; the file is read in the calling thread.
 
-        `digest` is in hexadecimal. A file that was intact and has not changed since is not read
-        again.
+        `digest` is in hexadecimal. A file that was intact and has not changed since (by inode, size
+        and time of change) is not read again.
         """
         mark = _mark(os.fstat(file.fileno()), digest)
         if self._knows(mark):

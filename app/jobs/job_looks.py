@@ -46,7 +46,10 @@ class JobLooks:
         return await future
 
     async def _look(self) -> None:
-        """Read all jobs that were asked for within 20 ms with one query, and set their futures."""
+        """Read all jobs that were asked for within 20 ms with one query, and set their futures.
+
+        A job that does not exist is None; an error of the ledger goes to all who asked.
+        """
         await asyncio.sleep(TOGETHER)
         asked = self._asked.pop(asyncio.get_running_loop())
         jobs: dict[str, Job] = {}

@@ -88,11 +88,11 @@ class Ledger:
     # --- what clients do
 
     def check_queue(self, most: int, owner: str = "") -> None:
-        """Raise `QueueFullError` if the queue is full, or holds an owner's share of studies.
+        """Raise `QueueFullError` if the queue is full, or an owner has used its share of it.
 
-        `most` is the number of places in the queue; `owner` is the name of the posting key, empty
-        without keys. Of n owners who have work, the asking one among them, each has most/(n + 1)
-        places, at least one, so that a new owner finds room.
+        `most` is the number of places in the queue; `owner` is the name of the API key that posts,
+        empty without keys. Of n owners who have work, the asking one among them, each has most/(n +
+        1) places, at least one, so that a new owner finds room.
         """
         if owner:
             active = select(JOBS.c.owner, JOBS.c.key).where(JOBS.c.state.in_(ACTIVE)).distinct()
@@ -175,10 +175,18 @@ class Ledger:
     def reenter(
         self, key: str, process: str, *, cells: int, block_cells: int, blocks: int, bytes_: int
     ) -> None:
-        """Enter work again whose result is lost; its successful jobs become accepted again.
+        """Queue a study again whose result is lost; its successful jobs become accepted again.
 
-        Nothing is entered if no such job is left. Arguments as in `post`: identifier of the study,
-        process, cells of study and block, number of blocks, bytes on disk.
+        Nothing happens if no such job is left, or the study is in the queue already.
+
+        Parameters
+        ----------
+        key, process : str
+            The study's identifier, and what to carry out.
+        cells, block_cells, blocks : int
+            Cells of the study, cells of one block, and the number of blocks.
+        bytes_ : int
+            Bytes that all its files may take on the disk.
         """
         new = _new_work(
             key=key, process=process, cells=cells, block_cells=block_cells, blocks=blocks,
@@ -206,15 +214,19 @@ class Ledger:
         return {row.id: job_of(row) for row in rows}
 
     def jobs(self, wanted: Wanted | None = None, *, limit: int, offset: int = 0) -> list[Job]:
-        """Return `limit` jobs that match a filter, newest first, after the first `offset`."""
+        """Return `limit` jobs that match a filter, newest first, after the first `offset`.
+
+        `wanted` is the filter; None matches all jobs.
+        """
         chosen = JOB.where(*conditions(wanted or Wanted()))
         latest = chosen.order_by(JOBS.c.created.desc(), JOBS.c.id)
         return [job_of(row) for row in self._read(latest.limit(limit).offset(offset))]
 
     def dismiss(self, number: str) -> Job | None:
-        """Mark a job as dismissed and return it; None if there is no job with this identifier.
+        """Mark a job as dismissed by its client, and return it; None if there is no such job.
 
-        Its work is removed if no other job waits for it. How far it came stays in its record.
+        `number` is the job's identifier. Its item of work, the computation, is removed if no other
+        job waits for it; the share that was computed stays in the record of the job.
         """
         with self.transaction() as database:
             about = select(JOBS.c.key, JOBS.c.state).where(JOBS.c.id == number)
@@ -245,7 +257,7 @@ class Ledger:
             database.execute(JOBS.update().where(JOBS.c.id == number).values(shared=int(shared)))
 
     def active(self, owner: str) -> int:
-        """Return the number of jobs of an owner, a key's name, that run or wait."""
+        """Return the number of jobs of an owner, the name of an API key, that run or wait."""
         found = select(func.count()).where(JOBS.c.owner == owner, JOBS.c.state.in_(ACTIVE))
         [(count,)] = self._read(found)
         return int(count)
@@ -258,22 +270,32 @@ class Ledger:
     # --- what servers do
 
     def waiting(self) -> list[Work]:
-        """Return the items of work on which no server has a lease, longest waiting first."""
+        """Return the items of work on which no server has a valid lease, longest waiting first.
+
+        An item is a study that jobs wait for; a lease that has run out counts as none.
+        """
         rows = self._read(_WORK.where(_is_free(time.time())).order_by(WORK.c.created))
         return [_work(row, "") for row in rows]
 
     def claim(self, server: str, lease_seconds: float, key: str | None = None) -> Work | None:
-        """Take the lease of an item of work and return the item; None if no such item is free.
+        """Take the lease of an item of work for a server, so that no other server computes it.
+
+        An item of work is a study that jobs wait for.
 
         Parameters
         ----------
         server : str
-            Name of the server, with which the name of the claim begins.
+            Name of the server; the owner of the lease is this name and a random suffix.
         lease_seconds : float
             Time after which the lease runs out unless it is renewed [s].
         key : str, optional
-            Identifier of the study; by default the item that has waited longest. Its jobs count as
-            running from the first `advance`.
+            Identifier of the study; by default the item that has waited longest.
+
+        Returns
+        -------
+        Work or None
+            The item with its owner; None if there is none, or another server holds its lease. Its
+            jobs count as running from the first `advance`.
         """
         now, owner = time.time(), f"{server} {uuid.uuid4().hex[:8]}"
         free = _WORK.where(_is_free(now)).order_by(WORK.c.created).limit(1)
@@ -295,9 +317,10 @@ class Ledger:
         return bool(self._read(select(WORK.c.key).where(_claimed(work))))
 
     def renew(self, work: Work, lease_seconds: float) -> bool:
-        """Extend the lease of an item by `lease_seconds` from now; True if that succeeded.
+        """Extend this server's lease of an item of work by `lease_seconds` from now [s].
 
-        False if another server has taken the lease over, or no job waits for the item any more.
+        True if that succeeded; False if another server has taken the lease over, or no job waits
+        for the item any more.
         """
         with self.transaction() as database:
             changed = database.execute(
@@ -306,7 +329,7 @@ class Ledger:
             return changed.rowcount == 1
 
     def advance(self, work: Work, *, done: int, seconds: float, elapsed: float = 0.0) -> None:
-        """Record how many blocks of an item are done, and the time spent since the last record.
+        """Record the number of finished blocks of an item, and the time since the last record.
 
         The first record of a claim counts the blocks that existed before it, and sets the item's
         jobs to running. Nothing is written if the claim is lost.
@@ -355,8 +378,8 @@ class Ledger:
     def _end(self, work: Work, state: str, problem: str | None) -> float:
         """Remove an item of work, and set the final state of its jobs; return its time [s].
 
-        Nothing if the claim is lost. `state` is `successful` or `failed`; `problem` is the JSON of
-        a problem document, or None.
+        Nothing happens if this server's claim on the item is lost. `state` is `successful` or
+        `failed`; `problem` is the JSON of a problem document that says why it failed, or None.
         """
         now = time.time()
         with self.transaction() as database:
@@ -380,9 +403,11 @@ class Ledger:
         return 0.0 if ended is None else float(ended.seconds)
 
     def release(self, owner: str = "") -> None:
-        """Release the leases whose owner begins with `owner`: of a claim, of a server, or all.
+        """Release leases of items of work, so that any server may claim these items at once.
 
-        Other servers may then claim these items; an empty text releases all.
+        `owner` is the beginning of the owners whose leases are released: the owner of a claim for
+        one item, the name of a server for all of its items, or an empty text for all items of all
+        servers.
         """
         with self.transaction() as database:
             database.execute(
@@ -409,7 +434,7 @@ class Ledger:
             database.execute(JOBS.delete().where(JOBS.c.id.in_(oldest)))
 
     def queue(self) -> Queue:
-        """Return the numbers of items that wait and run, and the longest waiting time [s]."""
+        """Return the numbers of studies that wait and run, and the longest waiting time [s]."""
         now = time.time()
         every, first = (
             self._read(select(func.count(), func.min(WORK.c.created)).where(which))[0]
@@ -436,7 +461,8 @@ def _new_work(**values: str | float) -> Insert:
 def _work(row: Row[*tuple[Any, ...]], owner: str) -> Work:
     """Return the item of work in a row of the ledger.
 
-    `owner` is the claim under which it is held, empty if the item is not claimed.
+    `row` has the columns of the work and `asker`, the owner of the job that has waited longest for
+    it. `owner` is the claim under which a server holds the item, empty if none does.
     """
     return Work(
         row.key, row.process, row.block_cells, row.blocks, row.seconds, owner, row.asker or ""

@@ -92,10 +92,11 @@ class RemoteResults:
             self._fetching.pop(key, None)
 
     def _fetch(self, key: str, folder: Path) -> bool:
-        """Download all files of a result and its manifest; False if it is not stored or damaged.
+        """Download a result into a study's folder; False if it is not stored or damaged.
 
-        The files go into a temporary folder first, and the manifest is written last, so that an
-        incomplete download is never a result.
+        `key` is the study's identifier. The files go into a temporary folder first, and the
+        manifest is written last, so that an incomplete download is never a result. A damaged result
+        is removed from the store.
         """
         with _plain_errors():
             store = self._store(key)
@@ -127,7 +128,10 @@ class RemoteResults:
 
 
 def _names(folder: Path, manifest: Manifest) -> Iterator[str]:
-    """Yield the names of all files of a result in a folder, those of its Zarr group included."""
+    """Yield the names of all files of a result in a folder, those of its Zarr group included.
+
+    `manifest` lists the files; a group's own files are in its list of digests.
+    """
     for name in manifest.files:
         if name == ZARR:
             yield LIST
@@ -175,7 +179,10 @@ def _write(store: ObjectStore, name: str, folder: Path) -> bool:
 
 @contextlib.contextmanager
 def _plain_errors() -> Iterator[None]:
-    """Turn all errors of the object store into `LostStoreError`; the log gets the original."""
+    """Turn all errors of the object store that the block raises into `LostStoreError`.
+
+    The original error is its cause.
+    """
     try:
         with plain_errors():
             yield

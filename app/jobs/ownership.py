@@ -117,7 +117,10 @@ class Ownership:
             connection.execute(OWNED_STUDIES.update().where(is_meant).values(shared=int(shared)))
 
     def is_shared(self, owner: str | None, key: str) -> bool:
-        """True if an owner, or any owner if None, shares a study with all keys."""
+        """True if an owner, or any owner if None, shares a study with all API keys.
+
+        `owner` is the name of an API key, `key` the study's identifier.
+        """
         is_meant = (OWNED_STUDIES.c.key == key) & (OWNED_STUDIES.c.shared == 1)
         if owner is not None:
             is_meant &= OWNED_STUDIES.c.owner == owner

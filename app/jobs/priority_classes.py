@@ -72,9 +72,10 @@ class PriorityClasses:
         return None
 
     def price(self, item: Work) -> float:
-        """Return the expected time of an item on one core [s], which decides its priority class.
+        """Return the expected time of computing a study on one core [s].
 
-        The latest 1,000 are kept in memory.
+        Short studies get a higher priority by it. `item` is the item of work, which names the
+        study. Times are kept in memory, so that a study is estimated once; the oldest are dropped.
         """
         return self._priced(item).expected
 
@@ -99,7 +100,9 @@ class PriorityClasses:
     def _new_price(self, item: Work) -> _Price:
         """Return the price of an item from its stored study, times what the ledger has learned.
 
-        It is 0 if the study cannot be read: the error shows when the item is carried out.
+        `item` is the item of work, which names the study in the store. An accuracy report takes a
+        fixed time a block. The time is 0 if the study cannot be read, so that it holds up no other;
+        the error shows when the item is carried out.
         """
         if item.process not in KINDS:
             return _Price(item.blocks * SECONDS, 0.0, "")

@@ -151,7 +151,7 @@ class ProcessPool:
         return None
 
     def _keep(self, process: _Process) -> None:
-        """Keep a process for the next call; kill it if the pool is closed."""
+        """Keep an idle process for the next call; end it if the pool is closed meanwhile."""
         if self._is_closed:
             process.kill()
             process.close()
@@ -175,9 +175,15 @@ class _Process:
         return self._process.is_alive()
 
     def call(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-        """Run a function in the process; return its result or raise its error.
+        """Run a function in the process and wait for its result, which is returned.
 
-        Raises `EndedError` if the process dies, which is then not used again.
+        An error that the function raises is raised here. `function` is one that can be pickled,
+        `arguments` are its arguments.
+
+        Raises
+        ------
+        EndedError
+            If the process dies; it is then not used again.
         """
         self.calls += 1
         try:

@@ -21,7 +21,10 @@ JOB = select(
 
 
 def conditions(wanted: Wanted) -> list[ColumnElement[bool]]:
-    """Return the SQL conditions of a filter of jobs, all of which a job has to meet."""
+    """Return the SQL conditions of a filter of jobs, all of which a job has to meet.
+
+    A field of `wanted` that is empty or None gives none.
+    """
     # Times are compared as they are told, to the millisecond. What has not begun has no duration.
     created = cast(func.round(JOBS.c.created * 1e6), BigInteger) // 1000
     seconds = func.coalesce(JOBS.c.finished, time.time()) - JOBS.c.started
@@ -70,7 +73,10 @@ def job_of(row: Row[*tuple[Any, ...]]) -> Job:
 
 
 def _done(row: Row[*tuple[Any, ...]]) -> int:
-    """Return the number of finished blocks of a job; of an ended job, that at its end."""
+    """Return the number of finished blocks of the job in a row; of an ended job, that at its end.
+
+    `row` has the columns of `JOB`, a job joined with its work.
+    """
     if row.state == "successful":
         return int(row.blocks)
     if row.state in ACTIVE:

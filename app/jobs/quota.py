@@ -183,10 +183,19 @@ class Quota:
         self._store.remove(key)
 
     def _beyond(self, promised: Mapping[str, int], key: str, who: Key) -> int:
-        """Return the bytes by which an API key's quota would be exceeded with a new study.
+        """Return the bytes by which an API key would exceed its quota of storage with a new study.
 
-        The result is negative if there is room, 0 without a quota. `promised` holds the bytes
-        reserved for each study in work, that of `key`, the new one, included.
+        The result is negative if there is room, and 0 for a key without quota.
+
+        Parameters
+        ----------
+        promised : mapping of str to int
+            Bytes that the result of each study in work may take, by identifier; the new one is
+            included.
+        key : str
+            Identifier of the new study.
+        who : Key
+            The API key, whose stored studies are counted.
         """
         if who.bytes is None:
             return 0
@@ -195,10 +204,10 @@ class Quota:
         return others + promised[key] - who.bytes
 
     def _measure(self, promised: Mapping[str, int], who: Key) -> None:
-        """Measure the sizes of an owner's results that have been finished since the last count.
+        """Measure results of an owner that were finished since all studies were counted.
 
-        Until then they count with the bytes reserved for them (`promised`: those of studies in
-        work).
+        Until then such a study counts with the bytes that were reserved for it. `promised` has the
+        studies still in work by identifier, which stay as reserved; `who` is the owner's API key.
         """
         held = {one.key for one in self.ownership.of_owner(who.name)}
         made = [key for key in self._since if key in held and key not in promised]
@@ -249,7 +258,11 @@ class Quota:
         return in_quota, 0
 
     def _count(self, age: float) -> None:
-        """Count the bytes of all studies on disk if the last count is older than `age` [s]."""
+        """Count the bytes of all studies on disk if the last count is older than `age` [s].
+
+        Counting looks at every file, so that callers who only need an estimate accept an older
+        count.
+        """
         with self._counting:
             if time.monotonic() - self._counted > age:
                 self._sizes = {key: self._store.bytes(key) for key in self._store.studies()}

@@ -72,7 +72,11 @@ class Runner:
         self._main = asyncio.create_task(self._run(), name="jobs")
 
     async def stop(self) -> None:
-        """Stop claiming and computing; another server continues the work under way."""
+        """Stop claiming and computing work; another server continues the items under way.
+
+        Leases are released and workers ended. Errors while doing so go to the log, as a lease runs
+        out by itself.
+        """
         keeping = [task for _, task in self._active.values()]
         tasks = [task for task in (self._main, *keeping) if task is not None]
         for task in tasks:
@@ -149,7 +153,11 @@ class Runner:
                     await self._wake.wait()
 
     async def _claim_some(self) -> None:
-        """Claim items of work as long as one may begin, and carry each out in a task of its own."""
+        """Claim items of work as long as one may begin, and carry each out in a task of its own.
+
+        To claim an item, a study that jobs wait for, is to take its lease in the ledger, which
+        other servers use too.
+        """
         while True:
             candidate = await self._thread_pool(self._next)
             if candidate is None:
@@ -171,9 +179,10 @@ class Runner:
         return self._priority_classes.next(self._ledger.waiting(), active)
 
     async def _keep(self, item: Work) -> None:
-        """Carry out an item while this server has its lease; record in the ledger how it ended.
+        """Carry out an item of work while this server has its lease; record how it ended.
 
-        Work that is interrupted by lost workers or a lost ledger is released, to be tried again.
+        It runs as a task. Work that is interrupted by lost workers or a lost ledger is released, to
+        be tried again; an item that no job waits for any more, or whose lease is lost, is given up.
         """
         about = {"key": item.key, "kind": item.process, "blocks": item.blocks}
         carrying = asyncio.create_task(self._carry_out(item))
@@ -215,10 +224,10 @@ class Runner:
         await self._dispatcher.carry_out(item, seconds)
 
     async def _hold(self, item: Work, carrying: asyncio.Task[None]) -> None:
-        """Renew the lease of an item until its work (`carrying`) ends.
+        """Renew the lease of an item of work until the task that computes it ends.
 
-        Return early if the lease is lost or no client wants the work any more. Raises the ledger's
-        error only if it lasts longer than the lease.
+        `carrying` is that task. Return early if the lease is lost or no client wants the work any
+        more. Raises the ledger's error only if it lasts longer than the lease.
         """
         lease = self._settings.lease_seconds
         renewed = time.monotonic()

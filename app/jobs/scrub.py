@@ -41,10 +41,18 @@ class Damage:
 
 
 def damages(store: Store, after: str = "", stopped: Callable[[], bool] = bool) -> Iterator[Damage]:
-    """Yield the state of each study's folder, damaged or not, in the order of names.
+    """Check the files of all stored results, and yield the state of each study's folder.
 
-    Change nothing. Folders up to the name `after` are left out; `stopped` is a function that
-    returns True to end.
+    States are yielded for intact folders, too, in the order of names. Nothing is changed.
+
+    Parameters
+    ----------
+    store : Store
+        The data directory with the results.
+    after : str
+        Name of a folder; it and those before it are left out, to continue a check.
+    stopped : callable
+        Is asked now and then; True ends the check.
     """
     if not store.directory.exists():
         return
@@ -58,7 +66,8 @@ def damages(store: Store, after: str = "", stopped: Callable[[], bool] = bool) -
 def _look(store: Store, folder: Path, stopped: Callable[[], bool]) -> Damage:
     """Return the state of one folder of the store: whole, broken, orphaned, or without a result.
 
-    `stopped` is a function that returns True to end before all files have been compared.
+    All files of a result are compared with their digests. `stopped` is a function that returns True
+    to end before all have been compared; the state is then that of the files looked at.
     """
     key = folder.name
     if not IDENTIFIER.fullmatch(key) or not (folder / "study.json").is_file():
@@ -93,9 +102,19 @@ def _look(store: Store, folder: Path, stopped: Callable[[], bool]) -> Damage:
 def _files(
     store: Store, folder: Path, manifest: Manifest
 ) -> Iterator[tuple[str, Path, str | None]]:
-    """Yield name, path and expected SHA-256 of each file of a result; those of a Zarr group, too.
+    """Yield name, path and expected SHA-256 of each file of a result, to check it for damage.
 
-    `folder` is the study's folder. The digest is None where the manifest has none.
+    For a Zarr group these are its list of digests and all files of the list. The digest is None
+    where an earlier version stored none.
+
+    Parameters
+    ----------
+    store : Store
+        Not used.
+    folder : Path
+        The study's folder.
+    manifest : Manifest
+        Lists the files of the result.
     """
     for name, known in manifest.files.items():
         if name != ZARR:

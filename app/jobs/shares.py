@@ -60,8 +60,15 @@ def is_in_shares(prepared: Prepared, settings: Settings) -> bool:
 def check_length(prepared: Prepared, settings: Settings) -> None:
     """Raise `LimitError` if the result of a study in shares is too large or takes too long.
 
-    The size of a Zarr group is limited by the quota of the disk. The expected time is that of all
-    workers together; the message names a number of cells that would be accepted.
+    The error names a number of cells that would be accepted. The expected time is that of all
+    workers together; the size of a Zarr group is limited by the quota of the disk.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        The study, ready to be computed.
+    settings : Settings
+        The limits of the service.
     """
     if prepared.shares_as == SHARDS:
         prepared.check_limits(cells=settings.max_sweep_cells, bytes_=settings.disk_quota_bytes)
@@ -77,7 +84,8 @@ def check_length(prepared: Prepared, settings: Settings) -> None:
 def shares_of_job(store: Store, key: str, prepared: Prepared) -> Shares:
     """Return the shares of a job, which write below the study's folder; `key` is its identifier.
 
-    Their number depends on the study alone, so that a restarted service cuts it alike.
+    `key` is the study's identifier. Their number depends on the study alone, so that a restarted
+    service cuts it alike.
     """
     name = ZARR if prepared.shares_as == SHARDS else NETCDF
     return prepared.shares(str(store.folder(key) / name), count_of(prepared))

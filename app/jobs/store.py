@@ -92,10 +92,11 @@ class Store(Blocks):
             self.object_store.close()
 
     def manifest(self, key: str) -> Manifest | None:
-        """Return the manifest of a complete result and note its use; None if there is none.
+        """Return the manifest of a result if the result is complete, and note its use.
 
-        A result of which a file is missing, or has another size, counts as none. `key` is the
-        study's identifier.
+        The manifest lists the files of a result with their sizes [bytes] and SHA-256 digests. `key`
+        is the study's identifier. None if there is no result, or if one of its files is missing or
+        has another size. Results that have not been used for long are removed when room is needed.
         """
         manifest = self._manifest(key)
         if manifest is not None:
@@ -103,7 +104,11 @@ class Store(Blocks):
         return manifest
 
     def _manifest(self, key: str) -> Manifest | None:
-        """Return the manifest of a result if all its files exist with their sizes; else None."""
+        """Return the manifest of a result if all its files exist with their sizes; else None.
+
+        `key` is the study's identifier; the manifest lists the files of a complete result. Unlike
+        `manifest`, this does not count as a use of the study.
+        """
         manifest = self.manifest_as_it_is(key)
         if manifest is None:
             return None
@@ -114,9 +119,11 @@ class Store(Blocks):
         return None if broken else manifest
 
     def manifest_as_it_is(self, key: str) -> Manifest | None:
-        """Return the manifest of a result without checking its files.
+        """Return the manifest of a result as it is stored, without checking the files in it.
 
-        None if missing or unreadable.
+        The manifest lists the files of a result with their sizes [bytes] and SHA-256 digests. `key`
+        is the study's identifier. None if there is no manifest or it cannot be read; the second
+        case is logged.
         """
         path = self.folder(key) / MANIFEST
         try:
@@ -251,7 +258,11 @@ class Store(Blocks):
         return self._finish(key, write, making)
 
     def has_group(self, key: str) -> bool:
-        """True if the Zarr group of a study has been joined; an incomplete one is removed."""
+        """True if the result of a study exists as a complete Zarr group in the data directory.
+
+        `key` is the study's identifier. A group without the metadata file at its root is
+        incomplete, as that file is written last; it is removed.
+        """
         group = self.folder(key) / ZARR
         if group.exists() and not (group / GROUP).is_file():
             self.remove_file(key, group)
@@ -269,10 +280,19 @@ class Store(Blocks):
         return partial(folder) / (GROWING if path == GROUP else path)
 
     def _finish(self, key: str, write: Callable[[Path], list[str]], making: Making) -> Manifest:
-        """Write the files of a result and its manifest, unless the result exists.
+        """Write the files of a result and then its manifest, which makes the result complete.
 
-        Return the manifest. `write` is called with the study's folder, locked meanwhile, and
-        returns the names of the files that it wrote there.
+        If the result exists, its manifest is returned, and nothing is written. Stored blocks of the
+        computation are removed in both cases.
+
+        Parameters
+        ----------
+        key : str
+            The study's identifier.
+        write : callable
+            Gets the study's folder, locked meanwhile, writes the files and returns their names.
+        making : Making
+            Facts for the manifest on the computation, such as its time.
         """
         with self._locked(key) as folder:
             known = self.manifest(key)
@@ -289,9 +309,14 @@ class Store(Blocks):
 
     @contextlib.contextmanager
     def _locked(self, key: str) -> Iterator[Path]:
-        """Yield the folder of a study, locked against other processes that finish it.
+        """Yield the folder of a study, locked so that only one process completes its result.
 
-        Raises `FileNotFoundError` if the folder is gone.
+        `key` is the study's identifier. The lock ends with the block.
+
+        Raises
+        ------
+        FileNotFoundError
+            If the folder has been removed.
         """
         folder = self.folder(key)
         while True:
@@ -308,9 +333,10 @@ class Store(Blocks):
     # --- housekeeping
 
     def drop_blocks(self, key: str) -> None:
-        """Remove blocks and unfinished parts of a study if its result is complete.
+        """Remove what the computation of a result has stored on its way, if the result is complete.
 
-        A worker that was late may have left them.
+        That are blocks, parts and an unfinished Zarr group, which a late worker may have left.
+        `key` is the study's identifier.
         """
         if self._manifest(key) is not None:
             folder = self.folder(key)
@@ -330,7 +356,7 @@ class Store(Blocks):
         shutil.rmtree(folder, ignore_errors=True)
 
     def remove_leftovers(self, age: float = PARTS_KEPT) -> int:
-        """Remove temporary files of killed writers; return the number of files and folders removed.
+        """Remove temporary files that killed writers left; return the number of those removed.
 
         Parameters
         ----------
@@ -353,9 +379,10 @@ class Store(Blocks):
 
 
 def _known(folder: Path, name: str) -> dict[str, Any]:
-    """Return the manifest's entry of a file or Zarr group: its size in bytes and its SHA-256.
+    """Return size and SHA-256 of a file of a result, as its manifest records them.
 
-    `folder` is the study's. For a group the digest is that of its list of digests.
+    For a Zarr group the size is that of all its files, and the digest that of their list of
+    digests. `folder` is the study's; `name` is that of the file or group in it.
     """
     if name != ZARR:
         return fingerprint(folder / name)
@@ -378,7 +405,7 @@ def _has_size(folder: Path, name: str, manifest: Manifest) -> bool:
 
 
 def _sizes(folder: Path) -> Iterator[int]:
-    """Yield the sizes of all files below a folder [bytes]."""
+    """Yield the sizes of all files below a folder [bytes], except those that vanish meanwhile."""
     for parent, _, names in os.walk(folder):
         for name in names:
             with contextlib.suppress(FileNotFoundError):

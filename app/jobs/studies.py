@@ -75,14 +75,16 @@ class Studies:
         return self._get(key)[0]
 
     def sweep(self, key: str) -> Prepared:
-        """Return the stored sweep with an identifier, checked and ready to be evaluated.
+        """Return a stored sweep, ready to be evaluated on demand in slices.
+
+        `key` is its identifier, a digest of its content and of the version of vibrafeed.
 
         Raises
         ------
         NotFoundError
-            If there is none, or if the study is not a sweep.
+            If no study has this identifier, or if it cannot be evaluated in slices.
         OtherVersionError
-            If it was posted to another version of vibrafeed.
+            If it was posted to another version of vibrafeed, whose results would differ.
         """
         try:
             prepared, is_own = self._get(key)
@@ -93,9 +95,18 @@ class Studies:
         raise _not_own(key, prepared)
 
     def _get(self, key: str) -> tuple[Prepared, bool]:
-        """Return a stored study, and True if its identifier is that of this version.
+        """Return a stored study, and True if its identifier is that which this version gives to it.
 
-        Cached in memory. Raises `NotFoundError` if there is none.
+        `key` is the identifier under which it was posted; another version of vibrafeed gives
+        another one. The studies used last are kept in memory, those with long files apart from the
+        short ones.
+
+        Raises
+        ------
+        NotFoundError
+            If no study has this identifier.
+        StudyError
+            If the stored file has problems.
         """
         path = self.folder(key) / "study.json"
         with self._lock:
@@ -130,7 +141,10 @@ class Studies:
         return self.directory / key
 
     def studies(self) -> list[str]:
-        """Return the identifiers of all studies, least recently used first."""
+        """Return the identifiers of all stored studies, least recently used first.
+
+        Studies that make room for others are removed in this order.
+        """
         uses = []
         with contextlib.suppress(FileNotFoundError):
             for folder in self.directory.iterdir():
@@ -139,7 +153,10 @@ class Studies:
         return [key for _, key in sorted(uses)]
 
     def used(self, key: str) -> float:
-        """Return the last use of a study [s since the epoch], to an hour; 0 if it is gone."""
+        """Return when a study was last used [s since the epoch], exact to an hour; 0 if it is gone.
+
+        `key` is the study's identifier.
+        """
         folder = self.folder(key)
         # A study that is just being added has its folder only: it is in use, too.
         for path in (folder / "study.json", folder):
@@ -148,7 +165,10 @@ class Studies:
         return 0.0
 
     def note_use(self, key: str) -> None:
-        """Set the time of last use of a study to now, so that it is not removed soon."""
+        """Set the time of last use of a study to now, so that it is not removed soon.
+
+        `key` is the study's identifier. The time is written at most once an hour.
+        """
         path = self.folder(key) / "study.json"
         with contextlib.suppress(OSError):  # a directory that is read-only can be read
             if time.time() - path.stat().st_mtime > USED_EVERY:

@@ -34,7 +34,17 @@ _netcdf = threading.Lock()  # the library crashes if two threads of a worker use
 def blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, int]:
     """Return the number of cells of a block, or `IN_SHARES`, and the number of blocks of a job.
 
-    `process` is what is carried out; an accuracy report has one block for each of its families.
+    A block is what a worker computes at a time. An accuracy report has one for each family of
+    measurements; a study that is computed in parts has one a part, and `IN_PARTS` as cells.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        The study, ready to be computed.
+    process : str
+        What is carried out: the kind of the study, or `accuracy`.
+    settings : Settings
+        Has the expected time of a block and the limits of the service.
     """
     cells = cells_of_piece(prepared, settings.block_seconds)
     if process not in KINDS:
@@ -45,7 +55,7 @@ def blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, i
 
 
 def missing_blocks(directory: str, key: str, process: str, cells: int, count: int) -> list[int]:
-    """Return the numbers of a study's blocks that are not stored yet, from 0.
+    """Return the numbers of a study's blocks that are not stored yet, counted from 0.
 
     A study in shares is made readable for clients that follow its growing Zarr group.
 
@@ -174,10 +184,25 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
 
 @lru_cache(maxsize=16)
 def _study(directory: str, key: str, process: str) -> Prepared:
-    """Return a study from the data directory, checked; cached for its next block.
+    """Return a stored study, ready to be computed by this worker.
 
-    Raises `BlindWorkerError` if this worker does not find the study, and `OtherVersionError` if
-    this version of vibrafeed knows the study by another identifier (`key`).
+    The latest 16 are cached, as a worker gets one block of cells after another.
+
+    Parameters
+    ----------
+    directory : str
+        The data directory of the service, as the worker sees it.
+    key : str
+        The study's identifier.
+    process : str
+        What is carried out: the kind of the study, or `accuracy`.
+
+    Raises
+    ------
+    BlindWorkerError
+        If the study is not in that directory.
+    OtherVersionError
+        If this version of vibrafeed gives the study another identifier.
     """
     try:
         prepared = Store(Path(directory)).get(key)

@@ -50,7 +50,12 @@ class WorkProgress:
         self._courses: dict[str, _Started] = {}  # by claim
 
     def began(self, item: Work) -> None:
-        """Report to the log and to all witnesses that an item of work was begun."""
+        """Report to the log and to all observers that this server has begun to compute a study.
+
+        `item` is the item of work: the study that jobs wait for, and its blocks of cells. The time
+        is kept, by the claim of the item, for the report of its end. Observers may add fields to
+        the log line.
+        """
         about: dict[str, object] = {"key": item.key, "kind": item.process, "blocks": item.blocks}
         for witness in self.witnesses:
             about |= witness.began(item)
@@ -58,9 +63,9 @@ class WorkProgress:
         logger.info("work started", extra=about)
 
     def computed(self, item: Work, seconds: Sequence[float]) -> None:
-        """Report finished blocks of an item to all witnesses.
+        """Report finished blocks of an item of work to all observers, such as metrics.
 
-        `seconds` are their computing times [s].
+        `seconds` are the computing times of these blocks [s].
         """
         if item.owner in self._courses:
             self._courses[item.owner].computed += len(seconds)

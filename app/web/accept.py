@@ -63,7 +63,8 @@ def _weight(name: str, ranges: Mapping[str, float]) -> float:
 def _ranges(header: str) -> dict[str, float]:
     """Return the weight, 0 to 1, of each element of an Accept or Accept-Encoding header.
 
-    A weight that is malformed counts as 0.
+    Elements are media ranges such as `text/*`, or names of codings, in small letters. An element
+    without weight has 1; a malformed weight counts as 0.
     """
     weights: dict[str, float] = {}
     for item in header.split(","):

@@ -152,10 +152,23 @@ def check_study(name: str, body: bytes, settings: Settings) -> None:
 
 
 def read_study(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepared]:
-    """Return the execute request in a body, and its prepared study.
+    """Read the body of an execute request, and return the request and its study.
 
-    `name` is the process, such as `sweep`; `body` is JSON. Raises `StudyError` if the study is
-    invalid, and `LimitError` if it is larger than the service allows.
+    Parameters
+    ----------
+    name : str
+        The process that the request is for, such as `sweep`.
+    body : bytes
+        The request as JSON.
+    settings : Settings
+        The limits of the service.
+
+    Raises
+    ------
+    StudyError
+        If the request or the study is invalid.
+    LimitError
+        If the study is larger than the service allows.
     """
     asked = read_execution(read_json(body), name)
     prepared = prepare_content(asked.study)
@@ -169,9 +182,11 @@ def read_study(name: str, body: bytes, settings: Settings) -> tuple[Execution, P
 
 
 def _is_short(prepared: Prepared, settings: Settings) -> bool:
-    """True if a study's expected time, and its result, are small enough for an immediate reply.
+    """True if a study is computed at once for the reply; otherwise it becomes a job.
 
-    A trial decides where the price by formula is within `DOUBTFUL` times the limit.
+    Expected time and result have to be small enough. Where the expected time by formula is within a
+    factor `DOUBTFUL` of the limit, some cells are computed on trial. `prepared` is the study;
+    `settings` has the limit of time.
     """
     if prepared.stored * len(prepared.dims) > MAX_JSON_VALUES:
         return False

@@ -52,9 +52,10 @@ class Compress:
 
 
 def _weaken_etag(send: Send) -> Send:
-    """Return a `send` that adapts the headers of a compressed reply: weak ETag, no ranges.
+    """Return a `send` that adapts the headers of a reply that was compressed on its way.
 
-    The arguments and the result are `send` functions of ASGI.
+    The compressed bytes are not those of the ETag and digest: the ETag becomes a weak one, and byte
+    ranges and digest are no longer offered. Argument and result are `send` functions of ASGI.
     """
 
     async def weakened(message: Message) -> None:

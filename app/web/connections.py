@@ -80,7 +80,9 @@ class ThriftyParser(h11.Connection):
         super().receive_data(data)
 
     def next_event(self) -> Any:
-        """Return the next event parsed from the bytes of a connection.
+        """Return the next HTTP event parsed from the bytes of a connection, as h11 has them.
+
+        Costly requests are refused by an error, which closes the connection.
 
         Raises
         ------
@@ -102,7 +104,10 @@ class ThriftyParser(h11.Connection):
         return event
 
     def _check_head(self) -> None:
-        """Raise `h11.RemoteProtocolError` if a request's head is too long or has too many lines."""
+        """Raise `h11.RemoteProtocolError` if a request's head is too long or has too many lines.
+
+        It looks at the received bytes before they are parsed, as parsing many lines takes long.
+        """
         waiting, _ = self.trailing_data
         end = _END_OF_HEAD.search(waiting, 0, MAX_HEAD)
         head = waiting[: end.start() if end else MAX_HEAD]
@@ -170,9 +175,10 @@ class Connection(H11Protocol):
         super().on_response_complete()
 
     def look(self) -> None:
-        """Close the connection if its client sends or reads too slowly.
+        """Close the connection if its client sends or reads too slowly; called about once a second.
 
-        Called about once a second.
+        A piece of a reply has to leave within `SEND_SECONDS`, and a request has to arrive by the
+        time of `_due`.
         """
         now = self.loop.time()
         if self.transport.get_write_buffer_size() == 0:
@@ -190,7 +196,8 @@ class Connection(H11Protocol):
     def _due(self) -> float:
         """Return the time by which the rest of the request has to arrive [s on the loop's clock].
 
-        It is infinite while no part of a request is awaited.
+        A head has `HEAD_SECONDS`; a body has as much longer as its bytes so far take at
+        `BODY_RATE`. The time is infinite while no part of a request is awaited.
         """
         if not self.transport.is_closing() and self.transport.get_write_buffer_size() == 0:
             if self.conn.their_state is h11.IDLE:

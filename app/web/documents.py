@@ -145,9 +145,10 @@ class Results(BaseModel):
 
 
 def summary(name: str, process: Process, base: str) -> dict[str, Any]:
-    """Return the summary of a process for the list of processes.
+    """Return the summary of a process for the list of processes, as OGC API - Processes defines it.
 
-    `name` is the identifier of the process; `base` is the address of the service, for links.
+    `name` is the identifier of the process, such as `sweep`; `base` is the address of the service,
+    for links.
     """
     return {
         "id": name,
@@ -164,7 +165,7 @@ def summary(name: str, process: Process, base: str) -> dict[str, Any]:
 
 
 def process_list(base: str) -> dict[str, Any]:
-    """Return the document that lists all processes."""
+    """Return the document that lists all processes, with links to the service at `base`."""
     return {
         "processes": [summary(name, process, base) for name, process in PROCESSES.items()],
         "links": [_link(f"{base}/processes", "self", "The processes")],
@@ -204,7 +205,7 @@ def description(name: str, process: Process, base: str, schema: bytes) -> dict[s
 def status_info(
     job: Job, base: str, *, is_group: bool = False, waits: str | None = None
 ) -> dict[str, Any]:
-    """Return the status document of a job.
+    """Return the status document of a job, with its progress, the time left and links.
 
     Parameters
     ----------

@@ -225,7 +225,8 @@ def _there() -> Iterator[None]:
 def _names(headers: list[str], etag: str, *, strong: bool = False) -> bool:
     """True if the values of an ETag header, such as If-Match, name this ETag or ``*``.
 
-    With `strong`, a weak ETag (``W/"..."``) in the header does not match.
+    `headers` are the values of all headers of this name. With `strong`, a weak ETag (``W/"..."``)
+    in them does not match.
     """
     if any(header.strip() == "*" for header in headers):
         return True
@@ -234,11 +235,11 @@ def _names(headers: list[str], etag: str, *, strong: bool = False) -> bool:
 
 
 def _part(request: Request, etag: str, size: int) -> tuple[int, int] | None:
-    """Return start and stop of the requested byte range; None for the whole file.
+    """Return start and stop of the byte range that a request asks for; None for the whole file.
 
     The whole is sent, as the standard allows, if the range is malformed, if there are several, or
-    if If-Range names another ETag. A range beyond the file gives stop <= start. `size` is that of
-    the file [bytes].
+    if If-Range names another ETag. A range beyond the file gives stop <= start. `request` has the
+    headers, `etag` is the file's ETag and `size` its size [bytes].
     """
     condition = request.headers.get("if-range")
     found = _RANGE.fullmatch(request.headers.get("range", "").strip())

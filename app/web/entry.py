@@ -61,7 +61,9 @@ class Entry:
         self._rates = MovingWindowRateLimiter(MemoryStorage())
 
     async def look(self) -> None:
-        """Read the keys from the ledger if due; requests meanwhile use the keys read before.
+        """Read the API keys from the ledger if due; requests meanwhile use the keys read before.
+
+        One request reads at a time, in a thread. The others wait only if the known keys are old.
 
         Raises
         ------
@@ -113,7 +115,11 @@ class Entry:
         return self._beyond_role(scope, key) or self._too_often(key)
 
     def _beyond_role(self, scope: Scope, key: Key) -> Response | None:
-        """Return the reply 403 if the role of a key does not allow the request; else None."""
+        """Return the reply 403 if the role of an API key does not allow the request; else None.
+
+        `scope` is ASGI's description of the request, `key` the accepted key: `read` may change
+        nothing, and some paths need `admin`.
+        """
         if key.role == "read" and scope["method"] not in SAFE_METHODS:
             detail = "The role of this key is `read`: it may post, change and dismiss nothing."
         elif key.role != "admin" and path_of(scope) in ADMIN_PATHS:
@@ -123,7 +129,10 @@ class Entry:
         return problem_document(403, "role", "The role of the key does not allow it", detail)
 
     def _too_often(self, key: Key) -> Response | None:
-        """Return the reply 429 if a key sends more requests per second than allowed; else None."""
+        """Return the reply 429 if an API key sends more requests per second than it may; else None.
+
+        The request is counted. A key without limit is never refused.
+        """
         if key.requests is None:
             return None
         if self._rates.hit(RateLimitItemPerSecond(key.requests), key.name):

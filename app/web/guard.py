@@ -251,10 +251,11 @@ class Limits:
                 del self.of_owners[owner]
 
     def _refusal(self, scope: Scope, owner: str) -> Response | None:
-        """Return the error reply if too many requests are under way or the body is too large.
+        """Return the error reply to a request beyond the service's limits; None if it may pass.
 
-        None if the request may pass. `owner` is the account of the request, which has a share of
-        the requests under way: 429 beyond it, 503 if all are taken, 413 for the body.
+        The reply is 429 if the account has its share of the requests under way, 503 if the service
+        has as many as it takes, and 413 if the declared body is too large. `scope` is ASGI's
+        description of the request; `owner` is its account, an API key or address.
         """
         part = self.most // SHARE
         share = max(1, part if owner.startswith(OF_KEY) else self.most - part)
@@ -287,9 +288,9 @@ def _is_address(text: str) -> bool:
 
 
 def _describe(app: FastAPI, keys: Keys) -> None:
-    """Make the OpenAPI document of an application describe its keys and the replies of refusals.
+    """Make the OpenAPI document of an application describe its API keys, and refusals.
 
-    Keys are shown as required if any exist, else as optional.
+    `keys` shows whether any exist: then they are described as required, else as optional.
     """
     plain = app.openapi
     ways: list[dict[str, list[str]]] = [{"bearer": []}, {"header": []}]

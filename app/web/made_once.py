@@ -48,9 +48,9 @@ class MadeOnce:
         return await asyncio.shield(making)  # another may wait for it when this client has left
 
     async def _make(self, name: Hashable, make: Callable[[], bytes]) -> tuple[bytes, str]:
-        """Make a document in a thread, one at a time, cache it, and return it with its ETag.
+        """Make a document in a thread, one at a time, cache it, and return its bytes with its ETag.
 
-        `name` is its key in the cache; `make` returns its bytes.
+        `name` is its key in the cache; `make` returns the bytes.
         """
         try:
             async with self._lock:

@@ -134,9 +134,20 @@ def _free(directory: Path) -> float:
 def watch_jobs(
     metrics: Metrics, admission: Admission, cluster: Cluster, settings: Settings
 ) -> None:
-    """Add the metrics of jobs, workers and disk.
+    """Add the metrics of jobs, workers and disk to those that the service reports.
 
     Their values are read when metrics are asked for.
+
+    Parameters
+    ----------
+    metrics : Metrics
+        Where they are added.
+    admission : Admission
+        Knows jobs, queue and used bytes.
+    cluster : Cluster
+        Knows the number of workers.
+    settings : Settings
+        The service's: quota and data directory.
     """
 
     def work() -> dict[str, float]:
@@ -177,7 +188,10 @@ class _Gauges(Collector):
         return [GaugeMetricFamily(*self._words, labels=[self._label])]
 
     def collect(self) -> Iterable[Metric]:
-        """Return the metric with its current values."""
+        """Return the metric with its current values, one for each value of its label.
+
+        The Prometheus client calls it when metrics are asked for.
+        """
         family = GaugeMetricFamily(*self._words, labels=[self._label])
         for word, value in self._values().items():
             family.add_metric([word], value)

@@ -18,7 +18,7 @@ from app.web.replies import json_reply, problem_document
 
 
 def find_job(admission: Admission, number: str) -> Job:
-    """Return the job with an identifier; raise `NoSuchJobError` if there is none."""
+    """Return the job with the identifier `number`; raise `NoSuchJobError` if there is none."""
     job = admission.ledger.job(number)
     if job is None:
         raise no_such_job(number)
@@ -31,11 +31,18 @@ def no_such_job(number: str) -> NoSuchJobError:
 
 
 def manifest_of(admission: Admission, job: Job) -> Manifest | Response:
-    """Return the manifest of a job's result, or the problem document if the job failed.
+    """Return the manifest (list of files) of a job's result, or a problem document if it failed.
 
-    Raises `NotReadyError` if the job is not done, or its result is damaged and computed again;
-    `BusyError` while the result is being fetched; `GoneError` and `NotFoundError` if it was
-    removed.
+    `admission` is the object that holds ledger and store of jobs.
+
+    Raises
+    ------
+    NotReadyError
+        If the job is not done, or its result is damaged and computed again.
+    BusyError
+        While the result is being fetched from the object store.
+    GoneError, NotFoundError
+        If the result was removed.
     """
     if job.problem is not None:
         return problem_document(**job.problem)
@@ -63,9 +70,19 @@ def manifest_of(admission: Admission, job: Job) -> Manifest | Response:
 
 
 def check_of(admission: Admission, job: Job, path: Path) -> Check:
-    """Return the integrity check that a file of a job's result must pass to be served.
+    """Return the check that a file of a job's result is intact, made before the file is sent.
 
-    `path` is the file's. A damaged result is removed and its job queued again.
+    If the file is damaged, the check removes it, queues the job again, and raises the error for the
+    client.
+
+    Parameters
+    ----------
+    admission : Admission
+        The object that holds ledger and store of jobs.
+    job : Job
+        The job.
+    path : Path
+        The file.
     """
 
     def broken(status: os.stat_result) -> Exception:
@@ -83,9 +100,10 @@ def error_for_missing_file(admission: Admission, job: Job, path: Path) -> Except
 
 
 def _recompute(admission: Admission, job: Job) -> Exception:
-    """Queue a job again whose result is missing; return the error to raise for the client.
+    """Queue a job again whose result is missing, and return the error to raise for the client.
 
-    It is `NotReadyError` if the result is computed again, else `NotFoundError`.
+    It is `NotReadyError` if the result is computed again, and `NotFoundError` if it cannot be.
+    `admission` is the object that accepts jobs.
     """
     if job.state == "successful" and admission.mend(job):
         return NotReadyError(

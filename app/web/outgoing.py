@@ -27,7 +27,11 @@ class Tide:
         self._highest = max(self._highest, now)
 
     def has_fallen(self, now: int, by: int) -> bool:
-        """True if the value `now` is `by` or more below its largest since this was last true."""
+        """True if a value is `by` or more below its largest since this was last true.
+
+        `now` is the present value, such as a number of connections. It then is a good time to give
+        freed memory back to the system.
+        """
         self.rise(now)
         if self._highest - now < by:
             return False
@@ -53,9 +57,10 @@ class Unsent:
         self._tide = Tide()
 
     def take(self, size: int) -> None:
-        """Add the bytes of a reply to the count; raise `BusyError` if they exceed the bound.
+        """Add the bytes of a reply to the count of unsent ones; `BusyError` beyond the bound.
 
-        A single reply may be larger than the bound.
+        A single reply may be larger than the bound. `size` is in bytes; `give_back` subtracts them
+        when they have left.
         """
         with self._lock:
             if self._bytes and self._bytes + size > self._most:

@@ -93,7 +93,10 @@ RETRY_AFTER = {429: "5", 503: "1"}
 
 
 def install(app: FastAPI) -> None:
-    """Register the error handlers of the application."""
+    """Register the error handlers of the application, which turn exceptions into problem documents.
+
+    They are for errors of the service, invalid requests, HTTP errors, and failures of storage.
+    """
     for error in STATUS:
         app.add_exception_handler(error, _known)
     app.add_exception_handler(RequestValidationError, _invalid)
@@ -119,7 +122,11 @@ def _known(request: Request, error: Exception) -> Response:
 
 
 def _storage(request: Request, error: Exception) -> Response:
-    """Return the problem document of a storage error; 503 if it is likely to pass."""
+    """Return the problem document of a storage error: 503 if it is likely to pass, else 507.
+
+    A handler of FastAPI: `request` is not used; `error` is that of a file or of the ledger's
+    database, and goes to the log.
+    """
     assert isinstance(error, OSError | sqlite3.OperationalError)
     logger.error("storage failed", exc_info=error)
     if disk.passes(error):
@@ -130,7 +137,10 @@ def _storage(request: Request, error: Exception) -> Response:
 
 
 def _invalid(request: Request, error: Exception) -> Response:
-    """Return the problem document of a request that FastAPI found invalid."""
+    """Return the problem document 422 of a request that FastAPI found invalid.
+
+    A handler of FastAPI: `request` is not used; `error` lists the faults of the request.
+    """
     # The input is not echoed: it may hold values that JSON has no word for.
     assert isinstance(error, RequestValidationError)
     problems = [
@@ -143,7 +153,10 @@ def _invalid(request: Request, error: Exception) -> Response:
 
 
 def _http(request: Request, error: Exception) -> Response:
-    """Return the problem document of an HTTP error, such as 404 or 405."""
+    """Return the problem document of an HTTP error of the framework, such as 404 or 405.
+
+    A handler of FastAPI. A reply 405 names all methods that the path of the request supports.
+    """
     assert isinstance(error, HTTPException)
     phrase = http.HTTPStatus(error.status_code).phrase
     response = problem_document(error.status_code, "http", phrase, str(error.detail))

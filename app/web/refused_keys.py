@@ -37,10 +37,11 @@ class RefusedKeys:
         self._noted: deque[float] = deque(maxlen=MAX_NOTED)
 
     async def slowed(self, address: str, name: str) -> bool:
-        """Delay the reply to a wrong key and return True; False at once if too many wait already.
+        """Delay the reply to a wrong API key and return True; False at once if too many wait.
 
         `address` is the client's; `name` is the key's if it was in force once, else empty. The
-        delay grows with the number of wrong keys that the address sent within a minute, up to 3 s.
+        delay grows with the number of wrong keys that the address sent within a minute, up to 3 s,
+        so that keys cannot be guessed by trying many.
         """
         count = self._count(address)
         if count == 1:
@@ -57,7 +58,10 @@ class RefusedKeys:
         return True
 
     def _count(self, address: str) -> int:
-        """Count one more wrong key of an address; return the number in the last minute."""
+        """Count one more wrong API key of a client's address; return those of the last minute.
+
+        Only the latest addresses are remembered, and the latest times of each.
+        """
         now = time.monotonic()
         times = self._times.setdefault(address, deque(maxlen=MAX_COUNTED))
         self._times.move_to_end(address)
@@ -69,9 +73,10 @@ class RefusedKeys:
         return len(times)
 
     async def _write_down(self, address: str, name: str) -> None:
-        """Write the first wrong key of an address into the audit log.
+        """Write the first wrong API key of a client's address into the audit log.
 
-        At most ten a minute in total.
+        `name` is the key's if it was in force once, else empty. At most ten a minute are written in
+        total.
         """
         now = time.monotonic()
         if len(self._noted) == MAX_NOTED and now - self._noted[0] < REMEMBERED:

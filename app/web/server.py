@@ -74,7 +74,12 @@ class Server(uvicorn.Server):
             timer.start()
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Listen for connections with a long queue, of which few are accepted at a time."""
+        """Listen for connections with a long queue, of which few are accepted at a time.
+
+        uvicorn calls it once, with the `sockets` to listen on, if any are open already. Then
+        kernels are compiled and a first process is started in the background, if the settings say
+        so.
+        """
         prepare_routes(self.config.app)  # type: ignore[arg-type]
         await super().startup(sockets)
         for listener in (one for server in self.servers for one in server.sockets):
@@ -100,7 +105,11 @@ class Server(uvicorn.Server):
         return await super().on_tick(counter)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """Stop compiling, finish or abort open requests, and wait a second for their log lines."""
+        """Stop compiling, finish or abort open requests, and wait a second for their log lines.
+
+        uvicorn calls it once, with the `sockets` that it was started with, when the server is to
+        stop.
+        """
         await self.config.app.state.warmth.stop()  # type: ignore[union-attr]
         await super().shutdown(sockets)
         if self.server_state.tasks:  # cancelled, and their lines in the log not yet written
@@ -139,7 +148,10 @@ MALLOPT = {
 
 
 def keep_memory() -> None:
-    """Let the C library keep freed memory for reuse; does nothing with other C libraries."""
+    """Set how the C library keeps freed memory for reuse; does nothing with other C libraries.
+
+    Memory that is given back at once costs the system much time to get again.
+    """
     library = ctypes.CDLL(None)
     if hasattr(library, "mallopt"):
         for name, value in MALLOPT.items():
@@ -156,7 +168,14 @@ def give_memory_back() -> None:
 def serve_until_stopped(app: FastAPI, settings: Settings, host: str, port: int) -> None:
     """Serve an application at an address until a signal ends it.
 
-    `host` and `port` are where it listens.
+    Parameters
+    ----------
+    app : FastAPI
+        The application, as `create_app` makes it.
+    settings : Settings
+        The service's.
+    host, port : str, int
+        Address and port on which it listens.
     """
     sys.setswitchinterval(TURN)
     keep_memory()

@@ -59,8 +59,15 @@ class Shares:
     async def slot(self, owner: str, price: int = 0) -> AsyncIterator[None]:
         """Wait for a computing slot and hold it during the block.
 
-        `owner` is the account of the request; `price` is the number of later requests of the same
-        owner that may be served first.
+        Slots limit what requests compute at a time; owners get them in turns.
+
+        Parameters
+        ----------
+        owner : str
+            The account of the request.
+        price : int
+            Number of later requests of the same owner that may go before it: large ones wait
+            longer.
         """
         asked = next(self._asked)
         got: asyncio.Future[None] = asyncio.get_running_loop().create_future()
@@ -75,7 +82,11 @@ class Shares:
             self._hand_out()
 
     def _hand_out(self) -> None:
-        """Give free slots to waiting requests, in the order of `_rank`."""
+        """Give free slots to waiting requests, first to owners who have the fewest slots.
+
+        The order is that of `_rank`. Requests of owners who have as many slots as one may have wait
+        on. Records of owners without requests are dropped.
+        """
         # Who was cancelled stays here until its task runs again.
         self._waiting = [waiter for waiter in self._waiting if not waiter[3].done()]
         self._taken = +self._taken
@@ -139,7 +150,10 @@ async def calculate_in_process(
 
 
 def look_at(request: Request) -> Callable[[], Awaitable[None]]:
-    """Return a function that raises `ClientDisconnect` if the client has left."""
+    """Return a function that raises `ClientDisconnect` if the client of a request has left.
+
+    It is awaited now and then while something is computed for the client.
+    """
 
     async def look() -> None:
         """Raise `ClientDisconnect` if the client has left."""

@@ -47,9 +47,10 @@ def _missing() -> list[str]:
 
 
 def writer_version(form: str) -> str:
-    """Return a table format with the version of the package that writes it, for the ETag.
+    """Return a table format with the version of the package that writes it, such as `parquet 17.0`.
 
-    Raises `MissingPackageError` if the package is not installed.
+    The ETag of a table holds it, as the bytes depend on the package. `form` is csv, parquet or
+    xlsx. Raises `MissingPackageError` if the package is not installed.
     """
     if form not in PACKAGES:
         return form

@@ -40,9 +40,10 @@ class Warmth:
             await asyncio.gather(self._task, return_exceptions=True)
 
     async def _run(self) -> None:
-        """Run `vibrafeed warm` in a process of low priority and log its errors.
+        """Compile missing kernels by `vibrafeed warm`, in a process of low priority.
 
-        `is_warm` is True afterwards if the process succeeded.
+        `is_warm` is True afterwards if the process succeeded; its errors go to the log. The process
+        is killed if this is cancelled.
         """
         try:
             process = await asyncio.create_subprocess_exec(

@@ -27,9 +27,10 @@ class ZarrViews:
         self._bytes = 0
 
     def view(self, key: str, chunks: str = "") -> ZarrView:
-        """Return the Zarr view of a sweep, with the chunk shapes that a reader asks for.
+        """Return the Zarr view of a stored sweep: chunks are computed when they are read.
 
-        `key` is the sweep's identifier; `chunks` holds wishes such as `frequency:all,friction:1`.
+        `key` is the sweep's identifier; `chunks` holds a reader's wishes for chunk lengths, such as
+        `frequency:all,friction:1`. The views used last are kept in memory.
 
         Raises
         ------
@@ -64,8 +65,8 @@ class ZarrViews:
     def read(self, key: str, path: str, chunks: str = "") -> bytes:
         """Return the bytes at a path of a sweep's Zarr group; raise `KeyError` if there are none.
 
-        `key` is the sweep's identifier; `chunks` holds a reader's wishes for chunk shapes. Chunks
-        that were read last are cached.
+        `key` is the sweep's identifier, `path` is within the group, such as `throw_number/c/0/1`;
+        `chunks` holds a reader's wishes for chunk lengths. Chunks that were read last are cached.
         """
         entry = (key, chunks, path)
         self._store.note_use(key)

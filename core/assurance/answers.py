@@ -51,12 +51,12 @@ class ProgramAnswers:
 
 
 def read_answers(path: Path) -> ProgramAnswers:
-    """Return the answers of another program from a file.
+    """Return another program's answers to the validation problems from a JSON file.
 
     Raises
     ------
     StudyError
-        With everything that is wrong with it.
+        If the file cannot be read or is not JSON, or with every problem of its content.
     """
     try:
         content = json.loads(path.read_text(encoding="utf-8-sig"))
@@ -72,7 +72,12 @@ _FORM = f'Write {{"format": "{FORMAT}", "program": "...", "answers": {{"Q-two-le
 
 
 def answers_of(content: object) -> ProgramAnswers:
-    """Return the answers in a mapping; raise `StudyError` with every problem."""
+    """Return another program's answers to the validation problems from the content of its file.
+
+    `content` is a mapping with "format", "program" (a name) and "answers": numbers, or None for
+    none, by the name of the problem, such as "Q-two-levels-1". Raises `StudyError` with every
+    mistake in it.
+    """
     if not isinstance(content, Mapping):
         raise StudyError([Problem("answers", "the file of answers is not a JSON object", _FORM)])
     problems = [
@@ -129,7 +134,11 @@ def _is_answer(value: Any) -> bool:
 
 
 def _asked(names: Collection[str]) -> tuple[tuple[Case, ...], list[Problem]]:
-    """Return the problems with these names, and errors for unknown names."""
+    """Return the validation problems with the given names, and mistakes for names that are unknown.
+
+    Names begin with the letter of a family of problems; those of random problems hold the seed from
+    which their inputs are drawn, so that they can be made again here.
+    """
     letters = {name.partition("-")[0] for name in names}
     known = {problem.id: problem for problem in cases(letters & set(FAMILIES) or {"Q"})}
     most, problems = _random(names)
@@ -149,7 +158,12 @@ def _asked(names: Collection[str]) -> tuple[tuple[Case, ...], list[Problem]]:
 
 
 def _random(names: Collection[str]) -> tuple[dict[tuple[str, int], int], list[Problem]]:
-    """Return the largest number per form and seed in some names, and errors for too large ones."""
+    """Return the number of random problems named per form and seed, and mistakes for large ones.
+
+    `names` are those of answers; that of a random problem ends with its seed and number, as in
+    "Q-two-levels-r1.20". The count is the largest number, by (form, seed): making so many problems
+    gives all that are named. Numbers and seeds are limited, as they cost memory.
+    """
     problems: list[Problem] = []
     most: dict[tuple[str, int], int] = {}
     for name in names:

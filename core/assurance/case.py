@@ -180,7 +180,12 @@ class Case:
         return self.id.rpartition("-")[0]
 
     def result(self, outputs: Sequence[Any]) -> Any:
-        """Return the result of a case, combined from the outputs of its terms."""
+        """Return the result of a case, combined from the outputs of the studies that it runs.
+
+        `outputs` has one number or array for each of the terms, in their order. A term is a factor
+        times its output less a constant; terms are added up, or the root of their mean square is
+        taken.
+        """
         parts = [
             term.times * output - term.minus
             for term, output in zip(self.terms, outputs, strict=True)
@@ -190,9 +195,11 @@ class Case:
         return parts[0] + 0.0 if len(parts) == 1 else math.fsum(parts)  # 0 has no sign
 
     def errors(self, value: Any) -> Array:
-        """Return the error of a result in each cell: 0 within a bound.
+        """Return the absolute error of a result in each cell, in the unit of the case.
 
-        Infinite where there is no value and should be one.
+        `value` is a number or an array over the cells. Where the case only gives a bound, the error
+        within the bound is 0. It is infinite where the result has no value (NaN) and should have
+        one.
         """
         right = self.right.value
         with np.errstate(invalid="ignore"):
@@ -209,7 +216,12 @@ class Case:
         return self.relation == "shown" or bool(np.all(self.errors(value) <= self.right.tolerance))
 
     def document(self) -> dict[str, Any]:
-        """Return the case as plain values, for JSON."""
+        """Return a validation case as nested dictionaries of plain values, to be written as JSON.
+
+        It has the case's title, source and inputs, the terms of which its value is made (output of
+        a study, picked cell, factor), the expected value with unit and tolerance, and the reason
+        (`why`).
+        """
         return {
             "id": self.id,
             "family": self.family,
@@ -241,7 +253,7 @@ class Case:
 
 
 def half_unit(digits: str) -> float:
-    """Return half a unit of a written number's last digit, such as of ``3.2700``."""
+    """Return half a unit of the last digit of a number written in `digits`: 5e-5 for "3.2700"."""
     mantissa, _, exponent = digits.lower().partition("e")
     decimals = len(mantissa.partition(".")[2])
     return 0.5 * 10.0 ** (int(exponent or 0) - decimals)

@@ -62,9 +62,10 @@ NOT_CLAIMED: Mapping[str, str] = MappingProxyType(
 
 
 def families_of(asked: Collection[str]) -> tuple[str, ...]:
-    """Return the asked families, all by default, in the order of `FAMILIES`.
+    """Return the letters of the asked families of validation problems, in the order of `FAMILIES`.
 
-    Letters may stand in one text, with commas between.
+    Each text of `asked` holds one or more letters, separated by commas; all families if there is
+    none.
 
     Raises
     ------
@@ -83,16 +84,16 @@ def families_of(asked: Collection[str]) -> tuple[str, ...]:
 
 
 def cases(families: Collection[str] = (), random: int = 0, seed: int = 1) -> tuple[Case, ...]:
-    """Return the cases of some families.
+    """Return the validation problems of some families, with their known results.
 
     Parameters
     ----------
     families : collection of str
-        Their letters; all if empty.
+        Letters of the families, such as "Q"; all if empty.
     random : int
-        How many further members of each form, with random inputs.
+        Number of further problems of each form, with random inputs.
     seed : int
-        Seed of the random problems.
+        Seed of the random inputs: equal seeds give equal problems.
 
     Raises
     ------
@@ -110,7 +111,11 @@ def cases(families: Collection[str] = (), random: int = 0, seed: int = 1) -> tup
 
 
 def document(asked: Collection[Case]) -> dict[str, Any]:
-    """Return problems as plain values with everything needed to solve them, for JSON."""
+    """Return validation problems as plain values for JSON, with all that is needed to solve them.
+
+    Other programs read that file; `asked` are the problems. Forms, families and kinds of evidence
+    that the problems refer to are included.
+    """
     letters = dict.fromkeys(case.family for case in asked)
     named = {case.form for case in asked}
     return {

@@ -88,7 +88,10 @@ class Summary:
 
 
 def run_cases(cases: Sequence[Case], watch: Watch | None = None) -> list[Outcome]:
-    """Return this program's outcomes of cases, in order; a stop leaves the rest out."""
+    """Run the studies of cases with known results, and return an outcome for each, in order.
+
+    When `watch` stops the work, the cases that were not begun are left out.
+    """
     watch = watch or Watch()
     outcomes = []
     for case in cases:
@@ -100,7 +103,11 @@ def run_cases(cases: Sequence[Case], watch: Watch | None = None) -> list[Outcome
 
 
 def run_case(case: Case) -> tuple[Outcome, CaseValues | None]:
-    """Return the outcome of a case, and its values if computed; warnings count as errors."""
+    """Run the study of one case with a known result; return its outcome and the values computed.
+
+    No values (None) are returned where the study was refused or failed. Warnings and exceptions are
+    caught and make a failed outcome, except for the refusal that the case expects.
+    """
     started = time.perf_counter()
     computed = None
     with warnings.catch_warnings():
@@ -119,7 +126,11 @@ def run_case(case: Case) -> tuple[Outcome, CaseValues | None]:
 
 
 def judge_results(cases: Iterable[Case], results: Mapping[str, float | None]) -> list[Outcome]:
-    """Return the outcomes of another program's results; missing results have none."""
+    """Return an outcome for each case that another program has answered.
+
+    `results` has its numbers by the id of the case, None where it found none; a case that is not
+    among them is left out.
+    """
     return [
         Outcome(case, note="it has no answer")
         if (value := results[case.id]) is None
@@ -130,7 +141,11 @@ def judge_results(cases: Iterable[Case], results: Mapping[str, float | None]) ->
 
 
 def _incomplete(case: Case, computed: CaseValues) -> str:
-    """Return the fault in statuses, values and stated errors that needs no truth to be seen."""
+    """Return a fault of the computed values of a case that shows without the truth; "" if none.
+
+    That is a status or regime other than the case allows, a value that is not finite although no
+    status explains it, or a finite value whose stated error is not finite.
+    """
     if case.status and not computed.statuses <= set(case.status):
         return f"not {' or '.join(case.status)}"
     finite, stated = np.isfinite(computed.value), computed.stated
@@ -142,7 +157,18 @@ def _incomplete(case: Case, computed: CaseValues) -> str:
 
 
 def _states_too_much(case: Case, truth: Truth, value: Array, stated: Array) -> bool:
-    """True if the stated error of a mean velocity exceeds the velocity itself."""
+    """True if the stated error of a mean velocity exceeds the velocity itself in some cell.
+
+    Such an error would pass any result. Only cases whose output is the conveying velocity are
+    looked at, and none that says why its error may be large (`blunt`).
+
+    Parameters
+    ----------
+    case, truth : Case, Truth
+        The case with its true value; where that is 0, the drive's largest speed takes its place.
+    value, stated : ndarray
+        Computed velocity and the error that the method states for it, over the cells.
+    """
     if case.blunt or case.terms[0].output != "conveying_velocity":
         return False
     size = np.abs(np.broadcast_to(truth.value, np.shape(value)))
@@ -152,7 +178,12 @@ def _states_too_much(case: Case, truth: Truth, value: Array, stated: Array) -> b
 
 
 def judge(case: Case, computed: CaseValues) -> Outcome:
-    """Return the verdict on computed values of a case."""
+    """Compare the computed values of a case with its known result, and return the outcome.
+
+    Of several cells, the outcome shows the one whose error is the largest share of what is allowed.
+    The allowed error is the tolerance of the case, plus the error that the method itself states
+    where the case says so. Without a known result only the status is judged.
+    """
     value, stated = computed.value, computed.stated
     status = ", ".join(sorted(computed.statuses))
     failed = Outcome(case, status=status)
@@ -180,7 +211,11 @@ def judge(case: Case, computed: CaseValues) -> Outcome:
 
 
 def summaries(outcomes: Sequence[Outcome]) -> list[Summary]:
-    """Return a summary of each family, in the order of the outcomes."""
+    """Return the counts of judged and right cases, and the worst case, for each family of outcomes.
+
+    Families come in the order of the outcomes. Outcomes that are only shown are not counted; worst
+    is the case whose error is the largest share of what is allowed.
+    """
     families = []
     for family in dict.fromkeys(outcome.case.family for outcome in outcomes):
         judged = [o for o in outcomes if o.case.family == family and o.judged]
@@ -207,7 +242,11 @@ def outputs_of(terms: Sequence[Term]) -> list[Any]:
 
 
 def _computed(case: Case) -> CaseValues:
-    """Return the computed values of a case."""
+    """Run the studies of a case, and return its result with statuses and stated error.
+
+    The study of a case that has to be refused is only prepared (which raises `StudyError`); the
+    value is NaN if that does not happen.
+    """
     if case.refused:
         prepare_content(case.terms[0].study)
         return CaseValues(np.asarray(math.nan))
@@ -233,7 +272,10 @@ def _key(term: Term) -> str:
 
 
 def _tables(terms: Sequence[Term]) -> dict[str, Table]:
-    """Return the results of each distinct study."""
+    """Return the result of each distinct study of some terms, by a key made of the study.
+
+    Studies that differ in their outputs alone are run once, with all of these outputs.
+    """
     studies: dict[str, dict[str, Any]] = {}
     for term in terms:
         before = studies.get(_key(term), {"outputs": ()})["outputs"]
@@ -248,7 +290,11 @@ def _outputs(terms: Sequence[Term], tables: Mapping[str, Table]) -> list[Any]:
 
 
 def _picked(table: Table, term: Term) -> Any:
-    """Return the value that a term takes of an output."""
+    """Return the values that a term takes of its output: all, an extreme, or the one at an end.
+
+    `term.pick` says which: "value" gives an array over the cells, "least" and "largest" a number,
+    and "first" and "last" the number at an end of the output's only axis.
+    """
     values = np.asarray(table.variables[term.output].values, dtype=np.float64)
     if term.pick == "value":
         return values
@@ -259,7 +305,10 @@ def _picked(table: Table, term: Term) -> Any:
 
 
 def _drive_speed(content: Mapping[str, Any]) -> float:
-    """Return the largest track speed, the scale of stated errors of zero velocities."""
+    """Return the largest speed of a study's track, 2 pi f A0 [m/s], of the largest f and A0 in it.
+
+    It is the scale for stated errors of velocities that are 0. `content` is the study.
+    """
     frequency, amplitude = (
         float(np.max(content["parameters"][name])) for name in ("frequency", "amplitude")
     )
@@ -267,7 +316,12 @@ def _drive_speed(content: Mapping[str, Any]) -> float:
 
 
 def _statuses(variables: Mapping[str, TableVariable]) -> tuple[set[str], bool]:
-    """Return the names of all cells' statuses, and if one explains a missing value."""
+    """Return the names of the statuses of all cells, and True if one explains a missing value.
+
+    `variables` are those of a result. The statuses are those of motions; a result without them has
+    its regimes in their place. A value may be missing where a status or regime is not valid, or is
+    one of `WITHOUT_VALUE`, such as "stopped".
+    """
     regimes = _present(variables["regime"], REGIMES) if "regime" in variables else {}
     statuses = regimes
     if "motion_status" in variables:

@@ -148,10 +148,11 @@ HEAVY = ("matplotlib", "netCDF4", "numba", "pandas", "pint", "scipy", "xarray")
 
 
 def counted(prepared: Prepared) -> tuple[Prepared, Counter[str]]:
-    """Return the study with counters of the calls of each equation.
+    """Return a study whose equations count their calls, and the counter of these calls.
 
-    The count is by the quantity that an equation gives; conditions count by their regime, in
-    brackets.
+    It shows by running a study that equations which its outputs do not need are left out. The
+    counter has the calls by the quantity that an equation gives; a condition of a regime counts
+    under the name of the regime in brackets.
     """
     calls: Counter[str] = Counter()
 
@@ -182,16 +183,18 @@ def _typical(scene: Scene, variant: str, *, ranged: bool) -> dict[str, Any]:
 
 
 def study_of(scene: Scene, variant: str, output: str, *, ranged: bool = True) -> dict[str, Any]:
-    """Return a study of one output with exactly the parameters that it can use.
+    """Return the content of a study of one output with exactly the parameters that it can use.
 
     Parameters
     ----------
-    scene, variant
-        The scene or system.
+    scene : Scene
+        The scene of a sweep, or the system of a simulation.
+    variant : str
+        Variant of its equations, or method of simulation.
     output : str
         The only output.
     ranged : bool
-        Whether parameters have three values where `TYPICAL` has.
+        Whether the parameters of a sweep have three values where `TYPICAL` has them.
     """
     kind = "simulate" if scene.choice == "method" else "sweep"
     values = _typical(scene, variant, ranged=ranged and kind == "sweep")
@@ -212,7 +215,19 @@ def study_of(scene: Scene, variant: str, output: str, *, ranged: bool = True) ->
 
 
 def measure(scene: Scene, variant: str, output: str, *, modules: bool = False) -> Footprint:
-    """Return the cost of one output's study: equations, parameters, modules."""
+    """Measure the cost of a study of one output: equations, calls, dimensions, memory and modules.
+
+    The study is run twice: compilation by the first run does not count.
+
+    Parameters
+    ----------
+    scene, variant : Scene, str
+        The scene or system, and its variant or method.
+    output : str
+        The only output.
+    modules : bool
+        Whether to count the modules that a fresh process imports for it; this takes seconds.
+    """
     content = study_of(scene, variant, output)
     prepared, calls = counted(prepare_content(content))
     kinds.tabulate(prepared)  # kernels are loaded, or compiled, before memory counts
@@ -223,6 +238,8 @@ def measure(scene: Scene, variant: str, output: str, *, modules: bool = False) -
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
+    # Names in brackets are conditions of regimes. To the equations of the scene count aliases of
+    # quantities that the study uses, such as a frequency for a circular frequency.
     run = {name for name in calls if not name.startswith("[")}
     known = {alias.gives for alias in ALIASES}
     coordinates, contacts = carried(scene, content["parameters"])
@@ -236,9 +253,18 @@ def measure(scene: Scene, variant: str, output: str, *, modules: bool = False) -
 
 
 def carried(scene: Scene, parameters: Mapping[str, Any]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the coordinates and contacts that a study's motion simulates; none without motion.
+    """Return the coordinates and the contacts that the simulated motion of a scene computes.
 
-    A part driven along the track only has nothing across; a block on a plane has no spin.
+    Both are tuples of names, empty for a scene of formulas, which computes no motion. With them,
+    the cost of a study is compared to the degrees of freedom that it needs.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    parameters : mapping
+        Parameters of the study by name. Without an azimuth `alpha` of the drive, nothing moves
+        across the track, and the coordinate across is left out.
     """
     if scene.choice != "method":
         return (), ()
@@ -255,7 +281,10 @@ def carried(scene: Scene, parameters: Mapping[str, Any]) -> tuple[tuple[str, ...
 
 
 def _imports(content: Mapping[str, Any]) -> tuple[int, tuple[str, ...]]:
-    """Return the number of modules that a study imports in a fresh process, and the large ones."""
+    """Return the number of modules that a study imports in a fresh process, and heavy libraries.
+
+    `content` is the study. The libraries are those of `HEAVY`, such as scipy, that it imports.
+    """
     code = (
         "import json, sys; before = set(sys.modules)\n"
         "from core.intake import prepare_content\n"
@@ -279,10 +308,18 @@ def measured_output(scene: Scene, variant: str) -> str:
 
 
 def footprints(*, modules: bool = True, watch: Watch | None = None) -> list[Footprint]:
-    """Return, per scene and kind of study, the cost of its most and its least expensive output.
+    """Measure the cost of the least and the most expensive output of each scene and system.
 
-    Modules are counted for the dearest, in a process of its own: the other imports no more. What is
-    not begun when the watch stops it is left out.
+    Expensive is the output that needs most parameters. Methods other than those of `SETTINGS` and
+    variants other than the default are left out, and so is what `watch` stops.
+
+    Parameters
+    ----------
+    modules : bool
+        Whether imported modules are counted, for the most expensive outputs: the others import no
+        more.
+    watch : Watch, optional
+        Progress, and when to stop.
     """
     watch = watch or Watch()
     rows: list[Footprint] = []
@@ -310,7 +347,10 @@ def cheapest(scene: Scene, variant: str) -> str:
 
 
 def to_table(rows: Sequence[Footprint]) -> Table:
-    """Return the costs as variables over the dimension `study`."""
+    """Return the costs of studies of one output as a table over the dimension `study`.
+
+    The coordinate is the scene of each; texts and counts are variables, memory is in bytes.
+    """
     labels = {
         "kind": "Kind of study", "variant": "Variant or method", "output": "The only output",
         "equations": "Equations run", "of": "Equations of the variant", "calls": "Calls",
@@ -338,7 +378,7 @@ def _text(value: Any) -> str:
 
 
 def to_markdown(rows: Sequence[Footprint]) -> str:
-    """Return the costs as Markdown: an explanation of columns, and a table."""
+    """Return the costs of studies of one output as Markdown: a paragraph and a table."""
     about = (
         "What a study of one output takes, counted while it runs: for each scene the output that "
         "needs fewest parameters, and the one that needs most. Equations: those run, of those that "

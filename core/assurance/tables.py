@@ -18,7 +18,10 @@ FORMAT = "vibrafeed-outcomes-1"
 
 
 def number(value: float, tolerance: float, most: int = 15) -> str:
-    """Return a value with one digit more than its tolerance justifies, at most `most`."""
+    """Return a number as text, with one digit more than its tolerance justifies.
+
+    There are 3 digits at least and `most` at most; "none" if the number is not finite.
+    """
     if not math.isfinite(value):
         return "none"
     if value == 0:
@@ -48,7 +51,10 @@ def _value(outcome: Outcome) -> str:
 
 
 def _off(outcome: Outcome) -> str:
-    """Return the error of an outcome as text."""
+    """Return the error of a validation problem as text for a table; empty where none is judged.
+
+    `outcome` has the error in the unit of the problem, NaN if it is not judged.
+    """
     error = outcome.error
     if math.isnan(error):
         return ""
@@ -105,7 +111,11 @@ def family_rows(families: Sequence[Summary]) -> list[tuple[str, ...]]:
 
 
 def _family_row(summary: Summary) -> tuple[str, ...]:
-    """Return the table row of a family: counts and the worst case."""
+    """Return the row of a family in the table of `vibrafeed validate`: counts and its worst case.
+
+    `summary` has the numbers of judged and right cases and the case nearest to its tolerance, which
+    may be missing.
+    """
     name = f"{summary.family}: {FAMILIES[summary.family]}"
     counts = (name, f"{summary.judged:,}", f"{summary.passed:,}")
     if summary.worst is None:
@@ -116,7 +126,11 @@ def _family_row(summary: Summary) -> tuple[str, ...]:
 
 
 def sentence(outcomes: Sequence[Outcome], program: str) -> str:
-    """Return a sentence with the number of problems solved correctly."""
+    """Return a sentence on how many validation problems a program solved.
+
+    `program` is its name. Outcomes that are shown beside a measurement and not judged are counted
+    apart.
+    """
     judged = [outcome for outcome in outcomes if outcome.judged]
     failures = sum(not outcome.passed for outcome in judged)
     shown = len(outcomes) - len(judged)
@@ -127,7 +141,11 @@ def sentence(outcomes: Sequence[Outcome], program: str) -> str:
 
 
 def document(outcomes: Sequence[Outcome], program: str) -> dict[str, Any]:
-    """Return outcomes as plain values, for JSON."""
+    """Return the outcomes of validation as plain values for a JSON file.
+
+    `program` is the name of the program that was judged. Counts of judged and right problems stand
+    above a list of families and a list of all outcomes.
+    """
     judged = [outcome for outcome in outcomes if outcome.judged]
     return {
         "format": FORMAT,
@@ -146,7 +164,7 @@ def document(outcomes: Sequence[Outcome], program: str) -> dict[str, Any]:
 
 
 def _outcome(outcome: Outcome) -> Mapping[str, Any]:
-    """Return an outcome as plain values."""
+    """Return the outcome of a validation problem as plain values: found, expected, verdict."""
     case = outcome.case
     return {
         "id": case.id, "family": case.family, "title": case.title, "source": case.right.source,
@@ -159,7 +177,10 @@ def _outcome(outcome: Outcome) -> Mapping[str, Any]:
 
 
 def markdown(outcomes: Sequence[Outcome], program: str) -> str:
-    """Return outcomes as a Markdown page: families, then every case."""
+    """Return the outcomes of validation as a Markdown page: a table of families, then of cases.
+
+    `program` is the name of the program that was judged.
+    """
     lines = ["# Validation", "", sentence(outcomes, program), ""]
     lines += [*markdown_table(FAMILY_COLUMNS, family_rows(summaries(outcomes))), ""]
     for family in dict.fromkeys(outcome.case.family for outcome in outcomes):
@@ -176,7 +197,10 @@ def markdown(outcomes: Sequence[Outcome], program: str) -> str:
 
 
 def hard_cases_table(outcomes: Sequence[Outcome]) -> Table:
-    """Return outcomes of hard cases as variables over the dimension `case`."""
+    """Return the outcomes of hard cases as a table over the dimension `case`, to be stored.
+
+    It has family, status, error, allowed error, run time [s], verdict and note of each.
+    """
 
     def variable(values: Sequence[Any], kind: type, label: str, **more: Any) -> TableVariable:
         """Return a variable over cases."""
@@ -211,9 +235,9 @@ def hard_cases_table(outcomes: Sequence[Outcome]) -> Table:
 
 
 def hard_cases_markdown(outcomes: Sequence[Outcome], untried: int = 0) -> str:
-    """Return outcomes of hard cases as Markdown: the worst of each family, then all.
+    """Return the outcomes of hard cases as Markdown: the worst of each family, then all.
 
-    `untried` is how many cases were left when it was stopped.
+    `untried` is the number of cases that had not been run when the comparison was stopped.
     """
     failed = sum(not outcome.passed for outcome in outcomes)
     took = sum(outcome.seconds for outcome in outcomes)

@@ -25,9 +25,17 @@ Formula = Callable[..., Any]
 
 
 def exact(formula: Formula, **numbers: float) -> Callable[[], Truth]:
-    """Return a function for a formula's exact value, with an error of 8 condition numbers in ulp.
+    """Return a function that computes the true value of a textbook formula with a tolerance.
 
-    kappa = sum |x dF/dx|/|F| over the inputs: what one rounding of each of them does to the value.
+    The formula is evaluated in 700 digits. The tolerance is 8 kappa ulp: kappa = sum |x dF/dx|/|F|
+    over the inputs x is what one rounding of each input does to the value F.
+
+    Parameters
+    ----------
+    formula : callable
+        Takes the inputs as mpmath numbers by keyword.
+    **numbers : float
+        The inputs in the units of studies.
     """
 
     def truth() -> Truth:
@@ -50,10 +58,11 @@ def exact(formula: Formula, **numbers: float) -> Callable[[], Truth]:
 
 
 def exact_of_floats(formula: Formula, **values: float) -> Callable[[], Truth]:
-    """Return a function for a formula's value at exact floats, with an error of 8 ulp.
+    """Return a function that computes the true value of a formula, with a tolerance of 8 ulp.
 
-    For formulas whose inputs cancel without a rounding, so that their condition does not count: of
-    two floats within a factor of 2 of each other the difference is exact (Sterbenz).
+    It is for formulas whose inputs cancel without rounding, so that their condition number does not
+    count: the difference of two floats within a factor of 2 of each other is exact (Sterbenz).
+    Inputs are `**values`, in the units of studies.
     """
 
     def truth() -> Truth:
@@ -92,7 +101,12 @@ def starting_acceleration(
     *, frequency: Any, amplitude: Any, alpha: Any, beta: Any, gamma: Any, delta: Any, gravity: Any,
     friction: Any,
 ) -> Any:  # fmt: skip
-    """Return the starting acceleration of a part at the wall, K of theory 4.2 [m s-2]."""
+    """Return the starting acceleration of a part at a bowl's wall, variant `derived` [m s-2].
+
+    K = P cos(beta)(cos(alpha) + mu sin(alpha)) - g (sin(gamma) + mu cos(gamma) sin(delta)), with P
+    = A0 (2 pi f)^2 and the friction mu (theory 4.2). Angles are in degrees, all numbers those of
+    mpmath.
+    """
     P = drive(frequency=frequency, amplitude=amplitude)
     (sa, ca), (_, cb) = _sin_cos(alpha), _sin_cos(beta)
     (sg, cg), (sd, _) = _sin_cos(gamma), _sin_cos(delta)
@@ -100,7 +114,12 @@ def starting_acceleration(
 
 
 def velocity_after(*, radius: Any, distance: Any, friction: Any, **drive: Any) -> Any:
-    """Return the velocity after a distance from rest, v(x) of theory 4.5 [m s-1]."""
+    """Return the velocity of a part after a distance from rest on a curved track [m s-1].
+
+    v(x) = sqrt(K R/mu (1 - exp(-2 mu x/R))), 0 for K <= 0 (theory 4.5), with the distance x, the
+    radius R of the bowl, the friction mu and the starting acceleration K of the drive (`**drive`:
+    its other inputs). All numbers are those of mpmath.
+    """
     K = starting_acceleration(friction=friction, **drive)
     if K <= 0:
         return mp.zero
@@ -110,7 +129,12 @@ def velocity_after(*, radius: Any, distance: Any, friction: Any, **drive: Any) -
 
 
 def time_over(*, radius: Any, distance: Any, friction: Any, **drive: Any) -> Any:
-    """Return the time for a distance from rest, t(x) of theory 4.5 [s]."""
+    """Return the time of a part for a distance from rest on a curved track [s].
+
+    t(x) = acosh(exp(mu x/R))/sqrt(mu K/R) (theory 4.5), with the distance x, the radius R of the
+    bowl, the friction mu and the starting acceleration K of the drive (`**drive`: its other
+    inputs). All numbers are those of mpmath.
+    """
     K = starting_acceleration(friction=friction, **drive)
     if friction == 0:
         return mp.sqrt(2 * distance / K)
@@ -121,13 +145,21 @@ def time_over(*, radius: Any, distance: Any, friction: Any, **drive: Any) -> Any
 
 
 def velocity_at(*, radius: Any, time: Any, friction: Any, **drive: Any) -> Any:
-    """Return the velocity at a time after rest, v(t) of theory 4.5 [m s-1]."""
+    """Return the velocity of a part at a time after it started from rest on a curved track [m s-1].
+
+    v(t) = sqrt(K R/mu) tanh(t sqrt(mu K/R)) (theory 4.5), with the radius R of the bowl, the
+    friction mu and the starting acceleration K of the drive (`**drive`: its other inputs).
+    """
     K = starting_acceleration(friction=friction, **drive)
     return mp.sqrt(K * radius / friction) * mp.tanh(time * mp.sqrt(friction * K / radius))
 
 
 def distance_at(*, radius: Any, time: Any, friction: Any, **drive: Any) -> Any:
-    """Return the distance at a time after rest, x(t) of theory 4.5 [m]."""
+    """Return the distance of a part at a time after it started from rest on a curved track [m].
+
+    x(t) = R/mu ln(cosh(u)), u = t sqrt(mu K/R) (theory 4.5), with the radius R of the bowl, the
+    friction mu and the starting acceleration K of the drive (`**drive`: its other inputs).
+    """
     K = starting_acceleration(friction=friction, **drive)
     u = time * mp.sqrt(friction * K / radius)
     return radius / friction * (u + mp.log1p(mp.exp(-2 * u)) - mp.log(2))
@@ -147,7 +179,12 @@ def normal_response(*, height: Any, length: Any, pitch: Any, friction: Any) -> A
 def contact_acceleration(
     *, height: Any, length: Any, pitch: Any, friction: Any, pitch_rate: Any, gravity: Any
 ) -> Any:
-    """Return the normal force per mass of a corner slipping right, -chi/(m tau) [m s-2]."""
+    """Return the normal force per mass of a corner slipping right, -chi/(m tau) [m s-2].
+
+    chi = rho xi'^2 sin(s) - g, with half the diagonal rho, the pitch rate xi' and the angle s of
+    the diagonal; m tau is the corner's response to a force (theory 2.2). Pitch in degrees, pitch
+    rate in rad/s, numbers of mpmath.
+    """
     s = mp.atan2(height, length) + _radians(pitch)
     rho = mp.hypot(height, length) / 2
     chi = rho * pitch_rate**2 * mp.sin(s) - gravity

@@ -60,19 +60,22 @@ LIMITS = (
 
 
 def build(resolution: str = "full", watch: Watch | None = None) -> Table:
-    """Return the table of a newly computed atlas.
+    """Compute an atlas: exact mean velocities at its nodes, and errors of interpolation.
+
+    An atlas tabulates planar motion without rebound over four dimensionless numbers, so that
+    look-ups interpolate instead of simulating.
 
     Parameters
     ----------
     resolution : str
-        One of `RESOLUTIONS`.
+        A key of `RESOLUTIONS`: "coarse" or "full".
     watch : Watch, optional
-        May stop it.
+        May stop the computation.
 
     Raises
     ------
     StoppedError
-        If it was stopped: part of an atlas is none.
+        If the watch stopped it: an incomplete atlas is not returned.
     """
     watch = watch or Watch()
     axes = choose_nodes(*RESOLUTIONS[resolution], watch)
@@ -82,8 +85,10 @@ def build(resolution: str = "full", watch: Watch | None = None) -> Table:
 
 
 def _compute_nodes(axes: Axes, watch: Watch) -> Cells:
-    """Return the exact values at all nodes of the axes, computed slab by slab.
+    """Return exact velocities, shares of the period and patterns of motion at nodes of an atlas.
 
+    `axes` are the nodes of the four numbers; the arrays of the result have the shape of their grid.
+    The first axis is cut into slabs that are simulated one after another, which bounds memory.
     Raises `StoppedError` if `watch` stops it.
     """
     shape = tuple(one.size for one in axes)
@@ -122,9 +127,23 @@ def _errors(cells: Cells, axes: Axes) -> list[NDArray[np.float64]]:
 
 
 def _share_error(cells: Cells, axes: Axes) -> NDArray[np.float64]:
-    """Return the largest interpolation error of any share of the period beside each node.
+    """Return the interpolation error of the shares of the period at each node of an atlas, 0 to 1.
 
-    For each share, the errors along all axes are added.
+    It is the largest of four: those of the shares in which the part sticks, slides forwards, slides
+    backwards and flies. The errors of a share along the four axes are added.
+
+    Parameters
+    ----------
+    cells : Cells
+        Exact values at the nodes, arrays in the shape of the grid.
+    axes : tuple of ndarray
+        The values of the nodes along each axis.
+
+    Returns
+    -------
+    ndarray
+        In the shape of the grid: what interpolation over the intervals beside the node is off by at
+        most. NaN where along any axis no neighbours have the pattern of motion of the node.
     """
     largest = np.zeros(cells.pattern.shape)
     for name in SHARES:
@@ -137,12 +156,19 @@ def _share_error(cells: Cells, axes: Axes) -> NDArray[np.float64]:
 def _bend(
     values: NDArray[np.float64], pattern: NDArray[np.int8], nodes: NDArray[np.float64], axis: int
 ) -> NDArray[np.float64]:
-    """Return the error of linear interpolation along one axis beside each node.
+    """Return the error of linear interpolation along one axis beside each node of the atlas.
 
-    It is |f[x-, x, x+]| h^2/4: the second divided difference of the `values` f over a node x and
-    its neighbours, and the larger gap h beside it. Nodes of different patterns of motion are not
-    compared: a node without neighbours of its own pattern on both sides takes the value of one that
-    has them; NaN where there is none.
+    It is |f[x-, x, x+]| h^2/4 with the second divided difference of the values f over a node x and
+    its neighbours x-, x+, and the larger gap h beside x. Differences are not taken across a change
+    of the pattern of motion: a node without neighbours of its own pattern on both sides takes the
+    value of an adjacent node that has them; NaN where there is none.
+
+    Parameters
+    ----------
+    values, pattern : ndarray, shape of the grid
+        f, and the pattern at each node (0: no value); the result has this shape and the unit of f.
+    nodes : ndarray, shape (nodes of the axis,)
+        Coordinates of the nodes along axis number `axis`.
     """
     f, same = np.moveaxis(values, axis, 0), np.moveaxis(pattern, axis, 0)
     gap = np.diff(nodes).reshape(-1, *[1] * (values.ndim - 1))
@@ -167,10 +193,20 @@ def _label_table(
     errors: dict[str, NDArray[np.float64]],
     share_error: NDArray[np.float64],
 ) -> Table:
-    """Return the table of an atlas: axes, values, errors and attributes.
+    """Return the table of an atlas: axes, values, errors and attributes, ready to be written.
 
-    `resolution` is its name, `errors` are those of the velocity by axis, `share_error` is that of
-    the shares.
+    Parameters
+    ----------
+    resolution : str
+        "coarse" or "full", stored as an attribute.
+    axes : tuple of ndarray
+        Nodes of the four numbers.
+    cells : Cells
+        Velocities, shares and patterns at the nodes.
+    errors : dict of str to ndarray
+        Interpolation error of the velocity number beside each node, by name of the axis.
+    share_error : ndarray
+        The same of the shares of the period, summed over the axes.
     """
     dims = tuple(AXES)
 

@@ -45,10 +45,22 @@ def follow(numbers: Numbers, watch: Watch | None = None) -> Motion:
 
 
 def exact(numbers: Numbers, watch: Watch | None = None) -> Cells:
-    """Return the exact velocities, shares of the period and patterns of motion.
+    """Return the exact motion of parts, as reference values for the cells of an atlas.
 
-    The parts are given by the four numbers of the atlas; velocities are in units of the drive's
-    speed as friction sees it (`numbers_of`).
+    Parameters
+    ----------
+    numbers : Numbers
+        The four dimensionless numbers of each part and drive, arrays of one shape: throw, angle,
+        slope and ratio of the friction coefficients.
+    watch : Watch, optional
+        May stop the simulation.
+
+    Returns
+    -------
+    Cells
+        Mean velocity, in units of the drive's speed as friction sees it (`numbers_of`); shares of
+        the period that the part sticks, slides and flies; pattern of these as bits. Arrays of the
+        same shape.
     """
     motion = follow(numbers, watch)
     unit = np.hypot(numbers.throw_number, numbers.throw_number / numbers.angle_number)
@@ -57,9 +69,11 @@ def exact(numbers: Numbers, watch: Watch | None = None) -> Cells:
 
 
 def pattern_of(motion: Motion) -> NDArray[np.int8]:
-    """Return the pattern of each motion: a bit for each way of moving that occurs.
+    """Return the pattern of each motion: the sum of a bit for each way of moving that occurs.
 
-    0 if a motion does not repeat in one period.
+    The ways are sticking, sliding forwards, sliding backwards and flying (`BITS`). The pattern is 0
+    if the part neither rests nor repeats its motion in every single period. An atlas interpolates
+    only between nodes of one pattern, since velocity has kinks where the pattern changes.
     """
     bits = sum(np.where(getattr(motion, name) > 0, bit, 0) for name, bit in BITS.items())
     sound = np.isin(motion.status, [STATUS["periodic"], STATUS["at_rest"]])
@@ -68,7 +82,11 @@ def pattern_of(motion: Motion) -> NDArray[np.int8]:
 
 
 def _regime(pattern: int) -> int:
-    """Return the number of the regime of a pattern, whose bits are ways of moving."""
+    """Return the number of the regime that a pattern of motion belongs to.
+
+    `pattern` is the sum of the bits (`BITS`) of the ways of moving that occur in a period; 0, where
+    they are unknown, is the regime `unresolved`.
+    """
     name = "slip"
     if pattern == 0:
         name = "unresolved"

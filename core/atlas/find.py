@@ -63,7 +63,11 @@ class AtlasValues(NamedTuple):
 
 
 def find(atlas: Atlas, numbers: Numbers) -> AtlasValues:
-    """Return the interpolated values of an atlas at some numbers, arrays of shape (n,)."""
+    """Return velocities, shares and stated errors interpolated in an atlas, arrays of shape (n,).
+
+    `numbers` are the four dimensionless numbers of n parts and drives, each of shape (n,). They are
+    looked up piece by piece, so that the nodes read stay in the processor's cache.
+    """
     pieces = [
         _piece(atlas, Numbers(*(one[start : start + PIECE] for one in numbers)))
         for start in range(0, max(1, numbers.throw_number.size), PIECE)
@@ -72,7 +76,14 @@ def find(atlas: Atlas, numbers: Numbers) -> AtlasValues:
 
 
 def _piece(atlas: Atlas, numbers: Numbers) -> AtlasValues:
-    """Return the interpolated values of an atlas at some numbers, few enough for the cache."""
+    """Return interpolated values of a few cells: linear over four numbers, with stated errors.
+
+    `numbers` are the four atlas numbers, each of shape (n,). The error is SAFETY times the sum over
+    the axes of 4 t (1 - t) e, plus rounding: t is the position between two nodes, 0 to 1, and e the
+    largest error of interpolation along that axis stored at the corners. A cell whose corners have
+    different patterns of motion, or whose error is unknown, gets no value but a status that says
+    so.
+    """
     count = numbers.throw_number.size
     outside = np.logical_or.reduce(list(out_of_range(numbers).values()))
     base = np.zeros(count, dtype=np.intp)
@@ -105,11 +116,26 @@ def _corners(
     steps: list[int],
     pattern: NDArray[np.int8],
 ) -> tuple[NDArray[np.float64], NDArray[np.float32], NDArray[np.bool_]]:
-    """Return interpolated values, the largest errors at the corners, and where patterns agree.
+    """Interpolate the atlas at n cells from the up to 16 nodes around each of them.
 
-    `base` is the index of each cell's lowest corner, `fractions` its place between the nodes of
-    each axis (0 to 1), `steps` the distance in the index from one node of an axis to the next,
-    `pattern` that of the nearest node. Patterns agree where all corners with weight have it.
+    Parameters
+    ----------
+    base : ndarray, shape (n,)
+        Flat index of the node at the lower end of every axis.
+    fractions : list of ndarray, shape (n,)
+        For each axis, the position between the two nodes, 0 to 1.
+    steps : list of int
+        For each axis, the distance in the flat index from one node to the next.
+    pattern : ndarray, shape (n,)
+        Pattern of motion of the nearest node.
+
+    Returns
+    -------
+    values, errors : ndarray, shapes (n, 5) and (n, 5)
+        Weighted means of the variables `VALUES`; largest of each of `ERRORS` at corners with
+        weight.
+    agrees : ndarray of bool, shape (n,)
+        True where all corners with weight have the pattern, which is not 0.
     """
     count = base.size
     values = np.zeros((count, len(VALUES)))
@@ -145,10 +171,25 @@ def _with_status(
     atlas: Atlas,
     nearest: NDArray[np.intp],
 ) -> AtlasValues:
-    """Return the values of cells with a status: NaN where the atlas does not answer.
+    """Return the values of a look-up of n cells with a status each; NaN where there is no value.
 
-    `outside` is true beyond the axes, `agrees` where all corners have one pattern, `nearest` is the
-    index of the nearest node. Velocity and error are 0 where friction holds the part.
+    Parts that friction holds all the time rest exactly: velocity and errors 0, wherever they lie.
+
+    Parameters
+    ----------
+    numbers : Numbers
+        The four atlas numbers of the cells.
+    outside, agrees : ndarray of bool, shape (n,)
+        True beyond the axes of the atlas; True where all nodes around a cell have one pattern of
+        motion, so that interpolation is allowed.
+    values : ndarray, shape (n, 5)
+        Interpolated velocity number and four shares of the period.
+    error, share_error : ndarray, shape (n,)
+        Stated errors of velocity number and shares.
+    atlas : Atlas
+        Has the pattern of motion of each node.
+    nearest : ndarray of int, shape (n,)
+        Flat index of the nearest node, whose pattern the cell takes.
     """
     status = np.where(outside, STATUS["out_of_range"], STATUS["near_border"])
     held = rests(numbers) & ~outside

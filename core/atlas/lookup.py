@@ -118,16 +118,18 @@ def lookup(
 
 
 def lookup_grid(atlas: Atlas, parameters: Mapping[str, Any], *, simulate: bool = False) -> Table:
-    """Return the values of an atlas over the grid of some parameters.
+    """Look up the motion of parts in an atlas, for all combinations of parameter values.
+
+    The table has one dimension for each parameter with several values.
 
     Parameters
     ----------
     atlas : Atlas
         The atlas.
     parameters : mapping
-        As in a study of motion: numbers, texts with units, lists, ranges.
+        Parameters by name, as in a study of motion: numbers, texts with units, lists, ranges.
     simulate : bool
-        Whether what the atlas does not answer is followed exactly.
+        True to simulate cells for which the atlas has no value; otherwise they are NaN.
 
     Raises
     ------
@@ -150,18 +152,21 @@ def lookup_rows(
     *,
     simulate: bool = False,
 ) -> Table:
-    """Return the values of an atlas for rows, each a part and a drive of its own.
+    """Look up the motion of parts in an atlas for rows, each a part and a drive of its own.
+
+    The table has the dimension `row`, numbered from 1.
 
     Parameters
     ----------
     atlas : Atlas
         The atlas.
     columns : mapping of str to iterable of float
-        Parameters, in the units of studies, all of one length and not empty.
+        Parameters that differ between rows, in the units of studies, all of one length and not
+        empty.
     parameters : mapping, optional
-        Those that all rows share, one value each.
+        Parameters that all rows share, one value each.
     simulate : bool
-        Whether what the atlas does not answer is followed exactly.
+        True to simulate rows for which the atlas has no value; otherwise they are NaN.
 
     Raises
     ------
@@ -211,9 +216,10 @@ def lookup_rows(
 
 
 def advice(looked_up: Table) -> list[str]:
-    """Return sentences on cells that the atlas could not answer, and the way out.
+    """Return sentences on the cells of a look-up for which the atlas has no value, with a remedy.
 
-    Empty if there are none; `looked_up` is the table of a look-up.
+    `looked_up` is the table of a look-up, with its status and the four numbers of the atlas. The
+    list is empty if every cell has a value.
     """
     status = looked_up.variables["lookup_status"].values
     lines = []
@@ -254,10 +260,16 @@ def _span(values: NDArray[np.float64]) -> str:
 
 
 def _prepare_simulation(parameters: Mapping[str, Any]) -> Simulation:
-    """Return the simulation of some parameters, by whose plan a look-up is made.
+    """Return the prepared simulation of the parameters of a look-up.
 
-    Raises `StudyError` with every problem of them, and where no atlas holds: rebounds, drives
-    across the track, other waves than a sine.
+    A look-up uses its checks, its grid, and its formulas from parameters to dimensionless groups.
+    `parameters` are those of a study of motion, by name.
+
+    Raises
+    ------
+    StudyError
+        With every problem of the parameters. Those for which no atlas holds are problems, too:
+        rebounds, drives across the track, other waveforms than a sine.
     """
     content = {
         "kind": "simulate",
@@ -288,7 +300,12 @@ def _prepare_simulation(parameters: Mapping[str, Any]) -> Simulation:
 def _readable(
     parameters: Mapping[str, Any], names: Iterable[str]
 ) -> dict[str, NDArray[np.float64]]:
-    """Return the valid values of the named parameters, as arrays; leave out invalid ones."""
+    """Return the values of the named parameters as arrays in the units of studies.
+
+    `parameters` are as a user writes them: numbers, texts with units, ranges. A name that is not
+    among them, is no parameter, or has an invalid value is left out: parsing the study reports
+    that.
+    """
     columns = {}
     for name in names:
         with suppress(UnitError):
@@ -301,7 +318,11 @@ def _readable(
 
 
 def _of_values(arrays: Mapping[str, NDArray[np.float64]]) -> list[Problem]:
-    """Return the problems of parameter values for which no atlas holds: rebound, azimuth."""
+    """Return the problems of parameter values for which no atlas holds: rebound and azimuth.
+
+    `arrays` holds parameter values of any shape, by name, restitution without unit and the azimuth
+    `alpha` in degrees; both have to be 0 or absent.
+    """
     problems = []
     if np.any(arrays.get("restitution", 0.0)):
         message = "an atlas holds for parts that do not rebound: restitution 0"
@@ -321,9 +342,17 @@ def _refuse(problems: list[Problem]) -> None:
 
 
 def _before_motion(prepared: Simulation, parameters: Mapping[str, Array]) -> Known:
-    """Return the quantities of a plan that need no simulated motion, SI units.
+    """Return the quantities that a look-up needs before any motion is simulated, in SI units.
 
-    `parameters` has values of the plan's parameters, which broadcast.
+    These are defaults and parameters of the plan, and the results of its quick equations, such as
+    the dimensionless groups and the velocity scale.
+
+    Parameters
+    ----------
+    prepared : Simulation
+        The simulation whose plan is used.
+    parameters : mapping of str to ndarray
+        Values of the plan's parameters in SI units; their shapes broadcast.
     """
     known: Known = {name: np.asarray(value) for name, value in prepared.plan.defaults.items()}
     known |= {name: parameters[name] for name in prepared.plan.parameters}
@@ -344,22 +373,25 @@ def _look_up_cells(
     coordinates: Mapping[str, TableVariable],
     simulate: bool,
 ) -> Table:
-    """Return the table of a look-up: velocity, error, regime, status, shares and numbers.
+    """Return the table of a look-up: mean velocity, its error, regime, status and shares of cells.
+
+    The four numbers of the atlas of each cell are variables, too.
 
     Parameters
     ----------
     atlas : Atlas
         The atlas.
     prepared : Simulation
-        The simulation whose parameters are looked up.
-    known : mapping
-        Its quantities before the motion, which broadcast to the cells.
+        The simulation of the same parameters, which defines the regimes.
+    known : mapping of str to Any
+        The quantities that it computes before the motion: the dimensionless `groups` and
+        `velocity_scale` [m/s]; they broadcast to `shape`.
     dims, shape : tuple
-        Names and lengths of the axes of the cells.
-    coordinates : mapping
+        Names and lengths of the dimensions of the cells.
+    coordinates : mapping of str to TableVariable
         The coordinates of the table.
     simulate : bool
-        Whether cells that the atlas does not answer are followed exactly.
+        True to simulate cells for which the atlas has no value; otherwise they are NaN.
     """
     groups: Groups = known["groups"]
     rows, _ = table((*groups.numbers, np.zeros(shape)))
@@ -410,9 +442,11 @@ def _look_up_cells(
 
 
 def _in_way(values: AtlasValues, unit: Array) -> AtlasValues:
-    """Return values in the axes of the track: where `unit` is below 0, forward is backward.
+    """Return looked-up values in the axes of the track, where the drive may push backwards.
 
-    There the drive points back, and the atlas holds the mirror image.
+    The atlas holds drives that push forwards only. `unit` is the speed that velocities are
+    multiples of, shape (n,); where it is below 0, the drive is the mirror image: velocities change
+    their sign, and the shares of sliding forwards and backwards change places.
     """
     back = unit < 0
     return values._replace(
@@ -423,7 +457,10 @@ def _in_way(values: AtlasValues, unit: Array) -> AtlasValues:
 
 
 def _status_attributes() -> dict[str, Any]:
-    """Return the attributes of the status of a look-up."""
+    """Return the CF attributes of the variable `lookup_status`, the status of each cell.
+
+    They name the integer values of the flag, such as near the border of a regime or out of range.
+    """
     return {
         "long_name": "Status of the look-up",
         "standard_name": "status_flag",
@@ -434,7 +471,10 @@ def _status_attributes() -> dict[str, Any]:
 
 
 def _attributes(atlas: Atlas) -> dict[str, Any]:
-    """Return the attributes of a look-up's table."""
+    """Return the global CF attributes of the table of a look-up in an atlas.
+
+    They name the atlas, its resolution and version, and the model of its errors.
+    """
     made = atlas.attributes
     return {
         "Conventions": CONVENTIONS,

@@ -24,9 +24,21 @@ Axes = tuple[NDArray[np.float64], ...]
 
 
 def choose_nodes(most: int, probes: int, watch: Watch | None = None) -> Axes:
-    """Return the nodes of the four axes, for a grid of at most `most` nodes in all.
+    """Return the nodes of the four axes of an atlas, close where linear interpolation errs most.
 
-    `probes` is the number of lines along each axis on which the error of interpolation is measured.
+    It begins with a few nodes on each axis. In each round the axis on which halving its worst
+    intervals gains most for the nodes added has these intervals halved, until one more round would
+    make a grid of more than `most` nodes (the product of the four counts). The score of an interval
+    is its mean interpolation error times the share of typical look-ups that fall into it.
+
+    Parameters
+    ----------
+    most : int
+        Largest number of nodes of the grid.
+    probes : int
+        Number of sample points; a line through each, along each axis, measures the error.
+    watch : Watch, optional
+        Raises `StoppedError` between rounds if the work is to stop.
     """
     watch = watch or Watch()
     axes = list(_first())
@@ -40,6 +52,7 @@ def choose_nodes(most: int, probes: int, watch: Watch | None = None) -> Axes:
             for axis, cost in enumerate(costs)
         ]
         halved = [score >= 0.5 * score.max() for score in scores]
+        # The gain of an axis is what its halved intervals err, over the logarithm of the growth.
         gains = [
             float(score[worst].sum()) / np.log1p(worst.sum() / nodes.size)
             for score, worst, nodes in zip(scores, halved, axes, strict=True)
@@ -59,10 +72,12 @@ def choose_nodes(most: int, probes: int, watch: Watch | None = None) -> Axes:
 
 
 def _first() -> Axes:
-    """Return the nodes to begin with, for each axis.
+    """Return the few nodes with which the refinement of the atlas begins, one array for each axis.
 
-    The level track and one coefficient of friction are among them, and the throw numbers at which
-    motion changes its kind.
+    The axes are throw number, friction times tan(beta), slope over friction, and static over
+    kinetic friction. The level track (slope 0) and one coefficient of friction (ratio 1) are among
+    the nodes, and on either side of them the throw numbers at which the kind of motion changes: 1
+    (`HOP`: the part lifts off) and sqrt(1 + pi^2) (`HOP_AFTER_HOP`: it lifts off where it lands).
     """
     throw, angle, slope, ratio = AXES.values()
     edges = (
@@ -80,9 +95,11 @@ def _first() -> Axes:
 def _middles(
     axis: int, lower: NDArray[np.float64], upper: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the midpoints of intervals of an axis; geometric ones for the angle number.
+    """Return midpoints of intervals on an axis of an atlas; geometric ones for the angle number.
 
-    `axis` is the number of the axis, `lower` and `upper` are the ends of the intervals.
+    `axis` is the number of the axis (0 to 3, in the order of `AXES`), `lower` and `upper` are the
+    ends of the intervals, shape (intervals,), without unit. The angle number, friction times
+    tan(beta), spans a factor of 600: its nodes are spaced by equal factors.
     """
     if list(AXES)[axis] == "angle_number":
         return np.asarray(np.sqrt(lower * upper))
@@ -92,11 +109,22 @@ def _middles(
 def _costs(
     axis: int, lower: NDArray[np.float64], upper: NDArray[np.float64], lines: Numbers
 ) -> NDArray[np.float64]:
-    """Return the cost of each interval of an axis: the mean interpolation error in look-ups.
+    """Return the mean error of linear interpolation in each interval of an axis of an atlas.
 
-    `axis` is its number, `lower` and `upper` are the ends of the intervals. The error is taken
-    halfway between them, on the lines through the points `lines`; a line on which the pattern of
-    motion changes costs `BORDER`.
+    It has the shape (intervals,). The error is that of the velocity number (mean velocity over the
+    drive's speed) at the midpoint of the interval, against an exact simulation there. It is
+    averaged over lines parallel to the axis through the points `lines`. A line on which the pattern
+    of motion changes within the interval costs `BORDER` instead. Intervals of the least width that
+    is meant to stay cost 0.
+
+    Parameters
+    ----------
+    axis : int
+        Number of the axis, 0 to 3, in the order of `AXES`.
+    lower, upper : ndarray, shape (intervals,)
+        Ends of the intervals.
+    lines : Numbers
+        The four atlas numbers of the sample points, each of shape (points,).
     """
     middle = _middles(axis, lower, upper)
     stops = np.stack([lower, middle, upper], axis=-1)

@@ -71,10 +71,13 @@ HOP_AFTER_HOP = float(np.hypot(1.0, np.pi))
 
 
 def numbers_of(groups: Groups) -> tuple[Numbers, Array]:
-    """Return the four atlas numbers of parts, and the unit of their velocity in g/w.
+    """Return the four atlas numbers of parts and drives, and the unit of their velocity numbers.
 
-    The unit is negative where the drive points back: the part is then the mirror image, in which
-    forward and backward are exchanged. Numbers without a value are infinite or NaN.
+    `groups` are the dimensionless groups of the motion: drive and gravity along the track and
+    normal to it, over g, and the friction coefficients. The unit is the drive's speed as friction
+    sees it, in units of g/w. It is negative where the drive pushes backwards: the part is then the
+    mirror image, with forwards and backwards exchanged. Numbers without a value are infinite or
+    NaN. All arrays have the shape of the groups, broadcast.
     """
     c, s = np.asarray(groups.drive_number_along), np.asarray(groups.drive_number_normal)
     slope, load = np.asarray(groups.gravity_number_along), groups.gravity_number_normal
@@ -94,9 +97,12 @@ def numbers_of(groups: Groups) -> tuple[Numbers, Array]:
 
 
 def groups_at(numbers: Numbers) -> Groups:
-    """Return dimensionless groups of parts that have the four numbers of an atlas.
+    """Return dimensionless groups of a motion that have the given four numbers of the atlas.
 
-    Many parts have; these have unit load and unit kinetic friction.
+    The values of an atlas are simulated with these groups. Many groups have the same numbers; these
+    have the load normal to the track and the kinetic friction 1. Groups are drive and gravity along
+    and normal to the track over g, and both friction coefficients, in the shape of `numbers` or
+    scalars.
     """
     throw, angle, slope, ratio = numbers
     return Groups(
@@ -110,10 +116,11 @@ def groups_at(numbers: Numbers) -> Groups:
 
 
 def rests(numbers: Numbers) -> Mask:
-    """True where friction holds the part all the time (theory 13.8 iv).
+    """True where friction holds the part on the track all the time (theory 13.8 iv).
 
-    Push and load are linear in sin(tau), tau being the phase of the drive: the ends, where it is 1
-    and -1, decide.
+    `numbers` are the four atlas numbers, which broadcast; the mask has their shape. Push and load
+    are linear in sin(tau), tau being the phase of the drive: it is enough to compare them at the
+    ends, sin(tau) = 1 (`up`) and -1 (`down`), and the throw number has to be at most 1.
     """
     throw, angle, slope, ratio = numbers
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -124,7 +131,11 @@ def rests(numbers: Numbers) -> Mask:
 
 
 def out_of_range(numbers: Numbers) -> dict[str, NDArray[np.bool_]]:
-    """Return, for each number, a mask of the values outside the atlas."""
+    """Return masks of the values that an atlas does not cover, by name of the dimensionless number.
+
+    `numbers` are the four dimensionless numbers of the atlas; each mask has the shape of its number
+    and is True outside the range of that axis, and for NaN.
+    """
     return {
         name: ~((values >= axis.least) & (values <= axis.largest))
         for (name, axis), values in zip(AXES.items(), numbers, strict=True)

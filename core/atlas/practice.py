@@ -26,16 +26,19 @@ ONE_FRICTION = 0.5
 
 
 def practical_numbers(shares: NDArray[np.float64]) -> Numbers:
-    """Return atlas numbers of practical parts and drives, from shares of their ranges.
+    """Return the four numbers of the atlas for parts and drives as they occur in practice.
 
-    Those outside the axes of the atlas are left out, so that there may be fewer than n.
+    With a set of evenly spread `shares`, the atlas is refined and tested where it is used most.
+    Members with a number outside the axes of the atlas are left out, so that the arrays of the
+    result may have fewer than n.
 
     Parameters
     ----------
     shares : ndarray, shape (n, 7)
-        For each quantity of `PRACTICAL`, in order, the share of the way from its least to its
-        largest value, 0 to 1. Then two numbers from 0 to 1: below `LEVEL` the track is level, and
-        below `ONE_FRICTION` both coefficients of friction are equal.
+        Numbers from 0 to 1. The first five are the position of friction coefficient, angle of
+        vibration, slope, ratio of the friction coefficients and throw number within their ranges in
+        `PRACTICAL`. The track is level where the sixth is below `LEVEL`, and both friction
+        coefficients are equal where the seventh is below `ONE_FRICTION`.
     """
     ends = np.array(list(PRACTICAL.values()))
     friction, beta, gamma, ratio, throw = (ends[:, 0] + shares[:, :5] * np.ptp(ends, axis=1)).T
@@ -52,7 +55,11 @@ def practical_numbers(shares: NDArray[np.float64]) -> Numbers:
 
 
 def spread_points(count: int) -> NDArray[np.float64]:
-    """Return `count` evenly spread points of the unit cube in seven dimensions, (count, 7)."""
+    """Return `count` evenly spread points of the seven-dimensional unit cube, shape (count, 7).
+
+    They are the additive recurrence x_n = n a mod 1, a_k = r^-k, with r the root of r^8 = r + 1;
+    the same at every call. They sample the practical range of parts and drives.
+    """
     dims = 7
     root = 1.0
     for _ in range(60):  # x^(dims + 1) = x + 1

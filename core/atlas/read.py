@@ -54,12 +54,12 @@ class Atlas:
 
 
 def of_table(table: Table) -> Atlas:
-    """Return the atlas that a table holds, ready for look-ups.
+    """Return the atlas in a table, its nodes laid side by side in memory for quick look-ups.
 
     Raises
     ------
     VibrafeedError
-        If it holds none, or one of another version.
+        If the table is no atlas, or an atlas of another version.
     """
     version = table.attributes.get("atlas_version")
     if version is None:

@@ -21,10 +21,11 @@ _HEADING = re.compile(r"\s*([^\[\]()]*?)\s*(?:[\[(]([^\[\]()]*)[\])])?\s*")
 
 
 def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
-    """Return the parameters in a CSV file by column, in the units of studies.
+    """Return the parameters of parts and drives in a CSV file, one row each, by parameter name.
 
-    Comma, semicolon or tab part the cells; beside the last two a comma is a decimal comma. A cell
-    may have a unit of its own, as in a study; else the heading's counts.
+    The first row has the parameter names with units. The separator is a comma, a semicolon or a
+    tab; with the last two, a comma is a decimal comma. A cell may have a unit of its own, as in a
+    study, in place of the heading's. Values of the result are in the units of studies, one a row.
 
     Raises
     ------
@@ -54,9 +55,15 @@ def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
 
 
 def _cells(path: Path) -> tuple[list[str], list[list[str]], str]:
-    """Return heading, rows and column separator of a CSV file.
+    """Return the texts of a CSV file: cells of the heading, cells of each row, column separator.
 
-    Raises `StudyError` if it is no UTF-8 text, or has no rows or too many.
+    The separator is a tab or semicolon if the first line has one, else a comma. Empty rows are left
+    out; rows may differ in length.
+
+    Raises
+    ------
+    StudyError
+        If `path` is not UTF-8 text, has no rows below the heading, or more than `MAX_ROWS`.
     """
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
@@ -78,7 +85,12 @@ def _cells(path: Path) -> tuple[list[str], list[list[str]], str]:
 
 
 def _headings(cells: list[str]) -> tuple[list[str], list[str], list[Problem]]:
-    """Return names and units of columns from their headings, and problems of unknown names."""
+    """Return names and units of the columns of a CSV file, and the problems of their headings.
+
+    `cells` are the headings as texts, such as `amplitude [mm]` or `beta (deg)`: a parameter and
+    optionally its unit. Names and units come in the order of the columns, the unit "" without one;
+    a name that is no parameter or occurs twice is a problem.
+    """
     names, units, problems = [], [], []
     for cell in cells:
         match = _HEADING.fullmatch(cell)
@@ -96,10 +108,21 @@ def _headings(cells: list[str]) -> tuple[list[str], list[str], list[Problem]]:
 def _column(
     name: str, unit: str, cells: list[str], decimal_commas: bool, problems: list[Problem]
 ) -> tuple[float, ...]:
-    """Return the values of a column, in the unit of studies; NaN where a cell is wrong.
+    """Return the numbers of one column of a CSV file in the unit of studies; NaN for wrong cells.
 
-    `unit` is that of the heading, `decimal_commas` true if a comma is a decimal point; problems of
-    cells are added to `problems`.
+    Parameters
+    ----------
+    name : str
+        The parameter of the column.
+    unit : str
+        Unit of its heading, for cells that have none of their own; "" without.
+    cells : list of str
+        The texts below the heading.
+    decimal_commas : bool
+        Whether a comma is the decimal sign.
+    problems : list of Problem
+        A problem is added for each text that cannot be read; it names the column and the first row
+        with this text, counted from 1 below the heading. Rows that repeat it add none.
     """
     quantity, known, values = QUANTITIES[name], {}, []
     for number, cell in enumerate(cells, 1):

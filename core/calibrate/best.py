@@ -35,14 +35,16 @@ class LeastSquares:
     watch: Watch
 
     def polished(self, start: Array) -> Array:
-        """Return the best point near `start` by least squares; `start` if none is better.
+        """Return the best point near `start`, refined by least squares; `start` if none is better.
 
-        Points are values of the unknowns, shape (unknowns,), in the units of studies.
+        Points are values of the unknowns, shape (unknowns,), in the units of studies. The sum of
+        squares is that of the residuals of the measured runs over their standard deviations, and of
+        the distances from the prior means. Without measured runs `start` is returned.
 
         Raises
         ------
         StoppedError
-            If the watch stops it.
+            If the watch stops the simulation.
         """
         model = self.model
         if not model.runs.measured.any():
@@ -66,11 +68,20 @@ class LeastSquares:
         return model.lower + optimum.x * model.width
 
     def _residuals(self, shares: Array) -> Array:
-        """Return the residuals over their errors at points, shape (points, runs + unknowns).
+        """Return the scaled residuals of which the least squares are sought.
 
-        `shares` are the points, as shares of the way between the bounds, shape (points, unknowns).
-        Behind the residuals of the measured runs stand the distances of the unknowns from their
-        prior means, in standard deviations.
+        The first columns are (predicted - measured)/(standard deviation of both and of the
+        discrepancy), the last ones (unknown - prior mean)/prior standard deviation. A motion
+        without a speed counts as a large residual (`FAR`).
+
+        Parameters
+        ----------
+        shares : ndarray, shape (points, unknowns)
+            Points to evaluate: each unknown as (value - lower)/(upper - lower) of its bounds.
+
+        Returns
+        -------
+        ndarray, shape (points, measured runs + unknowns)
         """
         model, where = self.model, self.model.runs.measured
         points = model.lower + shares * model.width
@@ -85,9 +96,11 @@ class LeastSquares:
         return np.concatenate([over, np.stack(before, axis=1)], axis=1)
 
     def _slopes(self, share: Array) -> Array:
-        """Return the derivatives of the residuals at a point, shape (runs + unknowns, unknowns).
+        """Return the Jacobian of the scaled residuals at a point, for the least-squares solver.
 
-        `share` is the point, as shares of the way between the bounds; central differences.
+        `share` is the point, shape (unknowns,): each unknown as (value - lower)/(upper - lower) of
+        its bounds. The result has the shape (measured runs + unknowns, unknowns), by central
+        differences that are one-sided at a bound.
         """
         steps = STEP * np.eye(share.size)
         ahead, behind = np.minimum(share + steps, 1.0), np.maximum(share - steps, 0.0)

@@ -76,7 +76,11 @@ class Calibration(Prepared):
 
     @cached_property
     def units(self) -> dict[str, str]:
-        """The unit of each variable of the result, in order."""
+        """The unit of each variable of the result by name, in the order in which they are stored.
+
+        Variables are estimates, correlations, discrepancy, modes, values by run, densities, and,
+        with candidates of further runs, the information that each would add.
+        """
         model, units = self.model, dict[str, str]()
         output = QUANTITIES[model.runs.output].unit
         for unknown in model.unknowns:
@@ -111,7 +115,12 @@ class Calibration(Prepared):
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
-        """The dimensions of each variable of the result, by name."""
+        """The names of the dimensions of each variable of the result, by name of the variable.
+
+        Values by run lie over `run`, modes over `mode`, densities over their unknowns, and
+        information over the axes of the candidates of further runs; all other variables are single
+        numbers.
+        """
         model = self.model
         by_run = {model.runs.output, "error", "residual", "residual_over_error"}
         by_run |= {name for name in self.units if name.startswith("predicted")}
@@ -133,7 +142,12 @@ class Calibration(Prepared):
 
     @property
     def sizes(self) -> dict[str, int]:
-        """The length of each dimension, by name; for modes the most that are stored."""
+        """The length of each dimension of the calibration's result, by name.
+
+        The dimensions are runs, modes, the grid of each unknown's posterior and the axes of
+        candidate runs. The number of modes is only known after the computation; the most that are
+        stored stand for it.
+        """
         names = self.model.names
         sizes = {RUN: len(self.model.runs), MODE: MAX_MODES}
         sizes |= dict.fromkeys(names, AXIS[len(names)])
@@ -143,7 +157,10 @@ class Calibration(Prepared):
 
     @property
     def bytes(self) -> int:
-        """Bytes that the result takes, uncompressed."""
+        """Size of the calibration's result in memory [bytes], known before it is computed.
+
+        It counts 8 bytes for each value of each variable, and the most modes that are stored.
+        """
         count, sizes = 0, self.sizes
         for dims in self.dims.values():
             values = 1

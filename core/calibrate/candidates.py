@@ -20,9 +20,11 @@ BIT = np.log(2.0)  # nats in a bit
 
 
 def columns_of(grid: Grid) -> dict[str, Array]:
-    """Return the parameters of every candidate run, in the units of studies, shape (count,).
+    """Return the parameters of every candidate run, by name, as arrays of shape (candidates,).
 
-    `grid` spans the candidates; one with several axes has all combinations.
+    Candidates are runs that could be measured next; the calibration ranks them. `grid` spans them:
+    all combinations of its axes, with the fixed parameters repeated. Values are in the units of
+    studies.
     """
     axes = [grid.coordinate(name) for name in grid.axes]
     mesh = np.meshgrid(*axes, indexing="ij") if axes else []
@@ -33,7 +35,8 @@ def columns_of(grid: Grid) -> dict[str, Array]:
 def typical_error(posterior: Posterior) -> float:
     """Return the standard deviation expected of one more measurement, in the output's unit.
 
-    It is that of the known errors and of the discrepancy together.
+    It joins the median of the known errors of the runs and the discrepancy, the scatter that no
+    unknown explains.
     """
     runs = posterior.likelihood.model.runs
     known = runs.error[runs.measured]
@@ -45,18 +48,19 @@ def typical_error(posterior: Posterior) -> float:
 def information(
     model: Model, posterior: Posterior, grid: Grid, watch: Watch
 ) -> tuple[Array, Array, Array, Array]:
-    """Return the information that measuring each candidate run would add [bit].
+    """Return the information that measuring each candidate run would add [bit], and predictions.
 
     It is the entropy of the speed that would be measured, less that of its error: by so much the
-    entropy of the unknowns is expected to fall (D. V. Lindley, Annals of Mathematical Statistics
-    27 (1956) 986). Of each unknown it is the standard deviation that is expected to be left.
+    entropy of the unknowns is expected to fall (D. V. Lindley, Annals of Mathematical Statistics 27
+    (1956) 986). `grid` spans the drives of the candidates; `watch` may stop the simulation
+    (`StoppedError`).
 
     Returns
     -------
     gain : ndarray, shape (candidates,)
-        In bits.
+        Information in bits.
     mean, deviation : ndarray, shape (candidates,)
-        Of the predicted speeds.
+        Of the predicted speeds, in the output's unit; NaN where no motion has one.
     left : ndarray, shape (unknowns, candidates)
         Standard deviation of each unknown after the measurement, over that before.
     """
@@ -79,11 +83,22 @@ def information(
 
 
 def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
-    """Return the information of candidates in bits, and the remaining deviations of unknowns.
+    """Return the information of candidate runs in bits, and the deviations of unknowns that remain.
 
-    `value` and `spread` are predicted speed and its standard deviation, shape (ensemble,
-    candidates), `points` the unknowns of the ensemble, shape (ensemble, unknowns). The deviations
-    have the shape (unknowns, candidates), as shares of those before.
+    Parameters
+    ----------
+    value, spread : ndarray, shape (ensemble, candidates)
+        Predicted speed and its standard deviation at each point of the ensemble; NaN without speed.
+    points : ndarray, shape (ensemble, unknowns)
+        The unknowns at these points, which represent the posterior.
+
+    Returns
+    -------
+    gain : ndarray, shape (candidates,)
+        Entropy of the predicted speed less that of its error [bit], times the share of points with
+        a speed.
+    left : ndarray, shape (unknowns, candidates)
+        Standard deviation after the measurement over that before.
     """
     known = ~np.isnan(value)
     count = known.sum(axis=0)
@@ -111,12 +126,24 @@ def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
 
 
 def _left(density: Array, points: Array, steps: Array) -> Array:
-    """Return the deviations expected after a measurement over those before, (unknowns, values).
+    """Return the share of each unknown's deviation that is expected to remain after a measurement.
 
-    E[Var(x|y)] = 1/n sum_y dy (sum_i p_i(y) x_i^2 - (sum_i p_i(y) x_i)^2 / sum_i p_i(y)), where
-    p_i(y) is the density (`density`, shape (ensemble, speeds, candidates)) of the measured speed y
-    that point i of the n points predicts, x_i the unknowns there (`points`) and dy the steps of the
-    speed. Points without a speed keep their share of the variance.
+    That is sqrt(E[Var(x|y)]/Var(x)), from 0 to 1, for every candidate run, with E[Var(x|y)] = 1/n
+    sum_y dy (sum_i p_i(y) x_i^2 - (sum_i p_i(y) x_i)^2/sum_i p_i(y)). Points that predict no speed
+    keep their share of the variance.
+
+    Parameters
+    ----------
+    density : ndarray, shape (n, speeds, candidates)
+        Probability density p_i(y) of the measured speed y that point i predicts [1/unit of y].
+    points : ndarray, shape (n, unknowns)
+        The unknowns x_i at n equally likely points.
+    steps : ndarray, shape (candidates,)
+        Distance dy of the speeds.
+
+    Returns
+    -------
+    ndarray, shape (unknowns, candidates)
     """
     away = points - points.mean(axis=0)
     before = np.square(away).mean(axis=0)

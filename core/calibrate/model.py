@@ -72,7 +72,11 @@ class Unknown:
 
     @property
     def label(self) -> str:
-        """A short label of the unknown."""
+        """A short label of the unknown for plots and attributes, such as "Friction coefficient".
+
+        An unknown that is added to a parameter or multiplied with it is labelled "Offset of the
+        ..." or "Factor of the ...".
+        """
         label = QUANTITIES[self.parameter].label
         lowered = in_sentence(label)
         return {"offsets": f"Offset of the {lowered}", "factors": f"Factor of the {lowered}"}.get(
@@ -96,7 +100,12 @@ class Unknown:
 
     @cached_property
     def _ends(self) -> tuple[float, float]:
-        """Return the bounds of the unknown; a normal prior is cut at five deviations or less."""
+        """Return lower and upper bound of the unknown, in the units of studies.
+
+        A normal prior is cut at `MAX_DEVIATIONS` standard deviations from its mean, or at the
+        limits of the quantity if they are nearer. A limit that is no value itself, such as a
+        friction of 0, is approached by a thousandth of a standard deviation only.
+        """
         if not isinstance(self.prior, Normal):
             return self.prior.lower, self.prior.upper
         quantity = quantity_of(self.table, self.parameter)
@@ -185,7 +194,11 @@ class Predicted(NamedTuple):
     rests: Mask
 
     def shows(self, seen: str) -> Mask:
-        """True where a part shows the behaviour `seen`, such as ``hops``, shape (points, runs)."""
+        """Return a mask, shape (points, runs): True where a motion does what was seen.
+
+        `seen` is the behaviour of the part that was observed in a run: "hops", "does not hop",
+        "does not start", "moves forwards" or "moves backwards".
+        """
         return {
             "hops": self.hops,
             "does not hop": ~self.hops & ~np.isnan(self.value),
@@ -234,21 +247,29 @@ class Model:
     def predict(
         self, points: Array, watch: Watch, columns: Mapping[str, Array] | None = None
     ) -> Predicted:
-        """Return the predicted values and regimes of all runs at points of the unknowns.
+        """Return the predicted values and behaviours of runs, for points of the unknowns.
+
+        Points are simulated in groups of about `CELLS_AT_A_TIME` motions, as a bound on memory.
 
         Parameters
         ----------
         points : ndarray, shape (points, unknowns)
-            In the units of studies.
+            Values of the unknowns, in the units of studies.
         watch : Watch
-            May stop it.
-        columns : mapping of str to ndarray, optional
-            Parameters of other runs than those of the study.
+            Takes the progress and may stop the simulation.
+        columns : mapping of str to ndarray of shape (runs,), optional
+            Parameters of the runs by name, in the units of studies; by default of the observed
+            runs.
+
+        Returns
+        -------
+        Predicted
+            Arrays of shape (points, runs).
 
         Raises
         ------
         StoppedError
-            If the watch says so.
+            If the watch stops the simulation.
         """
         columns = self.runs.columns if columns is None else columns
         count = max((values.size for values in columns.values()), default=1)
@@ -263,9 +284,24 @@ class Model:
     def _predict(
         self, points: Array, count: int, columns: Mapping[str, Array], watch: Watch
     ) -> Predicted:
-        """Return the predictions of `count` runs at some points of the unknowns.
+        """Simulate the motions of `count` runs at points of the unknowns, and return predictions.
 
-        `columns` has the parameters in which the runs differ, shape (count,).
+        Parameters
+        ----------
+        points : ndarray, shape (points, unknowns)
+            Values of the unknowns, in the units of studies.
+        count : int
+            Number of runs.
+        columns : mapping of str to ndarray, shape (count,)
+            Parameters in which the runs differ, in the units of studies.
+        watch : Watch
+            May stop the simulation; its motions then have no value.
+
+        Returns
+        -------
+        Predicted
+            Values in the unit of the measured output, variances, and regimes; shape (points,
+            count).
         """
         given = self._parameters(points, columns)
         with np.errstate(all="ignore"):
@@ -294,10 +330,18 @@ class Model:
         )
 
     def _parameters(self, points: Array, columns: Mapping[str, Array]) -> dict[str, Array]:
-        """Return the parameters of the plan in SI units, which broadcast to (points, runs).
+        """Return the parameters of simulated runs in SI units, by name, for points of the unknowns.
 
-        An unknown is set to its value at a point, added to what is given (offset) or multiplied
-        with that (factor).
+        An unknown of the table "unknowns" is the parameter itself; one of "offsets" is added to the
+        given value, one of "factors" multiplied with it. Values broadcast to the shape (points,
+        runs).
+
+        Parameters
+        ----------
+        points : ndarray, shape (points, unknowns)
+            Values of the unknowns, in the units of studies.
+        columns : mapping of str to ndarray, shape (runs,)
+            Parameters that differ between runs, in the units of studies.
         """
         known: dict[str, Array] = {name: np.asarray(value) for name, value in self.shared.items()}
         known |= {name: values[np.newaxis] for name, values in columns.items()}
@@ -314,7 +358,8 @@ class Model:
     def log_prior(self, points: Array) -> Array:
         """Return the logarithm of the prior density at points, up to a constant, shape (points,).
 
-        Minus infinity where kinetic friction would exceed static friction.
+        `points` are values of the unknowns in the units of studies, shape (points, unknowns). It is
+        minus infinity where kinetic friction would exceed static friction.
         """
         log: Array = np.zeros(len(points))
         for k, one in enumerate(self.unknowns):

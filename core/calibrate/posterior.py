@@ -84,7 +84,11 @@ class Posterior:
         return np.einsum("p,pi,pj->ij", self.weights, away, away)
 
     def ensemble(self, count: int) -> Array:
-        """Return points of equal weight that represent the posterior, shape (count, unknowns)."""
+        """Return points of equal weight that represent the posterior, shape (count, unknowns).
+
+        They are taken at equal steps of the cumulated weights of the points, sorted by their
+        unknowns; in the units of studies. Further runs are predicted at them.
+        """
         places = (np.arange(count) + 0.5) / count
         order = np.lexsort(self.points.T)
         chosen = np.searchsorted(np.cumsum(self.weights[order]), places)
@@ -93,9 +97,17 @@ class Posterior:
 
 
 def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
-    """Return the posterior as weighted points, several in each box that has mass.
+    """Return the posterior as weighted points, several in each box of the grid that has mass.
 
-    Predictions at the points follow from those at the centre of the box, and its slopes.
+    Predictions at a point follow from those at the centre of its box by their slopes, so that no
+    motion is simulated here.
+
+    Parameters
+    ----------
+    likelihood : Likelihood
+        The likelihood of the observations.
+    explored : Explored
+        The adaptive grid: boxes of the unknowns, with mass, predictions and slopes.
     """
     boxes, log_mass = explored.boxes, explored.log_mass
     top = log_mass.max()
@@ -124,10 +136,11 @@ def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
 
 
 def _within(boxes: PosteriorBoxes, each: int) -> tuple[Array, NDArray[np.int64]]:
-    """Return points relative to the centres of their boxes, and the index of each point's box.
+    """Return points in all boxes, relative to the centres, and the index of each point's box.
 
-    There are `each` in a box: a set that fills a cube evenly, shifted by other numbers in every
-    box.
+    There are `each` points in a box: a Sobol set that fills the box evenly, shifted by other random
+    numbers in every box. Points are in shares of the way between the bounds, shape (points,
+    unknowns); indices have the shape (points,). A single point lies at the centre.
     """
     count = boxes.centre.shape[1]
     if each == 1:
@@ -141,9 +154,19 @@ def _within(boxes: PosteriorBoxes, each: int) -> tuple[Array, NDArray[np.int64]]
 
 
 def weighted_quantiles(values: Array, weights: Array, shares: Sequence[float]) -> Array:
-    """Return quantiles of weighted values, shape (shares,); NaN values are ignored.
+    """Return quantiles of weighted values, such as medians and bounds of a posterior.
 
-    `values` and `weights` have the shape (points,).
+    Parameters
+    ----------
+    values, weights : ndarray, shape (points,)
+        Values and their weights, which need not sum to 1; NaN and infinite values are ignored.
+    shares : sequence of float
+        The share of the weight that lies below each quantile, 0 to 1.
+
+    Returns
+    -------
+    ndarray, shape (shares,)
+        In the unit of the values; NaN if no weight is left.
     """
     order = np.argsort(values)
     values, weights = values[order], weights[order]
@@ -157,9 +180,10 @@ def weighted_quantiles(values: Array, weights: Array, shares: Sequence[float]) -
 
 
 def axes_of(posterior: Posterior) -> list[Array]:
-    """Return evenly spaced values of each unknown, in the units of studies.
+    """Return evenly spaced values of each unknown, at which densities are stored.
 
-    They cover all but the tails of the posterior mass, and stay within the bounds.
+    They are in the units of studies, one array for each unknown, and cover all but the tails
+    (`TAIL` at each end) of the posterior mass, with a margin, within the bounds of the unknown.
     """
     model = posterior.likelihood.model
     count = AXIS[len(model.unknowns)]
@@ -179,8 +203,9 @@ def axes_of(posterior: Posterior) -> list[Array]:
 def log_density(posterior: Posterior, axes: Sequence[Array]) -> Array:
     """Return the logarithm of the posterior density on a grid of the unknowns, at most 0.
 
-    `axes` are the values of each unknown, in the units of studies. Predictions follow from those of
-    the box in which a point lies, and its slopes.
+    It is 0 where the density is largest, and cut at `LEAST_LOG`. `axes` are the values of each
+    unknown, in the units of studies; the result has an axis for each. Predictions at a point follow
+    from those at the centre of its box by their slopes.
     """
     likelihood, boxes = posterior.likelihood, posterior.explored.boxes
     model = likelihood.model
@@ -205,7 +230,9 @@ def log_density(posterior: Posterior, axes: Sequence[Array]) -> Array:
 def _box_of(boxes: PosteriorBoxes, share: Array) -> NDArray[np.int64]:
     """Return the index of the box in which each point lies, shape (points,).
 
-    `share` are the points as shares of the way between the bounds, shape (points, unknowns).
+    Boxes are blocks of different sizes that fill the space of the unknowns. Those of one size lie
+    on a regular grid, so that integer keys of its cells can be compared. `share` are the points,
+    shape (points, unknowns): each unknown as (value - lower)/(upper - lower) of its bounds.
     """
     box = np.zeros(len(share), dtype=np.int64)
     for halvings in np.unique(boxes.halvings).tolist():
@@ -220,10 +247,11 @@ def _box_of(boxes: PosteriorBoxes, share: Array) -> NDArray[np.int64]:
 
 
 def _keys(share: Array, halvings: int) -> NDArray[np.int64]:
-    """Return an integer for the cell of a regular grid in which each point lies.
+    """Return, for each point, the number of the grid cell in which it lies, shape (points,).
 
-    The grid has 2^halvings cells along each unknown; `share` are the points as shares of the way
-    between the bounds, shape (points, unknowns).
+    Points in one box have equal numbers, so that the box of a point is found by search. `share` are
+    the points, shape (points, unknowns): each unknown as (value - lower)/(upper - lower) of its
+    bounds. The grid has 2^`halvings` equal cells along each unknown.
     """
     keys = np.zeros(len(share), dtype=np.int64)
     for column in np.floor(share * 2.0**halvings).astype(np.int64).T:
@@ -252,10 +280,21 @@ def pair(posterior: Posterior, axes: Sequence[Array], first: int, second: int) -
 
 
 def _bin_mass(posterior: Posterior, axes: Sequence[Array], which: Sequence[int]) -> Array:
-    """Return the posterior mass around the nodes of a grid of some unknowns.
+    """Return the posterior mass around each node of a regular grid of some unknowns.
 
-    `axes` are their values, `which` their positions. Each point shares its weight among the nodes
-    beside it, so that the density is as smooth as the points allow.
+    Each weighted point shares its weight linearly among the nodes on both sides of it. Nodes at an
+    edge gather from one side only, so their mass is doubled. Divided by the spacing it is a
+    density.
+
+    Parameters
+    ----------
+    posterior : Posterior
+        The weighted points.
+    axes : sequence of ndarray
+        Evenly spaced values of each of these unknowns, in the units of studies; the result has an
+        axis for each.
+    which : sequence of int
+        Positions of these unknowns among all.
     """
     shape = tuple(len(axis) for axis in axes)
     mass = np.zeros(int(np.prod(shape)))
@@ -305,8 +344,10 @@ class PosteriorMode:
 def modes_of(posterior: Posterior, axes: Sequence[Array]) -> list[PosteriorMode]:
     """Return the separate modes of a posterior, the heaviest first; at least one.
 
-    `axes` are evenly spaced values of each unknown, on whose grid modes are told apart. All points
-    belong to one: those between the modes to the mode that they rise to.
+    A mode is a connected region of high density that explains the runs by itself. Regions are
+    sought on a grid over `axes`, evenly spaced values of each unknown in the units of studies. All
+    points belong to a mode: those between modes to the one that they rise to (a watershed of the
+    log density).
     """
     count = len(axes)
     nodes = np.stack(
@@ -336,9 +377,11 @@ def modes_of(posterior: Posterior, axes: Sequence[Array]) -> list[PosteriorMode]
 
 
 def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16]:
-    """Return labels from 1 on for modes of sufficient mass, 0 elsewhere.
+    """Return labels of the heavy regions of a grid, numbered from 1 by mass; 0 elsewhere.
 
-    `labels` numbers the connected regions of a grid, 0 between them, `mass` is that of each node.
+    `labels` numbers the connected regions of high density, 0 between them, by node of the grid;
+    `mass` is the posterior mass of each node, flat. Regions of less than `LEAST_MODE` of the mass,
+    or beyond the first `MAX_MODES`, are no modes. The result has the shape of `labels`.
     """
     shares = np.bincount(labels.ravel(), mass)
     shares[0] = 0.0  # between them
@@ -349,9 +392,9 @@ def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16
 
 
 def _modes(posterior: Posterior, labels: NDArray[np.int16]) -> list[PosteriorMode]:
-    """Return share, best point and mean of each mode, the heaviest first.
+    """Return share of the mass, best point and mean of each mode, the heaviest first.
 
-    `labels` has the number of the mode of each point.
+    `labels` has the number of its mode for each point of the posterior, shape (points,).
     """
     weights, log = posterior.weights, posterior.log
     shares = np.bincount(labels, weights)

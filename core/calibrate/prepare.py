@@ -30,7 +30,10 @@ MAX_UNKNOWNS = 4  # a grid over more would be too coarse to trust
 
 
 def prepare(study: CalibrateStudy) -> Calibration:
-    """Return the calibration that a study describes, ready to be computed.
+    """Check a calibration study and return it ready to be computed.
+
+    That chooses the plan of the simulated motion, and gathers the observed runs, the unknowns with
+    their priors, the scatter of measurements and the candidates for the next run.
 
     Raises
     ------
@@ -92,7 +95,7 @@ def prepare(study: CalibrateStudy) -> Calibration:
 
 
 def _misused(study: CalibrateStudy) -> Iterable[Problem]:
-    """Yield problems of what a calibration cannot have: verification, ranged parameters."""
+    """Yield problems of what calibrations do not support: verification, ranges of parameters."""
     if study.verify is not None:
         message = "a calibration is not verified cell by cell"
         fix = "Leave it out, and simulate the best values with verify"
@@ -104,7 +107,11 @@ def _misused(study: CalibrateStudy) -> Iterable[Problem]:
 
 
 def _unknowns(study: CalibrateStudy) -> tuple[Unknown, ...]:
-    """Return the unknowns of a study, with their priors."""
+    """Return the unknowns of a study with their priors, in its order.
+
+    An unknown is a parameter itself, or an offset or a factor of one: `offset_` or `factor_` then
+    begins its name.
+    """
     found = []
     for name, prior in study.priors().items():
         table = next((t for t in ("offsets", "factors") if name.startswith(STEMS[t])), "unknowns")
@@ -113,7 +120,10 @@ def _unknowns(study: CalibrateStudy) -> tuple[Unknown, ...]:
 
 
 def _problems_of_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
-    """Yield the problems of unknowns that cannot be estimated."""
+    """Yield the problems of the number of unknowns of a calibration: none, or too many.
+
+    More than `MAX_UNKNOWNS` cannot be resolved by the grid on which the posterior is computed.
+    """
     count = len(study.priors())
     if not count:
         fix = "Name some, for example [unknowns] friction = { lower = 0.1, upper = 0.6 }"
@@ -127,9 +137,11 @@ def _problems_of_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
 
 
 def _columns(study: CalibrateStudy) -> tuple[dict[str, Array], list[Problem]]:
-    """Return the parameters that differ between runs, and problems of runs that lack them.
+    """Return the parameters that the observed runs give, and the problems of the table of runs.
 
-    Each has the shape (runs,), in the units of studies, NaN where a run lacks it.
+    Parameters are arrays of shape (runs,) by name, in the units of studies, NaN where a run lacks
+    one. It is a problem if only some runs give a parameter, or if the study gives it as well for
+    all runs together.
     """
     rows = [parameters_of(run) for run in study.observations]
     names = [name for name in QUANTITIES if any(name in row for row in rows)]
@@ -151,7 +163,11 @@ def _columns(study: CalibrateStudy) -> tuple[dict[str, Array], list[Problem]]:
 
 
 def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
-    """Return the name of the measured output, and problems of runs with none or several."""
+    """Return the name of the measured output, and problems of runs that give none or several.
+
+    `rows` are the observed runs. All give the same output, conveying_velocity or feed_rate; a run
+    with an observed regime needs no value. If no run has a value the name is conveying_velocity.
+    """
     problems = []
     for k, row in enumerate(rows, 1):
         given = [name for name in OBSERVED if getattr(row, name) is not None]
@@ -173,7 +189,12 @@ def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
 
 
 def _errors(study: CalibrateStudy, output: str) -> tuple[Array, list[Problem]]:
-    """Return the standard deviation of each run, 0 where unknown, and the problems found."""
+    """Return the standard deviation of each run's measured value, shape (runs,), and the problems.
+
+    `output` is the name of the measured output, in whose unit they are; 0 where no error is known.
+    The error of a run goes before that of the study, which may be a share such as "5 %". Either all
+    measured runs have an error or none.
+    """
     errors, lacking, problems = [], [], list[Problem]()
     for k, run in enumerate(study.observations, 1):
         value = getattr(run, output)
@@ -198,9 +219,16 @@ def _errors(study: CalibrateStudy, output: str) -> tuple[Array, list[Problem]]:
 def _open(
     unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array]
 ) -> Iterable[Problem]:
-    """Yield problems of unknowns that are given anyway, and of offsets of missing parameters.
+    """Yield problems of unknowns that have a given value too, and of offsets of missing parameters.
 
-    `shared` and `columns` have the parameters that are given, for all runs or by run.
+    Parameters
+    ----------
+    unknowns : iterable of Unknown
+        The unknowns of the study.
+    shared : mapping of str to float
+        Parameters given once for all runs, in the units of studies.
+    columns : mapping of str to ndarray, shape (runs,)
+        Parameters given run by run.
     """
     for unknown in unknowns:
         path, names = f"{unknown.table}.{unknown.parameter}", {*shared, *columns}
@@ -222,10 +250,21 @@ def _open(
 def _spans(
     unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array]
 ) -> tuple[dict[str, Values], list[Problem]]:
-    """Return the range of every parameter that is not fixed, and problems of their bounds.
+    """Return the range of every parameter that the study varies, and problems of ranges too wide.
 
-    It is that of the runs (`columns`), of an unknown, or of the given values (`shared`, `columns`)
-    with an unknown offset or factor.
+    A parameter ranges over its values in the runs, over the bounds of its unknown, or over its
+    given values with the bounds of an unknown offset or factor. With the ranges, the constraints of
+    the scene are checked and the time of motions is estimated. All values are in the units of
+    studies.
+
+    Parameters
+    ----------
+    unknowns : iterable of Unknown
+        The unknowns of the calibration, with bounds.
+    shared : mapping of str to float
+        Parameters given once for all runs.
+    columns : mapping of str to ndarray, shape (runs,)
+        Parameters given run by run, NaN where a run lacks one.
     """
     spans: dict[str, Values] = {}
     problems = []
@@ -262,9 +301,14 @@ def _spans(
 def _problems_of_candidates(
     asked: Mapping[str, Values], shared: Mapping[str, float], columns: Mapping[str, Array]
 ) -> Iterable[Problem]:
-    """Yield problems of candidate runs: parameters that do not differ, or too many runs.
+    """Yield problems of candidates of further runs: parameters that no run varies, or too many.
 
-    `asked` has the values of the candidates' parameters.
+    Parameters
+    ----------
+    asked : mapping of str to Values
+        Values or ranges of the candidates' parameters; empty without candidates.
+    shared, columns : mapping
+        Parameters that all measured runs share, and those in which they differ.
     """
     for name in asked:
         if name not in columns:
@@ -278,7 +322,11 @@ def _problems_of_candidates(
 
 
 def _of_scene(study: CalibrateStudy, scene: Scene, method: str) -> Iterable[Problem]:
-    """Yield problems of settings that the scene or the method does not take."""
+    """Yield problems of a scene without conveying velocity, and of unused settings.
+
+    `scene` and `method` are those chosen for the study, such as rectangle-on-plane and "events"; a
+    setting is unused if no equation of the method takes it.
+    """
     if scene.name not in CONTACTS:
         fix = f"Choose among {', '.join(CONTACTS)}"
         yield Problem(
@@ -292,9 +340,11 @@ def _of_scene(study: CalibrateStudy, scene: Scene, method: str) -> Iterable[Prob
 
 
 def _without_order(scene: Scene, spans: Mapping[str, Values]) -> Scene:
-    """Return the scene without the constraint that static friction is the larger.
+    """Return the scene without the constraint static >= kinetic friction, if one is unknown.
 
-    Only where either is an unknown: then the prior sees to it.
+    `spans` has the ranges of parameters by name. With an unknown friction the constraint would be
+    broken at the corners of the range; the prior forbids those points instead. Else the scene is
+    returned as it is.
     """
     names = STATIC_ABOVE_KINETIC.parameters
     both = [spans.get(name) for name in names]
@@ -305,7 +355,10 @@ def _without_order(scene: Scene, spans: Mapping[str, Values]) -> Scene:
 
 
 def _too_few(study: CalibrateStudy, unknowns: tuple[Unknown, ...]) -> Iterable[Problem]:
-    """Yield a problem if runs without errors are too few to estimate their scatter."""
+    """Yield a problem if no error is given and too few measured runs show their scatter.
+
+    There have to be two runs more than unknowns; runs with an observed regime only do not count.
+    """
     if study.error is not None or any(run.error is not None for run in study.observations):
         return
     measured = sum(

@@ -44,7 +44,25 @@ SHARES = (0.16, 0.84, 0.025, 0.975)
 
 
 def compute(prepared: Calibration, watch: Watch) -> Computed:
-    """Carry out a calibration; return every variable of its result, in the units of studies."""
+    """Carry out a calibration and return every variable of its result, in the units of studies.
+
+    It explores the posterior of the unknowns on an adaptive grid, refines the best values, and
+    estimates what further runs would add if candidates are given. Raises `StoppedError` if `watch`
+    stops it.
+
+    Parameters
+    ----------
+    prepared : Calibration
+        The study with its model, runs and candidates.
+    watch : Watch
+        Progress, and when to stop.
+
+    Returns
+    -------
+    Computed
+        Arrays by name of the variable, and notes: the findings in sentences, and the motions
+        simulated.
+    """
     share = prepared.points * len(prepared.model.runs) / prepared.cells
     likelihood = prepared.likelihood
     explored = explore(likelihood, prepared.points, watch.part(share))
@@ -72,7 +90,11 @@ def compute(prepared: Calibration, watch: Watch) -> Computed:
 
 
 def label(prepared: Calibration, computed: Computed, watch: Watch) -> Table:
-    """Return the arrays of a calibration, labelled."""
+    """Return the result of a calibration as a table: arrays with dimensions, units and attributes.
+
+    `computed` has the arrays and notes that `compute` returned for the study `prepared`. Nothing is
+    verified, so that `watch`, which other kinds of study need here, is not used.
+    """
     del watch  # nothing is verified
     model, arrays = prepared.model, computed.arrays
     attributes = _attributes(prepared)
@@ -94,7 +116,13 @@ def label(prepared: Calibration, computed: Computed, watch: Watch) -> Table:
 
 
 def _summary_statistics(prepared: Calibration, posterior: Posterior) -> dict[str, Array]:
-    """Return means, deviations, intervals and correlations of the unknowns, and the discrepancy."""
+    """Return means, deviations, intervals and correlations of the unknowns, and the discrepancy.
+
+    They are single numbers by name of the variable, such as `mean_friction`, in the units of
+    studies; intervals hold 68 % and 95 % of the posterior. The discrepancy is the standard
+    deviation that neither errors nor unknowns explain: its median, intervals and the probability
+    that there is any.
+    """
     model, arrays = prepared.model, dict[str, Array]()
     points = posterior.points
     quantiles = posterior.quantiles(points, (0.5, *SHARES))
@@ -127,7 +155,20 @@ def _best(
 ) -> dict[str, Array]:
     """Return the most likely point of each mode, refined by least squares, and the best of all.
 
-    `axes` are evenly spaced values of each unknown, on whose grid modes are told apart.
+    Parameters
+    ----------
+    prepared, posterior : Calibration, Posterior
+        The study, and its posterior as weighted points.
+    axes : list of ndarray
+        Evenly spaced values of each unknown, on whose grid modes are separated.
+    watch : Watch
+        Raises `StoppedError` if it stops the simulation.
+
+    Returns
+    -------
+    dict of str to ndarray
+        `mode_share` and `mode_<unknown>`, shape (modes,), the heaviest mode first, and
+        `best_<unknown>`, a number; in the units of studies.
     """
     model, sizes = prepared.model, posterior.likelihood.scatter.sizes
     size = float(np.sqrt(posterior.sizes @ np.square(sizes)))
@@ -147,7 +188,17 @@ def _by_run(
 ) -> dict[str, Array]:
     """Return measured and predicted values, residuals and errors of each run, shape (runs,).
 
-    `arrays` has the best values of the unknowns and the discrepancy.
+    The keys are names of variables of the result; values are in the unit of the measured output.
+
+    Parameters
+    ----------
+    prepared : Calibration
+        The study, with the measured runs and the model.
+    posterior : Posterior
+        Weighted points of the unknowns, with predictions.
+    arrays : mapping of str to ndarray
+        The best values of the unknowns (`best_<unknown>`), and the `discrepancy`, the standard
+        deviation of the scatter beyond the errors.
     """
     model = prepared.model
     runs = model.runs
@@ -179,7 +230,12 @@ def _by_run(
 
 
 def _densities(prepared: Calibration, posterior: Posterior, axes: list[Array]) -> dict[str, Array]:
-    """Return the posterior densities of each unknown, of pairs, and of all, on the axes' grid."""
+    """Return the posterior densities of a calibration, by name of the variable of the result.
+
+    They are `density_<unknown>` over one axis, `density_<one>_<other>` over two where there are
+    more than two unknowns, both per unit of the unknowns, and `log_density` over all axes, natural,
+    at most 0. `axes` are evenly spaced values of each unknown, in the units of studies.
+    """
     names = prepared.model.names
     densities = {f"density_{name}": marginal(posterior, axes[k], k) for k, name in enumerate(names)}
     for one, other in prepared.pairs:
@@ -192,7 +248,12 @@ def _densities(prepared: Calibration, posterior: Posterior, axes: list[Array]) -
 def _coordinates(
     prepared: Calibration, arrays: Mapping[str, NDArray[Any]]
 ) -> dict[str, TableVariable]:
-    """Return the coordinates of the result: axes of unknowns, and parameters of the runs."""
+    """Return the coordinates of the result of a calibration, by name.
+
+    They are the values of the unknowns at which densities are stored (from `arrays`), the numbers
+    of runs and of modes, parameters in which the runs differ, those of candidates of further runs,
+    and the parameters that all runs share.
+    """
     model = prepared.model
     coordinates = {
         one.name: TableVariable((one.name,), arrays[one.name], _unknown_attributes(one))
@@ -254,7 +315,11 @@ _RUNS = {
 
 
 def _attributes(prepared: Calibration) -> dict[str, dict[str, Any]]:
-    """Return the CF attributes of every variable: unit, name and comment."""
+    """Return the CF attributes of every variable of a calibration's result, by its name.
+
+    They are unit, long name and comment, for names such as `best_friction`. `prepared` is the study
+    with its unknowns and runs.
+    """
     model, attributes = prepared.model, dict[str, dict[str, Any]]()
     for unknown in model.unknowns:
         lowered = in_sentence(unknown.label)

@@ -46,9 +46,12 @@ class Scatter:
 
     @classmethod
     def of(cls, model: Model, *, wanted: bool) -> Scatter:
-        """Return the sizes that the discrepancy may have, and their prior probabilities.
+        """Return the sizes that the discrepancy may have, and logs of their prior probabilities.
 
-        Only size 0 if no value is measured, or errors are known and a discrepancy is not `wanted`.
+        The discrepancy is the scatter of the measured values beyond errors and unknowns; its sizes
+        are standard deviations in the unit of the output. There is only size 0 if no value is
+        measured, or if errors are known and a discrepancy is not `wanted`. `model` has the measured
+        runs.
         """
         runs = model.runs
         if not runs.measured.any() or (runs.errors_known and not wanted):
@@ -66,10 +69,10 @@ class Scatter:
         return cls(np.concatenate([[0.0], sizes]), np.log(np.concatenate([[NONE_BEFORE], before])))
 
     def finer(self, likely: Array) -> Scatter:
-        """Return sizes of the discrepancy that are denser where they are likely.
+        """Return sizes of the discrepancy that lie closer together where they are likely.
 
-        `likely` are the probabilities of the present sizes after something was measured, shape
-        (sizes,).
+        `likely` are the probabilities of the present sizes given the runs, shape (sizes,). Size 0
+        stays among them if it is one now; prior probabilities are interpolated.
         """
         sizes, before = self.sizes[self.sizes > 0], self.log_before[self.sizes > 0]
         likely = likely[self.sizes > 0]
@@ -115,24 +118,27 @@ class Likelihood:
         points: Array,
         within: Array | float = 0.0,
     ) -> Array:
-        """Return log likelihoods at points, for each size of the discrepancy.
+        """Return log(likelihood times prior) of points, for each assumed size of the discrepancy.
+
+        The discrepancy is the scatter of measurements beyond their errors; its sizes and their
+        prior are in `self.scatter`. A run with a behaviour that was seen ("hops") counts by its
+        probability.
 
         Parameters
         ----------
         value, variance : ndarray, shape (points, runs)
-            Predicted values of the runs, and their variances.
-        shown : ndarray, shape (points, watched runs)
-            The share of a point in which the part does what was seen.
+            Predicted values of the runs, in the unit of the measured output, and their variances.
+        shown : ndarray, shape (points, runs with a seen behaviour)
+            Share of the box about a point in which the part shows what was seen, 0 to 1.
         points : ndarray, shape (points, unknowns)
             The unknowns, in the units of studies, for their prior.
         within : ndarray, shape (points, runs), optional
-            Variance of values about each point, of the box that it stands for. No box explains a
-            run better than where its values come nearest to what was measured.
+            Variance of the values within the box of unknowns that a point stands for.
 
         Returns
         -------
         ndarray, shape (points, sizes)
-            Logarithms with the prior, up to a constant.
+            Logarithms, up to a constant.
         """
         runs = self.model.runs
         where = runs.measured
@@ -145,7 +151,8 @@ class Likelihood:
         for k, size in enumerate(self.scatter.sizes):
             own = known + size**2
             whole = own + around
-            # Next to what is hardly to be explained the variance of a box would explain too much.
+            # A wide box would explain too much by its variance alone: it explains a run no better
+            # than a point would at which its value comes nearest to the measured one.
             spent = square / whole + np.log(whole)
             log[:, k] = -0.5 * np.maximum(spent, nearest / own + np.log(own)).sum(axis=1)
         seen = np.log(
@@ -155,9 +162,10 @@ class Likelihood:
         return np.asarray(log)
 
     def shown(self, predicted: Predicted) -> Array:
-        """Return 1 where the part shows the observed regime of a run, else 0.
+        """Return 1 where a part shows the regime that was observed in a run, else 0.
 
-        Shape (points, watched runs).
+        `predicted` are the motions at points of the unknowns. The result is an array of floats of
+        shape (points, runs with an observed regime).
         """
         columns = [
             predicted.shows(word)[:, k] for k, word in enumerate(self.model.runs.seen) if word
@@ -168,7 +176,11 @@ class Likelihood:
 
 
 def log_sum(log: Array) -> Array:
-    """Return the logarithm of a sum over the last axis, given the logarithms of its terms."""
+    """Return log(sum exp(log)) over the last axis, without overflow of the exponential.
+
+    `log` holds logarithms of probabilities, minus infinity for 0; the result has its shape without
+    the last axis. It sums probabilities that are too small to be represented.
+    """
     top = log.max(axis=-1, keepdims=True)
     top = np.where(np.isfinite(top), top, 0.0)
     with np.errstate(divide="ignore"):

@@ -60,8 +60,19 @@ class ChunkFile:
     def write(self, tile: Tile, arrays: Mapping[str, NDArray[Any]]) -> tuple[list[int], int]:
         """Write the arrays of a tile; return the lengths of its chunks [bytes] and a checksum.
 
-        `arrays` are the tile's values by name, in the shape of the tile; the checksum is the CRC-32
-        of all its chunks.
+        Parameters
+        ----------
+        tile : Tile
+            The block of cells, made of whole chunks.
+        arrays : mapping of str to ndarray
+            The tile's values by name, in the shape of the tile.
+
+        Returns
+        -------
+        lengths : list of int
+            Bytes of each encoded chunk, in the order of the file.
+        checksum : int
+            CRC-32 of all these bytes.
         """
         lengths, checksum = [], 0
         for name, chunks in self._encoded(tile, arrays).items():
@@ -74,10 +85,18 @@ class ChunkFile:
         return lengths, checksum
 
     def pass_over(self, tile: Tile, lengths: Sequence[int]) -> int:
-        """Record a tile that is on disk as written, so that a run can go on after it.
+        """Register a tile that is on disk already, so that a run can go on; return its CRC-32.
 
-        `lengths` are those of its chunks [bytes]. Return the CRC-32 of what the disk has in their
-        place, to be compared with that at writing.
+        HDF5 is given stand-ins of the same lengths, so that it places the chunks as before, and
+        what it would write is read from the disk instead. The checksum is compared with that at
+        writing.
+
+        Parameters
+        ----------
+        tile : Tile
+            The block of cells.
+        lengths : sequence of int
+            Bytes of each of its chunks, in the order of the file.
         """
         self._disk.passing = np.zeros(max(lengths), dtype=np.uint8)
         left = iter(lengths)
@@ -95,10 +114,10 @@ class ChunkFile:
         os.fdatasync(self._disk.descriptor)
 
     def close(self, attributes: Mapping[str, float] | None = None) -> None:
-        """Finish the file, so that it can be read.
+        """Finish the file and close it, so that it can be read.
 
-        `attributes` are new values of numeric global attributes; those that the file does not have
-        are left out. Raises `OSError` if an earlier write failed.
+        `attributes` are new values of numeric global attributes, such as the cost of the run; those
+        that the file does not have are left out. Raises `OSError` if an earlier write failed.
         """
         import h5py
 
@@ -110,7 +129,10 @@ class ChunkFile:
         self.leave()
 
     def leave(self) -> None:
-        """Close the file without finishing it."""
+        """Close the file without finishing it: what HDF5 still keeps in memory is not written.
+
+        Stored chunks stay, so that a later run can go on.
+        """
         self._disk.is_open = False  # HDF5 writes what it keeps, to nowhere
         self._file.close()
         self._pool.shutdown(cancel_futures=True)
@@ -127,9 +149,10 @@ class ChunkFile:
     def _encoded(
         self, tile: Tile, arrays: Mapping[str, NDArray[Any]]
     ) -> dict[str, Iterator[tuple[Box, Any]]]:
-        """Return the encoded chunks of all arrays of a tile, each with its box, by array.
+        """Return the encoded chunks of all arrays of a tile, each with its box, by name.
 
-        They are in the order of the file, and are encoded by threads while they are taken.
+        They are in the order of the file, and threads encode them while they are taken. `arrays`
+        are the tile's values by name.
         """
         layout = tile.field.layout
         chunks = list(layout.chunks(tile.box))
@@ -153,7 +176,11 @@ class ChunkFile:
         return self._buffers[name][: shape[0]]
 
     def _encoder(self, name: str) -> Encode:
-        """Return the function that encodes chunks of the array `name`, by its filters."""
+        """Return the function that encodes chunks of an array for the file.
+
+        It applies the filters (compression, shuffle) with which the array was created; functions
+        are cached by `name`, that of the array.
+        """
         if name not in self._encoders:
             settings = self._file[name].id.get_create_plist()
             filters = [settings.get_filter(k)[0] for k in range(settings.get_nfilters())]
@@ -162,9 +189,11 @@ class ChunkFile:
 
 
 def encoder(filters: Sequence[int]) -> Encode:
-    """Return the function that encodes a chunk for an array's HDF5 filters.
+    """Return the function that encodes a chunk of an array into bytes, as its HDF5 filters would.
 
-    `filters` are the filters' numbers: none, deflate (1), or shuffle and deflate (2, 1).
+    `filters` are the numbers of the filters: none, deflate (1), or shuffle and deflate (2, 1);
+    others raise `NotImplementedError`. The function takes a tile's array, the box of the chunk in
+    it, and a buffer of the chunk's shape to work in.
     """
     if not filters:
         return lambda values, box, buffer: chunk_of(values, box, buffer).data.cast("B")
@@ -187,9 +216,10 @@ def encoder(filters: Sequence[int]) -> Encode:
 
 
 def chunk_of(values: NDArray[Any], box: Box, buffer: NDArray[Any]) -> NDArray[Any]:
-    """Return `buffer`, filled with one chunk of a tile; cells beyond an axis are 0.
+    """Fill `buffer`, of the shape of a chunk, with one chunk of a tile, and return it.
 
     `values` is the array of the tile, and `box` start and stop of the chunk along each axis of it.
+    Cells of the chunk beyond the end of an axis are 0.
     """
     part = values[tuple(slice(*ends) for ends in box)]
     if part.shape == buffer.shape:
@@ -243,10 +273,11 @@ class _Disk:
         return done
 
     def write(self, data: memoryview) -> int:
-        """Write bytes at the position.
+        """Write bytes at the position, for HDF5; return their number.
 
-        Those that stand for a passed-over chunk are only read instead. An error is kept until
-        `check` raises it, since HDF5 would replace it. Return the number of bytes.
+        Bytes that stand for a chunk that is on disk already are not written: the disk is read
+        instead, into `checksum`. An error is kept until `check` raises it, since HDF5 would replace
+        it. Once the file is left (`is_open` false) nothing is written.
         """
         length = len(data)
         if not self.is_open:

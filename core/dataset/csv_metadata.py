@@ -21,9 +21,10 @@ def metadata_path(path: Path) -> Path:
 
 
 def csv_metadata(frame: Frame, name: str) -> bytes:
-    """Return the JSON metadata (CSV on the Web) of a CSV file, whose name is `name`.
+    """Return the JSON metadata (CSV on the Web) of a CSV file with a result.
 
-    The study is among the notes as an object; `study_sha256` is the hash of its canonical text.
+    `frame` has columns and attributes, `name` is the file's name without folder. The study is among
+    the notes as an object; `study_sha256` is the hash of its canonical text.
     """
     about = {key: _plain(value) for key, value in frame.about.items()}
     if "study" in about:
@@ -39,7 +40,10 @@ def csv_metadata(frame: Frame, name: str) -> bytes:
 
 
 def _column(column: FrameColumn) -> dict[str, Any]:
-    """Return the metadata of one column."""
+    """Return the metadata of one column of a CSV file: name, heading, type, label, unit.
+
+    Keys are those of CSV on the Web; what the column does not have is left out.
+    """
     attributes = column.variable.attributes
     kind = column.variable.values.dtype.kind
     description = {

@@ -10,10 +10,11 @@ from core.dataset.table import Table, TableVariable
 
 
 def to_document(table: Table) -> dict[str, Any]:
-    """Return a table as nested dictionaries: attributes, coordinates, variables.
+    """Return a table as nested dictionaries, the form in which the service sends it as JSON.
 
-    Each variable has its `dims`, its attributes (units, long_name, ...) and its `data`, an array;
-    a flag variable has `flags`, the name of each value, in place of the CF pair of attributes.
+    The keys are `attributes`, `coordinates` and `variables`. Each variable has its `dims`, its
+    attributes (units, long_name, ...) and its `data`, an array. A flag variable has `flags`, the
+    name of each of its integer values, in place of two CF attributes.
     """
     return {
         "attributes": {**table.attributes, **table.price},
@@ -23,7 +24,11 @@ def to_document(table: Table) -> dict[str, Any]:
 
 
 def _document(variable: TableVariable) -> dict[str, Any]:
-    """Return a variable as a dictionary: dimensions, attributes, flags, data."""
+    """Return a variable as a dictionary for JSON: dimensions, attributes, flags and data.
+
+    `flags` are the numbers of a flag variable by name; `data` is an array, or a number without
+    dimensions.
+    """
     attributes = dict(variable.attributes)
     values, meanings = attributes.pop("flag_values", None), attributes.pop("flag_meanings", "")
     if values is not None:

@@ -17,12 +17,13 @@ PARTIAL = ".partial"  # ends the names of folders with which a stopped run can g
 def whole(path: Path) -> Iterator[Path]:
     """Yield a temporary path; the file takes its final name when the block ends without error.
 
-    `path` is that name. A reader sees either the whole file or none.
+    `path` is the final name. A reader sees either the complete file or none; after an error nothing
+    is left behind.
 
     Raises
     ------
     OSError
-        If the file cannot be written, with its final name; nothing is left behind.
+        If the file cannot be written, with its final name.
     """
     temporary = path.with_name(f".{path.name}.{os.getpid()}.{time.monotonic_ns()}{PART}")
     try:
@@ -39,14 +40,17 @@ def whole(path: Path) -> Iterator[Path]:
 
 
 def settle(temporary: Path, path: Path) -> None:
-    """Move a finished file or folder to its final path, after flushing it to disk."""
+    """Move a finished file or folder from a temporary to its final path, flushed to disk."""
     sync(temporary)
     temporary.replace(path)
     sync(path.parent)
 
 
 def sync(path: Path) -> None:
-    """Wait until a file, or a folder's list, is on disk."""
+    """Wait until a file is on disk, so that it survives a power failure.
+
+    For the path of a folder that is the list of its files, which changes with a rename.
+    """
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)

@@ -154,7 +154,8 @@ def _write_zarr(table: Table, where: str, history: str, compression: bool) -> No
 def _write_csv(table: Table, where: str, history: str, compression: bool) -> None:
     """Write a table as CSV, and its metadata as JSON in a file beside it.
 
-    `where` is the path of the CSV file; `compression` is not used.
+    `where` is the path of the CSV file, `history` the CF history attribute (a date and a command).
+    `compression`, which all writers of formats take, is not used.
     """
     frame, path = Frame.of(_with_history(table, history)), Path(where)
     with whole(metadata_path(path)) as beside, whole(path) as temporary:

@@ -44,7 +44,10 @@ class Frame:
 
     @classmethod
     def of(cls, table: Table, *, most: int | None = None) -> Frame:
-        """Return the rows of a table, one per cell; `LimitError` if there are more than `most`."""
+        """Return the rows of a table, one for each cell, to be written as CSV, Parquet or Excel.
+
+        Raises `LimitError` if there are more than `most` rows; None allows any number.
+        """
         columns = (*table.coordinates.values(), *table.variables.values())
         sizes: dict[str, int] = {}
         for column in columns:
@@ -62,9 +65,9 @@ class Frame:
 
     @property
     def note(self) -> str:
-        """A sentence on the cells whose regime is not valid for a real part.
+        """A sentence for the file on the cells whose regime does not describe a real part.
 
-        Empty if there are none.
+        It has their number and the names of their regimes; it is empty if there are none.
         """
         regime = self.table.variables.get("regime")
         if regime is None or "flag_values" not in regime.attributes:
@@ -84,9 +87,10 @@ class Frame:
         return {**self.table.attributes, **self.table.price, **note}
 
     def csv(self) -> Iterator[bytes]:
-        """Yield the pieces of a CSV file after RFC 4180, in UTF-8.
+        """Yield a CSV file (RFC 4180) of the table, as UTF-8 bytes of `CSV_ROWS` rows at a time.
 
-        Numbers have all their digits; a value that is NaN is an empty field.
+        The first row has the column names with units, the others one cell of the result each.
+        Numbers have all their digits; NaN gives an empty field.
         """
         yield ",".join(map(_quote_field, map(heading, self.columns))).encode() + b"\r\n"
         # What is repeated is put into words once.
@@ -116,14 +120,18 @@ class Frame:
 
     @cached_property
     def columns(self) -> list[FrameColumn]:
-        """The columns in their order."""
+        """The columns of the frame: first the coordinates of the table, then its variables."""
         return [
             FrameColumn(name, variable)
             for name, variable in (*self.table.coordinates.items(), *self.table.variables.items())
         ]
 
     def piece(self, column: FrameColumn, start: int, rows: int) -> NDArray[Any]:
-        """Return the values of a column in `rows` rows from number `start` on; fewer at the end."""
+        """Return the values of a column in `rows` rows from row `start` on; fewer at the end.
+
+        Values that do not depend on an axis are repeated along it; rows count from 0 and the last
+        axis runs fastest.
+        """
         own = column.variable.dims
         order = [own.index(dim) for dim in self.sizes if dim in own]
         shape = [size if dim in own else 1 for dim, size in self.sizes.items()]
@@ -168,7 +176,11 @@ class FrameColumn:
 
     @cached_property
     def values(self) -> NDArray[Any]:
-        """The values as shown in rows: words for a flag."""
+        """The values of the column as they are shown, in the shape of the table's variable.
+
+        These are its numbers or texts; for a flag the name of each integer value, empty where a
+        value has no name.
+        """
         if self.texts is not None:
             return self.texts
         if not self.words:
@@ -178,7 +190,10 @@ class FrameColumn:
 
     @cached_property
     def codes(self) -> NDArray[np.int8]:
-        """The index of each flag value's word; one beyond the last word for an unknown value."""
+        """The index of each flag value's word; one beyond the last word for an unknown value.
+
+        An array of int8 in the shape of the values.
+        """
         known = np.asarray(self.variable.attributes["flag_values"])
         found = np.full(256, known.size, dtype=np.int8)
         found[known.astype(np.uint8)] = np.arange(known.size)
@@ -192,9 +207,9 @@ def heading(column: FrameColumn) -> str:
 
 
 def _texts(values: NDArray[Any]) -> NDArray[Any]:
-    """Return values as CSV fields, in the same shape; numbers with the fewest exact digits.
+    """Return values as texts of CSV fields, in the same shape; numbers with all digits.
 
-    NaN becomes an empty field.
+    Texts are quoted where necessary, and NaN becomes an empty field.
     """
     flat = values.reshape(-1)
     write: Callable[[Any], str] = repr
@@ -259,7 +274,10 @@ def _parquet(frame: Frame) -> Iterator[bytes]:
 
 
 def _parquet_pieces(arrow: Any, frame: Frame) -> Iterator[bytes]:
-    """Yield the pieces of a Parquet file, each a group of rows; `arrow` is the package pyarrow."""
+    """Yield the bytes of a Parquet file in pieces, each a group of rows; the last ends the file.
+
+    `arrow` is the package pyarrow.
+    """
     columns = frame.columns
     schema = arrow.schema(
         [
@@ -278,7 +296,12 @@ def _parquet_pieces(arrow: Any, frame: Frame) -> Iterator[bytes]:
 
 
 def _type(arrow: Any, column: FrameColumn) -> Any:
-    """Return the type of a column in Arrow: texts for flags; `arrow` is the package pyarrow."""
+    """Return the type of a table column in Apache Arrow, for a Parquet or Feather file.
+
+    `arrow` is the package pyarrow, which is only loaded when needed; `column` is the column. Flags
+    become dictionary-encoded texts, texts strings, and numbers keep their type in native byte
+    order.
+    """
     if column.words:
         return arrow.dictionary(arrow.int8(), arrow.string())
     dtype = column.variable.values.dtype
@@ -288,7 +311,7 @@ def _type(arrow: Any, column: FrameColumn) -> Any:
 
 
 def _array(arrow: Any, frame: Frame, column: FrameColumn, start: int) -> Any:
-    """Return the rows of a column from `start` on as an Arrow array, one group of them.
+    """Return a group of rows of a column, from row `start` on, as an Arrow array for Parquet.
 
     Flags become words; unknown ones are null. Numbers keep NaN. `arrow` is the package pyarrow.
     """

@@ -116,9 +116,9 @@ def _values(array: zarr.Array[Any]) -> np.ndarray[Any, Any]:
 
 
 def _attributes(raw: Any) -> dict[str, Any]:
-    """Return the attributes of an array without those that link it to coordinates.
+    """Return the attributes of a Zarr array without those that link it to coordinates.
 
-    `flag_values` becomes an array of int8, as in a table.
+    `raw` are those read from the group. `flag_values` becomes an array of int8, as in a table.
     """
     attributes = {name: value for name, value in dict(raw).items() if name not in _LINKS}
     with contextlib.suppress(KeyError):

@@ -87,7 +87,10 @@ class GrowingNetcdf:
         return iter(range(self.done, len(self.tiles)))
 
     def write(self, index: int, arrays: Mapping[str, NDArray[Any]], seconds: float) -> None:
-        """Write the next tile, and its lengths and checksum into the journal.
+        """Write the next tile, and the lengths and checksum of its chunks into the journal.
+
+        With the journal, a run that goes on with this file finds the tiles that are complete. From
+        time to time a thread waits until the disk has what was written.
 
         Parameters
         ----------
@@ -108,9 +111,10 @@ class GrowingNetcdf:
             self._behind.start(self._sync)
 
     def finish(self, price: Mapping[str, float]) -> None:
-        """Finish the file and give it its name; remove the folder of the unfinished file.
+        """Complete the NetCDF file, move it to its final path, and remove the folder of pieces.
 
-        `price` holds numeric attributes that are known only now: the cost of the run.
+        `price` has the values of numeric global attributes that are known only now: the cost of the
+        run, such as seconds.
         """
         assert self._file is not None
         self._behind.end()
@@ -121,7 +125,10 @@ class GrowingNetcdf:
         shutil.rmtree(self._folder)
 
     def close(self) -> None:
-        """Close the file so that another run can continue."""
+        """Close the unfinished file, flushed to disk, so that another run can continue it.
+
+        After `finish` only the thread that waits for the disk is ended.
+        """
         self._behind.close()
         if self._file is not None:
             self._sync()
@@ -138,7 +145,8 @@ class GrowingNetcdf:
     def _is_of(self, identity: Mapping[str, str]) -> bool:
         """True if the unfinished file was begun by the same study and its head is intact.
 
-        `identity` is compared with the first record of the journal.
+        `identity` (the study's hash and the like) is compared with the first record of the journal,
+        which also has the SHA-256 of the file without arrays.
         """
         if not self._journal.records:
             return False
@@ -148,10 +156,16 @@ class GrowingNetcdf:
         return known == identity and start.exists() and _digest(start) == digest
 
     def _begin(self, identity: Mapping[str, str], begin: Callable[[Path], None]) -> None:
-        """Begin a new file: write its head and the first record of the journal.
+        """Start a new file of tiles: write its head and the first record of the journal.
 
-        `begin` writes the file without its arrays at the path that it is called with; `identity`
-        goes into the record.
+        The journal lists the tiles that are complete, so that a stopped run can continue.
+
+        Parameters
+        ----------
+        identity : mapping of str to str
+            Identifier and version of the study, stored in the first record.
+        begin : callable
+            Writes a file without the values of its arrays to the path that it gets.
         """
         self._journal.keep(0)
         start = self._folder / "start"
@@ -163,7 +177,11 @@ class GrowingNetcdf:
         self._sync()
 
     def _go_on(self) -> None:
-        """Continue with the stored tiles that the journal records, up to the first damaged one."""
+        """Continue with the stored tiles that the journal records, up to the first damaged one.
+
+        Checking passes over the tiles and cannot be undone, so that it is repeated with the good
+        ones alone once a damaged one was found. Later records are dropped.
+        """
         records = self._journal.records[1:]
         while (good := self._passed(records)) < len(records):
             records = records[:good]
@@ -174,7 +192,8 @@ class GrowingNetcdf:
     def _passed(self, records: list[dict[str, Any]]) -> int:
         """Return the number of recorded tiles that the file contains undamaged, from the first on.
 
-        `records` are those of the journal, with lengths and checksum of each tile's chunks.
+        Each tile is passed over in the file, as if it were written now, and its checksum compared.
+        `records` are those of the journal, with the lengths and the checksum of each tile's chunks.
         """
         file = self._open()
         for number, record in enumerate(records):
@@ -183,9 +202,10 @@ class GrowingNetcdf:
         return len(records)
 
     def _open(self, *, new: bool = False) -> ChunkFile:
-        """Open the file as it was before the first chunk, ready for chunks.
+        """Open the unfinished file as before the first chunk, ready to take chunks; return it.
 
-        `new` discards stored ones.
+        The head is copied over the beginning of the file, as HDF5 has to place all chunks anew in
+        the same way. Stored chunks stay behind it, unless `new` discards them.
         """
         if self._file is not None:
             self._file.leave()

@@ -71,7 +71,11 @@ class Journal:
 
 
 def _record(line: bytes) -> dict[str, Any] | None:
-    """Return the record in a line; None if the line is damaged."""
+    """Return the record in a line of a journal; None if the line is damaged, as after a crash.
+
+    A valid `line` is the CRC-32 of the text in eight hexadecimal digits, a blank, the record as
+    JSON text, and a line feed.
+    """
     checksum, _, text = line.rstrip(b"\n").partition(b" ")
     if not line.endswith(b"\n") or checksum != b"%08x" % zlib.crc32(text):
         return None

@@ -45,7 +45,10 @@ class Layout:
 
     @classmethod
     def of(cls, shape: Sequence[int]) -> Layout:
-        """Return the chunk and tile layout for an array shape; equal shapes get equal layouts."""
+        """Return the layout in chunks and tiles for an array; equal shapes get equal layouts.
+
+        `shape` is the number of values along each dimension, which may be 0.
+        """
         lengths = tuple(max(1, n) for n in shape)  # an axis may have no values
         chunk = chunk_shape(lengths, CHUNK_CELLS)
         return cls(tuple(shape), chunk, _tile_shape(lengths, chunk, TILE_CELLS))
@@ -68,9 +71,10 @@ class Layout:
         )
 
     def box(self, index: int) -> Box:
-        """Return start and stop of a tile on each axis.
+        """Return start and stop of a tile on each axis of the array.
 
-        `index` is its number in C order, from 0.
+        Tiles are equal blocks of the array, those at the end of an axis cut off, in which a large
+        result is computed and written. `index` is the number of the tile in C order, from 0.
         """
         at = np.unravel_index(index, self.counts) if self.shape else ()
         return tuple(
@@ -79,9 +83,10 @@ class Layout:
         )
 
     def chunks(self, box: Box) -> Iterator[Box]:
-        """Yield start and stop of each chunk of a tile on each axis, in C order.
+        """Yield start and stop of each chunk of a tile on each axis of the array, in C order.
 
-        `box` is the tile's start and stop on each axis.
+        A tile is the block of cells that is computed at once; it is stored in chunks, each
+        compressed by itself. `box` is start and stop of the tile on each axis.
         """
         steps = (
             [(start, min(start + length, stop)) for start in range(begin, stop, length)]
@@ -180,11 +185,12 @@ class Tiles:
 
 
 def chunk_shape(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
-    """Return the chunk shape of an array, with at most `most` values.
+    """Return the chunk shape of an array of a shape, with at most `most` values in a chunk.
 
-    All axes are cut alike as far as they are long enough: a reader who frees any two of them then
-    reads few values that were not asked for. Where chunks so cut would hold much padding (seven
-    axes of 13 values: three times the array), lengths that fit the axes better are taken.
+    All axes are cut alike as far as they are long enough: a reader who takes a slice along any two
+    of them then reads few values that were not asked for. Where such chunks would hold much padding
+    (seven axes of 13 values: three times the array), lengths that fit the axes better are searched:
+    those with the least sum of penalties for padding, for uneven lengths and for small chunks.
     """
     alike = _cut_alike(shape, most)
     if math.prod(map(_padding, shape, alike)) <= MAX_PADDING:
@@ -210,7 +216,10 @@ def chunk_shape(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
 
 
 def _cut_alike(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
-    """Return chunk lengths as nearly equal as the axes allow, with a product of at most `most`."""
+    """Return chunk lengths as nearly equal as the axes allow, with a product of at most `most`.
+
+    `shape` is the number of values along each axis of the array.
+    """
     lengths = [1] * len(shape)
     budget = most
     # Short axes first: what they leave over goes to the long ones.
@@ -231,9 +240,11 @@ def _padding(size: int, length: int) -> float:
 
 
 def _tile_shape(shape: tuple[int, ...], chunk: tuple[int, ...], most: int) -> tuple[int, ...]:
-    """Return the tile shape, a whole number of chunks along each axis, at most `most` values.
+    """Return the tile shape of an array, a whole number of chunks along each axis.
 
-    Last axes are taken whole where possible, and tiles are nearly equal.
+    A tile is the block of cells that is computed and written at a time. It has at most `most`
+    values, or one chunk; last axes are taken whole where possible, and tiles are nearly equal.
+    `shape` and `chunk` are the lengths of the array and of a chunk along each axis.
     """
     budget = max(1, most // math.prod(chunk))
     tile: list[int] = []

@@ -74,9 +74,11 @@ def write_mat(table: Table, path: Path, *, compression: bool = True) -> None:
 
 
 def names_in_matlab(names: Iterable[str]) -> dict[str, str]:
-    """Return a distinct name that MATLAB allows for each name, unchanged where possible.
+    """Return a name that MATLAB allows for each of some names, unchanged where possible.
 
-    Other characters become underscores, and names end after 63 characters.
+    Characters other than letters, digits and underscores become underscores, an x goes before a
+    first character that is no letter, and names end after 63 characters. Equal names get a number,
+    so that all are distinct.
     """
     renamed: dict[str, str] = {}
     for name in names:
@@ -98,7 +100,7 @@ def _array(variable: TableVariable) -> NDArray[Any]:
 
 
 def _list(texts: Iterable[str]) -> NDArray[Any]:
-    """Return texts as a MATLAB cell array of one row."""
+    """Return n texts as an object array of shape (1, n), which becomes a MATLAB cell array."""
     known = list(texts)
     cells = np.empty((1, len(known)), dtype=object)
     cells[0, :] = known
@@ -108,9 +110,18 @@ def _list(texts: Iterable[str]) -> NDArray[Any]:
 def _text_attributes(
     variables: Mapping[str, TableVariable], named: Mapping[str, str], attribute: str
 ) -> dict[str, str]:
-    """Return a text attribute of each variable that has it, by MATLAB name.
+    """Return one attribute of the variables of a table as texts, by MATLAB name of the variable.
 
-    `named` holds the MATLAB name of each variable; `attribute` is the attribute's name.
+    Variables without the attribute are left out.
+
+    Parameters
+    ----------
+    variables : mapping of str to TableVariable
+        The variables by name.
+    named : mapping of str to str
+        The MATLAB name of each variable, as MATLAB allows only short names.
+    attribute : str
+        Name of the attribute, such as `units`.
     """
     return {
         named[name]: str(one.attributes[attribute])
@@ -120,7 +131,7 @@ def _text_attributes(
 
 
 def _flags(variable: TableVariable) -> dict[str, float]:
-    """Return the value of each word of a flag variable, by MATLAB name."""
+    """Return the number of each word of a flag variable (`regime`), by MATLAB name."""
     words = str(variable.attributes.get("flag_meanings", "")).split()
     named = names_in_matlab(words)
     values = np.asarray(variable.attributes["flag_values"]).tolist()
@@ -128,7 +139,10 @@ def _flags(variable: TableVariable) -> dict[str, float]:
 
 
 def _about(table: Table) -> dict[str, Any]:
-    """Return the attributes of a table by MATLAB name, without the study."""
+    """Return the global attributes of a table for a MAT file, by MATLAB name, without the study.
+
+    Numbers become floats, all others texts. The study has a field of its own in the file.
+    """
     attributes = {**table.attributes, **table.price}
     named = names_in_matlab(attributes)
     return {

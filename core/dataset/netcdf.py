@@ -76,16 +76,27 @@ def write_netcdf(
 
 
 def define(path: Path, table: Table, *, history: str | None, compression: bool) -> None:
-    """Create the NetCDF file of a table without the values of its arrays.
+    """Create the NetCDF file of a table without the values of its arrays, which are written later.
 
-    Those are written chunk by chunk later. Coordinates, texts and variables without dimension have
-    their values. The cost of the run is written only with a `history`, as by `write_netcdf`.
+    Coordinates, texts and variables without dimension have their values.
+
+    Parameters
+    ----------
+    path, table : Path, Table
+        The file, and the result whose names, shapes, types and attributes count.
+    history : str or None
+        The CF history attribute; only with it the cost of the run is written.
+    compression : bool
+        Whether arrays are to be compressed.
     """
     _define(path, table, history, _Storage(compression), empty=True)
 
 
 def tiles_of(table: Table) -> Tiles:
-    """Return the tiles of the arrays of a table; texts have none."""
+    """Return the tiles of the arrays of a table: the blocks in which they are written.
+
+    Arrays of texts and those without dimension have none.
+    """
     arrays = {n: v for n, v in table.variables.items() if v.values.dtype != object}
     sizes = {
         dim: size
@@ -113,7 +124,7 @@ class _Storage:
     significant_bits: int | None = None
 
     def of(self, values: NDArray[Any]) -> dict[str, Any]:
-        """Return the arguments of the NetCDF library for the storage of an array.
+        """Return the keyword arguments of netCDF4's `createVariable` for the storage of an array.
 
         Arrays without dimension are not compressed, and only floats are rounded.
         """
@@ -131,9 +142,20 @@ PLAIN = _Storage(compression=False)
 def _define(
     path: Path, table: Table, history: str | None, storage: _Storage, *, empty: bool = False
 ) -> None:
-    """Create a NetCDF file with the library; `empty` leaves the values of arrays out.
+    """Create a NetCDF file and its dimensions, attributes and variables with the netCDF4 library.
 
-    Arguments as in `write_netcdf`.
+    Parameters
+    ----------
+    path : Path
+        The file, which is overwritten.
+    table : Table
+        The result.
+    history : str or None
+        The attribute `history`: time and command; None for none.
+    storage : _Storage
+        Chunks and compression of the arrays.
+    empty : bool
+        True to leave out the values of arrays, which are written later.
     """
     import netCDF4  # a process that writes nothing does not load it
 
@@ -144,9 +166,18 @@ def _define(
 def _fill(
     file: netCDF4.Dataset, table: Table, history: str | None, storage: _Storage, *, empty: bool
 ) -> None:
-    """Write attributes, dimensions, coordinates and variables into an open NetCDF file.
+    """Write attributes, dimensions, coordinates and variables of a table into an open NetCDF file.
 
-    Arguments as in `write_netcdf`; `empty` leaves the values of arrays out.
+    Parameters
+    ----------
+    file : netCDF4.Dataset
+        The new file.
+    table, history : Table, str or None
+        The result; the CF history attribute, only with which the cost of the run is written.
+    storage : _Storage
+        Compression and rounding of the variables.
+    empty : bool
+        Whether arrays are only created, for their values to be written later.
     """
     file.setncatts(_attributes(table.attributes))
     if history is not None:
@@ -165,7 +196,9 @@ def _fill(
 def _links(table: Table, name: str) -> dict[str, str]:
     """Return the CF attributes that link a variable to its coordinates and to the regime.
 
-    `name` is that of a variable of the table; the result may be empty.
+    They are names in texts: `coordinates`, those that are no axes, and `ancillary_variables`, the
+    regime if it has no more dimensions. `name` is that of a variable of the table; the result may
+    be empty.
     """
     dims, regime = set(table.variables[name].dims), table.variables.get("regime")
     others = [n for n, one in table.coordinates.items() if one.dims != (n,)]
@@ -214,7 +247,7 @@ def _add(
 
 
 def _attributes(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return attributes in the types that the library takes."""
+    """Return attributes in the types that netCDF4 takes: arrays, floats, 32-bit integers, texts."""
 
     def taken(value: Any) -> Any:
         """Return one attribute in a type that the library takes."""

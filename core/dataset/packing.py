@@ -22,18 +22,21 @@ NO_CHUNK = np.iinfo(np.uint64).max
 
 
 def pack(document: Mapping[str, Any], tile: Tile, values: NDArray[Any], key: str) -> bytes:
-    """Return the bytes of the Zarr shard that contains a tile of an array.
+    """Return the bytes of the Zarr v3 shard (one file of compressed chunks) for a tile of an array.
+
+    A tile is the block of cells that is computed and stored at a time. Equal values give equal
+    bytes.
 
     Parameters
     ----------
     document : mapping
-        The metadata document of the array.
+        The array's metadata, the content of its `zarr.json`.
     tile : Tile
         The tile, with its start and stop on each axis.
     values : ndarray
-        The values in the tile.
+        The values in the tile, in its shape.
     key : str
-        The key of the shard in the array, such as `c/0/1`.
+        Key of the shard within the array, such as `c/0/1`.
     """
     import zarr
     from zarr.buffer.cpu import Buffer
@@ -53,9 +56,11 @@ def index_length(layout: Layout) -> int:
 
 
 def is_whole(index: bytes, size: int) -> bool:
-    """True if the index of a shard is intact, and its chunks fill the rest of the shard.
+    """True if a stored Zarr shard is complete: its index is intact, and its chunks fill the rest.
 
-    `index` are the last bytes of the shard, and `size` is the number of all its bytes.
+    `index` are the last bytes of the shard: position and length of each chunk, and a CRC-32C.
+    `size` is the number of all its bytes. A run that goes on with a stopped one computes the other
+    shards again.
     """
     if int(google_crc32c.value(index[:-4])).to_bytes(4, "little") != index[-4:]:
         return False

@@ -88,9 +88,10 @@ def check_size(size: int, most: int | None) -> None:
 
 
 def _variable(file: h5py.File, name: str, dataset: h5py.Dataset) -> TableVariable:
-    """Return a variable of an HDF5 file with its dimensions and attributes.
+    """Return a variable of a NetCDF file with its dimensions and attributes, all values loaded.
 
-    `name` and `dataset` are the variable's name and array in the file.
+    `file` is the file as h5py reads it, `name` and `dataset` are the variable's name and HDF5
+    dataset.
     """
     dims = tuple(file[ref[0]].name[1:] for ref in dataset.attrs.get("DIMENSION_LIST", ()))
     if dataset.is_scale:
@@ -100,9 +101,9 @@ def _variable(file: h5py.File, name: str, dataset: h5py.Dataset) -> TableVariabl
 
 
 def _attributes(raw: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the attributes that vibrafeed wrote, without those that the libraries add.
+    """Return the attributes that vibrafeed wrote, without those that HDF5 and NetCDF add.
 
-    `raw` are the attributes of an HDF5 file or variable.
+    `raw` are the attributes of a file or variable as h5py reads them.
     """
     return {
         name: _plain(value)
@@ -112,7 +113,10 @@ def _attributes(raw: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return an attribute as a text, a number or an array."""
+    """Return an attribute read by h5py as a text, a number or an array, as tables have it.
+
+    Bytes become a text, and arrays of one value a number; flag values (int8) stay an array.
+    """
     if isinstance(value, bytes):
         return value.decode()
     if isinstance(value, np.ndarray) and value.size == 1 and value.dtype != np.int8:

@@ -39,7 +39,10 @@ class Record:
     arrays: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
     def pack(self) -> bytes:
-        """Return the record as bytes, preceded by their SHA-256; equal records give equal bytes."""
+        """Return the record as bytes, preceded by their SHA-256, which shows damage at reading.
+
+        Equal records give equal bytes, whichever machine makes them.
+        """
         content = io.BytesIO()
         packed = np.frombuffer(json.dumps(dict(self.fields), sort_keys=True).encode(), np.uint8)
         np.savez(content, allow_pickle=False, **{_FIELDS: packed}, **self.arrays)
@@ -47,7 +50,7 @@ class Record:
 
     @classmethod
     def unpack(cls, data: bytes) -> Record | None:
-        """Return the record in the bytes that `pack` made; None if they are damaged."""
+        """Return the record in `data`, the bytes that `pack` made; None if they are damaged."""
         content = memoryview(data)[_DIGEST:]
         if hashlib.sha256(content).digest() != data[:_DIGEST]:
             return None
@@ -76,7 +79,7 @@ class Records:
             self._store = from_url(self.where)
 
     def names(self) -> list[str]:
-        """Return the names of all records, sorted."""
+        """Return the names of all stored records, sorted; none where nothing has been stored."""
         if self._store is not None:
             return sorted(one["path"] for batch in self._store.list() for one in batch)
         if not self._folder.is_dir():
@@ -84,7 +87,10 @@ class Records:
         return sorted(one.name for one in self._folder.iterdir() if not one.name.startswith("."))
 
     def read(self, name: str) -> Record | None:
-        """Return a record by name; None if it is missing or damaged."""
+        """Return the record that was stored under a name, from the folder or object store.
+
+        It is None if there is none under this `name`, or if its checksum shows damage.
+        """
         try:
             if self._store is not None:
                 data = bytes(self._store.get(name).bytes())
@@ -95,7 +101,10 @@ class Records:
         return Record.unpack(data)
 
     def write(self, name: str, data: bytes) -> None:
-        """Store a record's bytes; they appear completely or not at all."""
+        """Store the bytes of a record under a name; they appear completely or not at all.
+
+        A record of the same name is replaced. The place is a folder or an object store.
+        """
         if self._store is not None:
             self._store.put(name, data)
             return
@@ -104,14 +113,14 @@ class Records:
             temporary.write_bytes(data)
 
     def remove(self, name: str) -> None:
-        """Remove a record if it exists."""
+        """Remove the record of a name, in the folder or on the object store, if it exists."""
         if self._store is not None:
             self._store.delete(name)
         else:
             (self._folder / name).unlink(missing_ok=True)
 
     def clear(self) -> None:
-        """Remove all records."""
+        """Remove all records and their folder, once the complete result needs them no more."""
         if self._store is not None:
             for name in self.names():
                 self._store.delete(name)

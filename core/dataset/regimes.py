@@ -27,9 +27,10 @@ def regime_shares(regimes: NDArray[np.integer]) -> dict[str, float]:
 
 
 def shares_of(counts: Mapping[int, int]) -> dict[str, float]:
-    """Return the share of cells in each regime that occurs, 0 to 1, by name.
+    """Return the share of cells in each regime that occurs, 0 to 1, by name of the regime.
 
-    `counts` holds the number of cells by flag value.
+    `counts` holds the number of cells by the integer value of a regime in results, its flag. The
+    order of the result is that of these integers.
     """
     whole = sum(counts.values())
     return {
@@ -40,7 +41,10 @@ def shares_of(counts: Mapping[int, int]) -> dict[str, float]:
 
 
 def flags_of(attributes: Mapping[Any, Any]) -> dict[int, str]:
-    """Return the word of each value of a flag by its CF attributes; of no flag, none."""
+    """Return the word of each value of a flag variable, such as {1: "stick"}, by its CF attributes.
+
+    The attributes are `flag_values` and `flag_meanings`; a variable without them has no words.
+    """
     numbers = np.atleast_1d(attributes.get("flag_values", [])).tolist()
     return dict(zip(numbers, str(attributes.get("flag_meanings", "")).split(), strict=False))
 

@@ -104,7 +104,22 @@ class GrowingZarr:
     def _begin(self, where: str, identity: Mapping[str, str], *, resume: bool) -> None:
         """Begin the group, or continue an unfinished one of the same identity.
 
-        Arguments as of the class. Raises `FileExistsError` if the place is taken.
+        The tiles that have to be written are listed then; all count as done that are stored
+        completely. In a shared group none is listed: each process knows its own.
+
+        Parameters
+        ----------
+        where : str
+            The path or URL, for messages.
+        identity : mapping of str to str
+            Values such as the study's hash, which an unfinished group has to share to be continued.
+        resume : bool
+            Whether stored tiles are kept; else they are removed.
+
+        Raises
+        ------
+        FileExistsError
+            If another result or other files exist there.
         """
         there = self._listed()
         self._documents = self._described()
@@ -122,16 +137,16 @@ class GrowingZarr:
         self.done = self._begun = len(tiles) - len(self._missing)
 
     def _check_free(self, where: str, there: Collection[str], is_same: bool) -> None:
-        """Raise `FileExistsError` if other results or files exist at the path.
+        """Raise `FileExistsError` if a result or foreign files exist at the place of a Zarr group.
 
         Parameters
         ----------
         where : str
-            The path or URL, for the message.
+            The path or URL of the group, for the message.
         there : collection of str
-            Keys of the objects that are stored there.
+            Keys (paths) of the objects that are stored there.
         is_same : bool
-            True if they belong to an unfinished group of the same identity.
+            True if they belong to an unfinished group of the same study, which may be continued.
         """
         if self._path.exists() if self._path is not None else GROUP in there:
             raise FileExistsError(f"{where} exists already")
@@ -150,8 +165,8 @@ class GrowingZarr:
     def show(self) -> None:
         """Write everything but the tiles, so that readers may open the group while it grows.
 
-        Missing tiles read as fill values. The group's document has another name than that of a
-        complete group.
+        Missing tiles read as NaN, a regime as 0. The document of the group is named `growing.json`,
+        unlike that of a complete group.
         """
         with plain_errors():
             self._write_untiled()
@@ -161,10 +176,16 @@ class GrowingZarr:
             self._put(GROWING, _as_json(group))
 
     def write(self, index: int, arrays: Mapping[str, NDArray[Any]], seconds: float) -> None:
-        """Write a tile, one shard for each array; equal studies write equal bytes.
+        """Write a tile, one shard (file) for each array; equal studies write equal bytes.
 
-        `index` is the number of the tile, `arrays` holds the values of each array in it, and
-        `seconds` is not used.
+        Parameters
+        ----------
+        index : int
+            Number of the tile among all.
+        arrays : mapping of str to ndarray
+            The values of each array in the tile.
+        seconds : float
+            Not used: the cost of stored tiles is not recorded.
         """
         tile = self.tiles[index]
         for name in tile.field.names:
@@ -179,7 +200,7 @@ class GrowingZarr:
     def digest(self, key: str) -> str:
         """Return the SHA-256 of a stored shard in hexadecimal; empty if there is none.
 
-        `key` is its path in the group.
+        `key` is its path in the group, such as `throw_number/c/0/1`.
         """
         try:
             return hashlib.sha256(self._get(key)).hexdigest()
@@ -192,10 +213,11 @@ class GrowingZarr:
             self._finish(price)
 
     def _finish(self, price: Mapping[str, float]) -> None:
-        """Write the group's document, and remove the mark of unfinished groups.
+        """Write coordinates and the group's document, which make the group a complete result.
 
-        A folder gets its final name. `price` holds the cost of the run, which is left out if
-        another run has written some of the tiles.
+        The mark of unfinished groups is removed, and a folder gets its final name. `price` has
+        numeric attributes with the cost of the run, which are left out if another run has written
+        some tiles.
         """
         self._write_untiled()
         attributes = dict(self._table.attributes)
@@ -216,7 +238,10 @@ class GrowingZarr:
                 self._store.delete(GROWING)
 
     def _write_untiled(self) -> None:
-        """Write arrays that have no tiles: coordinates, texts, scalars."""
+        """Write the arrays of a group that are not computed in tiles: coordinates, texts, scalars.
+
+        Their metadata have been written before. They are known before the first tile.
+        """
         import zarr
 
         table = self._table
@@ -235,7 +260,10 @@ class GrowingZarr:
         self._behind.close()
 
     def _described(self) -> dict[str, dict[str, Any]]:
-        """Return the metadata document of each array, by name."""
+        """Return the metadata document (`zarr.json`) of each coordinate and variable, by name.
+
+        Arrays with tiles get shards, all others plain chunks.
+        """
         table = self._table
         fields: dict[str, StoredField] = {n: f for f in self.tiles.fields for n in f.names}
         documents = {}
@@ -249,9 +277,17 @@ class GrowingZarr:
         return documents
 
     def _is_there(self, tile: Tile, there: Mapping[str, int]) -> bool:
-        """True if all shards of a tile are stored completely; only their indices are read.
+        """True if the shards of a tile are stored completely, so that it need not be computed.
 
-        `there` holds the size of each stored object [bytes], by key.
+        A shard is the file of a tile for one array. Its index at its end is read and checked
+        against its size; the data are not read.
+
+        Parameters
+        ----------
+        tile : Tile
+            The tile: a block of cells of arrays with the same dimensions.
+        there : mapping of str to int
+            Size of each stored object [bytes], by key (its path in the group).
         """
         length = index_length(tile.field.layout)
         for name in tile.field.names:
@@ -273,9 +309,10 @@ class GrowingZarr:
         return bytes(self._store.get(key).bytes())
 
     def _put(self, key: str, data: bytes) -> None:
-        """Store bytes under a key, the path in the group.
+        """Store bytes as a file of the Zarr group, in the folder or the object store.
 
-        A thread waits until the disk has them.
+        `key` is the path in the group; `data` are the bytes. On a disk, a thread then waits until
+        they are written, without delaying the caller. Errors of the store are raised as `OSError`.
         """
         with plain_errors():
             self._store.put(key, data)
@@ -284,7 +321,10 @@ class GrowingZarr:
 
 
 def attributes_at(where: str) -> dict[str, Any]:
-    """Return the attributes of a complete Zarr group at a path or URL; none if there is none."""
+    """Return the global attributes of a complete Zarr group; empty if there is none.
+
+    `where` is a path or the URL of an object store. Raises `OSError` if it cannot be read.
+    """
     if "://" not in where:
         path = Path(where) / GROUP
         return dict(json.loads(path.read_bytes())["attributes"]) if path.exists() else {}
@@ -296,7 +336,10 @@ def attributes_at(where: str) -> dict[str, Any]:
 
 @contextlib.contextmanager
 def plain_errors() -> Iterator[None]:
-    """Turn errors of object stores that are raised in the block into `OSError`."""
+    """Turn errors of object stores that are raised in the block into `OSError`.
+
+    Callers then treat a failing store as they treat a failing disk.
+    """
     from obstore.exceptions import BaseError
 
     try:
@@ -306,7 +349,10 @@ def plain_errors() -> Iterator[None]:
 
 
 def open_store(where: str | Path) -> ObjectStore:
-    """Return the object store for a URL, or for a folder, which is created."""
+    """Return the object store for a URL, or for a folder (a `Path`), which is created.
+
+    Raises `MissingPackageError` if zarr or obstore is not installed, and `OSError` for a wrong URL.
+    """
     needed_for_zarr()
     from obstore.store import LocalStore, from_url
 

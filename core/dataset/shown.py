@@ -13,9 +13,9 @@ if TYPE_CHECKING:
 
 
 def in_shown_units(dataset: xarray.Dataset, units: ShownUnits) -> xarray.Dataset:
-    """Return a copy of a dataset with values in the units for reading; flags stay unchanged.
+    """Return a copy of a dataset in units for reading, such as mm/s; flags are unchanged.
 
-    `units` chooses the unit of each variable by the unit in the dataset and the largest value.
+    `units` chooses the unit of each variable by its unit in the dataset and its largest value.
     """
     changed = {}
     for name, array in dataset.variables.items():

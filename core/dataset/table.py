@@ -63,7 +63,10 @@ class Table:
 
     @classmethod
     def of_xarray(cls, dataset: xarray.Dataset) -> Table:
-        """Return the table with the content of an xarray dataset; arrays are shared."""
+        """Return a table with the coordinates, variables and attributes of an xarray dataset.
+
+        Arrays are not copied, so that changes of values are seen in both.
+        """
 
         def plain(arrays: Mapping[Any, xarray.DataArray]) -> dict[str, TableVariable]:
             """Return variables of plain arrays."""
@@ -75,7 +78,10 @@ class Table:
         return cls(plain(dataset.coords), plain(dataset.data_vars), dict(dataset.attrs))
 
     def to_xarray(self) -> xarray.Dataset:
-        """Return the table as an xarray dataset; arrays are shared."""
+        """Return the table as an xarray dataset, with its price among the attributes.
+
+        Arrays are not copied, so that changes of values are seen in both.
+        """
         import xarray  # heavy, and a file or a reply does not need it
 
         def view(variables: Mapping[str, TableVariable]) -> dict[str, Any]:
@@ -93,9 +99,9 @@ class Table:
 
 
 def quantity_attributes(name: str, **extra: str) -> dict[str, Any]:
-    """Return the CF attributes of a quantity: unit, label, symbol and description.
+    """Return the CF attributes of a quantity in a result: unit, label, symbol and description.
 
-    `name` is a key of `QUANTITIES`; `extra` are further attributes.
+    `name` is a key of `QUANTITIES`, such as `frequency`; `extra` are further attributes.
     """
     quantity = QUANTITIES[name]
     return {

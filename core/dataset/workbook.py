@@ -65,7 +65,11 @@ def xlsx(frame: Frame) -> Iterator[bytes]:
 
 
 def _pieces(library: Any, frame: Frame) -> Iterator[bytes]:
-    """Yield the bytes of a workbook, empty pieces first; `library` is the package openpyxl."""
+    """Yield the bytes of an Excel workbook; the first pieces are empty, while rows are added.
+
+    The empty ones let a caller stop between rows. `library` is the package openpyxl; temporary
+    files are removed at the end or when the generator is closed.
+    """
     from openpyxl.writer.excel import ExcelWriter
 
     book = library.Workbook(write_only=True)
@@ -86,7 +90,11 @@ def _pieces(library: Any, frame: Frame) -> Iterator[bytes]:
 
 
 def _add_values(book: Any, frame: Frame) -> Iterator[None]:
-    """Add the sheet with the rows to a workbook, yielding after every 1,024 rows."""
+    """Add the sheet `values` with the rows to a workbook, yielding after every 1,024 rows.
+
+    The pauses let a caller stop. Constant parameters have a sheet of their own. `book` is a
+    workbook of openpyxl.
+    """
     shown = [column for column in frame.columns if not _is_constant(frame, column)]
     headings = [heading(column) for column in shown]
     sheet = _sheet(book, "values", [max(10, len(text) + 2) for text in headings])
@@ -104,7 +112,10 @@ def _is_constant(frame: Frame, column: FrameColumn) -> bool:
 
 
 def _add_constants(book: Any, frame: Frame) -> None:
-    """Add the sheet of the constant parameters to a workbook: name, value, unit, label."""
+    """Add the sheet of the constant parameters to a workbook: name, value, unit, label.
+
+    `book` is a workbook of openpyxl, `frame` the result.
+    """
     sheet = _sheet(book, "constants", [30, 24, 12, 40])
     sheet.append(["name", "value", "unit", "label"])
     for column in frame.columns:
@@ -116,7 +127,10 @@ def _add_constants(book: Any, frame: Frame) -> None:
 
 
 def _add_columns(book: Any, frame: Frame) -> None:
-    """Add the sheet that describes the columns to a workbook: unit, label, dimensions and so on."""
+    """Add the sheet that describes the columns to a workbook: unit, symbol, label, dimensions.
+
+    `book` is a workbook of openpyxl, `frame` the result.
+    """
     sheet = _sheet(book, "columns", [30, 12, 10, 40, 100, 30])
     sheet.append(["name", "unit", "symbol", "label", "description", "depends on"])
     for column in frame.columns:
@@ -132,9 +146,10 @@ def _dims(column: FrameColumn) -> str:
 
 
 def _add_study(book: Any, frame: Frame) -> None:
-    """Add the sheet of the table's attributes to a workbook, the study among them.
+    """Add a sheet with the attributes of a result, the study among them, to an Excel workbook.
 
-    Texts that are too long for a cell continue in the rows below.
+    `book` is the openpyxl workbook; `frame` has the attributes (`about`), one row each. Texts too
+    long for a cell continue in the rows below.
     """
     sheet = _sheet(book, "study", [24, 120])
     sheet.append(["attribute", "value"])
@@ -148,7 +163,10 @@ def _add_study(book: Any, frame: Frame) -> None:
 
 
 def _sheet(book: Any, title: str, widths: list[int]) -> Any:
-    """Return a new sheet of a workbook with column widths [characters] and a fixed first row."""
+    """Return a new sheet of an openpyxl workbook, with column widths and the first row fixed.
+
+    `widths` are in characters, one for each column from the first on.
+    """
     sheet = book.create_sheet(title)
     sheet.freeze_panes = "A2"
     for number, width in enumerate(widths, 1):
@@ -157,7 +175,10 @@ def _sheet(book: Any, title: str, widths: list[int]) -> Any:
 
 
 def _cells(sheet: Any, values: NDArray[Any]) -> list[Any]:
-    """Return the cells of a sheet for an array's values: texts, numbers with all digits, None."""
+    """Return an array of values as cells of a sheet, as openpyxl takes them.
+
+    Texts are never formulas, numbers have all digits, NaN is None (an empty cell).
+    """
     if values.dtype == object:
         return [_text(sheet, str(value)) for value in values.tolist()]
     if values.dtype.kind == "f":
@@ -166,9 +187,10 @@ def _cells(sheet: Any, values: NDArray[Any]) -> list[Any]:
 
 
 def _number(sheet: Any, value: float) -> Any:
-    """Return the cell of a number with all its digits; openpyxl would write 16.
+    """Return a number as a cell of an Excel sheet (`sheet`) with all its digits.
 
-    NaN becomes None, an empty cell; an infinite number becomes a text.
+    openpyxl alone would write 16 digits. NaN becomes None, an empty cell; an infinite `value`
+    becomes a text, as Excel has none.
     """
     if not math.isfinite(value):
         return None if math.isnan(value) else str(value)
@@ -178,9 +200,11 @@ def _number(sheet: Any, value: float) -> Any:
 
 
 def _text(sheet: Any, text: str) -> Any:
-    """Return the cell of a text, never interpreted as a formula; None for an empty text.
+    """Return a text as a cell of an Excel sheet that is never interpreted as a formula or an error.
 
-    Control characters, which Excel cannot hold, are removed.
+    `sheet` is the openpyxl sheet of the cell. Texts that begin with "=" or "#" become cells of text
+    type; others are returned as they are, and an empty one as None. Control characters, which Excel
+    cannot hold, are removed.
     """
     if not text:
         return None
@@ -203,7 +227,11 @@ class _Archive(ZipFile):
         super().writestr(_dateless_entry(name), data, *others)
 
     def write(self, filename: Any, arcname: Any = None, *others: Any) -> None:
-        """Write a file into the archive without a date."""
+        """Write a file into the archive without a date, so that equal contents give equal bytes.
+
+        `filename` is the path of the file, `arcname` its name in the archive; further arguments of
+        `ZipFile.write` are ignored.
+        """
         with (
             Path(filename).open("rb") as source,
             self.open(_dateless_entry(str(arcname)), "w", force_zip64=True) as entry,
@@ -219,7 +247,10 @@ def _dateless_entry(name: str) -> ZipInfo:
 
 
 def _remove_rests(book: Any) -> None:
-    """Remove the temporary files of a workbook's sheets, whether it was saved or not."""
+    """Remove the temporary files of a workbook's sheets, whether it was saved or not.
+
+    openpyxl leaves them behind when writing is broken off. `book` is the workbook.
+    """
     for sheet in book.worksheets:
         writer = sheet._writer
         if writer is None:

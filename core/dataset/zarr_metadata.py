@@ -26,8 +26,8 @@ CHECKSUM: dict[str, Any] = {"name": "crc32c"}
 def _sharding(chunk_shape: tuple[int, ...], width: int) -> dict[str, Any]:
     """Return the Zarr codec of shards: compressed chunks, an index at the end, and checksums.
 
-    `chunk_shape` is the number of values of a chunk along each axis; `width` is the size of a value
-    [bytes].
+    It is an entry of an array's metadata. `chunk_shape` is the number of values of a chunk along
+    each axis; `width` is the size of a value [bytes].
     """
     # lz4 is the fastest of those that every reader of version 3 has; with a shuffle it packs floats
     # better than zstd does without.
@@ -50,9 +50,10 @@ def _sharding(chunk_shape: tuple[int, ...], width: int) -> dict[str, Any]:
 
 
 def group_document(table: Table, arrays: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
-    """Return the metadata document of a group, which also holds those of its arrays.
+    """Return the metadata of a Zarr group (its `zarr.json`), which also holds that of its arrays.
 
-    Readers then open the group with one request. `arrays` are the documents by name.
+    Readers then open the group with one request. `table` has the global attributes, `arrays` the
+    metadata documents of the arrays by name.
     """
     return {
         "zarr_format": 3,
@@ -73,18 +74,20 @@ def array_document(
     chunk_shape: tuple[int, ...],
     shard_shape: tuple[int, ...] | None = None,
 ) -> dict[str, Any]:
-    """Return the metadata document of an array, one file per chunk or with shards.
+    """Return the JSON metadata of an array of a Zarr group, the file zarr.json of the array.
 
     Parameters
     ----------
     table : Table
-        Holds the dimensions and attributes of the array; its values and their number do not count.
+        Holds the array as a coordinate or variable; its type, dimension names and attributes count,
+        its values and shape do not.
     name : str
-        A coordinate or variable of the table.
+        Name of that coordinate or variable.
     shape, chunk_shape : tuple of int
         The number of values of the array and of a chunk along each dimension.
     shard_shape : tuple of int, optional
-        The number of values of a shard, which is one file of compressed chunks.
+        The number of values of a shard, a file of several compressed chunks; by default, each chunk
+        is a file.
     """
     is_output = name in table.variables
     variable = table.variables[name] if is_output else table.coordinates[name]
@@ -114,7 +117,9 @@ def array_document(
 def _links(table: Table, name: str, variable: TableVariable) -> dict[str, str]:
     """Return the CF attributes that link an output to its coordinates and to the regime.
 
-    `name` and `variable` are of an output of the table; the result may be empty.
+    They are names in texts: `coordinates`, the fixed parameters, and `ancillary_variables`, the
+    regime if it has no more dimensions than the output. `name` and `variable` are of an output of
+    the table; the result may be empty.
     """
     scalars = " ".join(n for n, coordinate in table.coordinates.items() if not coordinate.dims)
     links = {"coordinates": scalars} if scalars else {}
@@ -125,7 +130,7 @@ def _links(table: Table, name: str, variable: TableVariable) -> dict[str, str]:
 
 
 def _plain(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return attributes as JSON values."""
+    """Return attributes as values that JSON holds: arrays as lists, all but numbers as texts."""
     return {
         name: value.tolist()
         if isinstance(value, np.ndarray)

@@ -52,10 +52,10 @@ class Draft:
         return KINDS[name] if isinstance(name, str) and name in KINDS else None
 
     def resolve(self, *, files: bool) -> Draft:
-        """Return the draft with file names replaced by the numbers in the files.
+        """Return this draft of a study with file names replaced by the numbers in the files.
 
-        `files` is True if files of this machine may be read, which no study from the network may
-        ask for.
+        `files` is True if files of this machine may be read, which a study from the network may not
+        ask for. Changes the draft, and adds the problems found.
         """
         keys = _keys_of(self.kind) if self.kind else SECTIONS
         for key, section in SECTIONS.items():
@@ -69,7 +69,11 @@ class Draft:
         return self
 
     def check(self) -> Study:
-        """Return the study; raise `StudyError` for invalid values, files and keys."""
+        """Return the validated study of this draft, of the model of its kind.
+
+        Raises `StudyError` with all problems of values, keys and files. Without a known kind, the
+        values are checked by the kind that was probably intended.
+        """
         if not isinstance(self.content, Mapping):
             fix = "Write keys with values: kind, scene, outputs, ..."
             raise StudyError(
@@ -90,7 +94,11 @@ class Draft:
         return study
 
     def prepare(self) -> Prepared:
-        """Return the prepared study; raise `StudyError` with every problem."""
+        """Return the study of this draft, checked and planned, ready to be computed.
+
+        Raises `StudyError` with every problem at once: if the check fails, also those that planning
+        the readable rest would report, unless a file of the study cannot be read.
+        """
         try:
             study = self.check()
         except StudyError as error:
@@ -104,7 +112,8 @@ class Draft:
     ) -> tuple[Study | None, list[Problem]]:
         """Return the study if its content is valid, else None, and the problems of its content.
 
-        `kind` is the kind of study whose model checks the content.
+        `kind` is the kind of study whose model checks the `content`. Problems of keys that could
+        not be read are left out, as they are known.
         """
         keys = _keys_of(kind)
 
@@ -123,9 +132,10 @@ class Draft:
             return None, [one for one in problems if one.place not in self.unread]
 
     def _parameters(self) -> Collection[str]:
-        """Return the names of the parameters of the named scene, for suggestions.
+        """Return the names of the parameters of the scene that the study names, for suggestions.
 
-        They are all parameters if the scene is unknown.
+        A misspelt parameter is compared with them. They are all parameters of all scenes if the
+        scene is unknown.
         """
         names: set[str] = set()
         for scenes in self.kind.scenes if self.kind else ():
@@ -137,9 +147,11 @@ class Draft:
         return names or PARAMETERS
 
     def _objections(self, known: StudyError) -> list[Problem]:
-        """Return the problems that the plan would report, as far as the content can be read.
+        """Return problems that planning the study would find, as far as it can be read.
 
-        `known` is the error of the check; places that it names are left out.
+        So a study with errors of form shows those of its plan at the same time. `known` is the
+        error that checking the form has raised; fields that it names are left out, and nothing is
+        found where kind, scene or parameters cannot be read.
         """
         kind = self.kind
         if kind is None or not isinstance(self.content.get("parameters"), Mapping):
@@ -174,7 +186,11 @@ class Draft:
         return [problem for problem in problems if problem.place not in places]
 
     def _outputs(self, kind: Kind) -> Iterable[Any]:
-        """Yield the outputs that the study asks for in all sections, or those of its kind."""
+        """Yield the names of all outputs that a study asks for, in whatever section.
+
+        If the key `outputs` is missing, those that its `kind` has by default come first. The values
+        are those of the unchecked content, and need not be texts.
+        """
         keys = _keys_of(kind)
         if "outputs" in keys and "outputs" not in self.content:
             default = kind.model.model_fields["outputs"].get_default()
@@ -190,9 +206,10 @@ def _keys_of(kind: Kind) -> Collection[str]:
 
 
 def _no_kind(content: Mapping[str, Any]) -> tuple[Problem, Kind]:
-    """Return the problem of an unknown or missing kind, and the kind that was probably intended.
+    """Return the problem of an unknown or missing kind of study, and the kind probably intended.
 
-    It is the kind with the most similar name, else the one that has most of the keys in `content`.
+    That is the kind with the most similar name, else the one that has most of the keys in
+    `content`, the unchecked study; its rules find further problems.
     """
     kind = content.get("kind")
     missing = kind is None

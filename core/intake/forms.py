@@ -25,9 +25,10 @@ WIDTH: Final = 88  # characters of a line of Python
 
 
 def to_toml(content: Mapping[str, Any]) -> str:
-    """Return a study as TOML text, with ranges of parameters on one line.
+    """Return a study as the text of a TOML file, with the range of each parameter on one line.
 
-    `content` is the study as it was typed.
+    `content` holds the keys and values of the study as they were typed, with their units; keys
+    whose value is None are left out.
     """
     import tomlkit
 
@@ -52,9 +53,10 @@ def to_json(content: Mapping[str, Any]) -> str:
 
 
 def to_curl(content: Mapping[str, Any], service: str = SERVICE) -> str:
-    """Return a curl command that posts the study to a service, for POSIX shells.
+    """Return a curl command, for POSIX shells, that posts a study to a service.
 
-    `content` is the study as it was typed, `service` the address of the service.
+    `content` holds the keys and values of the study as they were typed, `service` is the address of
+    the service.
 
     Raises
     ------
@@ -75,9 +77,10 @@ def to_curl(content: Mapping[str, Any], service: str = SERVICE) -> str:
 
 
 def to_python(content: Mapping[str, Any]) -> str:
-    """Return a Python program that runs the study, with units as they were typed.
+    """Return the text of a Python program that runs a study and prints its dataset.
 
-    `content` is the study as it was typed.
+    `content` holds the keys and values of the study as they were typed, with their units.
+    Parameters become keywords of the call, unless a name is a key of studies, too.
     """
     keywords = {name: value for name, value in content.items() if name != "kind"}
     parameters = keywords.get("parameters", {})
@@ -99,6 +102,8 @@ FORMS: Final[Mapping[str, Callable[[Mapping[str, Any]], str]]] = {
 
 def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[str, Any]:
     """Return a study whose files of recordings and observations are found from its new place.
+
+    It is the one to be written out in another form.
 
     Parameters
     ----------
@@ -136,9 +141,10 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
 
 
 def _observations(content: Mapping[str, Any], form: str, folder: Path) -> Any:
-    """Return the path of the file of observations from the new place, or its rows for a request.
+    """Return the file of observations of a study that is moved to another form, or its rows.
 
-    Arguments as in `resolve_files`.
+    The rows for a request by curl, since a service reads no files; the path as it is for a call in
+    Python; the path relative to `folder` for a file there. `content` is the study, `form` the form.
     """
     if form == "curl":
         return read_rows(Path(content["observations"]))
@@ -147,7 +153,10 @@ def _observations(content: Mapping[str, Any], form: str, folder: Path) -> Any:
 
 
 def _depth(value: object) -> int:
-    """Return the depth of tables in a value, as a sort key: 0, 1 for a table, 2 for several."""
+    """Return the depth of tables in a value of a study: 0 for none, 1 for a table, 2 for several.
+
+    A list of tables has 2. A sort key: in TOML plain values must come before tables.
+    """
     if isinstance(value, Mapping):
         return 1
     in_tables = isinstance(value, list) and any(isinstance(one, Mapping) for one in value)
@@ -155,7 +164,10 @@ def _depth(value: object) -> int:
 
 
 def _in_line(tomlkit: Any, value: Any) -> Any:
-    """Return a value as a TOML item on one line; `tomlkit` is the package of this name."""
+    """Return a value of a study as an item of TOML that stands on one line.
+
+    A mapping becomes an inline table. `tomlkit` is the module, imported by the caller.
+    """
     if not isinstance(value, Mapping):
         return tomlkit.item(_writable(tomlkit, value))
     table = tomlkit.inline_table()
@@ -164,10 +176,10 @@ def _in_line(tomlkit: Any, value: Any) -> Any:
 
 
 def _writable(tomlkit: Any, value: Any) -> Any:
-    """Return a value without None, with arrays in the form that tomlkit writes fast.
+    """Return a value of a study as tomlkit can write it: without None, and with arrays as text.
 
-    An array is handed over as text: tomlkit takes time that grows with the square of the length for
-    one that it puts together itself.
+    An array is handed over as text, because tomlkit takes time that grows with the square of the
+    length for one that it puts together itself. `tomlkit` is the module, imported by the caller.
     """
     if isinstance(value, Mapping):
         return {n: _writable(tomlkit, part) for n, part in value.items() if part is not None}
@@ -179,7 +191,10 @@ def _writable(tomlkit: Any, value: Any) -> Any:
 
 
 def _literal(value: Any, column: int) -> str:
-    """Return the Python literal of a value, wrapped; further lines are indented to `column`."""
+    """Return the Python literal of a value, wrapped, for a study written as a program.
+
+    Its first line is to stand at `column`; further lines are indented to there.
+    """
     if isinstance(value, str):
         return repr(value)
     text = pprint.pformat(value, width=max(WIDTH - column, 40), sort_dicts=False)

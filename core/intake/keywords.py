@@ -63,8 +63,9 @@ def gather(
 def spread(written: Mapping[str, Any]) -> dict[str, Any]:
     """Return the content of a study, with parameters moved from its top level to `parameters`.
 
-    `written` is the content, whose `outputs` may be a single name instead of a list. An unknown
-    name goes where the most similar known name belongs, so that the reader refuses it there.
+    So a study may be written as keywords of a call. `written` is the content, whose `outputs` may
+    be a single name instead of a list. An unknown name goes where the most similar known name
+    belongs, so that it is refused there.
 
     Raises
     ------
@@ -91,9 +92,10 @@ def spread(written: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def plain(value: object, path: str) -> Any:
-    """Return a value as a file can hold it: ranges and arrays become lists.
+    """Return a value of a study as a file can hold it: ranges and arrays become lists.
 
-    `path` is the place of the value in the study, for messages.
+    `value` may be anything that a caller from Python gives, nested in mappings and lists; `path` is
+    its place in the study, for messages.
 
     Raises
     ------
@@ -123,7 +125,10 @@ def plain(value: object, path: str) -> Any:
 
 
 def _content_of(study: object) -> dict[str, Any]:
-    """Return the content of a study, mapping, or file; raise `StudyError` for anything else."""
+    """Return the content of a study, of a mapping of its keys, or of the file that a path names.
+
+    Raises `StudyError` for anything else, with advice for the name of a scene.
+    """
     if isinstance(study, Study):
         return study.content()
     if isinstance(study, Mapping):
@@ -148,7 +153,10 @@ def _content_of(study: object) -> dict[str, Any]:
 
 
 def _is_key(name: str) -> bool:
-    """True if a name is a study key, or more similar to one than to any parameter."""
+    """True if a name is a key of studies, or more similar to one than to any parameter.
+
+    So that a misspelled keyword is refused where it was meant to stand.
+    """
     if name in KEYS or name in PARAMETERS:
         return name in KEYS
     near: Iterable[str] = difflib.get_close_matches(name[:60], (*KEYS, *PARAMETERS), n=1)
@@ -156,7 +164,11 @@ def _is_key(name: str) -> bool:
 
 
 def _check_kind(actual: object, kind: str | None) -> None:
-    """Raise `StudyError` if a study (`actual`) is of another known kind than `kind`, if given."""
+    """Raise `StudyError` if a study is of another kind than the one that a function carries out.
+
+    `actual` is the kind of the study; unknown kinds are left to other checks. `kind` is the only
+    accepted one, None for any.
+    """
     if kind is not None and actual != kind and isinstance(actual, str) and actual in KINDS:
         message = f"this is a study of kind '{actual}', not '{kind}'"
         fix = f"Carry it out with {actual}(), or give a study of kind '{kind}'"

@@ -73,7 +73,7 @@ def problems_of(
     keys, parameters : collection of str
         Keys of the study and parameters of its scene, for suggestions; as in `Stranger`.
     within : str
-        The section that was validated, if not a whole study.
+        The key of the section that was validated; empty for a whole study.
     """
     faults = error.errors(include_url=False)
     outside = [] if within else [str(fault["loc"][0]) for fault in faults if _is_outside(fault)]
@@ -101,10 +101,12 @@ def problems_of(
 def _path_of(
     error: ErrorDetails, within: str, sections: Mapping[str, Section]
 ) -> tuple[list[Any], str, Section]:
-    """Return the path of one pydantic error, the alternative that was tried, and the section.
+    """Return the path of a pydantic error in the study, the tag of an alternative, and the section.
 
-    `within` is the section that was validated, if not a whole study. The alternative, such as a
-    kind of criterion, is empty where there are none.
+    The tag is the alternative that pydantic tried, such as a kind of criterion; pydantic puts it
+    into the path, where it is no key of the study. It is empty where there are none. `within` is
+    the section that was validated, empty for a whole study; `sections` are the known sections by
+    their keys.
     """
     path, tag = [within, *error["loc"]] if within else [*error["loc"]], ""
     section = sections.get(str(path[0]), Section()) if path else Section()
@@ -116,7 +118,10 @@ def _path_of(
 
 
 def _outside(names: list[str]) -> Problem:
-    """Return the problem of parameters (`names`) that stand at the top level of a study."""
+    """Return the problem of parameters that stand at the top level of a study.
+
+    They belong in its section `parameters`; `names` are those of the parameters.
+    """
     listed = ", ".join(names[:OUTSIDE]) + (", ..." if len(names) > OUTSIDE else "")
     message = f"{listed} {'stands' if len(names) == 1 else 'stand'} outside"
     fix = "Write them below the line [parameters], in JSON within that object"
@@ -132,9 +137,10 @@ def _is_outside(error: ErrorDetails) -> bool:
 def _problem(
     error: ErrorDetails, path: list[Any], section: Section, suggest: Suggestions
 ) -> Problem:
-    """Return the problem of one pydantic error, in vibrafeed's words.
+    """Return the problem of a study behind one error of pydantic, in the words of this program.
 
-    `path` is the place of the value in the study; `suggest` looks for names similar to a wrong one.
+    `error` is pydantic's record, `path` the place of the value in the study, `section` describes
+    the section there; `suggest` looks for names similar to a wrong one.
     """
     key = section.place(path)
     context: dict[str, Any] = error.get("ctx", {})
@@ -158,10 +164,11 @@ def _problem(
 
 
 def _value_message(kind: str, value: object, context: Mapping[str, Any]) -> tuple[str, str]:
-    """Return the message and the fix for a wrong value, by the type of pydantic's error.
+    """Return the message for a wrong value in a study, and the advice to fix it.
 
-    The message is empty if pydantic's own has to do. `kind` is the type of the error, and `context`
-    holds its details, such as a bound.
+    `kind` is the type of pydantic's error, such as `float_type` or `too_long`, and `context` its
+    details, such as a bound. The message is empty if `kind` is unknown here; pydantic's own is then
+    shown.
     """
     said = shown(value)
     if kind in KINDS_OF_VALUES:
@@ -187,7 +194,10 @@ def _value_message(kind: str, value: object, context: Mapping[str, Any]) -> tupl
 
 
 def shown(value: object) -> str:
-    """Return a value as shown in messages: long ones by their type only."""
+    """Return a value of a study as messages show it, such as "'abc'", "true" or "a table".
+
+    Tables and lists are named only, and texts beyond `LONGEST` characters are cut.
+    """
     if isinstance(value, bool):
         return str(value).lower()  # as TOML and JSON have it
     if value is None:

@@ -31,10 +31,11 @@ def beside(observations: Any, folder: Path) -> Any:
 
 
 def with_rows(content: Content, files: bool) -> Resolved:
-    """Return content with the rows of the file of observations in place of the file's name.
+    """Return the content of a study with the rows of its file of observations in place of the name.
 
-    `files` is True if files of this machine may be read. Without a readable file the section is
-    left out, and the result has the problems. The cells are checked later.
+    `files` is True if files of this machine may be read, which a service does not allow. Rows that
+    stand in the study itself stay. Without a readable file the section is left out, and the result
+    has the problems. The cells are checked later.
     """
     named = content["observations"]
     if not isinstance(named, str):
@@ -49,12 +50,14 @@ def with_rows(content: Content, files: bool) -> Resolved:
 
 
 def read_rows(path: Path) -> list[dict[str, Any]]:
-    """Return the rows of a file of observations, by column, numbers with their columns' units.
+    """Return the rows of a CSV or XLSX file of observations, each a mapping by column.
+
+    Numbers get the unit in the heading of their column, as texts; empty cells are left out.
 
     Raises
     ------
     StudyError
-        If the file cannot be read.
+        If the file cannot be read, or has no rows.
     """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
@@ -78,9 +81,10 @@ def read_rows(path: Path) -> list[dict[str, Any]]:
 
 
 def _headings(cells: Iterable[Any], path: Path) -> tuple[list[str], list[str]]:
-    """Return names and units of the columns of a file; `StudyError` if its heading has a fault.
+    """Return names and units of the columns of a file of observations.
 
-    `cells` are those of the first line; the unit is empty where a heading has none.
+    `cells` are those of the first line of the file at `path`; the unit is empty where a heading has
+    none. Raises `StudyError` if the heading has a fault, such as a name given twice.
     """
     names, units = [], []
     for cell in cells:
@@ -96,7 +100,10 @@ def _headings(cells: Iterable[Any], path: Path) -> tuple[list[str], list[str]]:
 
 
 def _value(cell: Any, unit: str) -> Any:
-    """Return a cell as a study holds it: a number with its column's unit, or a text."""
+    """Return a cell of a file as a study holds it: a number with its column's unit, or a text.
+
+    `unit` is empty where the heading has none: the number is then in the unit of studies.
+    """
     if isinstance(cell, int | float) and not isinstance(cell, bool):
         return f"{cell!r} {unit}" if unit else cell
     text = str(cell).strip()
@@ -106,10 +113,10 @@ def _value(cell: Any, unit: str) -> Any:
 
 
 def _csv(path: Path) -> Iterable[list[str]]:
-    """Yield the rows of a CSV file, separated by commas, semicolons or tabs.
+    """Yield the rows of a CSV file as lists of cells; commas, semicolons or tabs separate them.
 
-    Decimal commas become points unless commas separate the cells. Empty lines and lines that begin
-    with # are left out.
+    `path` is that of the file. Decimal commas become points unless commas separate the cells. Empty
+    lines and lines that begin with # are left out.
     """
     text = path.read_text(encoding="utf-8-sig")
     lines = [line for line in text.splitlines() if line.strip(" ,;\t") and line[0] != "#"]
@@ -129,7 +136,8 @@ def _with_point(cell: str) -> str:
 def _workbook(path: Path) -> Iterable[list[Any]]:
     """Yield the rows of the first sheet of an Excel workbook, without empty rows.
 
-    Raises `StudyError` without openpyxl, and `ValueError` if the file is damaged.
+    `path` is that of the file; empty cells are empty texts. Raises `StudyError` without openpyxl,
+    and `ValueError` if the file is damaged.
     """
     try:
         import openpyxl
@@ -157,9 +165,10 @@ def _fail(message: str, fix: str) -> NoReturn:
 
 
 def _names(rows: Any, known: Collection[str]) -> Iterable[str]:
-    """Yield the parameters that some runs set individually: columns that are not measured values.
+    """Yield the parameters that the rows of observations give values of.
 
-    `rows` is the section as it was read; `known` is not used.
+    They are all columns but the measured values, their error and the regime: parameters that some
+    runs set individually. `rows` is the section as it was read; `known` is not used.
     """
     del known
     for row in rows if isinstance(rows, list | tuple) else ():

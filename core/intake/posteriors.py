@@ -18,7 +18,11 @@ DENSITY = "density_"
 
 
 def beside(uncertain: Any, folder: Path) -> Any:
-    """Return the section `uncertain`, names of calibration files joined to the study's folder."""
+    """Return the section `uncertain` of a study with paths of calibration files from here.
+
+    File names in it are relative to `folder`, that of the study; they become paths from the current
+    folder. Other content stays as it is.
+    """
     if not isinstance(uncertain, dict):
         return uncertain
     return {
@@ -30,10 +34,11 @@ def beside(uncertain: Any, folder: Path) -> Any:
 
 
 def with_posteriors(content: Content, files: bool) -> Resolved:
-    """Return content with densities in place of calibration files, and the problems found.
+    """Return the content of a study with densities in place of calibration files, and problems.
 
-    A parameter whose file has a problem is left out. `files` is True if files of this machine may
-    be read; without that the content stays as it is, and its reader refuses it.
+    An uncertain parameter may name the file of a calibration, whose density of this parameter it
+    takes. One whose file has a problem is left out. `files` is True if files of this machine may be
+    read; without that the content stays as it is, and is refused later.
     """
     uncertain = content.get("uncertain")
     if not files or not isinstance(uncertain, Mapping):
@@ -53,8 +58,9 @@ def with_posteriors(content: Content, files: bool) -> Resolved:
 def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
     """Return values and probability densities of a parameter in a calibration result.
 
-    Or its problem, if the file at `path` cannot be read or has no density of the parameter. Both
-    lists are in the units of files; densities of 0 at the ends are cut off.
+    Or its problem, if the file at `path` cannot be read or has no density of the parameter `name`.
+    The result has the lists `values` and `densities`, for values in the units of files; densities
+    of 0 at the ends are cut off.
     """
     from core.dataset.read import read_netcdf  # few studies need it
 

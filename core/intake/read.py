@@ -59,12 +59,14 @@ def parse_json(text: str | bytes) -> Study:
 
 
 def study_and_fit(content: object) -> tuple[SimulateStudy, Fit]:
-    """Return a study of motion, and the fit of the recording that its drive names.
+    """Return a study of motion, and the fit of the recording from which its drive comes.
+
+    `content` holds the keys and values of the study; files of this machine are read.
 
     Raises
     ------
     StudyError
-        With every problem, also if it names no recording.
+        With every problem, also if the study names no recording.
     """
     draft = Draft(content).resolve(files=True)
     if draft.fit is None and not draft.problems:
@@ -80,9 +82,9 @@ def study_and_fit(content: object) -> tuple[SimulateStudy, Fit]:
 def prepare_content(content: object, only: str | None = None, *, files: bool = False) -> Prepared:
     """Return the prepared study that the content of a file or request describes.
 
-    `only` is the one accepted kind, whose cells are to be read one by one; by default every kind is
-    accepted. `files` is True if files of this machine may be read, which no study from the network
-    may ask for.
+    `content` holds the keys and values. `only` is the one accepted kind, whose cells are to be read
+    one by one; by default every kind is accepted. `files` is True if files of this machine may be
+    read, which no study from the network may ask for.
 
     Raises
     ------

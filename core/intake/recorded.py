@@ -34,11 +34,12 @@ def beside(drive: Any, folder: Path) -> Any:
 
 
 def with_drive(content: Content, files: bool) -> Resolved:
-    """Return content with the harmonics fitted to its recording, if it names one.
+    """Return the content of a study with the harmonics fitted to its recording, if it names one.
 
-    Parameters, variables and uncertain ones that the study gives itself stay as they are. `files`
-    is True if files of this machine may be read; without that a recording has at most 20,000 rows.
-    On a problem the section is left out, and the result has the problems.
+    They become parameters; those that the study gives itself, in whatever section, stay as they
+    are. `files` is True if files of this machine may be read; without that a recording has at most
+    20,000 rows. On a problem the section `drive` is left out, and the result has the problems; else
+    it has the fit, too.
     """
     if not names_recording(content):
         return Resolved(content)
@@ -70,7 +71,10 @@ def no_section(stranger: Stranger) -> Problem:
 
 
 def _read(drive: Mapping[str, Any]) -> RecordedDrive:
-    """Return the description of the recording; raise `StudyError` with every problem."""
+    """Return the validated description of a recording, from the section `drive` of a study.
+
+    `drive` holds its keys and values; `StudyError` is raised with every problem.
+    """
     try:
         return RecordedDrive.model_validate(drive)
     except ValidationError as error:
@@ -80,10 +84,10 @@ def _read(drive: Mapping[str, Any]) -> RecordedDrive:
 
 
 def _measured_drive(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDrive, measured.Fit]:
-    """Return the record of a measured drive for the study, and the fit to its recording.
+    """Return the record of a measured drive that the study keeps, and the fit to its recording.
 
-    `drive` is the section; `files` is True if files of this machine may be read. Raises
-    `StudyError` with every problem.
+    `drive` is the section of the study, which holds the recording or names its file; `files` is
+    True if files of this machine may be read. Raises `StudyError` with every problem.
     """
     fields = _read(drive)
     source = _source(fields, files)
@@ -103,7 +107,11 @@ def _measured_drive(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDriv
 
 
 def _record_of(fit: measured.Fit, name: str, digest: str) -> MeasuredDrive:
-    """Return the record of a fit: numbers, name and SHA-256 (`digest`) of the recording."""
+    """Return the record that a study keeps of the fit of a recording: rounded numbers and source.
+
+    `name` is that of the recording and `digest` its SHA-256, in hexadecimal digits; the numbers are
+    the parameters of the fitted drive, with shares of the residual and the error of the clock.
+    """
     shares: dict[Any, float] = dict(zip(fit.axes, map(_rounded_number, fit.left_over), strict=True))
     return MeasuredDrive(
         name=name,
@@ -120,9 +128,11 @@ def _rounded_number(value: float) -> float:
 
 
 def _source(drive: RecordedDrive, files: bool) -> str | Path:
-    """Return the text or the path of a recording; raise `StudyError` if there is not exactly one.
+    """Return the text or the path of a recording that a drive names.
 
-    `files` is True if files of this machine may be read.
+    `files` is True if files of this machine may be read, as by the command line, but not the
+    service. Raises `StudyError` if there is not exactly one of text and path, or if the path may
+    not be read.
     """
     if (drive.file is None) == (drive.data is None):
         message = (
@@ -150,8 +160,8 @@ def _which(files: bool) -> str:
 def _table(source: str | Path, path: str, files: bool) -> measured.RecordingTable:
     """Return the table of a recording; raise `StudyError` if it is too long for a request.
 
-    `source` is the CSV text or its path, `path` the key in the study for messages, and `files` is
-    False for a request from the network.
+    `source` is the CSV text or its path, `path` the key in the study for messages. `files` is False
+    for a request from the network, whose recordings have a limit of rows.
     """
     # Most lines are rows: what has far too many is not read.
     lines = source.count("\n") if isinstance(source, str) else 0
@@ -176,7 +186,10 @@ def _recording(drive: RecordedDrive) -> measured.Recording:
 
 
 def _digest(source: str | Path) -> str:
-    """Return the SHA-256 of a recording."""
+    """Return the SHA-256 of a recording, in hexadecimal digits, by which a study knows it again.
+
+    `source` is the text itself or the path of its file.
+    """
     if isinstance(source, str):
         return hashlib.sha256(source.encode("utf-8", "surrogatepass")).hexdigest()
     with source.open("rb") as file:

@@ -74,7 +74,11 @@ def dotted(path: Sequence[Any]) -> str:
 
 
 def no_key(stranger: Stranger) -> Problem:
-    """Return the problem of an unknown key in a section with fixed keys."""
+    """Return the problem of an unknown key in a section of a study with fixed keys.
+
+    `stranger` describes the key, its place, the section, and the alternative of the section that
+    was tried, which the message names.
+    """
     tag = f" '{stranger.tag}'" if stranger.tag else ""
     section = stranger.within.removesuffix("s")
     message = f"'{stranger.name}' is not a key of the {section}{tag}"
@@ -82,9 +86,10 @@ def no_key(stranger: Stranger) -> Problem:
 
 
 def no_parameter(stranger: Stranger) -> Problem:
-    """Return the problem of an unknown name in a section whose keys are parameters.
+    """Return the problem of an unknown name in a section of a study whose keys are parameters.
 
-    A key of the study gets the advice to move it; another name the most similar parameter.
+    `stranger` describes the name, its place and the section. A key of the study gets the advice to
+    move it; another name the most similar parameter.
     """
     name, within = stranger.name, stranger.within
     if name in stranger.keys:

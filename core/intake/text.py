@@ -31,10 +31,11 @@ _HALVES = re.compile("[\ud800-\udfff]")
 
 
 def read_content(path: Path) -> object:
-    """Return the content of a TOML or JSON file; raise `StudyError` if it cannot be read.
+    """Return the keys and values in a TOML or JSON file of a study.
 
     File names in it (a recording, observations, calibrations) are relative to its folder, and
-    become paths from the current one.
+    become paths from the current one. Raises `StudyError` if the file cannot be read, with advice
+    for files of other kinds, such as results.
     """
     suffix = path.suffix.lower()
     if suffix in NO_STUDIES:
@@ -56,8 +57,8 @@ def read_content(path: Path) -> object:
 def _read_text(text: str, suffix: str, stem: str) -> object:
     """Return the content of a text, as TOML or JSON according to the suffix of its file.
 
-    A text that is valid in the other format gets the advice to rename the file, whose name without
-    suffix is `stem`. Raises `StudyError`.
+    Raises `StudyError` if the syntax is invalid. A text that is valid in the other format gets the
+    advice to rename the file, whose name without suffix is `stem`.
     """
     try:
         return _READERS[suffix](text)
@@ -75,7 +76,7 @@ def _read_text(text: str, suffix: str, stem: str) -> object:
 
 
 def read_toml(text: str) -> object:
-    """Return the content of a TOML text; raise `StudyError` if it is invalid."""
+    """Return the content of a TOML text as a dict; raise `StudyError` if the syntax is invalid."""
     try:
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
@@ -84,10 +85,11 @@ def read_toml(text: str) -> object:
 
 
 def read_json(text: str | bytes) -> object:
-    """Return the content of a JSON text; raise `StudyError` if it is invalid.
+    """Return the content of a JSON text, as dict, list or plain value, after strict checks.
 
-    Refused are also repeated keys, NaN, numbers beyond double precision, characters that are not
-    valid text, and content that is nested too deeply.
+    Raises `StudyError` if the syntax is invalid, and for repeated keys, NaN, numbers beyond double
+    precision, characters that are not valid text, too many objects, and content that is nested too
+    deeply: texts come from the network.
     """
     try:
         # By itself json would let halves of characters through, and take other encodings.
@@ -109,9 +111,9 @@ _READERS: dict[str, Callable[[str], object]] = {".json": read_json, ".toml": rea
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Return the pairs of a JSON object as a mapping.
+    """Return the pairs of a JSON object as a dict, for the decoder; refuse repeated keys.
 
-    Raises `ValueError` for a repeated key, and `StudyError` for too many keys.
+    Raises `ValueError` for a repeated key, and `StudyError` for more than `MAX_KEYS` keys.
     """
     if len(pairs) > MAX_KEYS:
         begins = f"the object that begins with '{_shown(pairs[0][0])}'"
@@ -132,8 +134,9 @@ def _refuse_constant(constant: str) -> NoReturn:
 def _check_values(content: object, *, texts: bool) -> None:
     """Raise `StudyError` for values that JSON can hold, but no study.
 
-    These are objects within objects without end, numbers beyond double precision and, if `texts`,
-    NUL and halves of characters in texts.
+    These are lists and objects nested deeper than `DEEPEST`, numbers beyond double precision and,
+    if `texts` is True, invalid characters in texts and keys: NUL, and halves of surrogate pairs.
+    `content` is the decoded JSON; the message names the path of the value.
     """
     level: list[tuple[str, Any]] = [("", [content])]
     for _ in range(DEEPEST + 1):
@@ -157,9 +160,10 @@ def _check_values(content: object, *, texts: bool) -> None:
 
 
 def _check_plain(path: str, values: Sequence[Any], texts: bool) -> None:
-    """Raise `StudyError` if one of some values is beyond double precision, or is invalid text.
+    """Raise `StudyError` if a value is a number beyond double precision, or is invalid text.
 
-    `path` is their place in the content; texts are checked only if `texts`.
+    `path` is the place of the values in a study, for the message, such as `parameters.beta`; texts
+    are checked for characters that files cannot hold, only if `texts` is True.
     """
     kinds = {*map(type, values)}
     if kinds <= {int, float}:

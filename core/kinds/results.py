@@ -43,7 +43,10 @@ def run_study(study: Study, *, watch: Watch | None = None) -> xarray.Dataset:
 
 
 def share_left_out(table: Table) -> float:
-    """Return the share of cells, 0 to 1, that a stop has left uncomputed."""
+    """Return the share of cells, 0 to 1, of a result that were not computed before a stop.
+
+    `table` is the result of a study, with a variable of statuses; 0 without one.
+    """
     shares = (
         np.mean(table.variables[name].values == value)
         for name, value in STATUSES.items()

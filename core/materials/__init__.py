@@ -84,7 +84,11 @@ def leaf_springs(words: str = "") -> dict[str, Any]:
 
 
 def shown(row: Mapping[str, Any], value: str) -> str:
-    """Return the range in a column of a row as text: ``0.2``, ``0.1 to 0.3``, or an empty text."""
+    """Return the range in a column of a table of materials as text: ``0.2`` or ``0.1 to 0.3``.
+
+    `row` is a row of the table and `value` the column's name, such as ``static``; an empty text if
+    the row has no such range (None).
+    """
     found = row[value]
     if found is None:
         return ""
@@ -98,9 +102,10 @@ def _rows(
     words: Sequence[str],
     values: Sequence[str],
 ) -> list[dict[str, Any]]:
-    """Return the rows that contain all wanted words, each with all columns of its kind.
+    """Return the rows of a table of materials that contain all wanted words, with all columns.
 
-    `words` are the columns of texts, which are searched, and `values` those of ranges.
+    `rows` are those of a data file, `wanted` the words; `words` are the columns of texts, which are
+    searched, and `values` those of ranges, None where a row has none.
     """
     return [
         {
@@ -120,9 +125,10 @@ def _sources(data: Mapping[str, Any], rows: Iterable[Mapping[str, Any]]) -> dict
 
 
 def _holds(row: Mapping[str, Any], wanted: Iterable[str], words: Iterable[str]) -> bool:
-    """True if each wanted word is the beginning of a word in the row.
+    """True if a row of a table of materials holds all words that are searched for.
 
-    `words` are the columns that are searched; capitals make no difference.
+    Each of the `wanted` words must be the beginning of a word in the columns `words` of the row;
+    capitals make no difference.
     """
     text = " ".join(row.get(name, "") for name in words).lower()
     for mark in "(),:":

@@ -16,16 +16,16 @@ STEPS = 4.0  # steps of the sensor: crests whose heights differ by less may be e
 def clipping_problems(
     path: str, name: str, values: NDArray[np.float64], lines: NDArray[np.int64]
 ) -> list[Problem]:
-    """Return a problem for each end of the range at which a channel is clipped.
+    """Return a problem for each end of its range at which a channel of a recording is clipped.
 
-    `path` is that of the column in the study, `name` its name, `values` are its samples and `lines`
-    their lines in the file.
+    `path` is the column's place in the study and `name` its name, `values` are its samples and
+    `lines` their lines in the file.
 
     A smooth crest, rounded to steps of the sensor, rests on its last step as well. Near its top it
     is a parabola: the time spent on the last step is at most 1/(sqrt(2) - 1) = 2.4 times that on
     the last but one. Extreme values that hold 4 times as many samples as the next value are thus no
-    crest, if they come in runs. Single samples may hold it at the same phase of each period, where
-    the rate is a multiple of the frequency: then the crests between them are alike.
+    crest, if they come in runs. Single samples may hold the extreme value at the same phase of each
+    period, where the rate is a multiple of the frequency: then the crests between them are alike.
     """
     if np.ptp(values) == 0.0:  # a channel that never moves has no range
         return []
@@ -50,11 +50,12 @@ def clipping_problems(
 
 
 def _crests_differ(values: NDArray[np.float64], held: NDArray[np.bool_]) -> bool:
-    """True if samples of the highest value belong to crests of different heights.
+    """True if samples of the highest value belong to crests of different heights: they are clipped.
 
-    `held` is true at samples that have it. A crest is the parabola through a sample and its
-    neighbours. Rounding moves its height by no more than a step or two; a period may have two
-    crests, so that the widest gap between heights does not count.
+    `values` are the samples of a channel, `held` is True at those that have the highest value. A
+    crest is the parabola through a sample and its neighbours. Rounding moves its height by no more
+    than a step or two; a period may have two crests, so that the widest gap between heights does
+    not count.
     """
     crests = np.flatnonzero(held[1:-1]) + 1
     if crests.size < VISITS:

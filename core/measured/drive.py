@@ -148,9 +148,11 @@ class Fit:
         return np.where(self.amplitudes > 0.0, errors, np.inf)
 
     def _turned(self, part: int) -> Array:
-        """Return the variance of each harmonic's displacement, shape (axes, orders) [m2].
+        """Return variances of the displacement of each harmonic, shape (axes, orders) [m2].
 
-        `part` is 0 for that in phase with the harmonic, 1 for that a quarter period ahead.
+        For the standard errors of amplitude and phase: `part` is 0 for the variance of the
+        component in phase with the harmonic, 1 for that of the component a quarter period ahead.
+        The covariance of the coefficients is turned by the fitted phases.
         """
         blocks = self.covariance[1:, 1:].reshape(*self.phases.shape, 2, *self.phases.shape, 2)
         own = np.einsum("jkajkb->jkab", blocks)
@@ -163,10 +165,11 @@ class Fit:
         return self._named(self.frequency, self.amplitudes * np.exp(1j * self.phases))
 
     def draw(self, rng: np.random.Generator, count: int) -> list[dict[str, float]]:
-        """Return `count` random drives that are consistent with the recording.
+        """Return `count` random drives that are consistent with the recording, for error estimates.
 
-        They are normally distributed about the fit with its covariance; each is a mapping as
-        `parameters` gives it.
+        They are normally distributed about the fit with its covariance; each is a mapping of a
+        study's parameters, such as `frequency` and `amplitude_along_1`. `rng` makes the random
+        numbers.
         """
         displacement = self.amplitudes * np.exp(1j * self.phases)
         parts = np.stack([displacement.real, displacement.imag], axis=-1)
@@ -183,10 +186,10 @@ class Fit:
         ]
 
     def _named(self, frequency: float, displacement: NDArray[np.complex128]) -> dict[str, float]:
-        """Return frequency and significant harmonics as parameters of a study.
+        """Return frequency and significant harmonics of the fit as parameters of a study, by name.
 
-        `displacement` holds complex amplitudes A exp(i phi), shape (axes, orders) [m]; phases
-        become degrees.
+        `frequency` is in Hz; `displacement` holds complex amplitudes A exp(i phi), shape (axes,
+        orders) [m]. Names are such as `amplitude_along_1` [m] and `phase_along_1`, in degrees.
         """
         named = {"frequency": frequency}
         for axis, row, kept in zip(self.axes, displacement, self.significant, strict=True):
@@ -199,14 +202,21 @@ class Fit:
         return named
 
     def model(self, times: Array) -> Array:
-        """Return the fitted accelerations at times of the recording, shape (axes, n) [m s-2]."""
+        """Return the accelerations of the fit at times of the recording, shape (axes, n) [m s-2].
+
+        Harmonics, constant and drift, to compare with what was recorded; `times` are by the
+        recorder's clock [s].
+        """
         first, last = self.signal.times[[0, -1]]
         place = 2.0 * (np.asarray(times) - first) / (last - first) - 1.0
         series = np.hstack([self.constant[:, None], self.drift])
         return np.asarray(legval(place, series.T)) + self.periodic(self._phase(times))
 
     def periodic(self, phase: Array) -> Array:
-        """Return the accelerations of the harmonics at phases w t [rad], shape (axes, n)."""
+        """Return the accelerations of the fitted harmonics at phases w t, shape (axes, n).
+
+        In m s-2, without constant and drift; `phase` is w t [rad], shape (n,), w the fundamental.
+        """
         orders = np.array(self.orders)
         peaks = self.amplitudes * (2.0 * np.pi * self.frequency * orders) ** 2
         angles = orders[:, None] * phase + self.phases[..., None]

@@ -25,19 +25,19 @@ def fit_drive(source: str | Path | RecordingTable, recording: Recording) -> Fit:
 
 
 def fit_signal(signal: Signal) -> Fit:
-    """Return the harmonics of a signal, by least squares of all axes with one frequency.
+    """Return the harmonics of a recorded signal, by least squares of all axes with one frequency.
 
-    A harmonic of an axis is significant, and a term of the drift kept, if it lowers Schwarz's
-    information criterion: if its square over its variance, as the coloured residual states it,
-    exceeds `hurdle` for each of its coefficients. Noise passes for a given order once in n
-    recordings of n samples. Orders that are significant in no axis and higher terms of the drift
-    are left out, and the rest is fitted again.
+    `signal` holds times, accelerations and the wishes of the study. A harmonic of an axis is
+    significant, and a term of the drift kept, if it lowers Schwarz's information criterion: if its
+    square over its variance, as the coloured residual states it, exceeds `hurdle` for each of its
+    coefficients. Noise passes for a given order once in n recordings of n samples. Orders that are
+    significant in no axis and higher terms of the drift are left out, and the rest is fitted again.
 
     Raises
     ------
     StudyError
-        With everything that is wrong: too short, too slow, not periodic, not steady, a clock that
-        is off by more than 5 %.
+        With every problem: too short, too slow, not periodic, not steady, a clock that is off by
+        more than 5 %.
     """
     check_before(signal)
     middle = (signal.times[0] + signal.times[-1]) / 2.0
@@ -63,7 +63,12 @@ def fit_signal(signal: Signal) -> Fit:
 def _solve_weighted(
     samples: Samples, start: float, orders: tuple[int, ...], degree: int, resolution: Array
 ) -> tuple[Solution, Noise]:
-    """Return the solution with each axis weighted by its noise, and the noise."""
+    """Return the fit of harmonics with each axis weighted by its noise, and that noise.
+
+    A fit with equal weights tells the noise of each axis first. `start` is a near frequency [Hz],
+    `orders` are the harmonics, `degree` that of the drift, `resolution` the steps of the recorder
+    for each axis [m s-2].
+    """
     even = solve_least_squares(samples, start, orders, degree)
     weights = noise_of(samples, even, resolution).weights
     solution = solve_least_squares(samples, even.frequency, orders, degree, weights)
@@ -74,7 +79,13 @@ def _solve_weighted(
 def _significant(
     samples: Samples, solution: Solution, noise: Noise
 ) -> tuple[NDArray[np.bool_], int]:
-    """Return a mask of the significant harmonics, shape (axes, orders), and the drift's degree."""
+    """Return a mask of the significant harmonics, shape (axes, orders), and the drift's degree.
+
+    A harmonic is significant if its square over its variance passes the threshold that noise passes
+    with a probability of 1/n, n the number of samples; the degree is the highest of a significant
+    coefficient of the drift. `solution` is the fit of the `samples`, `noise` the spectral density
+    of its residual.
+    """
     covariance = covariance_of(samples, solution, noise)
     axes, size = solution.coefficients.shape
     first, fine = solution.degree + 1, hurdle(samples.size)
@@ -95,10 +106,13 @@ def _stated(
     noise: Noise,
     significant: NDArray[np.bool_],
 ) -> Fit:
-    """Return the fit as displacements of the track, with the origin of time chosen.
+    """Return the drive of a recording, as displacements of the track with errors, from its fit.
 
-    `significant` is the mask of the harmonics that the recording tells from zero; the first of them
-    has phase 0 in the axis where it is largest.
+    `signal` and `samples` are the recording, before and after preparation, `solution` the fit of
+    accelerations, `noise` the spectral density of its residual. `significant` is the mask of the
+    harmonics that the recording tells from zero, shape (axes, orders): the origin of time is chosen
+    such that the first of them has phase 0 in the axis where it is largest. A line frequency given
+    by the study takes the place of the fitted one, and shows the error of the recorder's clock.
     """
     covariance = covariance_of(samples, solution, noise)
     error = float(np.sqrt(covariance[0, 0]))
@@ -148,12 +162,16 @@ def _covariance_of_displacements(
     reference: tuple[int, int],
     line: float | None,
 ) -> Array:
-    """Return the covariance of frequency and displacements, from that of accelerations.
+    """Return the covariance of frequency [Hz] and displacements [m] of a fit of accelerations.
 
-    With the complex displacement z = -c exp(i k theta)/(k w)^2 of order k, the acceleration c, and
-    the turn of the time origin theta = -arg(-c_ref)/k_ref by the harmonic `reference` (axis,
-    order): dz = -dc exp(i k theta)/(k w)^2 - i k z Im(dc_ref/c_ref)/k_ref - 2 z df/f. A known
-    frequency `line` has no error.
+    Shape (1 + 2 axes orders,) twice: the frequency, then real and imaginary part of each
+    displacement by axis and order. The complex displacement of order k is z = -c exp(i k theta)/(k
+    w)^2, with the acceleration c [m s-2] and the turn of the time origin theta = -arg(-c_ref)/k_ref
+    by the harmonic `reference` (axis, order): dz = -dc exp(i k theta)/(k w)^2 - i k z
+    Im(dc_ref/c_ref)/k_ref - 2 z df/f.
+
+    `covariance` is that of frequency and accelerations; `line` is a known frequency [Hz], which has
+    no error, or None.
     """
     axes, size = solution.coefficients.shape
     first = solution.degree + 1
@@ -181,9 +199,10 @@ def _covariance_of_displacements(
 
 
 def _tilt(axes: tuple[str, ...], constant: Array) -> Tilt | None:
-    """Return the tilt of the track from its constant acceleration, shape (axes,) [m s-2].
+    """Return the tilt of a track from the constant acceleration that a sensor shows, gravity.
 
-    None unless there are three axes and the constant has the size of gravity within 10 %.
+    `constant`, shape (axes,) [m s-2], holds it along, across and normal to the track. None unless
+    there are these three `axes` and it has the size of gravity within 10 %.
     """
     size = float(np.linalg.norm(constant))
     if axes != AXES or abs(size / STANDARD_GRAVITY - 1.0) > SIZE:

@@ -48,16 +48,17 @@ def orders_below(samples: Samples, frequency: float) -> tuple[int, ...]:
 
 
 def fundamental(samples: Samples, guess: float | None, line: float | None) -> float:
-    """Return the frequency of which all strong lines are multiples [Hz].
+    """Return the frequency of a recorded drive, of which all strong lines are multiples [Hz].
 
-    From the strongest line downwards: if what its harmonics leave over has a line that stands out
-    and is a multiple of an integer fraction of the frequency, that fraction is the fundamental.
-    Lines with less than a hundredth of the drive's acceleration are taken for something else.
+    From the strongest line of the spectrum downwards: if what its harmonics leave over has a line
+    that stands out and is a multiple of an integer fraction of the frequency, that fraction is the
+    fundamental. Lines with less than a hundredth of the drive's acceleration are taken for
+    something else.
 
     With a `guess` [Hz] it is the integer fraction of the strongest line that lies within a tenth of
     the guess; if none does, the strongest line there. A known frequency of the drive (`line`) [Hz]
     settles it likewise, if its orders hold most of the recording: the drive may run at a fraction
-    of it.
+    of it. `samples` are the recorded accelerations.
     """
     start = samples._replace(values=_without_drift(samples))
     frequency = strongest_line(start).frequency
@@ -86,10 +87,11 @@ def _part_near(frequency: float, expected: float) -> float | None:
 
 
 def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.inf) -> Line:
-    """Return the strongest spectral line between two frequencies [Hz].
+    """Return the strongest line in the spectrum of a recording, from `lowest` to `highest` Hz.
 
-    Drift is to be removed from the samples before; lines of fewer than two turns over the recording
-    are not looked at.
+    Frequency [Hz], strength (sum of mean squares over the axes, m2 s-4) and contrast to the noise
+    around it. Drift must have been removed from the `samples`; lines with fewer than two periods in
+    the recording are left out.
     """
     count, rate = samples.size, samples.size / samples.duration
     size = next_fast_len(PADDING * count, real=True)
@@ -115,9 +117,12 @@ def stands_out(line: Line, count: int) -> bool:
 
 
 def _lower(samples: Samples, solution: Solution) -> Solution | None:
-    """Return the solution at an integer fraction of the frequency, if it explains a line left over.
+    """Return a fit at an integer fraction of the frequency, if that explains more of a recording.
 
-    None if nothing that stands out is left, or no fraction explains it.
+    The strongest line of a recording may be a harmonic of the drive. If a line stands out in the
+    residual of `solution`, fractions 1/2, 1/3, ... of its frequency are tried of which both are
+    harmonics; the first that takes more than half of the line's power is returned. None if nothing
+    stands out, or no fraction explains it. `samples` are the recording.
     """
     left = samples._replace(values=solution.residual)
     line = strongest_line(left)

@@ -99,7 +99,7 @@ def solve_least_squares(
     *,
     free: bool = True,
 ) -> Solution:
-    """Return the least-squares solution of all axes, from an approximate frequency.
+    """Return the least-squares fit of harmonics and drift to all axes, from a near frequency.
 
     Minimises sum_j w_j |y_j - C(f) b_j|^2 over the axes j, with samples y, columns C and
     coefficients b, by variable projection: the coefficients b follow from the frequency f, and f
@@ -110,13 +110,14 @@ def solve_least_squares(
     Parameters
     ----------
     samples : Samples
-        What is fitted.
+        Accelerations of all axes [m s-2] and their times [s].
     frequency : float
-        [Hz], within about a tenth of a turn over the recording, for the highest order.
+        Of the first harmonic [Hz], within about a tenth of a turn over the recording, for the
+        highest order.
     orders : tuple of int
         The harmonic orders.
     degree : int
-        Of the drift, a series of Legendre polynomials.
+        Degree of the drift, a series of Legendre polynomials.
     weights : ndarray, shape (axes,), optional
         One over the variance of each axis; equal if left out.
     free : bool
@@ -145,9 +146,11 @@ def solve_least_squares(
 
 
 def _by_frequency(samples: Samples, basis: Array, solution: Solution) -> Array:
-    """Return the derivative of the fitted accelerations by frequency, shape (axes, n).
+    """Return the derivative of fitted accelerations by the frequency, shape (axes, n) [m s-2 Hz-1].
 
-    `basis` are the columns of the fit.
+    The frequency of a fit is found with it by Gauss-Newton steps. `samples` has n times, `basis`
+    are the columns of the fit, shape (n, columns): drift, then sine and cosine of each order;
+    `solution` is the fit so far.
     """
     waves = basis[:, solution.degree + 1 :]
     sine, cosine = waves[:, 0::2], waves[:, 1::2]

@@ -24,11 +24,12 @@ FIX = (
 
 
 def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] | None:
-    """Return the rotation matrix of a sensor's mounting; None, with problems, if it is invalid.
+    """Return the rotation matrix of a sensor's mounting, shape (3, 3); None if it is invalid.
 
     Components in the track's axes are R times those in the sensor's. `mounting` is three angles,
-    yaw, pitch and roll, with R = R_z(yaw) R_y(pitch) R_x(roll); or a matrix, of which the nearest
-    rotation is taken; or None for the axes of the track.
+    yaw, pitch and roll, as numbers in degrees or texts, with R = R_z(yaw) R_y(pitch) R_x(roll); or
+    a matrix, of which the nearest rotation is taken; or None for the axes of the track. A problem
+    is added to `problems`.
     """
     if mounting is None:
         return np.eye(3)
@@ -69,9 +70,10 @@ def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] 
 
 
 def _rotation_of_angles(parts: list[object], problems: list[Problem]) -> NDArray[np.float64] | None:
-    """Return the rotation matrix of yaw, pitch and roll; None, with problems, if one is invalid.
+    """Return the 3 by 3 matrix that turns a sensor's axes by yaw, pitch and roll.
 
-    `parts` are the three angles, as numbers in degrees or texts.
+    `parts` are these three angles as a study gives them: numbers in degrees, or texts with a unit.
+    None if one is invalid, which is added to `problems`.
     """
     angles = []
     for (name, quantity), raw in zip(ANGLES.items(), parts, strict=True):

@@ -41,7 +41,9 @@ class Noise(NamedTuple):
 def noise_of(samples: Samples, solution: Solution, resolution: Array) -> Noise:
     """Return the noise of a fit, at least the rounding of the values.
 
-    `resolution` are the steps of the recorder for each axis [m s-2].
+    As spectral densities near the harmonics, and a weight for each axis. `samples` are the recorded
+    accelerations, `solution` is the fit of harmonics to them, `resolution` the steps of the
+    recorder for each axis [m s-2].
     """
     count = samples.size
     # Rounding to the recorder's steps, or of numbers: a mounting mixes that of all axes.
@@ -61,18 +63,20 @@ def noise_of(samples: Samples, solution: Solution, resolution: Array) -> Noise:
 def density_near(
     spectrum: NDArray[np.complex128], centre: float, fitted: Array, degree: int
 ) -> Array:
-    """Return the spectral density of noise around a line, shape (axes, axes).
+    """Return the spectral density of the noise around a line, shape (axes, axes) [m2 s-4].
+
+    The mean over the nearest bins that no fitted wave touches; off the diagonal for pairs of axes.
 
     Parameters
     ----------
     spectrum : ndarray, shape (axes, bins)
-        Fourier transform of the residual over the root of the number of samples.
+        Fourier transform of the residual over the root of the number of samples [m s-2].
     centre : float
-        Place, in bins.
+        Place of the line, in bins.
     fitted : ndarray, shape (k,)
-        Places of what has been fitted.
+        Places of the waves that have been fitted, in bins.
     degree : int
-        Of the fitted drift, which reaches up to half as many bins.
+        Degree of the fitted drift, which reaches up to half as many bins.
     """
     bins = np.arange(spectrum.shape[1])
     free = (np.abs(bins[:, None] - fitted) > TOUCHED).all(axis=1) & (bins > degree / 2.0)
@@ -96,11 +100,15 @@ def hurdle(count: int) -> float:
 
 
 def covariance_of(samples: Samples, solution: Solution, noise: Noise) -> Array:
-    """Return the covariance of frequency [Hz] and coefficients [m s-2], axis after axis.
+    """Return the covariance matrix of a fit: frequency [Hz] and coefficients of harmonics [m s-2].
 
-    H^-1 M H^-1 with H = sum_j w_j J_j' J_j and M = sum_g sum_jl w_j w_l S_jl(g) J_jg' J_lg, where
-    w_j is the weight of axis j, J_jg the derivative of its model by all unknowns, of which g takes
-    the drift or one order, and S(g) the spectral density of the noise there.
+    Shape (1 + axes size, ...): the frequency first, then the `size` coefficients of each axis
+    (drift, then sine and cosine of each order). It is right for noise of any colour: H^-1 M H^-1
+    with H = sum_j w_j J_j' J_j and M = sum_g sum_jl w_j w_l S_jl(g) J_jg' J_lg, where w_j is the
+    weight of axis j, J_jg the derivative of its model by all unknowns, of which g takes the drift
+    or one order, and S(g) the spectral density of the noise there.
+
+    `samples` are times and values of the recording, `solution` is the fit, `noise` holds S and w.
     """
     axes, size = solution.coefficients.shape
     first = solution.degree + 1

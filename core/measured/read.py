@@ -69,9 +69,10 @@ class RecordingTable:
     lines: NDArray[np.int64]
 
     def column(self, name: str, path: str, problems: list[Problem]) -> RecordingColumn | None:
-        """Return a column without faults; otherwise add its problems and return None.
+        """Return a recording's column by name; None if it is missing or has faulty cells.
 
-        `path` is that of the name in the study, for the problems.
+        Its problems are then added to `problems`, with the lines of the first faulty cells. `path`
+        is the place in the study where the column is named, for the messages.
         """
         column = self.columns.get(name)
         if column is None:
@@ -133,7 +134,10 @@ def read_table(source: str | Path) -> RecordingTable:
 
 
 def _check_header(header: list[str]) -> None:
-    """Raise `StudyError` if the first row is empty, too long, or does not name the columns."""
+    """Raise `StudyError` if the first row of a recording does not name its columns.
+
+    `header` holds the cells of that row. Also if it is empty or has too many columns.
+    """
     if not header:
         raise _refused("the recording is empty", "Give a row of names, and rows of numbers below")
     if len(header) > MAX_COLUMNS:
@@ -148,9 +152,9 @@ def _check_header(header: list[str]) -> None:
 
 
 def _text_of(source: str | Path) -> str:
-    """Return the text of a recording without byte order mark.
+    """Return the text of a recording, from a text itself or a file, without byte order mark.
 
-    Raises `StudyError` if it is too long or the file is not text.
+    Raises `StudyError` if it is too long, or the file is not text in a known encoding.
     """
     if isinstance(source, str):
         if len(source) > MAX_BYTES:
@@ -170,9 +174,10 @@ def _text_of(source: str | Path) -> str:
 
 
 def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield line number and cells of each row, without blank lines and comments.
+    """Yield line number and cells of each row of a recording, without blank lines and comments.
 
-    Decimal commas become points where the cells are not separated by commas.
+    `text` is the whole file. Decimal commas become points where the cells are not separated by
+    commas.
     """
     delimiter = ""
     # A cell of several lines is no number; each line is a row of its own, and keeps its number.
@@ -191,7 +196,11 @@ def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
 
 
 def _quoted(number: int, line: str, delimiter: str) -> list[str]:
-    """Return the cells of a line with quotes."""
+    """Return the cells of a line of a recording that contains quotes, by the rules of CSV.
+
+    `number` is the line's number, for the message of the `StudyError` that is raised if it cannot
+    be split; `delimiter` is one character.
+    """
     try:
         return next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
     except csv.Error as error:
@@ -199,7 +208,10 @@ def _quoted(number: int, line: str, delimiter: str) -> list[str]:
 
 
 def _names(header: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return names and units of the columns from their headings; raise for a name given twice."""
+    """Return names and units of the columns of a recording from its headings.
+
+    `header` holds a heading a column, such as "ax [m/s2]". Raises an error for a name given twice.
+    """
     names, units = [], []
     for cell in header:
         name, unit = name_and_unit(cell)
@@ -225,7 +237,10 @@ def name_and_unit(heading: str) -> tuple[str, str]:
 
 
 def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str]) -> None:
-    """Raise `StudyError` if rows differ from the header in their number of cells."""
+    """Raise `StudyError` if rows of a recording differ from the header in their number of cells.
+
+    `body` holds the line number and the cells of each row, `names` the names of the columns.
+    """
     odd = [(line, len(row)) for line, row in body if len(row) != len(names)]
     problems = [
         Problem(
@@ -244,9 +259,11 @@ def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str])
 
 
 def _column(texts: Sequence[str], unit: str, lines: NDArray[np.int64]) -> RecordingColumn:
-    """Return a column with its values, unit and faulty cells.
+    """Return one column of a recording: its values, unit, and the cells that are no numbers.
 
-    `texts` are its cells, `lines` the lines of the file on which they stand.
+    `texts` are the cells of the column, `unit` that of its heading, `lines` the line number of each
+    cell in the file, for messages. Values that are no finite number count as faults, of which the
+    first `SHOWN` are kept with line and text.
     """
     try:
         values = np.fromiter(map(float, texts), np.float64, len(texts))
@@ -258,7 +275,7 @@ def _column(texts: Sequence[str], unit: str, lines: NDArray[np.int64]) -> Record
 
 
 def _is_number(text: str) -> bool:
-    """True if a text is a number."""
+    """True if a text is a number as Python reads it, NaN and infinity included."""
     try:
         float(text)
     except ValueError:
@@ -272,7 +289,7 @@ def _refused(message: str, fix: str) -> StudyError:
 
 
 def _too_long(size: int) -> StudyError:
-    """Return the error of a recording that is too long."""
+    """Return the error of a recording of `size` bytes, which is more than the limit."""
     return _refused(
         f"the recording has {size / 1e6:,.0f} MB, the limit is {MAX_BYTES / 1e6:.0f} MB",
         "Shorten the recording: one second is enough",

@@ -110,19 +110,19 @@ class Signal(NamedTuple):
 
 
 def read_signal(source: str | Path | RecordingTable, recording: Recording) -> Signal:
-    """Return the accelerations of the track in a recording, in its axes, and their times.
+    """Return the accelerations of a track from a recording, in the axes of the track, with times.
 
     Parameters
     ----------
     source : str, Path or RecordingTable
         The recording: CSV text, the path of a CSV file, or the table read from it.
     recording : Recording
-        Which columns hold what: axes, units, times, mounting.
+        Section of the study that says which columns hold what: axes, units, times, mounting.
 
     Raises
     ------
     StudyError
-        With everything that is wrong: columns, cells, units, times, numbers, clipped channels.
+        With all problems at once: columns, cells, units, times, numbers, clipped channels.
     """
     table = source if isinstance(source, RecordingTable) else read_table(source)
     problems: list[Problem] = []
@@ -161,7 +161,11 @@ class _Channel(NamedTuple):
 
 
 def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, str]]:
-    """Return path in the study and name of each column of accelerations; note problems."""
+    """Return path in the study and name of each column of accelerations that a recording names.
+
+    A path is such as `along` or `sensor.x`, as problems tell it. Problems, such as two ways of
+    naming the columns at once, are added to `problems`.
+    """
     own = [(axis, name) for axis in AXES if (name := getattr(recording, axis)) is not None]
     sensor = recording.sensor
     if sensor is None:
@@ -191,9 +195,11 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
 def _channel(
     table: RecordingTable, path: str, name: str, unit: str | None, problems: list[Problem]
 ) -> _Channel | None:
-    """Return a channel in m s-2, and its smallest step; None, with problems, if it is invalid.
+    """Return one channel of a recording: its values in m s-2, and the recorder's smallest step.
 
-    `name` is its column, with a minus sign to reverse it; `unit` holds where the header says none.
+    None if the column is missing or has no valid unit; that and clipping are added to `problems`.
+    `name` is that of the column in `table`, with a minus sign in front to reverse it; `path` is its
+    place in the study, for messages; `unit` holds where the header says none.
     """
     sign = -1.0 if name.startswith("-") and name not in table.columns else 1.0
     column = table.column(name if sign > 0 else name[1:].strip(), path, problems)
@@ -211,9 +217,11 @@ def _channel(
 def _factor(
     path: str, name: str, column: RecordingColumn, unit: str | None, problems: list[Problem]
 ) -> float | None:
-    """Return the factor from a channel's unit to m s-2; None, with a problem, if unknown.
+    """Return the factor from the unit of a recorded channel to m s-2; None if it is unknown.
 
-    `column` says its unit in the header, `unit` is the user's; if both do, they must agree.
+    The header may give a unit (`column.unit`), and the user another (`unit`); if both do, they must
+    agree. Problems are added to `problems`; `path` and `name` are the place in the study and the
+    column, for messages.
     """
     said = {text for text in (column.unit, unit) if text}
     factors = {text: ACCELERATIONS.get(_plain(text)) for text in said}
@@ -242,7 +250,10 @@ def _plain(unit: str) -> str:
 
 
 def _number(name: str, raw: float | str | None, problems: list[Problem]) -> float | None:
-    """Return a frequency [Hz] that a user wrote; None, with a problem, if it is invalid."""
+    """Return a frequency in Hz as a study gives it, a number or a text with a unit.
+
+    None if `raw` is None, or if it is invalid, which is added to `problems`; `name` is its key.
+    """
     if raw is None:
         return None
     try:
@@ -253,7 +264,10 @@ def _number(name: str, raw: float | str | None, problems: list[Problem]) -> floa
 
 
 def _check_orders(harmonics: object, problems: list[Problem]) -> None:
-    """Add a problem if the number of harmonics is invalid."""
+    """Add a problem to `problems` if the number of harmonics that a study asks for is invalid.
+
+    `harmonics` must be a whole number from 1 to `MAX_ORDERS`, or None to let the recording decide.
+    """
     if harmonics is None:
         return
     whole = isinstance(harmonics, int) and not isinstance(harmonics, bool)

@@ -24,11 +24,12 @@ ROUNDED = 0.75
 def read_times(
     table: RecordingTable, rate: float | str | None, time: str | None, problems: list[Problem]
 ) -> NDArray[np.float64] | None:
-    """Return the times of the rows [s]; None, with problems, if they cannot be determined.
+    """Return the times of the samples of a recording [s]; None if they cannot be determined.
 
-    They come from `rate`, samples a second, or from the column `time`. Times that differ from even
-    ones by no more than their own rounding are made even; others are kept, since least squares
-    needs no even times.
+    They come from `rate`, samples a second (a number or a text with a unit), or from the column
+    `time` of the `table`, by default one with a usual name. Times that differ from even ones by no
+    more than their own rounding are made even; others are kept, since least squares needs no even
+    times. Problems are added to `problems`.
     """
     usual = next((name for name in table.columns if name.casefold() in USUAL_NAMES), None)
     if rate is not None:
@@ -77,9 +78,10 @@ def read_times(
 
 
 def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> Problem | None:
-    """Return the problem of time steps that are not positive or differ much; None without one.
+    """Return the problem of times that do not increase, or are far from even; None without one.
 
-    `name` is the column, `lines` are the lines of its values in the file.
+    `name` is the column of the recording, `times` are its values [s], `lines` their lines in the
+    file, for the message.
     """
     steps = np.diff(times)
     if not steps.size:
@@ -109,7 +111,12 @@ def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> 
 
 
 def _even_if_rounded(times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return exactly even times for times [s] that are even up to their own rounding."""
+    """Return exactly even times of samples, if `times` are even up to their own rounding.
+
+    Else `times` [s] as they are. Recorders print times with few digits; the unit of the last digit
+    is the smallest difference between the steps that occur, and times within a share of it from a
+    straight line count as even.
+    """
     place = np.arange(times.size, dtype=np.float64)
     slope, start = np.polyfit(place, times, 1) if times.size > 1 else (0.0, 0.0)
     even = start + slope * place

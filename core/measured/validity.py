@@ -31,12 +31,15 @@ TWICE = 0.1  # a ratio so near to a whole number means another multiple of the f
 
 
 def check_before(signal: Signal) -> None:
-    """Raise `StudyError` if a signal cannot be fitted.
+    """Raise `StudyError` if a recording cannot be fitted, with all reasons.
+
+    `signal` holds times, accelerations and the frequencies that the study gives.
 
     Raises
     ------
     StudyError
-        If a value is not finite, samples are too few, or a frequency is out of reach.
+        If a value is not finite, samples are too few, all channels are constant, or a frequency is
+        too low or too high for the recording.
     """
     problems = []
     count = signal.times.size
@@ -83,7 +86,12 @@ def check_before(signal: Signal) -> None:
 
 
 def _out_of_range(signal: Signal) -> list[Problem]:
-    """Return problems of sampling times and values that no recorder gives: slips of a unit."""
+    """Return the problems of a recording whose sampling step or values no recorder gives.
+
+    Its cause is usually a wrong unit. `signal` holds the times [s] and the accelerations [m s-2],
+    shape (axes, samples); the mean step must lie within `STEPS` and the largest range of an axis
+    within `ACCELERATIONS`. Empty if both do; values that are not finite are left to other checks.
+    """
     problems = []
     with np.errstate(over="ignore"):
         step = float(np.ptp(signal.times)) / (signal.times.size - 1)
@@ -113,9 +121,10 @@ def _out_of_range(signal: Signal) -> list[Problem]:
 
 
 def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:
-    """Raise `StudyError` if orders cannot be resolved, or the recording has too few periods.
+    """Raise `StudyError` if a recording cannot resolve its harmonics, or has too few periods.
 
-    `frequency` is the fundamental [Hz].
+    `signal` says how many harmonics the study asks for, `samples` are the recording, `frequency` is
+    the fundamental [Hz].
     """
     able = orders_below(samples, frequency)
     wanted = signal.harmonics or 1
@@ -135,15 +144,22 @@ def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:
 def check_fit(
     signal: Signal, samples: Samples, solution: Solution, noise: Noise, stated: bool
 ) -> None:
-    """Raise `StudyError` if a fit does not determine a drive.
+    """Raise `StudyError` if the fit of a recording does not determine a drive.
 
-    `stated` is true if any harmonic is significant.
+    Parameters
+    ----------
+    signal, samples : Signal, Samples
+        The recording as it was read, and with times about its middle.
+    solution, noise : Solution, Noise
+        The fit, and the spectral density of its residual.
+    stated : bool
+        True if any harmonic is significant.
 
     Raises
     ------
     StudyError
-        If no order is significant, too much is left over, the drive changes from the first third to
-        the last, or the clock is too far off.
+        If no order is significant, the residual is too large, the drive changes from the first
+        third to the last, or the recorder's clock is too far off the line frequency.
     """
     problems = []
     periodic = np.sqrt((np.abs(solution.waves) ** 2).sum() / 2.0)
@@ -159,9 +175,10 @@ def check_fit(
 
 
 def _too_short(key: str, frequency: float, duration: float) -> Problem:
-    """Return the problem of a recording with too few periods of a frequency [Hz].
+    """Return the problem of a recording that holds too few periods of a frequency.
 
-    `key` is the path in the study, `duration` that of the recording [s].
+    `key` is the place in the study that the problem names, `frequency` in Hz, `duration` that of
+    the recording in s; the advice says how long to record.
     """
     another = ", or give frequency, if it is another" if key == "recording" else ""
     return Problem(
@@ -172,9 +189,11 @@ def _too_short(key: str, frequency: float, duration: float) -> Problem:
 
 
 def _not_periodic(samples: Samples, solution: Solution, left: float, periodic: float) -> Problem:
-    """Return the problem of a signal that is not periodic.
+    """Return the problem of a recording whose signal is not periodic enough for a fit.
 
-    `left` and `periodic` are the rms of the residual and of the harmonics [m s-2].
+    `solution` is the fit of the `samples`, `left` and `periodic` are the rms of its residual and of
+    its harmonics [m s-2]. If the strongest line of the residual has too few periods, that is the
+    problem instead.
     """
     line = strongest_line(samples._replace(values=solution.residual))
     if stands_out(line, samples.size) and line.frequency * samples.duration < LEAST_PERIODS:
@@ -203,7 +222,9 @@ def _unsteady(
 ) -> list[Problem]:
     """Return a problem for each axis whose harmonics grow or fade during the recording.
 
-    `periodic` is the rms of the harmonics of all axes [m s-2].
+    The first third of the `samples` is compared with the last, beyond what `noise` explains.
+    `signal` names the axes, `solution` is the fit to the whole recording, `periodic` the rms of the
+    harmonics of all axes [m s-2].
     """
     third = samples.size // 3
     thirds = [
@@ -224,7 +245,12 @@ def _unsteady(
 
 
 def _of_part(samples: Samples, part: slice, solution: Solution, noise: Noise) -> list[_Third]:
-    """Return, for each axis, the rms of the harmonics and its variance in a part of the samples."""
+    """Return, for each axis, the rms of the harmonics in a part of the samples, and its variance.
+
+    For comparing thirds of a recording, to see if its drive is steady. `part` is the slice of the
+    `samples`, which are fitted anew with frequency and orders of `solution`; `noise` holds the
+    spectral density of the residual. In m s-2 and its square.
+    """
     times = samples.times[part]
     piece = Samples(times - (times[0] + times[-1]) / 2.0, samples.values[:, part])
     fit = solve_least_squares(
@@ -240,7 +266,11 @@ def _of_part(samples: Samples, part: slice, solution: Solution, noise: Noise) ->
 
 
 def _off(line: float | None, frequency: float) -> list[Problem]:
-    """Return a problem if measured and given frequency [Hz] differ by more than clocks do."""
+    """Return a problem if measured and given frequency [Hz] differ by more than clocks do.
+
+    `line` is the given frequency of the drive, None if not given; `frequency` that of the
+    recording.
+    """
     if line is None or abs(frequency / line - 1.0) <= MAX_CLOCK:
         return []
     ratio = max(frequency / line, line / frequency)

@@ -13,10 +13,10 @@ Mask = NDArray[np.bool_]
 
 
 def compensated_sum(*terms: Array) -> Array:
-    """Return the sum of the terms with the rounding errors of the additions put back.
+    """Return the sum of the `terms`, arrays, with the rounding errors of the additions put back.
 
-    Twice the working precision before the last rounding (Ogita, Rump and Oishi 2005, algorithm
-    Sum2). Used where a sum is compared with zero.
+    As if with twice the working precision before the last rounding (Ogita, Rump and Oishi 2005,
+    algorithm Sum2). Used where a sum is compared with zero.
     """
     total: Array = terms[0]
     error: Array | float = 0.0

@@ -74,10 +74,13 @@ def bowl_response(
 
     Four arrays: real and imaginary part of s in s e^(iwt) for the force F cos(wt) [m], then the
     bowl's share of the relative turn, |I2/(I1 + I2)|, and of the relative lift, |m2/(m1 + m2)| [1].
+    The amplitude of the bowl follows from them.
+
     s = F/(k - m w^2 + i w c), m = I_r (cos th/r_s)^2 + m_r sin^2 th with the reduced masses and
-    inertias of bowl (1) and base (2), leaves at radius r_s with tilt th. A damper c_l
-    (`load_damping`) from the load's radius R_l to the ground makes m1 the mass m1 - i c_l/w, I1 the
-    inertia I1 - i c_l R_l^2/w.
+    inertias of bowl (1) and base (2), spring stiffness k, damping c, leaves at radius r_s with tilt
+    th. A damper c_l (`load_damping` [N s m-1]) from the load's radius R_l to the ground makes m1
+    the mass m1 - i c_l/w, I1 the inertia I1 - i c_l R_l^2/w. Arguments in SI units, w in rad s-1
+    (theory 15.3).
     """
     w = circular_frequency
     lost = load_damping / w
@@ -101,12 +104,13 @@ def bowl_harmonic(
     loaded_mass: Array, base_mass: Array, loaded_inertia: Array, base_inertia: Array,
     load_damping: Array, load_radius: Array, spring_radius: Array, spring_angle: Array,
 ) -> tuple[Array, Array]:  # fmt: skip
-    """Return sine and cosine part, at 2 tau, of the track's second harmonic over its first [1].
+    """Return sine and cosine part of the track's second harmonic, over its first, of a bowl [1].
 
-    tau is the phase in which the first harmonic of the track's displacement is A sin(tau), and
-    `force_harmonic` the second harmonic of the magnet's force over its first. Turn and lift of the
-    bowl are taken to keep one proportion in both harmonics: exact without a damper from track to
-    ground.
+    The displacement is A (sin(tau) + s sin(2 tau) + c cos(2 tau)): the result is s and c, with
+    which a part is driven by a magnet on a half wave. `force_harmonic` is the second harmonic of
+    its force over the first; the other arguments are those of `bowl_response` in SI units. Turn and
+    lift of the bowl are taken to keep one proportion in both harmonics: exact without a damper from
+    track to ground (theory 15.5).
     """
     at = [
         bowl_response(
@@ -122,11 +126,11 @@ def bowl_harmonic(
 
 
 def _reduced(mass: Array, lost: Array, other: Array) -> tuple[Array, Array, Array]:
-    """Return real part and loss of a reduced mass m1 m2/(m1 + m2), and the size of m2/(m1 + m2).
+    """Return real part and loss of a reduced mass with a damper, and body 1's share of the motion.
 
-    m1 = mass - i lost is complex, with the damper's part `lost` = c/w; m2 is `other`. The reduced
-    mass is real part - i loss [kg, or kg m2 for inertias]; the last result is the share of body 1
-    in the relative motion [1].
+    The reduced mass is m1 m2/(m1 + m2) = real part - i loss [kg, or kg m2 for inertias], with the
+    complex m1 = `mass` - i `lost`, where `lost` = c/w of a damper c to the ground, and m2 =
+    `other`; the share is |m2/(m1 + m2)| [1] (theory 15.3).
     """
     total = mass + other
     size = hypot(total, lost)

@@ -35,12 +35,12 @@ class Stretches(NamedTuple):
 def stretches_of(
     start_radius: Array, radii: Sequence[Array], turns: Sequence[Array], climbs: Sequence[Array]
 ) -> Stretches:
-    """Return the stretches of a track by their radii, turns and climbs.
+    """Return the stretches of a bowl's track: their radii at both ends and their lengths [m].
 
     `radii` are those at the end of each stretch [m]; a stretch begins where the one before ends,
-    the first at `start_radius` [m]. `turns` are turns about the bowl, `climbs` angles [rad]. The
-    length of a stretch is pi n (r_1 + r_2)/cos(gamma), of n turns from radius r_1 to r_2 with climb
-    gamma.
+    the first at `start_radius` [m]. `turns` are turns n about the bowl, `climbs` angles gamma
+    [rad]. The length of a stretch from radius r_1 to r_2 is pi n (r_1 + r_2)/cos(gamma) (theory
+    15.6).
     """
     starts = (start_radius, *radii[:-1])
     lengths = tuple(
@@ -59,7 +59,8 @@ def total_length(stretches: Stretches) -> Array:
 def bounds(stretches: Stretches) -> list[Array]:
     """Return the shares of the track's length at which stretches begin, then 1 for the exit [1].
 
-    One array more than there are stretches; the first is 0.
+    From the lengths of the `stretches`, in the order of travel. One array more than there are
+    stretches; the first is 0.
     """
     total, passed = total_length(stretches), [0.0 * stretches.length[0]]
     for length in stretches.length:
@@ -85,10 +86,10 @@ def radius_at(fraction: Array, stretches: Stretches) -> Array:
 
 
 def picked(fraction: Array, stretches: Stretches, values: Sequence[Array]) -> Array:
-    """Return the value of the stretch that lies at a share of the track's length.
+    """Return the value, of one a stretch, that holds at a place of a bowl's track.
 
-    `fraction` is that share, 0 to 1; `values` has an array per stretch (climb, friction, ...).
-    Where two stretches meet, the later one holds.
+    `fraction` is the place as a share of the track's length, 0 to 1; `values` has an array for each
+    of the `stretches` (climb, friction, ...). Where two stretches meet, the later one holds.
     """
     value = values[0]
     for low, later in zip(bounds(stretches)[1:-1], values[1:], strict=True):

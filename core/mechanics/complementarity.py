@@ -44,8 +44,9 @@ def case(response: Array, free: Array) -> Array:
 def contact_force(response: Array, free: Array) -> Array:
     """Return the contact force per mass, n = -free/response, of the solution that stays in contact.
 
-    `free` is the acceleration that opens the gap without a force [m s-2], `response` what a unit of
-    n adds [1]. 0 in separation; NaN where there is no solution and where every n >= 0 is one.
+    In m/s^2. `free` is the acceleration that opens the gap without a force [m s-2], `response` what
+    a unit of n adds [1]. 0 in separation; NaN where there is no solution and where every n >= 0 is
+    one.
     """
     solution = case(response, free)
     unknown = (solution == NO_SOLUTION) | (response == 0)

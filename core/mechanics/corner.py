@@ -46,9 +46,9 @@ def diagonal_angle(*, corner_angle: Array, pitch: Array) -> Array:
 def diagonal_direction(*, corner_direction: Direction, pitch: Array) -> Direction:
     """Return sine and cosine of the diagonal's angle s = zeta + xi above the plane.
 
-    `corner_direction` holds sine and cosine of zeta, the angle of the diagonal in the part; xi is
-    the pitch [rad]. The addition theorem gives them: s itself, rounded, would lose the digits of a
-    cosine near 90 degrees.
+    The diagonal leads from the corner that touches the plane to the centre. `corner_direction`
+    holds sine and cosine of zeta, its angle within the part; xi is the `pitch` [rad]. By the
+    addition theorem: s itself, rounded, would lose the digits of a cosine near 90 degrees.
     """
     rise, run = corner_direction
     return (
@@ -213,11 +213,12 @@ def slip_direction(
     holding_tangential_acceleration: Array,
     friction_static: Array,
 ) -> Array:
-    """Return the slip direction: 1 if the corner slips to the right, -1 to the left, 0 if not [1].
+    """Return the direction in which a part's corner slips on the plane: 1, -1, or 0 if it sticks.
 
-    A corner that moves slips along its velocity `gap_tangential_rate` [m s-1]. From rest it slips
-    against the friction that would have held it (`holding_*`, forces per mass), unless static
-    friction holds it or it leaves the plane (theory 2.4).
+    A corner that moves slips along its velocity `gap_tangential_rate` [m s-1], 1 being to the
+    right. From rest it slips against the friction that would have held it, unless static friction
+    holds it or it leaves the plane (`free_normal_acceleration` > 0). The `holding_*` arguments are
+    the normal and tangential force per mass that hold it in place [m s-2] (theory 2.4).
     """
     held = _is_held(holding_normal_acceleration, holding_tangential_acceleration, friction_static)
     stays = held | (free_normal_acceleration > 0)
@@ -308,7 +309,9 @@ def acceleration_upward(
 
     n is the normal force per mass. In slip it is computed as -(rho xi'^2 s + g kappa c e)/(m tau),
     e = c - sigma mu s, without a difference of nearly equal numbers: s and c are sine and cosine of
-    the diagonal's angle, sigma the slip direction, m tau the normal response.
+    the diagonal's angle, sigma the slip direction (1, -1), rho the half diagonal [m], xi' the pitch
+    rate [rad s-1], kappa the inertia ratio, m tau the `normal_response`. By `contact_case` it is -g
+    in flight, and that of a pendulum while the corner is held.
     """
     s, c = diagonal_direction
     turning = half_diagonal * pitch_rate * pitch_rate * s
@@ -331,9 +334,10 @@ def pitch_acceleration(
 ) -> Array:
     """Return the pitch acceleration, xi'' = -kappa (n c + t s)/rho, (3.1) [rad s-2].
 
-    n and t are normal and friction force per mass, s and c sine and cosine of the diagonal's angle,
-    rho half the diagonal. While the corner is held it is that of a pendulum about it, whatever the
-    pitch rate.
+    (3.1), with normal and friction force per mass n and t, sine and cosine s, c of the diagonal's
+    angle, half diagonal rho [m] and inertia ratio kappa. `floor_acceleration` is n, t is -mu_k n
+    times `slip_direction`. By `contact_case` it is 0 in flight, and while the corner is held that
+    of a pendulum about it, whatever the pitch rate.
     """
     s, c = diagonal_direction
     e = c - slip_direction * friction_kinetic * s
@@ -367,9 +371,11 @@ def gap_tangential_acceleration(
 ) -> Array:
     """Return the acceleration of the corner along the plane, g_T'', from (3.6b), (3.33b) [m s-2].
 
-    In slip it is (g (kappa s e - sigma mu) - (1 + kappa) rho xi'^2 e)/(m tau), e = c - sigma mu s:
-    s and c are sine and cosine of the diagonal's angle, sigma the slip direction, m tau the normal
-    response. The source prints +mu and sin^2 in place of -mu and s. 0 where the corner is held.
+    In slip g_T'' is (g (kappa s e - sigma mu) - (1 + kappa) rho xi'^2 e)/(m tau), e = c - sigma mu
+    s: s and c are sine and cosine of the diagonal's angle, sigma is the slip direction (1, -1),
+    kappa the inertia ratio, rho the half diagonal [m], xi' the pitch rate [rad s-1], m tau the
+    `normal_response` [1]. The source prints +mu and sin^2 in place of -mu and s. By `contact_case`
+    it is 0 where the corner is held, and the free acceleration where it leaves the plane.
     """
     s, c = diagonal_direction
     sigma_mu = slip_direction * friction_kinetic

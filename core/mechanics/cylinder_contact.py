@@ -77,11 +77,12 @@ class _Form(NamedTuple):
 
 
 def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Form:
-    """Return the contact form of an end face of `base` with the rim, side or face of `other`.
+    """Return the candidate for the contact of an end face of `base` with the body `other`.
 
-    `number`, 1 or 2, is the number of the body `base` in the pair, `size` the sum of both half
-    diagonals [m], by which tolerances scale. The normal of the form points from `base` to `other`;
-    the form is proven where its point lies on the face.
+    The face may meet rim, side or face of `other`. The record has the gap [m], the normal from
+    `base` to `other`, the ends of the contact line (of a point both the same), and `proven`, where
+    the point lies on the face. `number`, 1 or 2, is the number of the body `base` in the pair,
+    `size` the sum of both half diagonals [m], by which tolerances scale.
     """
     u, apart = base.axis, vectors.minus(other.centre, base.centre)
     n = scaled(u, np.where(dot(u, apart) < 0, -1.0, 1.0))
@@ -125,11 +126,14 @@ def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Fo
 
 
 def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> list[_Form]:
-    """Return the contact forms of both rims of `other` with the side of `base`: up to two per rim.
+    """Return the candidates for the contact of both rims of `other` with the side of `base`.
+
+    Up to two for each rim. Each has gap [m], normal, point and a flag `proven`: its point is the
+    first of `other` along the normal, and lies on the side within its length. A rim point is a
+    candidate where its distance from the axis of `base` has a minimum by the angle on the rim.
 
     `number`, 1 or 2, is the number of the body `base` in the pair, `size` the sum of both half
-    diagonals [m], by which tolerances scale. The points of a rim are minima of its distance from
-    the axis of `base`.
+    diagonals [m], by which tolerances scale.
     """
     forms = []
     e_1 = vectors.any_across(other.axis)
@@ -178,10 +182,12 @@ def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> lis
 
 
 def _sides(body_1: Cylinder, body_2: Cylinder, size: Array) -> _Form:
-    """Return the contact form of both sides of two cylinders, with crossed or parallel axes.
+    """Return the candidate for the contact of two cylinders by their sides, crossed or parallel.
 
-    `size` is the sum of both half diagonals [m], by which tolerances scale. Crossed axes touch in a
-    point, parallel ones along a line from `first` to `second`.
+    Crossed axes touch in a point, parallel ones along a line from `first` to `second`. The record
+    has the gap [m], the normal from body 2 to body 1, and `proven`, where the point or line lies on
+    both sides within their lengths. `size` is the sum of both half diagonals [m], by which
+    tolerances scale.
     """
     apart = vectors.minus(body_1.centre, body_2.centre)
     k = dot(body_1.axis, body_2.axis)
@@ -228,11 +234,13 @@ def _extent(form: _Form) -> Array:
 
 
 def cylinder_contact(*, cylinder_1: Cylinder, cylinder_2: Cylinder) -> CylinderContact:
-    """Return the contact of two cylinders: nearest points, gap, normal and form.
+    """Return the nearest points of two cylinders: gap [m], normal, contact line, and form.
 
-    Of all forms the proven one with the largest gap is taken. Where none is proven, the nearest
-    points on two rims are tried; where those fail too, the gap is a lower bound of the distance or
-    overlap, and `form` is 0.
+    Candidates are all pairs of faces, rims and sides. A candidate is proven if its points are as
+    far apart as its normal separates the bodies: then no other can have a larger gap. The proven
+    one with the largest gap is taken. Where none is proven, the nearest points on two rims are
+    tried; where those fail too, the gap is a lower bound of the distance or overlap, and `form` is
+    0 (theory 8.2).
     """
     body_1, body_2 = cylinder_1, cylinder_2
     size = np.hypot(body_1.radius, body_1.half) + np.hypot(body_2.radius, body_2.half)

@@ -71,7 +71,7 @@ def cylinder_1(
     """Return centre, unit axis, radius and half length of body 1 from its parameters.
 
     The axis is (ce ca, ce sa, se), c and s being cosine and sine of elevation e and azimuth a
-    [rad].
+    [rad]. Positions, diameter and length are in m.
     """
     flat = cosine(elevation_1)
     axis = flat * cosine(azimuth_1), flat * sine(azimuth_1), sine(elevation_1)
@@ -92,7 +92,7 @@ def cylinder_2(
     """Return centre, unit axis, radius and half length of body 2 from its parameters.
 
     The axis is (ce ca, ce sa, se), c and s being cosine and sine of elevation e and azimuth a
-    [rad].
+    [rad]. Positions, diameter and length are in m.
     """
     flat = cosine(elevation_2)
     axis = flat * cosine(azimuth_2), flat * sine(azimuth_2), sine(elevation_2)
@@ -170,10 +170,12 @@ def _delassus(
     at: Vector, e: Vector, other_at: Vector, other_e: Vector, body_1: Cylinder, body_2: Cylinder,
     masses: CylinderMasses,
 ) -> Array:  # fmt: skip
-    """Return a Delassus number: the velocity at one point per impulse at another [kg-1].
+    """Return a Delassus number of two cylinders: velocity per impulse elsewhere [kg-1].
 
-    `at` and `e` are the point and the unit vector of the velocity of body 1 relative to body 2,
-    `other_at` and `other_e` those of the impulse on body 1; its opposite acts on body 2.
+    The velocity is that of body 1 relative to body 2 at the point `at` [m] in the direction of the
+    unit vector `e`; the impulse acts on body 1 at `other_at` along `other_e`, its opposite on body
+    2. `masses` holds masses and moments of inertia of both [kg, kg m2]. Impacts are solved with
+    these numbers (theory 1.3).
     """
     total = (1 / masses.mass_1 + 1 / masses.mass_2) * dot(e, other_e)
     for body, axial, transverse in (
@@ -187,10 +189,11 @@ def _delassus(
 
 
 def _frame(contact: CylinderContact, share: Array, unknown: Mask) -> ImpactFrame:
-    """Return point, normal and two tangents of a contact; the tangents are any two across.
+    """Return the frame in which the impact at a contact is computed: point, normal, two tangents.
 
-    On a line of contact the point lies at the share `share` of the way from its first end to its
-    second. `unknown` is true where the law does not solve an impact of a line; a point keeps false.
+    The tangents are any two at right angles to the normal. On a line of contact the point lies at
+    the share `share` [1] of the way from its first end to its second. `unknown` is True where the
+    law does not solve an impact of a line; for contacts in a point the result has False.
     """
     n = contact.normal
     tangent = vectors.any_across(n)
@@ -207,10 +210,16 @@ def frame_without_friction(
     spatial_motion: SpatialMotion,
     restitution: Array,
 ) -> ImpactFrame:
-    """Return the frame of a contact without friction: its point, normal and tangents.
+    """Return point, normal and tangents of the contact of two cylinders without friction.
 
-    Where a line touches, the impulses at both ends are solved together, and the point is where
-    their resultant acts. `unknown` marks lines of which an end approaches again after the impact.
+    The frame in which their impact is computed. Where the bodies touch along a line, the impulses
+    at both its ends are solved together, and the point is where their resultant acts. `unknown` of
+    the result marks lines of which an end approaches again after the impact, which the law does not
+    solve.
+
+    `cylinder_contact` has the normal and the ends of the line [m], `cylinder_masses` masses and
+    moments of inertia [kg, kg m2], `spatial_motion` velocities and spins before the impact [m s-1,
+    rad s-1].
     """
     at, body_1, body_2, masses = cylinder_contact, cylinder_1, cylinder_2, cylinder_masses
     n, first, second = at.normal, at.first, at.second
@@ -237,11 +246,13 @@ def frame_with_friction(
     cylinder_2: Cylinder,
     spatial_motion: SpatialMotion,
 ) -> ImpactFrame:
-    """Return the frame of a contact with friction: its point, normal and tangents.
+    """Return point, normal and tangents of the contact of two cylinders with friction.
 
-    Where a line touches, the point is the end that approaches faster. If this end does not
-    approach, no point of the line does; else the frame is `unknown`, since an impact with friction
-    along a line is not solved (regime `simultaneous`).
+    The frame in which their impact is computed. Where a line touches, the point is the end that
+    approaches faster. If this end does not approach, no point of the line does; else the frame is
+    `unknown`, since an impact with friction along a line is not solved (regime `simultaneous`).
+    `cylinder_contact` has normal and ends of the line [m], `spatial_motion` velocities and spins
+    before the impact [m s-1, rad s-1].
     """
     at, one, two = cylinder_contact, cylinder_1, cylinder_2
     u_1 = dot(at.normal, _at(at.first, one, two, spatial_motion))
@@ -256,7 +267,12 @@ def spatial_delassus(
     cylinder_2: Cylinder,
     cylinder_masses: CylinderMasses,
 ) -> SpatialDelassus:
-    """Return the six Delassus numbers of the contact, for its normal and both tangents [kg-1]."""
+    """Return the six Delassus numbers of the contact of two cylinders: velocity per impulse [kg-1].
+
+    G_nn, G_nt, G_ns, G_tt, G_ts, G_ss for the normal n and the tangents t and s of `contact_frame`,
+    at its point; the change of the relative velocity along one by a unit impulse along the other.
+    `cylinder_masses` holds masses and moments of inertia [kg, kg m2].
+    """
     p, n, t, s = contact_frame[:4]
     bodies = (cylinder_1, cylinder_2, cylinder_masses)
     return SpatialDelassus(
@@ -328,10 +344,11 @@ def ends_in_stick(*, spatial_impulse: SpatialImpulse) -> Mask:
 def _only_at_one_contact(
     impulse: SpatialImpulse, at: CylinderContact, tolerance: Array, frame: ImpactFrame
 ) -> SpatialImpulse:
-    """Return an impulse with 0 where the bodies are apart and NaN where the law does not hold.
+    """Return an impulse with 0 where cylinders are apart and NaN where the law does not hold.
 
-    That is where they overlap by more than `tolerance` (a share of their size), touch at several
-    places, or along a line that the law does not solve.
+    It does not hold where they overlap by more than `tolerance` (a share of their size), touch at
+    several places, or along a line that the law does not solve (`frame.unknown`). `at` is the
+    record of their contact.
     """
     nothing = is_apart(cylinder_contact=at, contact_tolerance=tolerance)
     unknown = overlaps(cylinder_contact=at, contact_tolerance=tolerance)
@@ -357,8 +374,10 @@ def frictionless_impulse(
 ) -> SpatialImpulse:
     """Return Newton's impulse without friction, L_N = -(1 + eps) u_N/G_NN, on body 1 [N s].
 
-    eps is the restitution, u_N the approach velocity [m s-1], G_NN the Delassus number [kg-1]. 0
-    where the bodies are apart, NaN where they overlap or the impact has no single impulse.
+    Newton's law, L_N = -(1 + eps) u_N/G_NN, with the restitution eps, the approach velocity u_N [m
+    s-1] and the Delassus number G_NN, velocity per impulse [kg-1]. 0 where the bodies are apart by
+    more than `contact_tolerance` (a share of their size), NaN where they overlap or the impact has
+    no single impulse (`contact_frame.unknown`); the tangential impulses are 0.
     """
     normal = impact.frictionless(G_NN=delassus_normal, u_N=approach_normal, restitution=restitution)
     none = np.zeros_like(normal)
@@ -378,8 +397,11 @@ def pfeiffer_glocker_impulse(
 ) -> SpatialImpulse:
     """Return the impulse of compression and expansion with friction on body 1 [N s].
 
-    The restitution is Poisson's: expansion over compression of the normal impulse. 0 where the
-    bodies are apart, NaN where they overlap, touch at several places, or the law has no solution.
+    On body 1, with friction; the restitution is Poisson's: expansion over compression of the normal
+    impulse. Normal and two tangential impulses are 0 where the bodies are apart by more than
+    `contact_tolerance` (a share of their size), NaN where they overlap, touch at several places, or
+    the law has no solution. `spatial_delassus` are velocities per impulse [kg-1],
+    `spatial_approach` the relative velocities before [m s-1] in the axes of `contact_frame`.
     """
     impulse = impact.pfeiffer_glocker_in_space(
         G=spatial_delassus,
@@ -401,9 +423,12 @@ def moreau_impulse(
     friction: Array,
     restitution: Array,
 ) -> SpatialImpulse:
-    """Return Moreau's impulse with friction on body 1, one restitution for all directions [N s].
+    """Return the impulse on body 1 in an impact of two cylinders, by Moreau's law [N s].
 
-    0 where the bodies are apart, NaN where they overlap or touch at several places.
+    With friction; one restitution holds in all directions. Normal and two tangential impulses are 0
+    where the bodies are apart by more than `contact_tolerance` (a share of their size), NaN where
+    they overlap or touch at several places. `spatial_delassus` are velocities per impulse [kg-1],
+    `spatial_approach` the relative velocities before [m s-1] in the axes of `contact_frame`.
     """
     impulse = impact.moreau_in_space(
         G=spatial_delassus,
@@ -434,10 +459,12 @@ def spatial_motion_after(
     cylinder_masses: CylinderMasses,
     spatial_motion: SpatialMotion,
 ) -> SpatialMotion:
-    """Return velocities and spins of both bodies after the impulse [m s-1, rad s-1].
+    """Return velocities and spins of both cylinders after an impact [m s-1, rad s-1].
 
-    v + L/m and w + J^-1 (rho x L) for body 1, with a minus for body 2: L is the impulse, J the
-    inertia tensor and rho leads from the body's centre to the contact point.
+    v + L/m and w + J^-1 (rho x L) for body 1, with a minus for body 2: v and w are velocity and
+    spin before (`spatial_motion`), L is the impulse on body 1 [N s], given in the axes of
+    `contact_frame`, m and J are mass and inertia tensor [kg, kg m2], and rho leads from the body's
+    centre to the contact point [m].
     """
     before, masses, p = spatial_motion, cylinder_masses, contact_frame.point
     L = in_space(spatial_impulse, contact_frame)
@@ -470,8 +497,9 @@ def turning(
 ) -> Vector:
     """Return the change of both bodies' angular momentum about the origin, a vector [kg m2 s-1].
 
-    `before` and `after` are the motions before and after the impact. Without an outer impulse it is
-    0: what is left is a check of the solution.
+    `before` and `after` are velocities and spins before and after the impact [m s-1, rad s-1],
+    `masses` masses and moments of inertia [kg, kg m2]. Without an outer impulse the change is 0:
+    the rest is a check of the solution.
     """
     change_1, change_2 = minus(after.spin_1, before.spin_1), minus(after.spin_2, before.spin_2)
     own_1 = inertial(change_1, body_1, masses.axial_1, masses.across_1)

@@ -63,7 +63,11 @@ def energy_before(
     cylinder_masses: CylinderMasses,
     spatial_motion: SpatialMotion,
 ) -> Array:
-    """Return the kinetic energy of both bodies before the impact [J]."""
+    """Return the kinetic energy of both cylinders before the impact [J].
+
+    `spatial_motion` has velocities and spins before [m s-1, rad s-1], `cylinder_masses` masses and
+    moments of inertia along and across the axes [kg, kg m2].
+    """
     motion, masses = spatial_motion, cylinder_masses
     turning_1 = inertial(motion.spin_1, cylinder_1, masses.axial_1, masses.across_1)
     turning_2 = inertial(motion.spin_2, cylinder_2, masses.axial_2, masses.across_2)
@@ -86,8 +90,9 @@ def energy_lost(
 ) -> Array:
     """Return the kinetic energy that the impact loses, -L.(u + u')/2 [J].
 
-    L is the impulse on body 1, u and u' the velocity of body 1 against body 2 in the contact before
-    and after.
+    L is the impulse on body 1 [N s], in the axes of `contact_frame`, u and u' the velocity of body
+    1 relative to body 2 at the contact before and after [m s-1], from `spatial_motion` and
+    `spatial_motion_after`.
     """
     at, L = contact_frame, spatial_impulse
     before = approach(at, cylinder_1, cylinder_2, spatial_motion)
@@ -119,7 +124,11 @@ def momentum_residual_x(
     spatial_motion_after: SpatialMotion,
     cylinder_masses: CylinderMasses,
 ) -> Array:
-    """Return the change of the total linear momentum by the impact, x: 0 but for rounding [N s]."""
+    """Return the change of the total momentum along x by an impact: 0 but for rounding [N s].
+
+    A check of the solution: `spatial_motion` and `spatial_motion_after` hold the velocities of both
+    bodies before and after [m s-1], `cylinder_masses` their masses [kg].
+    """
     before, after, masses = spatial_motion, spatial_motion_after, cylinder_masses
     change_1 = after.velocity_1[0] - before.velocity_1[0]
     change_2 = after.velocity_2[0] - before.velocity_2[0]
@@ -132,7 +141,11 @@ def momentum_residual_y(
     spatial_motion_after: SpatialMotion,
     cylinder_masses: CylinderMasses,
 ) -> Array:
-    """Return the change of the total linear momentum by the impact, y: 0 but for rounding [N s]."""
+    """Return the change of the total momentum along y by an impact: 0 but for rounding [N s].
+
+    A check of the solution: `spatial_motion` and `spatial_motion_after` hold the velocities of both
+    bodies before and after [m s-1], `cylinder_masses` their masses [kg].
+    """
     before, after, masses = spatial_motion, spatial_motion_after, cylinder_masses
     change_1 = after.velocity_1[1] - before.velocity_1[1]
     change_2 = after.velocity_2[1] - before.velocity_2[1]
@@ -145,7 +158,11 @@ def momentum_residual_z(
     spatial_motion_after: SpatialMotion,
     cylinder_masses: CylinderMasses,
 ) -> Array:
-    """Return the change of the total linear momentum by the impact, z: 0 but for rounding [N s]."""
+    """Return the change of the total momentum along z by an impact: 0 but for rounding [N s].
+
+    A check of the solution: `spatial_motion` and `spatial_motion_after` hold the velocities of both
+    bodies before and after [m s-1], `cylinder_masses` their masses [kg].
+    """
     before, after, masses = spatial_motion, spatial_motion_after, cylinder_masses
     change_1 = after.velocity_1[2] - before.velocity_1[2]
     change_2 = after.velocity_2[2] - before.velocity_2[2]

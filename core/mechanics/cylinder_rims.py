@@ -23,7 +23,8 @@ def minima(
 ) -> tuple[Array, Array]:
     """Return the angles of the two lowest minima of a function with the period 2 pi [rad].
 
-    `value` gives the function at an angle, `slope_and_bend` its first and second derivative;
+    Points of a rim that may touch another body are such minima of a distance. `value` gives the
+    function at an angle, `slope_and_bend` its first and second derivative, for arrays of cells;
     samples find the minima, Newton's method refines them. Where there is one minimum only, both
     angles are equal.
     """
@@ -45,11 +46,11 @@ def minima(
 def _refined(
     t: Array, reach: float, slope_and_bend: Callable[[Array], tuple[Array, Array]]
 ) -> Array:
-    """Return the angle of the minimum near a sampled angle [rad].
+    """Return the angle of a function's minimum near a sampled angle [rad].
 
-    `t` is the sample, `reach` the distance to its neighbours [rad], `slope_and_bend` gives first
-    and second derivative. Newton's steps stay in a bracket around the sample that shrinks with each
-    step.
+    `t` is the sample, `reach` the distance to its neighbours [rad], `slope_and_bend` returns first
+    and second derivative at an angle. Newton's steps stay in a bracket around the sample that
+    shrinks with each step.
     """
     low, high = t - reach, t + reach
     done: Mask = np.zeros(np.shape(t), dtype=np.bool_)
@@ -102,10 +103,11 @@ def _free(distance: Array, radius: Array) -> Array:
 
 
 def _slope_and_bend(rim: Rim, base: Cylinder, angle: Array) -> tuple[Array, Array]:
-    """Return the first two derivatives of half a rim point's squared distance by its angle.
+    """Return first and second derivative of d^2/2 by the angle of a point on a rim [m2].
 
-    The distance is that from the cylinder `base` [m2 rad-1, m2 rad-2]; the rim is given relative to
-    the centre of `base`.
+    d is the distance of the rim's point at `angle` [rad] from the cylinder `base`; `rim` is given
+    relative to the centre of `base`. A Newton iteration finds with them the point of the rim that
+    is nearest to the cylinder.
     """
     point, along = rim.at(angle), rim.along(angle)
     way, off = _way(point, base), across(point, base.axis)
@@ -142,10 +144,12 @@ class Nearest(NamedTuple):
 
 
 def nearest_on_rims(body: Cylinder, base: Cylinder, size: Array) -> Nearest:
-    """Return the point on either rim of `body` that is nearest to `base`, with gap and normal.
+    """Return the gap between `base` and the nearest point on either rim of `body`, with normal.
 
-    `size` is the sum of both half diagonals [m], by which the tolerance scales. `proven` is false
-    where the bodies overlap, or where no rim of `body` holds its nearest point.
+    Where no face or side holds the contact of two cylinders. The gap is in m, the normal points
+    from `base` to the rim, and `point` is the nearest point of `base`. `size` is the sum of both
+    half diagonals [m], by which the tolerance scales. `proven` is False where the bodies overlap,
+    or where no rim of `body` holds its nearest point.
     """
     first = vectors.any_across(body.axis)
     radii = scaled(first, body.radius), scaled(cross(body.axis, first), body.radius)
@@ -177,7 +181,10 @@ def nearest_on_rims(body: Cylinder, base: Cylinder, size: Array) -> Nearest:
 
 
 def chosen(mask: Mask, rim: Nearest, other: Nearest) -> Nearest:
-    """Return the nearest point of `rim` where the mask holds, else that of `other`."""
+    """Return the nearest point of a rim: that of `rim` where `mask` holds, else of `other`.
+
+    All fields are arrays over the cells: gap [m], normal, point [m], and the mask `proven`.
+    """
     return Nearest(
         np.where(mask, rim.gap, other.gap),
         vectors.where(mask, rim.normal, other.normal),

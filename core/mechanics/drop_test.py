@@ -27,10 +27,10 @@ def posterior_shares(counts: Sequence[Array]) -> tuple[Array, ...]:
 
 
 def posterior_count(counts: Sequence[Array]) -> Array:
-    """Return the weight of a drop test, N + K/2 [1].
+    """Return the sum of the counts of a drop test's aspects with their prior, N + K/2 [1].
 
-    N is the sum of the parts counted in each of the K aspects; each aspect counts 1/2 before the
-    test.
+    It is the weight of the test. `counts` has an array for each of the K aspects, with the parts
+    that came to rest in it, N in total; each aspect counts 1/2 before the test.
     """
     total = counts[0] + PRIOR
     for one in counts[1:]:
@@ -69,12 +69,13 @@ def yield_upper(*, tested_line: PassedShares, yield_deviation: Array) -> Array:
 
 
 def _quantile(mean: Array, deviation: Array, side: int) -> Array:
-    """Return an end of a beta distribution's 95 % interval by mean and standard deviation [1].
+    """Return an end of the 95 % interval of a beta distribution by its mean and deviation [1].
 
-    `side` is -1 for the lower end, 1 for the upper. With the distribution's parameters a and b, its
-    variable x and F = b x/(a (1 - x)), the quotient of F^(1/3) (1 - 1/(9 b)) - (1 - 1/(9 a)) and
-    sqrt(F^(2/3)/(9 b) + 1/(9 a)) is nearly standard normal (Paulson 1942): the ends are right to
-    0.02 standard deviations for a, b >= 1, and to 0.07 where nothing was counted.
+    For a yield known from a drop test. `deviation` is the standard deviation, `side` is -1 for the
+    lower end, 1 for the upper. With the distribution's parameters a and b, its variable x and F = b
+    x/(a (1 - x)), the quotient of F^(1/3) (1 - 1/(9 b)) - (1 - 1/(9 a)) and sqrt(F^(2/3)/(9 b) +
+    1/(9 a)) is nearly standard normal (Paulson 1942): the ends are right to 0.02 standard
+    deviations for a, b >= 1, and to 0.07 where nothing was counted.
     """
     spread = (deviation > 0) & (mean > 0) & (mean < 1)
     m, s = np.where(spread, mean, 0.5), np.where(spread, deviation, 0.1)

@@ -67,10 +67,12 @@ def disc_floor_friction(
     *, mass: Array, net_push: Array, required_friction: Array, friction_static: Array,
     friction_kinetic: Array, rolling_factor: Array, floor_acceleration: Array,
 ) -> Array:  # fmt: skip
-    """Return the floor's friction force that turns the disc, positive along -x [N].
+    """Return the friction force of the floor that turns a disc on its edge, positive along -x [N].
 
-    m (D - w)/(1 + kap) where it rolls, else mu_k m n, at most the push itself: D - w is the net
-    push per mass, kap = m r^2/I the rolling factor, n the floor's force per mass.
+    m (D - w)/(1 + kap) where it rolls, else mu_k m n, at most the push itself: `net_push` D - w is
+    the push along less the wall's friction [m s-2], kap = m r^2/I the `rolling_factor`, n the
+    floor's force per mass [m s-2], m the mass [kg]. It rolls if `required_friction` is within
+    static friction.
     """
     slipping = np.minimum(np.abs(net_push), friction_kinetic * floor_acceleration)
     slipping = np.where(net_push < 0, -slipping, slipping)

@@ -82,9 +82,10 @@ def _bits(x: Array) -> Any:
 
 
 def _arc_series(w: Array) -> Array:
-    """Return the sum of the powers of w with the coefficients `ARC_POWERS`: atanh(sqrt(w))/sqrt(w).
+    """Return atanh(sqrt(w))/sqrt(w) for small w, an array, as a sum of powers of w.
 
-    Pairs of terms are summed first, so that a processor need not wait for each.
+    The coefficients are `ARC_POWERS`. Pairs of terms are summed first, so that a processor need not
+    wait for each.
     """
     pairs = [low + w * high for low, high in zip(ARC_POWERS[::2], ARC_POWERS[1::2], strict=True)]
     ww = w * w
@@ -96,10 +97,11 @@ def _arc_series(w: Array) -> Array:
 def arc_quotient(square: Array, root: Array) -> Array:
     """Return artanh(u)/u with u^2 = square, and arctan(u)/u with u^2 = -square below 0; 1 at 0.
 
-    `root` is sqrt(1 - square), to its own last digits: near 1 the square has lost them. Half of the
-    arc has the tangent y = u/(1 + root). Its nearest multiple of pi/8, or of ln 2 / 2 for artanh,
-    is taken off in the same quotient; the rest is a series in y^2 or -y^2. Within 5 units in the
-    last place.
+    For closed forms that are trigonometric on one side of a limit and hyperbolic on the other.
+    `square` is below 1; `root` is sqrt(1 - square), to its own last digits: near 1 the square has
+    lost them. Half of the arc has the tangent y = u/(1 + root). Its nearest multiple of pi/8, or of
+    ln 2 / 2 for artanh, is taken off in the same quotient; the rest is a series in y^2 or -y^2.
+    Within 5 units in the last place.
     """
     u = np.sqrt(np.abs(square))
     opens = square > 0  # hyperbolic

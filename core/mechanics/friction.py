@@ -61,8 +61,8 @@ def sliding_fraction(
 ) -> Array:
     """Return the share of the drive that accelerates: stick 0, slip 1 - mu_k n/|D|, flight 1 [1].
 
-    |D| (`in_plane_drive`) is the size of drive and gravity in the floor, n the floor's force, both
-    per mass [m s-2]. From rest, friction opposes the impending sliding velocity, which is along D.
+    From rest. |D| (`in_plane_drive`) is the size of drive and gravity in the floor, n the floor's
+    force, both per mass [m s-2]. Friction opposes the impending sliding velocity, which is along D.
     """
     stuck = is_stuck(
         in_plane_drive=in_plane_drive,
@@ -114,10 +114,12 @@ def pressure_offset_x(
     friction_kinetic: Array,
     floor_acceleration: Array,
 ) -> Array:
-    """Return the offset of the floor's resultant along x that balances friction's moment [m].
+    """Return the offset along x of the floor's resultant that balances friction's moment [m].
 
-    Friction acts at half the height below the centre, so that the offset is b/2 times friction over
-    normal force; NaN in flight. The part tips where it exceeds half the length.
+    A part of the given `height` b [m] tips where it exceeds half the length. Friction acts b/2
+    below the centre, so that the offset is b/2 times friction along x over the normal force; NaN in
+    flight. `in_plane_drive` is the size of drive and gravity in the plane, `in_plane_drive_x` their
+    component along x, `floor_acceleration` the floor's force, all per mass [m s-2].
     """
     share = _friction_share(
         in_plane_drive_x, in_plane_drive, friction_static, friction_kinetic, floor_acceleration
@@ -134,10 +136,12 @@ def pressure_offset_y(
     friction_kinetic: Array,
     floor_acceleration: Array,
 ) -> Array:
-    """Return the offset of the floor's resultant along y that balances friction's moment [m].
+    """Return the offset along y of the floor's resultant that balances friction's moment [m].
 
-    It is half the height times friction over normal force; NaN in flight. The part tips where it
-    exceeds half the width.
+    A part of the given `height` b [m] tips where it exceeds half the width. Friction acts b/2 below
+    the centre, so that the offset is b/2 times friction along y over the normal force; NaN in
+    flight. `in_plane_drive` is the size of drive and gravity in the plane, `in_plane_drive_y` their
+    component along y, `floor_acceleration` the floor's force, all per mass [m s-2].
     """
     share = _friction_share(
         in_plane_drive_y, in_plane_drive, friction_static, friction_kinetic, floor_acceleration

@@ -69,13 +69,17 @@ def frictionless(*, G_NN: Array, u_N: Array, restitution: Array) -> Array:
 def _arrest(
     G_NN: Array, G_NT: Array, G_TT: Array, u_N: Array, u_T: Array, friction: Array
 ) -> Impulse:
-    """Return the impulse that brings the normal velocity u_N <= 0 to 0, with Coulomb friction.
+    """Return the impulse that stops the approach at a contact in the plane, with Coulomb friction.
 
-    G_NN, G_NT, G_TT are the Delassus numbers [kg-1], u_T the sliding velocity [m s-1]. On the line
-    u_N' = 0 the tangential velocity grows strictly with L_T, and the friction cone cuts an interval
-    around L_T = 0 out of the line, infinite on a side where the cone does not meet it. The impulse
-    is the one that sticks, moved to the nearest end if it lies outside: exactly one solution for
-    any friction.
+    The compression phase of an impact: the normal velocity `u_N` <= 0 [m s-1] becomes 0. G_NN,
+    G_NT, G_TT are the Delassus numbers, velocities per impulse [kg-1], `u_T` is the sliding
+    velocity [m s-1]. The result has normal and tangential impulse [N s], and where the contact
+    sticks.
+
+    On the line u_N' = 0 the tangential velocity grows strictly with L_T, and the friction cone cuts
+    an interval around L_T = 0 out of the line, infinite on a side where the cone does not meet it.
+    The impulse is the one that sticks, moved to the nearest end if it lies outside: exactly one
+    solution for any friction.
     """
     arrest = -u_N / G_NN
     coupling = G_NT / G_NN
@@ -127,12 +131,23 @@ def pfeiffer_glocker(
     friction: Array,
     restitution: Array,
 ) -> Impulse:
-    """Return the impulse of compression and expansion together, with Poisson's restitution.
+    """Return the impulse of compression and expansion at one contact, by Poisson's law.
 
-    G_NN, G_NT, G_TT are the Delassus numbers of the contact [kg-1], u_N (negative in approach) and
-    u_T its normal and sliding velocity before the impact [m s-1]. The normal impulse of the
-    expansion is eps times that of the compression. The law would let it be larger where the contact
-    would close again; a single contact never does (theory 5.3).
+    Parameters
+    ----------
+    G_NN, G_NT, G_TT
+        Delassus numbers of the contact: velocity per impulse, normal and tangential [kg-1].
+    u_N, u_T
+        Normal velocity (negative in approach) and sliding velocity before the impact [m s-1].
+    friction, restitution
+        Friction coefficient, and eps, the normal impulse of the expansion over that of the
+        compression.
+
+    Returns
+    -------
+    Normal and tangential impulse [N s], and where the contact sticks at the end. The law would let
+    the expansion be larger where the contact would close again; a single contact never does (theory
+    5.3).
     """
     first = _arrest(G_NN, G_NT, G_TT, np.minimum(u_N, 0.0), _met(u_N, u_T), friction)
     sliding = np.where(
@@ -165,11 +180,12 @@ def _met(u_N: Array, u_T: Array) -> Array:
 def on_edge(
     *, G_11: Array, G_12: Array, G_22: Array, u_1: Array, u_2: Array, restitution: Array
 ) -> EdgeImpulse:
-    """Return the normal impulses at both ends of a line of contact, without friction.
+    """Return the normal impulses at both ends of a line of contact, without friction [N s].
 
-    G_11, G_12, G_22 are the Delassus numbers of the ends 1 and 2 [kg-1], u_1 and u_2 their normal
-    velocities before [m s-1]. Of L >= 0 and G L + (1 + eps) u >= 0, at each end one is 0; G is
-    positive definite, so that exactly one of the four combinations fits.
+    G_11, G_12, G_22 are the Delassus numbers of the ends 1 and 2, velocities per impulse [kg-1],
+    u_1 and u_2 their normal velocities before [m s-1]. Of L >= 0 and G L + (1 + eps) u >= 0, at
+    each end one is 0; G is positive definite, so that exactly one of the four combinations fits.
+    The result has also a mask `again`, where an end approaches still after the impact.
     """
     b_1, b_2 = (1 + restitution) * u_1, (1 + restitution) * u_2
     determinant = G_11 * G_22 - G_12 * G_12
@@ -213,11 +229,11 @@ def _in_cone(
 ) -> tuple[tuple[Array, Array], Mask]:
     """Return the tangential impulse with friction on a disc, and a mask where the contact sticks.
 
-    The impulse L obeys c + S L = -z L, |L| <= mu (a - b.L): `stiffness` is S_11, S_12, S_22 [kg-1],
-    `c` the sliding velocity without L [m s-1], and a - b.L the normal impulse. z is 0 where the
-    contact sticks and else positive. On the axes of S, L_k = -c_k/(s_k + z); the root z of mu (a -
-    b.L)/|L| - 1, nearly linear in z, is bracketed by 0 and a bound and found by Newton's method
-    with bisection.
+    The impulse L [N s], with two components, obeys c + S L = -z L, |L| <= mu (a - b.L): `stiffness`
+    is S_11, S_12, S_22 [kg-1], `c` the sliding velocity without L [m s-1], and a - b.L the normal
+    impulse, with `a` [N s] and `b` [1]; mu is `friction`. z is 0 where the contact sticks and else
+    positive. On the axes of S, L_k = -c_k/(s_k + z); the root z of mu (a - b.L)/|L| - 1, nearly
+    linear in z, is bracketed by 0 and a bound and found by Newton's method with bisection.
     """
     S_11, S_12, S_22 = stiffness
     mean, difference = (S_11 + S_22) / 2, (S_11 - S_22) / 2
@@ -264,9 +280,12 @@ def _in_cone(
 def _arrest_in_space(
     G: SpatialDelassus, u_N: Array, u: tuple[Array, Array], friction: Array
 ) -> SpatialImpulse:
-    """Return the impulse that brings the normal velocity u_N <= 0 to 0, with friction on a disc.
+    """Return the impulse that stops the approach at a contact in space: the compression phase.
 
-    `G` are the Delassus numbers of the contact [kg-1], `u` its two sliding velocities [m s-1].
+    The normal velocity `u_N` <= 0 [m s-1] becomes 0; friction along two tangents stops the sliding
+    velocities `u` [m s-1] if it can, and is mu times the normal impulse else. `G` are the Delassus
+    numbers of the contact [kg-1]. The result has normal and tangential impulses [N s], and where
+    the contact sticks.
     """
     a, b = -u_N / G.NN, (G.N1 / G.NN, G.N2 / G.NN)
     stiffness = (
@@ -297,11 +316,26 @@ def moreau_in_space(
 def pfeiffer_glocker_in_space(
     *, G: SpatialDelassus, u_N: Array, u: tuple[Array, Array], friction: Array, restitution: Array
 ) -> SpatialImpulse:
-    """Return the impulse of compression and expansion, with a disc of friction (theory 8.1).
+    """Return the impulse of compression and expansion at a contact in space, by Poisson's law.
 
-    `G` are the Delassus numbers of the contact [kg-1], `u_N` (negative in approach) and `u` its
-    normal and two sliding velocities before the impact [m s-1]; the restitution is Poisson's. NaN
-    where the contact would close again in the expansion, which is not solved.
+    Friction may point in any direction of the tangential plane, with the size mu L_N at most
+    (theory 8.1).
+
+    Parameters
+    ----------
+    G
+        Delassus numbers of the contact: velocity per impulse, normal and along two tangents [kg-1].
+    u_N, u
+        Normal velocity, negative in approach, and both sliding velocities before the impact [m
+        s-1].
+    friction, restitution
+        Friction coefficient mu, and the normal impulse of the expansion over that of the
+        compression.
+
+    Returns
+    -------
+    Normal and tangential impulses [N s], and where the contact sticks. NaN where the contact would
+    close again in the expansion, which is not solved.
     """
     met = (_met(u_N, u[0]), _met(u_N, u[1]))
     first = _arrest_in_space(G, np.minimum(u_N, 0.0), met, friction)

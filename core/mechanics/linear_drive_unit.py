@@ -57,12 +57,13 @@ def stroke_response(
     foot_stiffness: Array, foot_damping: Array, loaded_mass: Array, load_damping: Array,
     base_mass: Array,
 ) -> tuple[Array, Array, Array, Array]:  # fmt: skip
-    """Return the stroke s between trough and base (real, imaginary) and both amplitudes X1, X2 [m].
+    """Return stroke between trough and base (real, imaginary), and the amplitudes of both [m].
 
-    Force and stroke are the real parts of F e^(iwt) and s e^(iwt); X1 belongs to the trough, X2 to
-    the base. With Z = k + i w c of the springs, Z_f = k_f + i w c_f of the feet, a = m1 w^2 - i w
-    c_l of the loaded trough and of the damper from it to the ground, b = m2 w^2, P = Z_f - b, Q = P
-    - a: s = F Q/D, X1 = F P/D, X2 = F a/D, D = Z Q - a P.
+    The amplitudes are X1 of the trough and X2 of the base. Force and stroke are the real parts of F
+    e^(iwt) and s e^(iwt), with F = `drive_force` [N] and w = `circular_frequency`. With Z = k + i w
+    c of the springs, Z_f = k_f + i w c_f of the feet, a = m1 w^2 - i w c_l of the loaded trough and
+    of the damper from it to the ground, b = m2 w^2, P = Z_f - b, Q = P - a: s = F Q/D, X1 = F P/D,
+    X2 = F a/D, D = Z Q - a P.
     """
     w = circular_frequency
     a_real, a_imag = loaded_mass * w * w, -w * load_damping
@@ -87,10 +88,12 @@ def track_harmonic(
     foot_stiffness: Array, foot_damping: Array, loaded_mass: Array, load_damping: Array,
     base_mass: Array,
 ) -> tuple[Array, Array]:  # fmt: skip
-    """Return sine and cosine part, at 2 tau, of the track's second harmonic over its first [1].
+    """Return sine and cosine part of the second harmonic of a linear unit's track, over the first.
 
-    tau is the phase in which the first harmonic of the track's displacement is A sin(tau), and
-    `force_harmonic` the second harmonic of the magnet's force over its first.
+    The displacement is A (sin(tau) + s sin(2 tau) + c cos(2 tau)): the result is s and c [1], with
+    which a part is driven by a magnet on a half wave. `force_harmonic` is the second harmonic of
+    its force over the first [1]; the others are those of the unit in SI units: springs and feet
+    with their dampers, loaded trough and base (theory 15.5).
     """
     springs = (spring_stiffness, damping, foot_stiffness, foot_damping)
     masses = (loaded_mass, load_damping, base_mass)
@@ -102,11 +105,12 @@ def track_harmonic(
 def _trough(
     w: Array, k: Array, c: Array, k_f: Array, c_f: Array, m1: Array, c_l: Array, m2: Array
 ) -> tuple[Array, Array]:
-    """Return the trough's displacement per force, X1/F, real and imaginary part [m N-1].
+    """Return the displacement of the trough per force of the drive, X1/F, as two arrays [m N-1].
 
-    `w` is the circular frequency [rad s-1]; `k`, `c` stiffness and damping of the leaves, `k_f`,
-    `c_f` of the feet; `m1` the loaded trough, `c_l` the damper from it to the ground, `m2` the
-    base.
+    Real and imaginary part in X1 e^(iwt) for the force F cos(wt). `w` is the circular frequency
+    [rad s-1]; `k`, `c` stiffness and damping of the leaves [N m-1, N s m-1], `k_f`, `c_f` of the
+    feet; `m1` the loaded trough [kg], `c_l` the damper from it to the ground, `m2` the base (theory
+    15.2).
     """
     a_real, a_imag = m1 * w * w, -w * c_l
     p_real, p_imag = k_f - m2 * w * w, w * c_f

@@ -62,10 +62,11 @@ def cylinder_aspects(*, length: Array, diameter: Array) -> tuple[Aspect, ...]:
 
 
 def prism_aspects(*, sides: Array, length: Array, diameter: Array) -> tuple[Aspect, ...]:
-    """Return the sizes of a prism in each aspect: on a side, on an end [m].
+    """Return the sizes of a prism as it may lie: on a side, or on an end [m].
 
-    `sides` is the number of its sides, `diameter` that of the circle through its corners. Above the
-    side that it lies on is another one, or a corner where their number is odd.
+    Each `Aspect` has height, width and length. `sides` is the number of its sides, `diameter` that
+    of the circle through its corners, `length` that along the axis. Above the side that it lies on
+    is another one, or a corner where their number is odd.
     """
     inner = diameter / 2 * cosine(np.pi / sides)
     even = np.rint(sides / 2) * 2 == sides
@@ -74,11 +75,11 @@ def prism_aspects(*, sides: Array, length: Array, diameter: Array) -> tuple[Aspe
 
 
 def turned_aspects(*, diameter: Array, small_diameter: Array, height: Array) -> tuple[Aspect, ...]:
-    """Return the sizes of a turned part in each aspect: upright, on its side, inverted [m].
+    """Return the sizes of a turned part as it may lie: upright, on its side, inverted [m].
 
-    `diameter` and `small_diameter`, d and d_2, are those of its ends. On its side the rim of the
-    large end is d cos(th) high, th half the angle of the cone, and the other rim reaches out by d_2
-    sin(th) over the side.
+    Each `Aspect` has height, width and length. `diameter` d and `small_diameter` d_2 are those of
+    its ends, a distance `height` apart. On its side the rim of the large end is d cos(th) high, th
+    half the angle of the cone, and the other rim reaches out by d_2 sin(th) over the side.
     """
     apart = np.abs(diameter - small_diameter) / 2
     side = hypot(apart, height)
@@ -141,10 +142,11 @@ def test_of(kept: Sequence[Array]) -> Matrix:
 def turning(matrix: Matrix, turned_share: Array, turn: Array, *, failed: bool) -> Matrix:
     """Return the matrix of a device that turns a share of the parts of one aspect into another.
 
-    `matrix` is that of the device without turning; `turn` names the aspects as two digits, 21 from
-    aspect 2 to 1, and `turned_share` is the share that turns. With `failed` the share is of the
-    parts that the device rejects, and the others of these fall; without, of those that pass, and
-    the others stay.
+    Rows and columns are aspects before and after, entries shares [1]. `matrix` is that of the
+    device without turning; `turn` names the aspects as two digits, 21 from aspect 2 to 1, and
+    `turned_share` is the share that turns. If `failed` is True the share is of the parts that the
+    device rejects, and the others of these fall into the bowl; else of those that pass, and the
+    others stay.
     """
     places = range(len(matrix))
     rows = [[*row] for row in matrix]
@@ -169,7 +171,7 @@ def product(first: Matrix, second: Matrix) -> Matrix:
 
 
 def _sum(terms: Sequence[Array]) -> Array:
-    """Return the sum of arrays, which may broadcast."""
+    """Return the sum of arrays, which may broadcast, in their order; `terms` has at least one."""
     total = terms[0]
     for term in terms[1:]:
         total = total + term
@@ -242,7 +244,8 @@ def laps_variance(*, line: PassedShares) -> Array:
 def laps_99(*, line: PassedShares) -> Array:
     """Return the number of laps within which 99 of 100 parts pass, ln 0.01/ln(1 - eta) [1].
 
-    eta is the yield of the line. At least 1; infinite where no part passes.
+    Rejected parts go round once more. eta is the yield of the `line`, its share of parts that pass
+    in a lap. At least 1; infinite where no part passes.
     """
     lost = np.minimum(np.maximum(1 - line.total, 0.0), 1.0)
     some = (lost > 0) & (lost < 1)
@@ -280,7 +283,11 @@ def return_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
 
 
 def leaving_wanted(*, line: PassedShares, wanted_aspect: Array) -> Array:
-    """Return the share of the arriving parts that leave in the wanted aspect [1]."""
+    """Return the share of the arriving parts that leave a line of devices as they are wanted [1].
+
+    `line.leaving` holds the share that leaves in each aspect, such as flat or upright;
+    `wanted_aspect` is the number of the wanted one, counted from 1.
+    """
     wanted = line.leaving[0]
     for place, share in enumerate(line.leaving[1:], 2):
         wanted = np.where(wanted_aspect == place, share, wanted)

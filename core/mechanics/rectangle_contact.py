@@ -106,11 +106,12 @@ def _faces(
     body: float, x: Array, y: Array, angle: Array, half_length: Array, half_width: Array,
     other_x: Array, other_y: Array, other_angle: Array, other_length: Array, other_width: Array,
 ) -> tuple[_Face, _Face]:  # fmt: skip
-    """Return the two faces of a body, one per axis, that look at the other body.
+    """Return the two faces of a rectangle, one for each axis, that look at another rectangle.
 
-    `body` is its number, 1 or 2. (x, y), `angle` [rad], `half_length` and `half_width` are its
-    centre, the direction of its length and half its sizes [m]; the `other_` ones are those of the
-    other body, halves too.
+    The candidates for their contact, each with gap [m] and normal. `body` is the number of the
+    rectangle, 1 or 2. (x, y), `angle` [rad], `half_length` and `half_width` are its centre, the
+    direction of its length and half its sizes [m]; the `other_` arguments are those of the other,
+    lengths and widths halved, too.
     """
     c, s = cosine(angle), sine(angle)
     other_c, other_s = cosine(other_angle), sine(other_angle)
@@ -138,12 +139,12 @@ def _nearer(face: _Face, other: _Face) -> _Face:
 
 
 def rectangle_contact(*, rectangle_1: Rectangle, rectangle_2: Rectangle) -> RectangleContact:
-    """Return the contact of two rectangles: nearest face, corner or edge, gap and normal.
+    """Return the nearest points of two rectangles: gap [m], normal, corner or edge, and its ends.
 
-    It is the face of either body with the largest gap, and the corner or edge of the other body
-    nearest to it. The largest of the four gaps is negative exactly in overlap (separating axes). It
-    is the distance where the corner lies over the face, and a lower bound of the distance beside
-    the face.
+    The face of either body with the largest gap, and the corner or edge of the other body nearest
+    to it. The largest of the four gaps is negative exactly in overlap (separating axes). It is the
+    distance where the corner lies over the face, and a lower bound of the distance beside the face.
+    Impacts of two parts are computed from this contact.
     """
     one, two = (
         (body.x, body.y, body.angle, body.length / 2, body.width / 2)

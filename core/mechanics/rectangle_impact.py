@@ -144,10 +144,15 @@ def edge_action_without_friction(
 ) -> EdgeAction:
     """Return the point of a touching edge at which the resultant of the impulses at its ends acts.
 
-    Both ends are contacts without friction, whose impulses are solved together: L >= 0, G L + (1 +
-    eps) u >= 0, at each end one of both 0 (theory 1.4). The normals are parallel, so that the
-    resultant alone gives the impact. `unknown` marks edges of which an end approaches again after
-    the impact.
+    Two rectangles meet along an edge without friction. The impulses L at its ends are solved
+    together: L >= 0, G L + (1 + eps) u >= 0, at each end one of both 0, with the Delassus numbers G
+    and approach velocities u (theory 1.4). The normals are parallel, so that the resultant alone
+    gives the impact.
+
+    `rectangle_contact` has the normal and the ends of the edge [m], `rectangle_masses` masses and
+    moments of inertia [kg, kg m2], `planar_motion` velocities and spins before the impact [m s-1,
+    rad s-1]. The result is the point's share of the way from the first end to the second [1], and a
+    mask of edges of which an end approaches again, which the law does not solve.
     """
     at = rectangle_contact
     u_1, u_2 = (
@@ -185,8 +190,11 @@ def edge_action_with_friction(
 ) -> EdgeAction:
     """Return the end of a touching edge that approaches faster, where the impulse then acts.
 
-    If this end does not approach, the edge does not; else the impact is `unknown`, because friction
-    at two ends at once is not solved (regime `simultaneous`).
+    With friction an impact at one end of the edge is solved, one at both ends at once is not. The
+    result is the point's share of the way from the first end to the second, 0 or 1, and the mask
+    `unknown` of edges that approach at all (regime `simultaneous`). `rectangle_contact` has normal
+    and ends of the edge [m], `planar_motion` velocities and spins before the impact [m s-1, rad
+    s-1].
     """
     at = rectangle_contact
     u_1, u_2 = (
@@ -219,7 +227,9 @@ def contact_arms(
 ) -> Arms:
     """Return the lever arms of the contact about both centres, rho x n and rho x t [m].
 
-    rho leads from a centre to the contact, n is the normal and t = (-n_y, n_x) the tangent.
+    rho x n and rho x t of each body: rho leads from its centre to the contact (`contact_x`,
+    `contact_y`) [m], n is the unit normal and t = (-n_y, n_x) the tangent. By them impulses turn
+    the bodies.
     """
     x_1, y_1 = contact_x - rectangle_1.x, contact_y - rectangle_1.y
     x_2, y_2 = contact_x - rectangle_2.x, contact_y - rectangle_2.y
@@ -247,8 +257,10 @@ def delassus_normal(*, contact_arms: Arms, rectangle_masses: RectangleMasses) ->
 def delassus_coupling(*, contact_arms: Arms, rectangle_masses: RectangleMasses) -> Array:
     """Return the Delassus number (rho1 x n)(rho1 x t)/I1 + (rho2 x n)(rho2 x t)/I2 [kg-1].
 
-    It is the tangential velocity of the contact per normal impulse, and the reverse; rho x n and
-    rho x t are the arms of normal and tangent.
+    G_NT = (rho1 x n)(rho1 x t)/I1 + (rho2 x n)(rho2 x t)/I2: the relative tangential velocity per
+    normal impulse, and the reverse. `contact_arms` holds the levers rho x n and rho x t of normal
+    and tangent about the centres of both bodies [m], `rectangle_masses` their moments of inertia
+    I1, I2 [kg m2].
     """
     arms, masses = contact_arms, rectangle_masses
     return (
@@ -275,10 +287,11 @@ def approach_normal(
     normal_y: Array,
     planar_motion: BodyVelocities,
 ) -> Array:
-    """Return the normal velocity before the impact, n.(v1 + w1 x rho1 - v2 - w2 x rho2) [m s-1].
+    """Return the relative normal velocity of two bodies at their contact before an impact [m s-1].
 
-    It is that of the contact, negative in approach: velocity v and spin w of each body, rho from
-    its centre to the contact, and the normal n.
+    n.(v1 + w1 x rho1 - v2 - w2 x rho2), negative in approach: velocity v and spin w of each body
+    (`planar_motion`), rho from its centre to the contact, whose levers about the normal are in
+    `contact_arms` [m], and the unit normal n (`normal_x`, `normal_y`), from body 2 to body 1.
     """
     u = planar_motion
     drift_x, drift_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2
@@ -293,10 +306,11 @@ def approach_tangential(
     normal_y: Array,
     planar_motion: BodyVelocities,
 ) -> Array:
-    """Return the tangential velocity before, t.(v1 + w1 x rho1 - v2 - w2 x rho2) [m s-1].
+    """Return the tangential velocity of the contact points before an impact [m s-1].
 
-    It is that of the contact before the impact: velocity v and spin w of each body, rho from its
-    centre to the contact, and the tangent t = (-n_y, n_x).
+    Of body 1 relative to body 2, t.(v1 + w1 x rho1 - v2 - w2 x rho2): velocity v and spin w of each
+    body, rho from its centre to the contact (`contact_arms`), and the tangent t = (-n_y, n_x) to
+    the normal n.
     """
     u = planar_motion
     drift_x, drift_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2
@@ -348,10 +362,11 @@ def _only_at_one_contact(
     tolerance: Array,
     edge_action: EdgeAction,
 ) -> Impulse:
-    """Return an impulse with 0 where the bodies are apart and NaN where the law does not hold.
+    """Return an impulse with 0 where two bodies are apart and NaN where the law does not hold.
 
-    That is where they overlap by more than `tolerance` (a share of their size), touch corner on
-    corner, or edge on edge in a way that no single impulse describes.
+    It does not hold where they overlap by more than `tolerance` (a share of their size), touch
+    corner on corner, or edge on edge in a way that no single impulse describes
+    (`edge_action.unknown`). `at` is the record of their contact, with gap and kind.
     """
     nothing = is_apart(rectangle_contact=at, contact_tolerance=tolerance)
     unknown = overlaps(rectangle_contact=at, contact_tolerance=tolerance)
@@ -397,8 +412,9 @@ def pfeiffer_glocker_impulse(
 ) -> Impulse:
     """Return the impulse of compression and expansion with friction on body 1 [N s].
 
-    The restitution is Poisson's: expansion over compression of the normal impulse. 0 where the
-    bodies are apart, NaN where they overlap or the impact has no single impulse.
+    The law of Pfeiffer and Glocker; the restitution is Poisson's: expansion over compression of the
+    normal impulse. 0 where the bodies are apart, NaN where they overlap or the impact has no single
+    impulse.
     """
     impulse = impact.pfeiffer_glocker(
         G_NN=delassus_normal,
@@ -425,9 +441,13 @@ def moreau_impulse(
     friction: Array,
     restitution: Array,
 ) -> Impulse:
-    """Return Moreau's impulse with friction on body 1, one restitution for both directions [N s].
+    """Return the impulse on body 1 in an impact with friction, by Moreau's law [N s].
 
-    0 where the bodies are apart, NaN where they overlap or the impact has no single impulse.
+    One restitution holds in both directions, normal and tangential. The Delassus numbers
+    `delassus_*` are velocities per impulse [kg-1], the `approach_*` relative velocities before [m
+    s-1]. Normal and tangential impulse are 0 where the bodies are apart by more than
+    `contact_tolerance` (a share of their size), NaN where they overlap or the impact of an edge
+    (`edge_action`) has no single impulse.
     """
     impulse = impact.moreau(
         G_NN=delassus_normal,

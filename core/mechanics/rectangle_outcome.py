@@ -28,10 +28,12 @@ def motion_after(
     planar_motion: BodyVelocities,
     rectangle_masses: RectangleMasses,
 ) -> BodyVelocities:
-    """Return the velocities and spins of both bodies after the impulse [m s-1, rad s-1].
+    """Return the velocities and spins of both bodies after an impact [m s-1, rad s-1].
 
-    v + L/m and w + (rho x L)/I for body 1, with a minus for body 2: L is the impulse, rho leads
-    from the body's centre to the contact.
+    v + L/m and w + (rho x L)/I for body 1, with a minus for body 2: v and w are velocity and spin
+    before (`planar_motion`), L is the impulse on body 1 with normal and tangential part [N s], rho
+    (`contact_arms` [m]) leads from the body's centre to the contact, m and I are mass and moment of
+    inertia [kg, kg m2]. (`normal_x`, `normal_y`) is the unit normal.
     """
     L_N, L_T, arms = planar_impulse.normal, planar_impulse.tangential, contact_arms
     L_x, L_y = normal_x * L_N - normal_y * L_T, normal_y * L_N + normal_x * L_T
@@ -49,7 +51,12 @@ def motion_after(
 def separation_normal(
     *, planar_motion_after: BodyVelocities, contact_arms: Arms, normal_x: Array, normal_y: Array
 ) -> Array:
-    """Return the normal velocity of the contact after the impact, positive if it opens [m s-1]."""
+    """Return the normal velocity at the contact after the impact, positive if it opens [m s-1].
+
+    Of body 1 relative to body 2. `planar_motion_after` has velocities and spins of both [m s-1, rad
+    s-1], `contact_arms` the levers of the contact about their centres [m], (`normal_x`, `normal_y`)
+    is the unit normal from body 2 to body 1.
+    """
     return approach_normal(
         contact_arms=contact_arms,
         normal_x=normal_x,
@@ -61,7 +68,12 @@ def separation_normal(
 def separation_tangential(
     *, planar_motion_after: BodyVelocities, contact_arms: Arms, normal_x: Array, normal_y: Array
 ) -> Array:
-    """Return the tangential velocity of the contact after the impact, 0 if it sticks [m s-1]."""
+    """Return the tangential velocity at the contact after the impact, 0 if it sticks [m s-1].
+
+    Of body 1 relative to body 2. `planar_motion_after` has velocities and spins of both [m s-1, rad
+    s-1], `contact_arms` the levers of the contact about their centres [m], (`normal_x`, `normal_y`)
+    is the unit normal.
+    """
     return approach_tangential(
         contact_arms=contact_arms,
         normal_x=normal_x,
@@ -92,8 +104,8 @@ def energy_lost(
 ) -> Array:
     """Return the kinetic energy that the impact loses, -L.(u + u')/2 [J].
 
-    L is the impulse on body 1, u (`approach`) and u' (`separation`) the velocity of the contact
-    before and after.
+    L is the impulse on body 1, normal and tangential [N s], u (`approach_*`) and u'
+    (`separation_*`) the relative velocity at the contact before and after [m s-1].
     """
     return (
         -(
@@ -110,7 +122,10 @@ def momentum_residual_x(
     planar_motion_after: BodyVelocities,
     rectangle_masses: RectangleMasses,
 ) -> Array:
-    """Return the change of the total linear momentum by the impact, x: 0 but for rounding [N s]."""
+    """Return the change of the total linear momentum by an impact, x: 0 but for rounding [N s].
+
+    A check: `planar_motion` is the motion of both bodies before, `planar_motion_after` after it.
+    """
     before, after, masses = planar_motion, planar_motion_after, rectangle_masses
     change_1 = after.velocity_x_1 - before.velocity_x_1
     change_2 = after.velocity_x_2 - before.velocity_x_2
@@ -140,7 +155,10 @@ def angular_momentum_residual(
 ) -> Array:
     """Return the change of the total angular momentum about the origin by the impact [kg m2 s-1].
 
-    Without an outer impulse it is 0 but for rounding: a check of the solution.
+    Without an outer impulse it is 0 but for rounding: a check of the solution. `rectangle_1` and
+    `rectangle_2` have the places of the centres [m], `planar_motion` and `planar_motion_after`
+    velocities and spins before and after [m s-1, rad s-1], `rectangle_masses` masses and moments of
+    inertia [kg, kg m2].
     """
     body_1, body_2, masses = rectangle_1, rectangle_2, rectangle_masses
     change = BodyVelocities(

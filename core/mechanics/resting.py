@@ -40,7 +40,11 @@ Shares = tuple[Array, ...]
 
 
 def box_shares(*, length: Array, width: Array, height: Array) -> Shares:
-    """Return the resting shares of a box: flat, on its side, on its end [1]."""
+    """Return the shares of boxes that come to rest flat, on their side, and on their end [1].
+
+    Tipped out in any orientation (theory 16.1). Flat is the face `length` by `width`, on its side
+    `length` by `height`, on its end `width` by `height` [m].
+    """
     return (
         share_of_faces(length, width, height),
         share_of_faces(length, height, width),
@@ -64,10 +68,11 @@ def cylinder_centres(*, length: Array, diameter: Array) -> Shares:
 
 
 def prism_shares(*, sides: Array, length: Array, diameter: Array) -> Shares:
-    """Return the resting shares of a prism: on a side, on either end [1].
+    """Return the shares of prisms that come to rest on a side, and on either end [1].
 
-    Of n sides and length L, with d the circle through the corners and k = L/sqrt(L^2 + d^2): both
-    ends have (n/pi) (pi/n - atan(k tan(pi/n))), the sides the rest.
+    Tipped out in any orientation (theory 16.1). Of n `sides`, `length` L and `diameter` d of the
+    circle through the corners, with k = L/sqrt(L^2 + d^2): both ends together have (n/pi) (pi/n -
+    atan(k tan(pi/n))), the sides the rest.
     """
     through = hypot(length, diameter)
     k = length / through
@@ -105,9 +110,10 @@ def side_foot(
 ) -> Array:
     """Return the foot of the centre of mass on a part's side, over the length of the side [1].
 
-    (z_c H + R1 (R1 - R2))/L_g^2, counted from the end of `diameter`: R1 and R2 are the radii of
-    both ends, H the height, z_c (`mass_height`) that of the centre, L_g = hypot(R1 - R2, H) the
-    length of the side. The part lies on its side only where this is between 0 and 1.
+    For a truncated cone: (z_c H + R1 (R1 - R2))/L_g^2, counted from the end of `diameter`: R1 and
+    R2 are the radii of both ends, H the `height`, z_c (`mass_height`) that of the centre, L_g =
+    hypot(R1 - R2, H) the length of the side [m]. The part lies on its side only where this is
+    between 0 and 1.
     """
     apart = (diameter - small_diameter) / 2
     generator = hypot(apart, height)
@@ -139,11 +145,13 @@ def turned_shares(
     *, diameter: Array, small_diameter: Array, height: Array, mass_height: Array,
     side_foot: Array,
 ) -> Shares:  # fmt: skip
-    """Return the resting shares of a turned part: upright, on its side, inverted [1].
+    """Return the shares of turned parts that come to rest upright, on the side, and inverted [1].
 
-    Upright it stands on the end of `diameter`. `side_foot` is the foot of the centre on the side
-    over its length: outside 0 to 1 the side is unstable, and its share goes to the end that the
-    part rolls onto, beyond 1 the small one.
+    Tipped out in any orientation (theory 16.1). Upright a part stands on the end of `diameter`,
+    inverted on that of `small_diameter`; `height` and `mass_height` are its length and the height
+    of its centre of mass, all [m]. `side_foot` is the foot of the centre on the side over its
+    length [1]: outside 0 to 1 the side is unstable, and its share goes to the end that the part
+    rolls onto, beyond 1 the small one.
     """
     low, high = mass_height, height - mass_height
     upright, inverted = end_share(low, diameter / 2), end_share(high, small_diameter / 2)

@@ -75,9 +75,9 @@ def roll_root(
 ) -> Array:
     """Return the root z of D_x^2/(z+q)^2 + D_y^2/(z+3q)^2 = 1, the acceleration of slip [m s-2].
 
-    q = mu_k n, with drive and gravity D_x along the axis and D_y across it, and the floor's force
-    n, all per mass. z is the acceleration with which the contact of a solid cylinder slips; 0 where
-    it rolls.
+    It is the root z of D_x^2/(z+q)^2 + D_y^2/(z+3q)^2 = 1, q = mu_k n, with drive and gravity D_x
+    along the axis and D_y across it, and the floor's force n (`floor_acceleration`), all per mass
+    [m s-2].
     """
     return slip_root(
         in_plane_drive_x, in_plane_drive_y, SOLID, friction_static, friction_kinetic,
@@ -89,11 +89,12 @@ def slip_root(
     along: Array, across: Array, rolling_factor: Array | float, friction_static: Array,
     friction_kinetic: Array, floor_acceleration: Array,
 ) -> Array:  # fmt: skip
-    """Return the acceleration z with which a round part slips; 0 where it rolls [m s-2].
+    """Return the acceleration z with which a round part's contact slips; 0 where it rolls [m s-2].
 
-    z > 0 solves D_a^2/(z+q)^2 + D_c^2/(z+(1+kap)q)^2 = 1, q = mu_k n, with the push D_a along the
-    axis (`along`), D_c across it (`across`), the floor's force n, all per mass, and the rolling
-    factor kap = m r^2/I. After lift-off q = 0 and z = |D|.
+    From rest. z > 0 solves D_a^2/(z+q)^2 + D_c^2/(z+(1+kap)q)^2 = 1, q = mu_k n, with the push D_a
+    along the axis (`along`), D_c across it (`across`), the floor's force n (`floor_acceleration`),
+    all per mass [m s-2], and the rolling factor kap = m r^2/I. After lift-off q = 0 and z = |D|.
+    Accelerations across the axis and spin follow from z.
     """
     held = 1 + rolling_factor
     Dx, Dy = np.abs(along), np.abs(across)
@@ -111,14 +112,16 @@ def slip_root(
 
 @Elementwise
 def slip_share(x: Array, y: Array, s: Array, held: Array | float) -> Array:
-    """Return the positive root z of h(z) = x^2/(z+s)^2 + y^2/(z+held s)^2 = 1.
+    """Return the root z >= 0 of h(z) = x^2/(z+s)^2 + y^2/(z+held s)^2 = 1, for slips [1].
 
-    x and y are the push along and across the axis with x^2 + y^2 = 1, s kinetic friction times load
-    over the push, `held` 1 + kap. 1/sqrt(h) is concave and nearly linear in z: its chords to
-    infinity, and those of each term alone, lie below the root, and Newton's method climbs from
-    there without safeguard (the secular equation of trust-region methods). In place of sqrt(h) - 1
-    stands 2 (h - 1)/(h + 3), which is less and equal up to the third order: a step has one
-    quotient, no root.
+    It gives the acceleration of slip over the push on a cylinder or ball. x and y are the shares of
+    the push along and across the axis, x^2 + y^2 = 1, s kinetic friction times load over the push,
+    `held` is 1 + m r^2/I.
+
+    1/sqrt(h) is concave and nearly linear in z: its chords to infinity, and those of each term
+    alone, lie below the root, and Newton's method climbs from there without safeguard (the secular
+    equation of trust-region methods). In place of sqrt(h) - 1 stands 2 (h - 1)/(h + 3), which is
+    less and equal up to the third order: a step has one quotient, no root.
     """
     xx, yy = x * x, y * y
     z = np.maximum(np.maximum(x - s, y - held * s), np.maximum(1.0 - s * (xx + held * yy), 0.0))
@@ -139,10 +142,12 @@ def across_axis(
     push: Array, roll_root: Array, rolling_factor: Array | float, rolling_share: Array | float,
     friction_kinetic: Array, floor_acceleration: Array,
 ) -> Array:  # fmt: skip
-    """Return the acceleration across the axis, D_c (z + kap q)/(z + (1 + kap) q) [m s-2].
+    """Return the acceleration of a round part across its axis, rolling or slipping [m s-2].
 
-    D_c is `push`, z `roll_root`, kap = m r^2/I and q = mu_k n, with the floor's force n per mass.
-    Where z = 0 the part rolls with D_c kap/(1 + kap), kap/(1 + kap) being `rolling_share`.
+    D_c (z + kap q)/(z + (1 + kap) q), D_c = `push` being drive and gravity across the axis [m s-2],
+    z = `roll_root` the acceleration with which the contact slips [m s-2], kap = m r^2/I and q =
+    mu_k n, with the floor's force n per mass [m s-2]. Where z = 0 the part rolls with D_c kap/(1 +
+    kap), kap/(1 + kap) being `rolling_share`.
     """
     q = friction_kinetic * floor_acceleration
     more = roll_root + (1 + rolling_factor) * q

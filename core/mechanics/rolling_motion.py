@@ -84,9 +84,11 @@ class RollingContact(NamedTuple):
     def traction(self) -> tuple[Array, Array]:
         """Bounds of the friction that rolling takes: the largest in a period, at least and at most.
 
-        Both are friction over load times (1 + kap) [1]. D is the push, w the wall's friction, c n
-        the rolling resistance: the quotient (D -+ w +- kap c n)/n grows or falls steadily with the
-        sine of the drive, so that its ends count. Infinite where the part leaves the floor.
+        Both are friction over load times (1 + kap) [1], kap = m r^2/I. Where (1 + kap) mu_s reaches
+        the second the part always rolls; where (1 + kap) times the larger of mu_s and c is below
+        the first it slips at times. D is the push, w the wall's friction, c n the rolling
+        resistance: the quotient (D -+ w +- kap c n)/n grows or falls steadily with the sine of the
+        drive, so that its ends count. Infinite where the part leaves the floor.
         """
         least, most = np.zeros(()), np.zeros(())
         for sign in (1.0, -1.0):

@@ -47,7 +47,10 @@ def turned(matrix: Array, vector: Array) -> Array:
 
 
 def _about(axis: int, angle: Array) -> Array:
-    """Return the active rotation about axis 0, 1 or 2 (x, y, z), shape (..., 3, 3)."""
+    """Return the matrix that turns vectors by an angle about an axis, shape (..., 3, 3).
+
+    `axis` is 0, 1 or 2 for x, y or z, `angle` in rad, of any shape; an active rotation.
+    """
     angle = np.asarray(angle, dtype=np.float64)
     c, s = cosine(angle), sine(angle)
     following, last = (axis + 1) % 3, (axis + 2) % 3

@@ -103,8 +103,10 @@ def ball_spin(
 ) -> Array:  # fmt: skip
     """Return the angular acceleration of a ball, |a|/r where it rolls [rad s-2].
 
-    kap mu_k n/r where it slips, 0 in flight: |a| is the acceleration of the centre, kap = m r^2/I,
-    n the floor's force per mass, r the radius.
+    |a|/r where it rolls, with the acceleration |a| = share D of its centre (`rolling_share` of the
+    push D, `in_plane_drive` [m s-2]) and the radius r, half the `diameter` [m]; kap mu_k n/r where
+    it slips, with kap = m r^2/I (`rolling_factor`) and the floor's force n per mass [m s-2]; 0 in
+    flight. It rolls if `required_friction` is within static friction (theory 18.1).
     """
     slipping = rolling_factor * friction_kinetic * floor_acceleration
     rolling_rim = rolling_share * in_plane_drive
@@ -151,9 +153,9 @@ def roller_root(
 ) -> Array:  # fmt: skip
     """Return the root z of D_s^2/(z+q)^2 + D_e^2/(z+(1+kap)q)^2 = 1, q = mu_k n [m s-2].
 
-    D_s and D_e are the push along and across the axis, n is the floor's force, all per mass, and
-    kap = m r^2/I. z is the acceleration with which the contact of the roller slips; 0 where it
-    rolls.
+    The root of D_s^2/(z+q)^2 + D_e^2/(z+(1+kap)q)^2 = 1, q = mu_k n: D_s and D_e are the push along
+    and across the axis, n is the floor's force, all per mass [m s-2], and kap = m r^2/I is the
+    `rolling_factor` (theory 18.1).
     """
     return rolling.slip_root(
         push_along_axis, push_across_axis, rolling_factor, friction_static, friction_kinetic,
@@ -179,8 +181,9 @@ def rolling_acceleration(
 ) -> Array:  # fmt: skip
     """Return the acceleration across a roller's axis, D_e (z + kap q)/(z + (1 + kap) q) [m s-2].
 
-    D_e is the push across the axis, z `roll_root`, kap = m r^2/I and q = mu_k n, with the floor's
-    force n per mass. Where it rolls (z = 0) it is D_e kap/(1 + kap).
+    D_e is the push across the axis [m s-2], z `roll_root`, kap = m r^2/I (`rolling_factor`) and q =
+    mu_k n, with the floor's force n per mass (`floor_acceleration`) [m s-2]. Where it rolls (z = 0)
+    it is D_e kap/(1 + kap).
     """
     return rolling.across_axis(
         push_across_axis, roll_root, rolling_factor, rolling_share, friction_kinetic,
@@ -210,9 +213,10 @@ def roller_spin(
 ) -> Array:  # fmt: skip
     """Return the angular acceleration of a roller about its axis, a_e/r where it rolls [rad s-2].
 
-    kap q D_e/((z + (1 + kap) q) r) where it slips, 0 in flight: a_e and D_e are acceleration and
-    push across the axis, z is `roll_root`, kap = m r^2/I and q = mu_k n, with the floor's force n
-    per mass.
+    share D_e/r where it rolls, kap q D_e/((z + (1 + kap) q) r) where it slips, 0 in flight. D_e is
+    `push_across_axis` [m s-2], share `rolling_share` of it that the roller follows [1], z the
+    acceleration of slip `roll_root` [m s-2], kap = m r^2/I the `rolling_factor`, q = mu_k n with
+    the floor's force n per mass [m s-2], r half the `diameter` [m] (theory 18.1).
     """
     q = friction_kinetic * floor_acceleration
     slipping = (

@@ -93,8 +93,9 @@ def escapement_rate(
 def mean_platoons(*, parts: Array) -> Array:
     """Return the mean number of platoons of n parts with random friction, 1 + 1/2 + ... + 1/n [1].
 
-    Platoons are parts that stay together. It holds where parts slip one way only, whatever the
-    distribution of friction: the faces of the convex minorant of a random walk (Sparre Andersen).
+    n is `parts`. Platoons are parts that stay together. It holds where parts slip one way only,
+    whatever the distribution of friction: the faces of the convex minorant of a random walk (Sparre
+    Andersen).
     """
     total = np.zeros_like(parts)
     for k in range(1, MAX_PARTS + 1):
@@ -150,9 +151,9 @@ def held_line_force(
 ) -> Array:
     """Return the front force C of a row that sticks in a bend, (q R/mu)(exp(mu s/R) - 1) [N].
 
-    q (`line_push`) is the push per length [N m-1], R, mu and s radius, friction of the wall and
-    length of the bend. dC/ds = q + mu C/R: the track slips forward under the row, and the wall's
-    friction pushes with it.
+    C = (q R/mu)(exp(mu s/R) - 1), with the push q per length (`line_push` [N m-1]), radius R [m]
+    and length s [m] of the bend, and friction mu of its wall: dC/ds = q + mu C/R, since the track
+    slips forward under the row, and the wall's friction pushes with it (theory 17.5).
     """
     return (
         line_push * bend_radius / bend_friction
@@ -165,9 +166,9 @@ def sliding_line_force(
 ) -> Array:
     """Return the front force C of a row that slides in a bend, (q R/mu)(1 - exp(-mu s/R)) [N].
 
-    q (`line_push`) is the push per length [N m-1], R, mu and s radius, friction of the wall and
-    length of the bend. dC/ds = q - mu C/R: C tends to q R/mu, as the pressure of grain in a silo
-    does.
+    q (`line_push`) is the push per length [N m-1]; R, mu and s are the bend's radius [m], the
+    friction of its wall [1] and its length [m]. With the force C, dC/ds = q - mu C/R: C tends to q
+    R/mu, as the pressure of grain in a silo does.
     """
     return (
         -line_push * bend_radius / bend_friction
@@ -204,13 +205,14 @@ def two_level_hold(
     *, forward_acceleration: Array, return_acceleration: Array, friction_kinetic: Array,
     gravity: Array, frequency: Array,
 ) -> tuple[Array, Array, Array]:  # fmt: skip
-    """Return the time without contact [s], the velocity of the impact [m s-1] and the period [s].
+    """Return time without contact [s], impact velocity [m s-1] and period [s] of a row at a stop.
 
-    The track accelerates forward with a_s for t_s = T a_m/(a_s + a_m), to the velocity V = a_s
-    t_s/2, and back with a_m, to 0 in t_h = V/a_m; T is the period. The row leaves the stop as the
-    track runs back, has the track's velocity -mu g t after t = (V + a_s t_h)/(a_s + mu g), is
-    carried, and strikes the stop after s = (mu g t + sqrt((mu g t)^2 + a_s mu g t^2))/a_s more,
-    with V_i = a_s s - mu g t. The first result is t + s, the second V_i.
+    The stop is at rest in space. The track accelerates forward with a_s for t_s = T a_m/(a_s +
+    a_m), to the velocity V = a_s t_s/2, and back with a_m, to 0 in t_h = V/a_m; T is the period.
+    The row leaves the stop as the track runs back, has the track's velocity -mu g t after t = (V +
+    a_s t_h)/(a_s + mu g), is carried, and strikes the stop after s = (mu g t + sqrt((mu g t)^2 +
+    a_s mu g t^2))/a_s more, with V_i = a_s s - mu g t. The first result is t + s, the second V_i
+    (theory 17.5).
     """
     period = 1.0 / frequency
     a_s, a_m, brake = forward_acceleration, return_acceleration, friction_kinetic * gravity
@@ -261,8 +263,9 @@ def strikes_too_late(
 ) -> Mask:  # fmt: skip
     """True where the track turns back before the row is at the stop: t + s > t_h + 2 V/a_s.
 
-    t + s is the time without contact (`two_level_hold`), V = a_s t_s/2 the track's largest
-    velocity, a_s its forward acceleration, t_h = V/a_m the time in which it turns to 0.
+    The closed form of the force on the stop does not hold there. t + s is the time without contact
+    (`two_level_hold`), V = a_s t_s/2 the track's largest velocity, a_s its forward acceleration,
+    t_h = V/a_m the time in which it turns to 0 by the acceleration a_m of its return.
     """
     away, _, period = two_level_hold
     a_s, a_m = forward_acceleration, return_acceleration
@@ -291,9 +294,11 @@ def least_held_force(
 ) -> Array:  # fmt: skip
     """Return the mean over a period of the least force on a stop that moves with the track [N].
 
-    F(t) = M max(0, D - mu n), with the push D and load n per mass. The mean is (M/pi)(C cos(t_f) -
-    k (pi/2 - t_f)), with C = P (cos beta + mu sin beta), k = g (sin gamma + mu cos gamma) and
-    sin(t_f) = k/C; 0 where C <= k.
+    Parts of total mass M that rest against the stop press on it with at least F(t) = M max(0, D -
+    mu n), with the push D and load n per mass. The mean is (M/pi)(C cos(t_f) - k (pi/2 - t_f)),
+    with C = P (cos beta + mu sin beta), k = g (sin gamma + mu cos gamma) and sin(t_f) = k/C; 0
+    where C <= k. P is the vibration acceleration, beta its angle to the track, gamma the slope of
+    the track, mu the static friction; M g is `row_weight` [N].
     """
     gain = vibration_acceleration * (cosine(beta) + friction_static * sine(beta))
     drag = gravity * (sine(gamma) + friction_static * cosine(gamma))
@@ -312,12 +317,14 @@ def locked_held_force(
     vibration_acceleration: Array,
     beta: Array,
 ) -> Array:
-    """Return the mean force on a stop that moves with the track, locked in by friction [N].
+    """Return the mean force of a row on a stop of the track, as friction may lock it in [N].
 
     Stiff elastic parts keep a force until friction is overcome: F/M follows max(L, min(U, F)), at
     least 0, between L = D - mu n and U = D + mu n, with push D and load n per mass; both are sines
     of the phase less a constant. F is largest, F_1, where L is, stays until U falls to it, follows
-    U to its least value F_2, and stays until L rises to that.
+    U to its least value F_2, and stays until L rises to that (theory 17.5). M g is `row_weight`
+    [N], mu `friction_static`, `vibration_acceleration` the amplitude of the drive acceleration [m
+    s-2], `beta` its elevation and `gamma` the climb [rad].
     """
     level, climb = cosine(gamma), sine(gamma)
     gain = vibration_acceleration * (cosine(beta) + friction_static * sine(beta))

@@ -152,9 +152,10 @@ class Wrench:
         return reduce_screw(self.force, self.moment)
 
     def reduced_unscaled(self) -> ScrewReduction:
-        """Return pitch F.M/F^2 and axis F x M/F^2 of the wrench, in steps that have a derivative.
+        """Return pitch F.M/F^2 [m] and axis F x M/F^2 [m] of a wrench, in steps with a derivative.
 
-        `reduced` scales floats to keep squares in range; here squares may overflow.
+        Force F and moment M, arrays of shape (..., 3), may carry derivatives. The method `reduced`
+        scales floats to keep squares in range; here squares may overflow.
         """
         square = np.sum(self.force * self.force, axis=-1)
         pitch = np.sum(self.force * self.moment, axis=-1) / square
@@ -301,10 +302,12 @@ def newton_euler(
     twist: Twist,
     twist_rate: Twist,
 ) -> Wrench:
-    """Return the wrench about the mass centre that a motion needs, (2.2).
+    """Return the force and moment about the mass centre that a motion of a rigid body needs, (2.2).
 
-    `twist` and `twist_rate`, the derivatives of its components, are those of the mass centre, in
-    body components, as is `central_inertia` [kg m2].
+    Newton's and Euler's laws in body components: m (v' + omega x v) and J omega' + omega x J omega.
+    `mass` is in kg, `central_inertia` the matrix J about the mass centre, shape (..., 3, 3) [kg
+    m2]; `twist` holds the angular velocity omega and the velocity v of the mass centre, and
+    `twist_rate` the derivatives of these components.
     """
     acceleration = twist_rate.linear + cross(twist.angular, twist.linear)
     spin = turned(central_inertia, twist.angular)

@@ -24,7 +24,10 @@ rigid."""
 
 
 def _excess(x: Array) -> Array:
-    """Return exp(x) - 1 - x without cancellation, for `hunt_crossley`."""
+    """Return exp(x) - 1 - x without cancellation near 0, where a series is summed [1].
+
+    The law of restitution of Hunt and Crossley is solved with it. `x` is an array.
+    """
     near = np.abs(x) < SMALL
     small = np.where(near, x, 0.0)
     series = np.ones(())
@@ -37,9 +40,9 @@ def hunt_crossley(impact_number: Array) -> Array:
     """Return the restitution e of Hunt and Crossley's contact law for an impact number d = b v [1].
 
     The contact force is F = k x^n (1 + b x') at depth x, with stiffness k, damping b [s m-1] and
-    any exponent n; v is the impact speed. e solves d - ln(1 + d) = -e d - ln(1 - e d). With s =
-    ln(1 + d) and t = -ln(1 - e d) both sides are exp(x) - 1 - x, at x = s and x = -t: t is found by
-    Newton's method, from s.
+    any exponent n; v is the impact speed [m s-1], so that e falls with it. e solves d - ln(1 + d) =
+    -e d - ln(1 - e d). With s = ln(1 + d) and t = -ln(1 - e d) both sides are exp(x) - 1 - x, at x
+    = s and x = -t: t is found by Newton's method, from s (theory 18.3).
     """
     s = np.log1p(impact_number)
     given, t = _excess(s), s
@@ -51,8 +54,9 @@ def hunt_crossley(impact_number: Array) -> Array:
 def damped_number(restitution: Array) -> Array:
     """Return the impact number d = b v at which Hunt and Crossley's law has a restitution [1].
 
-    b is the damping of the contact [s m-1], v the impact speed; infinite for restitution 0. 1/e - 1
-    is nearly linear in d, 2 d/3 for small and d - 1 for large d, so that Newton's method in it
+    The inverse of `hunt_crossley`, by which the damping of a lining is found from a drop test. b is
+    the damping of the contact [s m-1], v the impact speed [m s-1]; infinite for restitution 0. 1/e
+    - 1 is nearly linear in d, 2 d/3 for small and d - 1 for large d, so that Newton's method in it
     converges fast.
     """
     some = restitution > 0
@@ -88,7 +92,7 @@ def restitution_at(*, impact_damping: Array, impact_speed: Array) -> Array:
 def restitution_of_damping(*, contact_damping_ratio: Array) -> Array:
     """Return the restitution of a linear spring and damper that never pulls, at any speed [1].
 
-    exp(-(pi - 2 a) tan(a)) with sin(a) = zeta, the damping ratio; beyond zeta = 1 the same with
+    exp(-(pi - 2 a) tan(a)) with sin(a) = zeta, the damping ratio [1]; beyond zeta = 1 the same with
     hyperbolic functions, exp(-2 zeta acosh(zeta)/sqrt(zeta^2 - 1)).
     """
     zeta = contact_damping_ratio
@@ -103,10 +107,11 @@ def restitution_of_damping(*, contact_damping_ratio: Array) -> Array:
 
 
 def damping_of_restitution(*, restitution: Array) -> Array:
-    """Return the damping ratio sin(a) with which a linear contact has a restitution [1].
+    """Return the damping ratio of a linear spring and damper contact with a restitution [1].
 
-    It solves exp(-(pi - 2 a) tan(a)) = restitution by bisection of a; NaN below exp(-2) = 0.135,
-    which takes more than critical damping.
+    So the damping of a lining is found from a drop test. The ratio is sin(a), with a from exp(-(pi
+    - 2 a) tan(a)) = restitution by bisection; NaN below exp(-2) = 0.135, which takes more than
+    critical damping. `restitution` is rebound speed over impact speed, an array.
     """
     low, high = np.zeros(np.shape(restitution)), np.full(np.shape(restitution), np.pi / 2)
     for _ in range(60):

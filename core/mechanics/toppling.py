@@ -70,11 +70,12 @@ def prism_gyration(*, sides: Array, length: Array, diameter: Array) -> Array:
 def cone_gyration(
     *, diameter: Array, small_diameter: Array, height: Array, mass_height: Array
 ) -> Array:
-    """Return the radius of gyration of a truncated cone about a line across its centre [m].
+    """Return the radius of gyration of a truncated cone about a line across its axis [m].
 
-    k^2 = 3 R1^2 (1 + r + r^2 + r^3 + r^4)/(20 q) + H^2 (1 + 3 r + 6 r^2)/(10 q) - z_c^2 with r =
-    R2/R1 and q = 1 + r + r^2: radii R1 and R2 of the ends, height H, centre of mass z_c above the
-    end of R1 (`mass_height`).
+    The line passes through the centre of mass; the radius says how easily the standing cone
+    topples. k^2 = 3 R1^2 (1 + r + r^2 + r^3 + r^4)/(20 q) + H^2 (1 + 3 r + 6 r^2)/(10 q) - z_c^2
+    with r = R2/R1 and q = 1 + r + r^2: radii R1 and R2 of the ends, halves of `diameter` and
+    `small_diameter`, `height` H, centre of mass z_c above the end of R1 (`mass_height`), all [m].
     """
     r = small_diameter / diameter
     q = 1 + r * (1 + r)
@@ -146,9 +147,10 @@ def topple_speed(
 def pulse_angle(*, rocking_rate: Array, frequency: Array) -> Array:
     """Return the phase of a half-sine pulse at which a part begins to rock that just topples [rad].
 
-    The root psi of q (exp(-q (pi - psi)) + cos psi) = sin psi, with q = p/w, rocking rate p over
-    the pulse's circular frequency w, by Newton's method on psi = phi + asin(sin(phi) exp(-q (pi -
-    psi))), phi = atan(q).
+    It gives the least acceleration of a pulse of circular frequency w (`frequency` in Hz) that
+    topples a standing part with `rocking_rate` p [rad s-1]: with q = p/w the root psi of q (exp(-q
+    (pi - psi)) + cos psi) = sin psi, by Newton's method on psi = phi + asin(sin(phi) exp(-q (pi -
+    psi))), phi = atan(q) (theory 16.2).
     """
     q = rocking_rate / (2 * np.pi * frequency)
     phi = np.arctan(q)
@@ -180,9 +182,10 @@ def push_over_load(
 ) -> Array:
     """Return the largest push along the track over the load on the floor in a period, |D|/n [1].
 
-    With s = sin(w t), D = P cos(beta) s - g sin(gamma) over n = g cos(gamma) - P sin(beta) s grows
-    with s, so that the ends s = -1 and 1 count; P = A w^2. Infinite where the part leaves the
-    floor.
+    A part at rest begins to rock, or to slide, only if this exceeds its limit. With s = sin(w t), P
+    = A w^2 and w = 2 pi f, D = P cos(beta) s - g sin(gamma) over n = g cos(gamma) - P sin(beta) s
+    is monotonic in s, so that the ends s = -1 and 1 count. Infinite where the part leaves the
+    floor. Arguments in Hz, m, rad, rad and m s-2.
     """
     drive = np.square(2 * np.pi * frequency) * amplitude
     along, normal = drive * cosine(beta), drive * sine(beta)

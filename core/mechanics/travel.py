@@ -56,9 +56,10 @@ def transport_velocity(
 ) -> Array:
     """Return the speed after a distance x, (3.18) with a starting speed v0 [m s-1].
 
-    v^2 = v0^2 exp(-s) + 2 K x phi(s), with s = 2 mu x/R, phi(s) = (1 - exp(-s))/s, the acceleration
-    K at zero speed, the friction mu and the bowl's radius R. 0 where the part does not start, or
-    stops before.
+    The drive is taken to stay at its peak; no mean over a period. v^2 = v0^2 exp(-s) + 2 K x
+    phi(s), with s = 2 mu x/R, phi(s) = (1 - exp(-s))/s, the starting speed v0 (`speed` [m s-1]),
+    the acceleration K at zero speed [m s-2], the friction coefficient mu and the bowl's radius R
+    [m]. 0 where the part does not start, or stops before.
     """
     carried, gained = _speeds(starting_acceleration, friction_kinetic, radius, distance, speed)
     from_rest, grows = carried == 0, starting_acceleration > 0  # from rest one root is enough
@@ -115,11 +116,13 @@ def travel_time(
     distance: Array,
     speed: Array,
 ) -> Array:
-    """Return the time to cover the distance x [s]; infinite where the part does not get there.
+    """Return the time in which a part covers a distance x [s]; infinite if it does not get there.
 
-    With s = 2 mu x/R, phi(s) = (1 - exp(-s))/s and q = 2 x phi(s)/(v + v0 exp(-s)), speeds v0 at
-    the start and v at the end, the time is atanh(k q)/k for K > 0, atan(k q)/k for K < 0, q for K =
-    0, k^2 = mu |K|/R: q times the `arc_quotient` of (mu/R) K q^2, whose root is exp(-s/2) (v +
+    Under the drive at its peak, with friction mu, radius R of the bowl's wall [m] and the
+    acceleration K at zero speed [m s-2]. With s = 2 mu x/R, phi(s) = (1 - exp(-s))/s and q = 2 x
+    phi(s)/(v + v0 exp(-s)), speeds v0 at the start (`speed`) and v at the end
+    (`transport_velocity`) [m s-1], the time is atanh(k q)/k for K > 0, atan(k q)/k for K < 0, q for
+    K = 0, k^2 = mu |K|/R: q times the `arc_quotient` of (mu/R) K q^2, whose root is exp(-s/2) (v +
     v0)/(v + v0 exp(-s)). From rest K cancels, and (mu/R) K q^2 = 1 - exp(-s).
     """
     K, v, v0 = starting_acceleration, transport_velocity, speed
@@ -153,8 +156,9 @@ def mean_velocity(
 ) -> Array:
     """Return the distance over the travel time [m s-1]; 0 where the part does not get there.
 
-    Where it does, but in a time beyond the range of floats, the mean is computed from the speeds at
-    both ends instead.
+    The drive is taken to stay at its peak. Where the part gets there, but in a time beyond the
+    range of floats, the mean is computed from the speeds at start and end (`speed`,
+    `transport_velocity` [m s-1]), kinetic friction [1] and the bowl's radius [m] instead.
     """
     s = _damping(friction_kinetic, radius, distance)
     creeping = (transport_velocity + speed * np.exp(-s)) / (2 * expm1_quotient(s))
@@ -176,9 +180,10 @@ def stopping_distance(
 ) -> Array:
     """Return the stopping distance, R/(2 mu) log1p(mu v0^2/(|K| R)); infinite without stop [m].
 
-    With starting speed v0, acceleration K at zero speed (K < 0 brakes), friction mu and radius R.
-    For y = v0 sqrt(mu/(|K| R)) below 1 it is written as v0^2/(2 |K|) log1p(y^2)/y^2, else the
-    logarithm is taken of y: v0/|K| may be too large for a float where the distance is not.
+    Under the drive at its peak: R/(2 mu) log1p(y^2), y = v0 sqrt(mu/(|K| R)), with starting speed
+    v0 (`speed` [m s-1]), acceleration K at zero speed [m s-2] (K < 0 brakes), friction mu and
+    radius R of the bowl's wall [m]. For y below 1 it is written as v0^2/(2 |K|) log1p(y^2)/y^2,
+    else the logarithm is taken of y: v0/|K| may be too large for a float where the distance is not.
     """
     K = starting_acceleration
     y = _speed_ratio(K, friction_kinetic, radius, speed)
@@ -199,8 +204,10 @@ def stopping_time(
 ) -> Array:
     """Return the stopping time, sqrt(R/(|K| mu)) atan(v0 sqrt(mu/(|K| R))); infinite if none [s].
 
-    With starting speed v0, acceleration K at zero speed (K < 0 brakes), friction mu and radius R.
-    For y = v0 sqrt(mu/(|K| R)) below 1 it is written as v0/|K| atan(y)/y.
+    Under the drive at its peak, with starting speed v0 (`speed` [m s-1]), acceleration K at zero
+    speed (`starting_acceleration` [m s-2], K < 0 brakes), friction mu and radius R of the bowl's
+    wall [m]: sqrt(R/(|K| mu)) atan(y), y = v0 sqrt(mu/(|K| R)). Below y = 1 it is written as v0/|K|
+    atan(y)/y, which holds for mu = 0, too.
     """
     K = starting_acceleration
     y = _speed_ratio(K, friction_kinetic, radius, speed)
@@ -226,8 +233,10 @@ def velocity_at_time(
 ) -> Array:
     """Return the speed at a time t, (v0 + K t T)/(1 + mu v0 t T/R) [m s-1]; 0 after the stop.
 
-    T = tanh(u)/u for K > 0, tan(u)/u for K < 0, u = t sqrt(mu |K|/R), with starting speed v0,
-    acceleration K at zero speed, friction mu and radius R of the bowl.
+    Under the drive at its peak: (v0 + K t T)/(1 + mu v0 t T/R), T = tanh(u)/u for K > 0, tan(u)/u
+    for K < 0, u = t sqrt(mu |K|/R), with starting speed v0 (`speed` [m s-1]), acceleration K at
+    zero speed [m s-2], friction mu and radius R of the bowl's wall [m]. `stopping_time` [s] is that
+    of the same motion.
     """
     K, v0 = starting_acceleration, speed
     moving = (time < stopping_time) | (time == 0)
@@ -248,11 +257,13 @@ def distance_at_time(
     stopping_time: Array,
     stopping_distance: Array,
 ) -> Array:
-    """Return the distance covered at a time t, x(t) [m]; the stopping distance after the stop.
+    """Return the distance that a part has covered at a time t [m]; that of its stop afterwards.
 
-    exp(mu x/R) is cosh u + y0 sinh u (K > 0) or cos u + y0 sin u (K < 0), with u = t sqrt(mu |K|/R)
-    and y0 = v0/sqrt(|K| R/mu): starting speed v0, acceleration K at zero speed, friction mu, radius
-    R. It is written as one log1p whose argument has mu/R as a factor, so that R/mu cancels.
+    Under the drive at its peak. exp(mu x/R) is cosh u + y0 sinh u (K > 0) or cos u + y0 sin u (K <
+    0), with u = t sqrt(mu |K|/R) and y0 = v0/sqrt(|K| R/mu): starting speed v0 (`speed` [m s-1]),
+    acceleration K at zero speed [m s-2], friction mu, radius R of the bowl's wall [m]. It is
+    written as one log1p whose argument has mu/R as a factor, so that R/mu cancels. `stopping_time`
+    [s] and `stopping_distance` [m] are those of the same motion.
     """
     K, v0 = starting_acceleration, speed
     moving = (time < stopping_time) | (time == 0)
@@ -291,9 +302,10 @@ def distance_bound(
 ) -> Array:
     """Return the distance after which a part from rest would be faster than the track [m].
 
-    x_max = -R/(2 mu) log1p(-mu v_b^2/(K R)): there (3.18) reaches `velocity_bound` v_b, with the
-    acceleration K at zero speed, friction mu and radius R. Infinite where the terminal velocity is
-    below v_b, or the part does not start.
+    Beyond it the velocity law (3.18) describes nothing real. x_max = -R/(2 mu) log1p(-mu v_b^2/(K
+    R)): there the law reaches `velocity_bound` v_b [m s-1], with the acceleration K at zero speed
+    [m s-2], friction mu and radius R of the bowl's wall [m]. Infinite where the terminal velocity
+    is below v_b, or the part does not start.
     """
     K = starting_acceleration
     starts = K > 0

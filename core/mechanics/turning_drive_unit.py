@@ -15,8 +15,10 @@ def turning_mass_empty(
 ) -> Array:  # fmt: skip
     """Return the mass that the stroke of the empty unit moves, m_r - m_r^2 (d x e)^2/I_t [kg].
 
-    m_r = m1 m2/(m1 + m2) of trough and base. d (`offset_*`) leads from the base's mass centre to
-    the trough's, e is the unit vector along the stroke at `spring_angle`; I_t = I1 + I2 + m_r d^2.
+    m_r - m_r^2 (d x e)^2/I_t, with m_r = m1 m2/(m1 + m2) of trough (1) and base (2), from which the
+    natural frequency follows. d (`offset_along`, `offset_upward`, [m]) leads from the base's mass
+    centre to the trough's, e is the unit vector along the stroke at `spring_angle` [rad]; I_t = I1
+    + I2 + m_r d^2 with the moments of inertia [kg m2] (theory 15.2).
     """
     m_r = moving_mass * (base_mass / (moving_mass + base_mass))
     arm, inertia = _arm(
@@ -29,11 +31,13 @@ def turning_mass(
     *, loaded_mass: Array, base_mass: Array, moving_inertia: Array, base_inertia: Array,
     offset_along: Array, offset_upward: Array, spring_angle: Array,
 ) -> Array:  # fmt: skip
-    """Return the mass that the stroke of the loaded unit moves, load at the mass centre [kg].
+    """Return the mass that the stroke of a loaded drive unit moves, if its masses turn [kg].
 
-    m_r - m_r^2 (d x e)^2/I_t, with m_r = m1 m2/(m1 + m2) of the loaded trough and the base; d
-    (`offset_*`) leads from the base's mass centre to the trough's, e is the unit vector along the
-    stroke; I_t = I1 + I2 + m_r d^2.
+    m_r - m_r^2 (d x e)^2/I_t, less than the reduced mass m_r = m1 m2/(m1 + m2) of loaded trough (1)
+    and base (2), as both also turn. d (`offset_along`, `offset_upward`, [m]) leads from the base's
+    mass centre to the trough's; e is the unit vector along the stroke, at the angle `spring_angle`
+    [rad]; I_t = I1 + I2 + m_r d^2 [kg m2]. The load is taken at the trough's mass centre (theory
+    15.2).
     """
     return turning_mass_empty(
         moving_mass=loaded_mass, base_mass=base_mass, moving_inertia=moving_inertia,
@@ -66,8 +70,9 @@ def turning_response(
 ) -> tuple[Array, Array]:  # fmt: skip
     """Return real and imaginary part of the stroke, s = F/(k - m w^2 + i w c) [m].
 
-    F is the drive's force, k and c stiffness and damping of the leaves, m the mass that the stroke
-    moves (`turning_mass`), w the circular frequency.
+    s in s e^(iwt) for the force F cos(wt): s = F/(k - m w^2 + i w c), with F the `drive_force` [N],
+    k and c stiffness and damping of the leaves [N m-1, N s m-1], m the mass that the stroke moves
+    (`turning_mass` [kg]), w the circular frequency [rad s-1] (theory 15.2).
     """
     w = circular_frequency
     real, imag = spring_stiffness - turning_mass * w * w, w * damping
@@ -84,7 +89,8 @@ def turning_harmonic(
 
     tau is the phase in which the first harmonic of the displacement is A sin(tau), `force_harmonic`
     the second harmonic of the magnet's force over its first. Both harmonics move a spot of the
-    trough along one line: on a free base the turn goes with the stroke.
+    trough along one line: on a free base the turn goes with the stroke. `turning_mass` is the mass
+    that the stroke moves [kg].
     """
     at = [
         turning_response(
@@ -102,8 +108,10 @@ def trough_turn(
 ) -> Array:  # fmt: skip
     """Return the amplitude of the trough's turning, up in front, -(m_r/I_t) (d x e) s [rad].
 
-    s is the stroke [m], m_r = m1 m2/(m1 + m2), d (`offset_*`) leads from the base's mass centre to
-    the trough's, e is the unit vector along the stroke, I_t = I1 + I2 + m_r d^2.
+    Positive up in front: -(m_r/I_t) (d x e) s, with the `stroke` s [m] along the unit vector e at
+    `spring_angle` [rad], m_r = m1 m2/(m1 + m2) of loaded trough and base [kg], d (`offset_along`,
+    `offset_upward`, [m]) from the base's mass centre to the trough's, and I_t = I1 + I2 + m_r d^2
+    [kg m2] (theory 15.2).
     """
     m_r = loaded_mass * (base_mass / (loaded_mass + base_mass))
     arm, inertia = _arm(
@@ -117,12 +125,13 @@ def turning_track(
     offset_along: Array, offset_upward: Array, spot_along: Array, spot_upward: Array,
     spring_angle: Array,
 ) -> tuple[Array, Array]:  # fmt: skip
-    """Return the amplitudes of a spot of the trough along the floor and upward, with sign [m].
+    """Return the amplitudes of a spot of a turning trough along the floor and upward, signed [m].
 
-    (m2/M) (s e + phi k x d) + phi k x b, with the mass m2 of the base and M of both, the stroke s
-    along the leaves' direction e, and the turning phi, positive up in front (`trough_turn`); k is
-    the unit vector to the left, about which it turns. The `offset` d leads from the base's mass
-    centre to the trough's, the `spot` b from the trough's mass centre to the spot.
+    (m2/M) (s e + phi k x d) + phi k x b, with the mass m2 of the base and M of both [kg], the
+    `stroke` s [m] along e at the angle `spring_angle` [rad], and the trough's turning phi [rad],
+    positive up in front; k is the unit vector to the left, about which it turns. The `offset` d
+    leads from the base's mass centre to the trough's, the `spot` b from the trough's mass centre to
+    the spot, both [m] (theory 15.2).
     """
     share, phi = base_mass / (loaded_mass + base_mass), trough_turn
     along = share * (stroke * cosine(spring_angle) - phi * offset_upward) - phi * spot_upward

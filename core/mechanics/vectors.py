@@ -16,7 +16,7 @@ def dot(a: Vector, b: Vector) -> Array:
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """Return the vector product a x b."""
+    """Return the vector product a x b of two vectors, each a tuple of three arrays."""
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -62,7 +62,10 @@ def direction(a: Vector, otherwise: Vector) -> Vector:
 
 
 def any_across(axis: Vector) -> Vector:
-    """Return some unit vector that is normal to a unit axis."""
+    """Return some unit vector at right angles to a unit `axis`, both tuples of three arrays.
+
+    For a base of the plane across the axis, where any will do.
+    """
     z = axis[2]
     flat = np.abs(z) > 0.5
     zero = np.zeros_like(z)

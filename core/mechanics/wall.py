@@ -136,10 +136,10 @@ def pushing_wall_acceleration(*, wall_balance: Array) -> Array:
 
 
 def chord_cosine(*, length: Array, radius: Array) -> Array:
-    """Return the cosine of sigma, half the angle that the part spans as a chord of the wall [1].
+    """Return the cosine of half the angle that a part spans as a chord of the bowl's wall [1].
 
-    sin(sigma) = h/(2R), with the part's length h and the wall's radius R; NaN where the part is
-    longer than 2R.
+    Of sigma, with sin(sigma) = h/(2R), the part's length h and the wall's radius R [m], since a
+    straight part touches a curved wall with its ends; NaN where it is longer than 2R.
     """
     fits = length <= 2 * radius
     half = np.where(fits, length / 2, radius)
@@ -237,9 +237,12 @@ def held_pressure_offset_x(
 ) -> Array:
     """Return the offset of the floor's resultant along x that balances friction's moment [m].
 
-    The wall's force acts at mid-height. mu_k b/2 towards the motion in sliding, b being the height.
-    In stick, floor and wall are taken to share the drive in proportion to their normal forces,
-    which the balance leaves open. NaN in flight.
+    The part, of the given `height` b [m] and at the wall, tips where it exceeds half the length.
+    The wall's force acts at mid-height. mu_k b/2 towards the motion in sliding, at the `speed` [m
+    s-1] or from rest. In stick, floor and wall are taken to share the drive in proportion to their
+    normal forces, which the balance leaves open. NaN in flight. `in_plane_drive_x` is drive and
+    gravity along x, `floor_acceleration` and `wall_acceleration` the normal forces, all per mass [m
+    s-2].
     """
     load = floor_acceleration + wall_acceleration
     stuck = is_held(

@@ -166,9 +166,9 @@ def force_wrench(
 ) -> Wrench:
     """Return the wrench of drive, gravity and floor together about the centre, (4.12), (4.13).
 
-    In the axes n, eta, sigma [N, N m]; drive and gravity act at the centre. What (4.15) to (4.17)
-    cancel is left out instead of subtracted: along n nothing remains, along sigma m r phi' theta',
-    with spin rate phi' and yaw rate theta'.
+    Of a cylinder that rolls and yaws on a level floor. In the axes n, eta, sigma [N, N m]; drive
+    and gravity act at the centre. What (4.15) to (4.17) cancel is left out instead of subtracted:
+    along n nothing remains, along sigma m r phi' theta', with spin rate phi' and yaw rate theta'.
     """
     turning = mass * (diameter / 2) * spin_rate * yaw_rate
     force = vector(np.zeros(()), mass * rolling_drive * (2 / 3), turning)
@@ -228,10 +228,11 @@ def slips(
     friction_static: Array,
     normal_acceleration: Array,
 ) -> Mask:
-    """True where rolling needs more friction than there is: hypot(F_eta, F_sigma) > mu_s N.
+    """True where a rolling and yawing cylinder needs more friction than there is.
 
-    F_eta and F_sigma are the friction forces in rolling direction and along the axis that rolling
-    and yawing need, N the floor's force.
+    hypot(F_eta, F_sigma) > mu_s N, with the friction forces in rolling direction (`rolling_drive`,
+    of which a solid cylinder needs a third) and along the axis, and the floor's force N, all per
+    mass [m s-2].
     """
     return ~is_rolling(
         in_plane_drive_x=axial_friction_acceleration,

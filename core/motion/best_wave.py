@@ -26,11 +26,13 @@ from core.motion.groups import Contacts, Groups, in_plane
 def fastest_velocity(
     *, groups: Groups, largest_acceleration_along: Array, frequency: Array, gravity: Array
 ) -> Array:
-    """Return the largest mean velocity that any drive with this largest acceleration gives [m s-1].
+    """Return the largest mean velocity that any drive with a bounded acceleration gives [m s-1].
 
-    0 where no such drive frees the part forward. NaN where the bound does not hold: something
-    drives the part off the floor or across, the track falls, or it is too steep for the part to lie
-    on.
+    `largest_acceleration_along` bounds the acceleration of the track [m s-2], `frequency` [Hz] is
+    that of the drive, `groups` are the dimensionless groups of the part. A study's own drive is
+    compared with it. 0 where no such drive frees the part forward. NaN where the bound does not
+    hold: something drives the part off the floor or across, the track falls, or it is too steep for
+    the part to lie on.
     """
     along, onto = (
         np.asarray(groups.gravity_number_along),

@@ -27,7 +27,11 @@ class TumblingRectangle(NamedTuple):
     height: ArrayLike
 
     def body(self) -> Body:
-        """Return half diagonal, inertia ratio and corner angle of the rectangle (theory 2.1)."""
+        """Return half diagonal [m], inertia ratio [1] and corner angle [rad] of the rectangle.
+
+        With them a tumbling part is simulated (theory 2.1); the fourth number, 1, says that it has
+        corners.
+        """
         h, b = (np.asarray(side, dtype=float) for side in self)
         return Body(
             rectangle_isolated.half_diagonal(height=b, length=h),
@@ -47,7 +51,11 @@ class TumblingCylinder(NamedTuple):
     diameter: ArrayLike
 
     def body(self) -> Body:
-        """Return half diagonal, inertia ratio and corner angle of the part's outline (theory 6)."""
+        """Return half diagonal [m], inertia ratio [1] and corner angle [rad] of the part's outline.
+
+        The outline is a rectangle, on its long side or standing. With them a tumbling part is
+        simulated (theory 6); the fourth number, 1, says that it has corners.
+        """
         h, d = (np.asarray(side, dtype=float) for side in self)
         direction = cylinder_isolated.corner_direction(diameter=d, length=h)
         return Body(

@@ -79,7 +79,9 @@ class Track:
 def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list[Problem]]:
     """Return the track that a study's parameter names define (None if none), and their problems.
 
-    `of_bowl` is True if the study has a bowl drive unit, without which stretches are a problem.
+    Names such as `stretch_turns_1` say how many stretches there are and what each has of its own.
+    `of_bowl` is True if the study has a bowl drive unit, without which stretches are a problem;
+    None is returned if there are problems.
     """
     parameters = tuple(names)
     matches = [match for match in map(_NUMBERED.fullmatch, parameters) if match]
@@ -96,9 +98,11 @@ def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list
 
 
 def _missing(own: Mapping[str, Sequence[int]], count: int) -> Iterator[Problem]:
-    """Yield a problem for each numbered parameter that a stretch lacks.
+    """Yield a problem for each numbered parameter that a stretch of a bowl's track lacks.
 
-    `own` holds the numbers of the stretches that have each parameter, `count` is that of stretches.
+    Each stretch needs its turns and end radius; climb and friction may come from an earlier
+    stretch. `own` holds, by the stem of a parameter such as `stretch_climb`, the numbers of the
+    stretches that have it; `count` is the number of stretches.
     """
     for stem in ("stretch_turns", "stretch_radius"):
         for n in range(1, count + 1):
@@ -112,9 +116,10 @@ def _missing(own: Mapping[str, Sequence[int]], count: int) -> Iterator[Problem]:
 
 
 def _twice(own: Mapping[str, Sequence[int]], names: Collection[str]) -> Iterator[Problem]:
-    """Yield a problem for each parameter in `names` that stretches already determine.
+    """Yield a problem for each parameter in `names` that stretches of a bowl's track determine.
 
-    `own` holds the numbers of the stretches that have each parameter of stretches.
+    Such as a climb beside the climbs of stretches. `own` holds, by the stem of a parameter such as
+    `stretch_climb`, the numbers of the stretches that have it; `names` are those of the study.
     """
     for stem, others in GIVES_WAY.items():
         for name in others:
@@ -247,10 +252,10 @@ class Passage(NamedTuple):
 
 
 def slowness(first: Array, last: Array) -> Array:
-    """Return the mean of 1/v between two points, v linear between: ln(v_2/v_1)/(v_2 - v_1) [s m-1].
+    """Return the mean of 1/v between two points of a track, from which the time of a part follows.
 
-    `first` and `last` are v_1 and v_2 [m s-1]. It gives the time of a part on a stretch. Infinite
-    if one of both is not above 0, NaN if one has no value.
+    ln(v_2/v_1)/(v_2 - v_1) [s m-1] for a velocity v that is linear between both, with v_1 = `first`
+    and v_2 = `last` [m s-1]. Infinite if one of both is not above 0, NaN if one has no value.
     """
     moves = (first > 0.0) & (last > 0.0)
     v = np.where(moves, first, 1.0)
@@ -315,10 +320,11 @@ class AlongTrack:
         )
 
     def _of_cells(self, known: dict[str, Any]) -> Passage:
-        """Return the passage along the track for cells whose inputs have the shape (cells, 1).
+        """Return the passage of parts along the whole track of a bowl, for a piece of the cells.
 
-        The motion is followed at `nodes` points; between two the mean velocity is taken as linear.
-        `known` holds these inputs by name.
+        Transit time, least mean velocity, and where that is. The motion is followed at `nodes`
+        places of the track; between two the mean velocity is taken as linear. `known` holds the
+        quantities of `needs` by name, of shape (cells, 1).
         """
         stretches = self.stretches(**{name: known[name] for name in self.stretches.inputs})
         x = np.clip(np.linspace(0.0, 1.0, PARTS + 1), INSIDE, 1.0 - INSIDE)
@@ -360,7 +366,12 @@ STALLS = Condition(
 
 
 def along_track(track: Track) -> tuple[Equation, ...]:
-    """Return the equations for radius, climb and friction at a share of the track's length."""
+    """Return the equations for radius, climb and friction of a bowl's track at one place of it.
+
+    The place is a share of the track's length, the quantity `track_fraction`. `track` says how many
+    stretches there are, and which has a climb or friction of its own; without any these remain
+    parameters.
+    """
     own = {
         "stretch_climb": ("gamma",),
         "stretch_friction": ("friction_static", "friction_kinetic"),
@@ -379,9 +390,11 @@ def along_track(track: Track) -> tuple[Equation, ...]:
 
 
 def along(track: Track, equations: Collection[Equation]) -> tuple[Equation, ...]:
-    """Return the equations for the passage along a whole track, from the equations at one point.
+    """Return the equations that follow parts along the whole track of a bowl.
 
-    `equations` lead from parameters to the conveying velocity at one place of the track.
+    They give transit time, feed rate, and place and velocity of the bottleneck, from motions at
+    several nodes of each stretch of the `track`. `equations` are those of a part at one place,
+    which lead from its share of the track's length (`track_fraction`) to its mean velocity.
     """
     stretches = AllStretches(track)
     way = between(equations, ("track_fraction",), ("conveying_velocity",))

@@ -84,9 +84,10 @@ def run_cells(
 def _different(
     groups: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.intp] | None]:
-    """Return the distinct rows and, for each row, its index among them; None if all rows differ.
+    """Return the distinct rows of `groups` and, for each row, its index among them.
 
-    `groups` has a row a cell: equal cells are computed once.
+    `groups` has a row of numbers for each cell, shape (n, g): cells with equal numbers need be
+    computed once only. The indices are None, with all rows returned, if all differ.
     """
     rows = np.ascontiguousarray(groups + 0.0)  # -0.0 is 0.0
     # One number a row, by a sum of products of its bits: 64 bits sort faster than whole rows.

@@ -60,9 +60,10 @@ class TrajectoryRequest(NamedTuple):
         return self.known[name].item()
 
     def times(self) -> tuple[Array, Array]:
-        """Return the times [s] and drive phases [rad] of a trajectory.
+        """Return the times [s] and drive phases [rad] at which a trajectory is wanted.
 
-        Over a cycle, or those that the study asks for.
+        Equally spaced over one cycle of the motion if the study gives a number of samples, else the
+        times that it gives.
         """
         # Circular frequency.
         pace = self.scale("velocity_scale") / self.scale("length_scale")
@@ -74,7 +75,10 @@ class TrajectoryRequest(NamedTuple):
         return times, pace * times
 
     def track(self) -> dict[str, Array]:
-        """Return the displacement of the track along and normal at these times, by quantity [m]."""
+        """Return the displacement of the track along and normal at the times of a trajectory [m].
+
+        By the names of both quantities, `track_along` and `track_normal`.
+        """
         (_, phases), length, groups = self.times(), self.scale("length_scale"), self.groups
         if groups.wave is None:
             swing = length * np.sin(phases)
@@ -93,11 +97,12 @@ class TrajectoryRequest(NamedTuple):
         wall: bool,
         start: float = 0.0,
     ) -> TrajectoryValues:
-        """Return the trajectory in SI units from positions and velocities in scales of the drive.
+        """Return the trajectory in SI units, by the names of its quantities.
 
-        `position` and `velocity`, shape (n, 3), are in g/w^2 (w = 2 pi f) and g/w; `modes` has one
-        `MOTION_MODES` value a time. Positions along are measured from `start`; the distance from
-        the wall is given if there is a `wall`.
+        `position` and `velocity`, shape (n, 3), along, across and normal, are in g/w^2 (w = 2 pi f)
+        and g/w; `modes` has one `MOTION_MODES` value a time. Positions along are measured from
+        `start`, in g/w^2; the distance from the wall is given if there is a `wall`. The motion of
+        the track is added.
         """
         speed, length = self.scale("velocity_scale"), self.scale("length_scale")
         values = {

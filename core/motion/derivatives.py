@@ -88,9 +88,12 @@ class PlanarRules:
         return {"motion": self.motion, "energy": self.spent}
 
     def motion(self, inputs: Mapping[str, Any]) -> Ruled:
-        """Return the motion with its derivative, and the status of the derivative in each cell.
+        """Return the motion with its derivative by one parameter, and the status of the derivative.
 
-        `inputs` are those of the motion's equation, with derivatives by one parameter of the study.
+        `inputs` are those of the motion's equation by name, as numbers that carry a derivative by
+        the parameter. The kernel gives derivatives by the dimensionless groups, which the chain
+        rule joins with theirs; numbers that only count have the derivative 0. The status, one a
+        cell, says where there is none.
         """
         groups: Groups = inputs["groups"]
         table, status = self._followed(groups, inputs["tolerance"], inputs["max_periods"])
@@ -106,9 +109,11 @@ class PlanarRules:
         return Motion(**fields), self._status(groups, motion, np.where(jump, 0.0, table[:, -1]))
 
     def spent(self, inputs: Mapping[str, Any]) -> Ruled:
-        """Return the energies with their derivatives; the status, 0, is left to the motion.
+        """Return the energies of the motion with derivatives by one parameter, and a status of 0.
 
-        `inputs` are those of the energy's equation, with derivatives by one parameter of the study.
+        The status is left to the rule of the motion. `inputs` are those of the energy's equation by
+        name, as numbers that carry a derivative by the parameter. `swing`, the last field, has no
+        derivative: NaN.
         """
         groups: Groups = inputs["groups"]
         settings = (inputs["tolerance"], inputs["max_periods"])
@@ -132,10 +137,12 @@ class PlanarRules:
         return None if self.watch is None else replace(self.watch, progress=None)
 
     def _cells(self, groups: Groups, tolerance: Any, max_periods: Any) -> NDArray[np.float64]:
-        """Return the kernel's rows of the cells, without derivatives.
+        """Return the kernel's input of the cells, one row of numbers each, without derivatives.
 
-        Restitution is set to 0 where the part never lifts off, so that equal cells are computed
-        once. `tolerance` and `max_periods` are settings of the method.
+        `groups` are the dimensionless groups of the part, which may carry derivatives by a
+        parameter; `tolerance` and `max_periods` are settings of the method. Restitution is set to 0
+        where the part never lifts off, so that cells with one motion have equal rows, and are
+        computed once.
         """
         plain = Groups(*(value_of(number) for number in groups.numbers)).flat()
         lifts = np.abs(plain.drive_number_normal) > plain.gravity_number_normal
@@ -146,10 +153,11 @@ class PlanarRules:
     def _followed(
         self, groups: Groups, tolerance: Any, max_periods: Any
     ) -> tuple[NDArray[np.float64], NDArray[np.int8]]:
-        """Return result table and statuses of the cells, computed by the kernel `derive_cells`.
+        """Return the results of the cells with their derivatives, and statuses, by `derive_cells`.
 
-        `tolerance` and `max_periods` are settings of the method; the last result is kept and used
-        again for equal cells.
+        A row a cell with the kernel's `DERIVED_COLUMNS`, and a status a cell. `groups` are the
+        cells' dimensionless numbers, `tolerance` and `max_periods` settings of the method; the last
+        result is kept and used again for equal cells.
         """
         cells = self._cells(groups, tolerance, max_periods)
         if self._known is None or not np.array_equal(self._known[0], cells):
@@ -165,10 +173,12 @@ class PlanarRules:
         return self._known[1:]
 
     def _status(self, groups: Groups, motion: Motion, margin: Array) -> Any:
-        """Return the derivative status of each cell, from the motion's status and its margin.
+        """Return the status of the derivative of each cell: exact, or the reason why there is none.
 
-        `margin` is the least relative distance of a decision on the way from its other outcome:
-        below `KINK` there is no derivative.
+        `groups` carry derivatives by one parameter, `motion` is the motion. `margin` is the least
+        relative distance of a decision on the way, such as stick or slip, from its other outcome:
+        below `KINK` the motion has a kink. Derivatives by what presses a part to a wall are kinks,
+        too.
         """
         status = np.where(
             margin > compiled.derive.KINK, DERIVATIVE_STATUS["exact"], DERIVATIVE_STATUS["kink"]
@@ -208,9 +218,11 @@ def is_exact(plan: Plan, groups: Groups) -> NDArray[np.bool_]:
 
 
 def groups_at(plan: Plan, values: Mapping[str, Any]) -> Groups | None:
-    """Return the dimensionless groups of cells from parameters in SI units; None if it has none.
+    """Return the dimensionless groups of cells from parameters in SI units; None if there are none.
 
-    A plan of tumbling parts has no groups. `values` are the parameters by name.
+    The equations of the plan are run up to the first that follows motions. A plan of tumbling parts
+    has no groups. `values` are the parameters by name, arrays of one shape; others have their
+    defaults.
     """
     before = []
     for equation in plan.equations:
@@ -228,26 +240,27 @@ def derivatives_at(
     parameters: Collection[str],
     watch: Watch | None = None,
 ) -> Derivatives:
-    """Return the derivatives of a plan's outputs at some cells, whatever their equations.
+    """Return the derivatives of a plan's outputs at some cells by some parameters.
 
-    Of closed forms they are exact, and of motion where the part moves in the plane under a sine;
-    elsewhere they are extrapolated from differences, which follow the part 25 times for each
-    parameter.
+    Exact for closed forms, and for motion in the plane under a sine; elsewhere they are
+    extrapolated from differences, which follow the part 25 times for each parameter.
 
     Parameters
     ----------
     plan : Plan
-        Of a scene, or of a system of `core.motion.systems` with the settings of its method among
-        the defaults.
-    cells, parameters
-        As in `core.plan.derivatives.derivatives`.
+        Plan of a scene, or of a system of `core.motion.systems` with the settings of its method
+        among the defaults.
+    cells : mapping of str to array_like
+        Parameters of the cells by name, SI units.
+    parameters : collection of str
+        Names of those to differentiate by.
     watch : Watch, optional
-        May stop it; what is not finished has the status `not_computed`.
+        May stop the work; derivatives that are not finished have the status `not_computed`.
 
     Raises
     ------
     StudyError
-        As `derivatives` does.
+        As `core.plan.derivatives.derivatives` does.
     """
     watch = watch or Watch()
     if not any(equation.takes_long for equation in plan.equations):
@@ -292,11 +305,15 @@ def _by_differences(
 ) -> Derivatives:
     """Return derivatives of simulated outputs at one cell, by finite differences within its regime.
 
-    Central differences over steps that halve from 2 % down are extrapolated (Ridders); the pair of
-    least error stands. Steps across which regime, period multiple or impacts a period change are
-    left out. NaN if nothing is left, if the motion is aperiodic or has no value, or if the error
-    estimate exceeds a thousandth: next to a jump, or where the motion depends on its parameters too
-    roughly. `values` are the parameters of the cell, SI units.
+    Central differences over steps that halve from 2 % down are extrapolated (Ridders), and the
+    value of least error is kept. Steps across which regime, period multiple or impacts a period
+    change are left out. NaN if nothing remains, if the motion is aperiodic or has no value, or if
+    the error estimate exceeds a thousandth: next to a jump, or where the motion depends on its
+    parameters too roughly.
+
+    `plan` has the scene, method and outputs; `values` are the parameters of the cell, SI units,
+    arrays of one element, of which those named in `parameters` are varied. The result is by output
+    and parameter.
     """
     gives = plan.scene.outputs(plan.variant)
     counts = tuple(name for name in COUNTS if name in gives)
@@ -328,8 +345,9 @@ def _by_differences(
 def _same_regime(plan: Plan, known: Mapping[str, Any], counts: Collection[str]) -> Any:
     """Return a mask of motions with the regime of the first one; None if that does not repeat.
 
-    `known` holds the quantities of all motions; `counts` are the names of whole numbers, the period
-    multiple first, that must be the same.
+    Between motions of one regime, which have the same sequence of modes, a difference quotient
+    tells the derivative. `plan` is that of the study, `known` holds the quantities of all motions;
+    `counts` are the names of whole numbers, the period multiple first, that must be the same.
     """
     kinds = np.stack(np.broadcast_arrays(regimes(plan, known), *(known[name] for name in counts)))
     kinds = kinds.reshape(1 + len(counts), -1)
@@ -339,9 +357,12 @@ def _same_regime(plan: Plan, known: Mapping[str, Any], counts: Collection[str]) 
 
 
 def _extrapolated(value: float, differences: Array) -> Derived:
-    """Return the limit of central differences over halving steps, by Ridders' extrapolation.
+    """Return a derivative as the limit of central differences, with error and status.
 
-    `value` is the output itself, `differences` are those of the steps from the largest on.
+    `value` is the output itself at the cell, and `differences` holds the differences over the step,
+    each of half the step of the one before. Ridders' extrapolation takes off the errors of even
+    powers of the step, and keeps the value that changed least. NaN with the status `no_value` or
+    `unsettled` if the output is not finite or the error is above 1e-3 of the derivative.
     """
     if not math.isfinite(value):
         return _lost(value, "no_value")
@@ -369,9 +390,10 @@ def _lost(value: float, status: str) -> Derived:
 
 
 def _single_cell(value: float, slope: float, error: float, status: str) -> Derived:
-    """Return the record of a derivative at a single cell.
+    """Return the record of a derivative at a single cell, with arrays of one element.
 
-    `value` is the output, `slope` its derivative, `error` that of the derivative, `status` a name.
+    `value` is the output, `slope` its derivative, `error` that of the derivative, `status` the name
+    of its status, such as "differences".
     """
     single = _nothing((1,))
     single.value[:], single.slope[:], single.error[:], single.status[:] = (

@@ -52,11 +52,13 @@ class DriveError(NamedTuple):
 def drive_error(
     study: SimulateStudy, fit: Fit, draws: int = 200, rng: np.random.Generator | None = None
 ) -> DriveError:
-    """Return the error of a study's conveying velocity that comes from errors of a fitted drive.
+    """Return the error of a conveying velocity that comes from errors of a fitted drive.
 
-    The part is followed under drives that the recording cannot tell from the fitted one
-    (`Fit.draw`). What the study gives itself in the place of a number of the fit has no error.
-    Errors of other parameters, of the model and of the sensor's scale are not among them.
+    The part is followed under `draws` drives that the recording cannot tell from the fitted one
+    (`Fit.draw`). Parameters that the study gives itself in place of numbers of the fit have no
+    error. Errors of other parameters, of the model and of the sensor's scale are not counted. The
+    result has the velocity, its standard deviation and an interval [m s-1], and how many drives
+    gave none. `rng` makes the random numbers, the same ones by default.
 
     Raises
     ------
@@ -79,7 +81,8 @@ def drive_error(
 def velocities(prepared: Simulation, changes: Sequence[Mapping[str, float]]) -> NDArray[np.float64]:
     """Return the conveying velocity of a one-cell study after each change of parameters [m s-1].
 
-    Each change gives new values of some parameters, in the units of studies; shape (changes,).
+    For the error of the velocity by a recorded drive. `prepared` is the study; each change gives
+    new values of some parameters, in the units of studies; shape (changes,).
     """
     plan, fixed = prepared.plan, prepared.grid.fixed
     given = {
@@ -95,7 +98,11 @@ def _is_from(value: object, number: float) -> bool:
 
 
 def _check(prepared: Simulation, names: Sequence[str], draws: int) -> None:
-    """Raise `StudyError` if the study has several cells, or uses no number of the recording."""
+    """Raise `StudyError` if the error of a fitted drive cannot be computed for a study.
+
+    That is if it has several cells, uses none of the fitted numbers, or `draws` is out of range.
+    `prepared` is the simulation, `names` are the fitted numbers in use.
+    """
     problems = []
     for axis in prepared.grid.axes:
         message = f"{axis} has several values, but the error is computed for one cell"

@@ -54,10 +54,13 @@ class HalfWave:
     orders = 2
 
     def wave(self, **inputs: Any) -> Wave:
-        """Return the drive of the trough: push w^2 A sin(tau)/g, and 4 w^2 A (s, c)/g at 2 tau.
+        """Return the drive of a track under a force with a second harmonic, such as a magnet's.
 
-        With the amplitude A and the second harmonic (s, c) of `track_harmonic`; inputs by name, SI
-        units.
+        Its push is w^2 A sin(tau)/g, and 4 w^2 A (s, c)/g at 2 tau, along the line of vibration.
+        `inputs` holds quantities by name, arrays in SI units: the amplitude A, circular frequency
+        w, angles of the line, gravity, the factor of the drive by which all is multiplied, and in
+        `track_harmonic` the pair (s, c), the coefficients of sin(2 tau) and cos(2 tau) of the
+        displacement over A [1].
         """
         ratio = inputs.pop("track_harmonic")
         inputs = {name: np.asarray(value, dtype=float) for name, value in inputs.items()}
@@ -102,7 +105,8 @@ class ChosenUnit(NamedTuple):
 def unit_of(parameters: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]]:
     """Return the drive unit that a study's parameter names define (None if none), and problems.
 
-    Names that fit no unit, or several, are the problems.
+    With a drive unit, the vibration follows from the unit's springs, masses and magnet. Names that
+    fit no unit, or several, are the problems.
     """
     names = tuple(parameters)
     of_unit = [name for name in names if name in PARAMETERS_OF_UNIT]
@@ -228,9 +232,11 @@ class _Spliced:
     contacts: Contacts
 
     def equations(self, of_part: Collection[Equation]) -> tuple[Equation, ...]:
-        """Return all equations: those of the drive unit, of the part, and of the whole track.
+        """Return all equations of a part on a drive unit: those of unit, part, and whole track.
 
-        `of_part` are those of the part alone, under a sine.
+        The amplitude and angle of the track, which the equations `of_part` take as given under a
+        sine, follow from the unit. If it is loaded by conveyed parts, an equation for their load is
+        added, and those of the unit are changed to count it.
         """
         unit = self.unit
         of_unit = unit.scene.variants[unit.variant]
@@ -248,9 +254,10 @@ class _Spliced:
         return found if unit.track is None else (*found, *bowl_track.along(unit.track, found))
 
     def _load(self, of_unit: Collection[Equation], of_part: Collection[Equation]) -> PartLoad:
-        """Return the function of the equation for the load of the parts on the drive unit.
+        """Return the function of the equation for the load of conveyed parts on the drive unit.
 
-        `of_unit` and `of_part` are the equations of the unit and of a part on it.
+        `of_unit` and `of_part` are the equations of the unit and of a part on it. On a bowl's track
+        with stretches the load acts at its own place, else where the part is.
         """
         if self.unit.track is None:
             return part_load(of_unit, of_part, self.contacts)
@@ -258,9 +265,12 @@ class _Spliced:
         return part_load(of_unit, of_part, self.contacts, place)
 
     def conditions(self, of_part: tuple[Condition, ...]) -> tuple[Condition, ...]:
-        """Return all conditions: those of the drive unit, of the track, and of the part.
+        """Return the conditions of regimes of a part on a drive unit, in the order of trial.
 
-        In the order in which they are tried; `of_part` are those of the part alone.
+        The first condition that holds names the regime of a cell. First come the serious ones of
+        the unit (such as overstressed springs) and a stall on the track, then `of_part`, those of
+        the part alone. If the parts load the unit, those of this load follow the first of
+        `of_part`, and concern all outputs of the part.
         """
         unit = self.unit
         kept = tuple(
@@ -285,9 +295,11 @@ class _Spliced:
 
 
 def on_unit(system: Scene, unit: ChosenUnit, contacts: Contacts) -> Scene:
-    """Return a copy of a system whose sine drive is computed by a drive unit.
+    """Return a copy of a scene of motion whose sine drive is computed from a drive unit.
 
-    `contacts` are what its parts can touch, for the load that they are on the unit.
+    Amplitude and angle of the track then follow from masses, springs and force of the `unit`.
+    `system` is the scene, `contacts` are the surfaces that its parts can touch, for the load by
+    which they change the amplitude.
     """
     spliced = _Spliced(unit, contacts)
     follows = {equation.gives for equation in _RESULTS} if unit.loaded else set()

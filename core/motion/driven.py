@@ -81,9 +81,10 @@ def efficiency(*, motion: Motion, wave: Wave) -> Array:
 
 
 def _where_driven(follow: Any) -> Any:
-    """Return the equation of a motion, extended by the status `no_drive` for invalid waves.
+    """Return the function of a motion equation, extended by status `no_drive` for invalid waves.
 
-    `follow` is the equation's function; a wave is invalid if its mean acceleration is not 0.
+    `follow` is the function for valid ones. A wave is invalid if its mean acceleration is not 0: no
+    track can do that; its numbers are then NaN.
     """
 
     def driven_motion(*, groups: Groups, watch: Watch | None = None, **settings: Array) -> Motion:
@@ -112,7 +113,10 @@ def _held_at_its_limit(groups: Groups, wave: Wave) -> Array:
 
 @cache
 def _with_wave(groups: Any) -> Any:
-    """Return the function of the equation for the groups of a part, with the wave added."""
+    """Return the function of the equation for a part's groups, with the wave of a drive added.
+
+    `groups` is the function under a sine; the new one takes the argument `wave`, too.
+    """
 
     def waved(*, wave: Wave, **numbers: Array) -> Groups:
         found: Groups = groups(**numbers)
@@ -133,9 +137,10 @@ _OTHERS = {one.gives: one for one in limits.equations("wave")} | {
 
 
 def under_wave(shape: Shape, known: Collection[Equation]) -> tuple[Equation, ...]:
-    """Return the equations of a system with a wave in place of the sine drive.
+    """Return the equations of a conveying system with a wave in place of the sine drive.
 
-    `shape` tells the kind of wave and its parameters; `known` are the equations under a sine.
+    `shape` tells the kind of wave and its parameters; `known` are the equations under a sine, of
+    which those that hold for any drive stay.
     """
     changed = []
     for equation in known:
@@ -149,9 +154,11 @@ def under_wave(shape: Shape, known: Collection[Equation]) -> tuple[Equation, ...
 
 
 def driven(system: Scene, shape: Shape) -> Scene:
-    """Return a copy of a system with another drive in place of the sine.
+    """Return a copy of a scene of motion in which another drive takes the place of the sine.
 
-    `shape` tells the kind of drive and its parameters.
+    `system` is the scene with its equations for each method (`variants`) and default values;
+    `shape` is the kind of drive with its own parameters and defaults. The default of `alpha`, the
+    azimuth of the sine, is dropped.
     """
     return replace(
         system,

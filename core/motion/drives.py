@@ -68,7 +68,7 @@ class Harmonics:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Names of the quantities from which the wave is computed."""
+        """Names of the quantities from which the wave is computed, parameters of a study."""
         numbers = [
             f"{what}_{axis}_{k}" for what in ("amplitude", "phase") for axis, k in self.terms
         ]
@@ -85,9 +85,11 @@ class Harmonics:
         return max(k for _, k in self.terms)
 
     def wave(self, **inputs: Array) -> Wave:
-        """Return the wave of push k^2 w^2 A_k sin(k tau + phi_k)/g, summed over the harmonics.
+        """Return the drive of harmonics: push k^2 w^2 A_k sin(k tau + phi_k)/g on each axis.
 
-        From frequency, amplitudes A_k and phases phi_k of the inputs, by name, SI units.
+        Summed over the orders k. `inputs` are arrays by name in SI units: the frequency f, w = 2 pi
+        f, amplitudes A_k of the track's displacement and phases phi_k, gravity g, and the factor of
+        the drive.
         """
         inputs = _aligned(inputs)
         shape = np.broadcast_shapes(*(value.shape for value in inputs.values()))
@@ -129,7 +131,10 @@ class Steps:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Names of the levels and durations from which the wave is computed."""
+        """Names of the quantities from which the wave is computed: levels and durations of steps.
+
+        The step on each axis whose acceleration makes the mean 0 has none.
+        """
         axes = dict.fromkeys(axis for axis, _ in self.levels)
         levels = [
             f"acceleration_{axis}_{n}"
@@ -146,9 +151,12 @@ class Steps:
         return {"drive_factor": 1.0, **{f"duration_{n}": 1.0 for n in range(1, self.count + 1)}}
 
     def wave(self, **inputs: Array) -> Wave:
-        """Return the wave of steps; NaN in cells where the mean acceleration is not 0.
+        """Return the drive whose acceleration is constant from step to step, over one period.
 
-        From accelerations and durations of the inputs, by name; only ratios of durations count.
+        `inputs` are arrays by name: accelerations of steps [m s-2], durations, of which only ratios
+        count, gravity and the factor of the drive; the acceleration that is left out on an axis
+        makes the mean 0. Steps shorter than `SHORTEST` of a period vanish. NaN in cells where a
+        mean acceleration is not 0: no track can do that.
         """
         inputs = _aligned(inputs)
         shape = np.broadcast_shapes(*(value.shape for value in inputs.values()))
@@ -166,10 +174,12 @@ class Steps:
         return Wave(np.zeros((3, 2, 0, *shape)), steps)
 
     def _levels(self, axis: str, inputs: dict[str, Array], last: Array) -> Array:
-        """Return the push of the drive on a part in every step along an axis, in g.
+        """Return the push of a drive in steps on a part along one axis, step by step, in g.
 
-        Minus the acceleration of the track; `last` are the shares of the period that the steps
-        last, shape (steps, ...). `inputs` are the quantities of the drive by name.
+        Minus the acceleration of the track over gravity. `axis` is along, across or normal,
+        `inputs` are the quantities of the drive by name, `last` are the shares of the period that
+        the steps last, shape (steps, ...), as is the result. A step whose acceleration is left out
+        makes the mean 0. NaN in cells where the mean is not 0: no track can do that.
         """
         levels = np.zeros_like(last)
         closing = self.closing.get(axis, 0)
@@ -218,9 +228,10 @@ def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
 
 
 def shape_of(parameters: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
-    """Return the shape of drive that a study's parameter names define, and their problems.
+    """Return the kind of drive that a study's parameter names define, and problems of these names.
 
-    None for the plain sine, and if there are problems.
+    Harmonics such as `amplitude_along_2`, steps such as `acceleration_along_1`, or None for the
+    plain sine; also None if there are problems, such as names of two kinds.
     """
     known = {*DRIVE, *SINE}
     names = [name for name in parameters if name in known]
@@ -248,9 +259,10 @@ _NO_SINE = {
 
 
 def _steps_of(names: list[re.Match[str]]) -> tuple[Steps | None, list[Problem]]:
-    """Return the drive in steps that parameter names define, and the problems of these names.
+    """Return the drive in steps that parameter names define (None if incomplete), and problems.
 
-    `names` are the matches of the pattern of such names.
+    `names` are matches of the pattern of such names, such as `acceleration_along_1` and
+    `duration_2`: group 1 is the axis, None for a duration, group 2 the number of the step.
     """
     levels = {(m[1], int(m[2])) for m in names if m[1]}
     count = max(int(m[2]) for m in names)

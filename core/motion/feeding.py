@@ -50,8 +50,9 @@ def oriented_feed_rate(*, feed_rate: Array, line_yield: Array) -> Array:
 def direction(*, motion: Motion, drive_number: Array) -> NDArray[np.int8]:
     """Return the direction of travel as a flag: forwards, backwards, at rest or unknown.
 
-    A mean velocity that is no larger than its own stated error, or than what is resolved of the
-    drive's speed, is none: the last bit of a sum decides nothing.
+    A mean velocity that is no larger than its own stated error, or than 1e-9 of the drive's speed
+    (`drive_number` in the scale g/w, w = 2 pi f), counts as rest: the last bit of a sum decides
+    nothing. Unknown where `motion` has no mean velocity.
     """
     value = {name: np.int8(flag.value) for name, flag in DIRECTIONS.items()}
     velocity = np.asarray(motion.velocity)
@@ -91,7 +92,11 @@ def travel_in_words(table: Table) -> str:
 
 
 def _rolling_in_words(table: Table) -> str:
-    """Return sentences on round parts that are not conveyed; empty if all are."""
+    """Return sentences on cells in which a round part is not conveyed; empty if it is in all.
+
+    It runs down the track, or nothing moves it. `table` is the result of a study, with the
+    variables `mean_acceleration` and `motion_status`.
+    """
     down = np.abs(table.variables["mean_acceleration"].values)
     status = table.variables["motion_status"].values
     runs, stays = status == STATUS["runaway"], status == STATUS["neutral"]
@@ -113,7 +118,7 @@ def _between(values: NDArray[np.float64]) -> str:
 
 
 def _share_backwards(table: Table) -> float:
-    """Return the share of the cells that travel backwards, from 0 to 1.
+    """Return the share of the cells of a result that travel backwards, from 0 to 1.
 
     By `direction` if the result has it, else by the mean velocity beyond its stated error, else by
     the feed rate; 0 if it has none of these.

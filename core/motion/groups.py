@@ -80,7 +80,7 @@ class Groups(NamedTuple):
 
     @property
     def planar(self) -> bool:
-        """True if no drive acts across the track in any cell."""
+        """True if neither drive nor gravity acts across the track in any cell."""
         return not (np.any(self.drive_number_across) or np.any(self.gravity_number_across))
 
     def flat(self) -> Groups:
@@ -124,10 +124,11 @@ SOLID_CYLINDER = 2.0  # m r^2/I of a solid cylinder about its axis
 
 
 def in_plane(groups: Groups, contacts: Contacts) -> NDArray[np.bool_]:
-    """Return a mask of the cells that move in the vertical plane of the track.
+    """Return a mask of the cells whose motion stays in the vertical plane along the track.
 
-    Nothing pushes such a part across; it touches the wall of a straight track, if at all, without a
-    load.
+    Nothing pushes such a part across: no drive, no lean and, with a wall, no curve. Its motion has
+    closed forms. `groups` are the dimensionless groups of the cells, `contacts` the surfaces that
+    it can touch.
     """
     pushed = np.not_equal(groups.drive_number_across, 0.0) | np.not_equal(
         groups.gravity_number_across, 0.0
@@ -144,10 +145,11 @@ def table(columns: Iterable[ArrayLike]) -> tuple[NDArray[np.float64], tuple[int,
 
 
 def cells_of(groups: Groups, **settings: ArrayLike) -> tuple[NDArray[np.float64], tuple[int, ...]]:
-    """Return the kernel's rows, whose first columns are `kernels.cells.Cell`, and the cells' shape.
+    """Return the input of kernels, a row of numbers for each cell, and the shape of the cells.
 
-    A row holds the numbers of the groups, the settings, and the columns of the wave, if there is
-    one.
+    The columns are the dimensionless `groups`, the `settings` of a method by name, which are
+    numbers or arrays, and those of the wave, if there is one; all are broadcast. The first columns
+    are those of `kernels.cells.Cell`.
     """
     columns, wave = (*groups.numbers, *settings.values()), groups.wave
     if wave is None:
@@ -159,9 +161,11 @@ def cells_of(groups: Groups, **settings: ArrayLike) -> tuple[NDArray[np.float64]
 def groups_of(
     rows: NDArray[np.float64], waved: bool, more: int = 0
 ) -> tuple[Groups, NDArray[np.float64]]:
-    """Return the groups in a kernel's rows, and the columns of `more` further fields.
+    """Return the dimensionless groups of cells from the rows of a kernel's input, and settings.
 
-    `waved` is True if the columns of a wave come last; the inverse of `cells_of`.
+    The inverse of `cells_of`. `rows`, shape (cells, columns), hold the fields of `Groups`, then
+    `more` further numbers, which are the second result, one array each, and, if `waved` is True,
+    the columns of a wave.
     """
     numbers = len(Groups._fields) - 1
     columns = rows.T
@@ -178,9 +182,10 @@ def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
 def one_of(
     row: NDArray[np.float64], waved: bool, more: int = 0
 ) -> tuple[Groups, NDArray[np.float64]]:
-    """Return the groups in one row of a kernel as plain numbers, and `more` further fields.
+    """Return the dimensionless groups in one row of a kernel's table as numbers, and settings.
 
-    `waved` is True if the columns of a wave come last.
+    `row` holds the fields of `Groups`, then `more` further numbers (the second result, such as
+    settings of a method) and, if `waved` is True, the columns of a wave.
     """
     numbers = len(Groups._fields) - 1
     wave = of_row(row[numbers + more :]) if waved else None
@@ -202,7 +207,12 @@ def floor_groups(
     friction_kinetic: Array,
     restitution: Array,
 ) -> Groups:
-    """Return the dimensionless groups of a part that moves in space on a floor without wall."""
+    """Return the dimensionless groups of a part that moves in space on a floor without wall.
+
+    As one record for the kernels. All arguments are arrays [1]: drive and gravity numbers are
+    shares of g along the track, across it and normal to the floor; `load_number` is gravity onto
+    the floor with any hold-down force.
+    """
     return Groups(
         drive_number_along=drive_number_along,
         drive_number_normal=drive_number_normal,
@@ -230,7 +240,12 @@ def track_groups(
     restitution: Array,
     wall_restitution: Array,
 ) -> Groups:
-    """Return the dimensionless groups of a part on floor and wall."""
+    """Return the dimensionless groups of a part on floor and wall, as one record for the kernels.
+
+    All arguments are arrays [1]. Drive and gravity numbers are shares of g along the track, across
+    it and normal to the floor; `load_number` is gravity onto the floor with any hold-down force,
+    `curvature_number` g/(w^2 R) with w = 2 pi f and the radius R of the bowl.
+    """
     return Groups(
         drive_number_along=drive_number_along,
         drive_number_normal=drive_number_normal,
@@ -257,7 +272,11 @@ def row_groups(
     friction_kinetic: Array,
     restitution: Array,
 ) -> Groups:
-    """Return the dimensionless groups of a row's parts, which move in one plane."""
+    """Return the dimensionless groups of the parts of a row, as one record for the kernels.
+
+    All arguments are arrays [1]: drive and gravity numbers are shares of g along the track and
+    normal to the floor, `load_number` is gravity onto the floor. There is no motion across.
+    """
     return Groups(
         drive_number_along=drive_number_along,
         drive_number_normal=drive_number_normal,

@@ -46,7 +46,8 @@ _WAVED_ROW: Final = {**_ROW, "parameters": {"parts": 2, "part_friction_1": 0.3, 
 def _motion(scene: str, parameters: Mapping[str, Any], method: str, **more: Any) -> dict[str, Any]:
     """Return a study of motion with few periods, whose run compiles the kernels of a method.
 
-    `more` are further keys of the study.
+    `scene` and `method` are names, `parameters` the parameters of the study by name; `more` are
+    further keys of the study.
     """
     track = {"radius": "0.2 m"} if scene == _TRACK else {}
     return {
@@ -56,7 +57,11 @@ def _motion(scene: str, parameters: Mapping[str, Any], method: str, **more: Any)
 
 
 def _all(scene: str, method: str) -> list[dict[str, Any]]:
-    """Return studies of a scene that together run, and so compile, all kernels of a method."""
+    """Return studies of a scene that together run, and so compile, all kernels of a method.
+
+    Each is a mapping of keys and values: under a sine and another wave, with means, energy and a
+    trajectory. `scene` and `method` are names.
+    """
     asked: list[dict[str, Any]] = [{"outputs": ["conveying_velocity"]}, {"trajectory": 10}]
     if method == "events":  # steps tell no energy
         asked.insert(1, {"outputs": ["conveying_velocity", "friction_power"]})

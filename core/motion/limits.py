@@ -62,9 +62,10 @@ LIMITS = {
 
 
 def equations(drive: str, axes: tuple[str, ...] = AXES) -> tuple[Equation, ...]:
-    """Return the equations of all limits of the drive, such as its stroke, for a sine or a wave.
+    """Return the equations of the limits of the drive, such as its stroke, for a sine or a wave.
 
-    `drive` is "sine" or "wave"; there is one equation for each limit and each of the `axes`.
+    `drive` is "sine" or "wave"; there is one equation for each limit and each of the `axes` (along,
+    across, normal), by which a study may ask for it.
     """
     return tuple(
         Equation(f"{name}_{axis}", _function(limit, axis, drive), "theory 13.14")
@@ -74,9 +75,11 @@ def equations(drive: str, axes: tuple[str, ...] = AXES) -> tuple[Equation, ...]:
 
 
 def _function(limit: Limit, axis: str, drive: str) -> Callable[..., Array]:
-    """Return the function that computes a limit of the drive along an axis.
+    """Return the function of the equation for a limit of the drive along one axis.
 
-    `drive` is "sine" or "wave": from the drive number of the axis, or from the wave.
+    `limit` is a quantity such as the largest velocity or displacement, with its scale in SI units;
+    `axis` is one of `AXES` (along, across, normal). `drive` is "sine" or "wave": the function then
+    takes the drive number of the axis, or the wave, as its argument, beside those of the scale.
     """
     number, place = f"drive_number_{axis}", AXES.index(axis)
     drive_input = "wave" if drive == "wave" else number

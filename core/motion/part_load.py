@@ -107,16 +107,20 @@ def part_load(
     contacts: Contacts,
     location: PartLocation | None = None,
 ) -> PartLoad:
-    """Return the equation's function for the load of parts on a drive unit.
+    """Return the function of an equation that gives the load of conveyed parts on their drive unit.
+
+    The load depends on the amplitude of the track and the amplitude on the load; the function finds
+    the amplitude at which both agree.
 
     Parameters
     ----------
     of_unit, of_part : collection of Equation
-        From a load to amplitude and angle of the track, and from these to the groups of a part.
+        Equations of the unit, which lead from a load to amplitude and angle of the track; and those
+        of a part, from these to its dimensionless groups. Only the ones on this way are kept.
     contacts : Contacts
-        What a part can touch.
+        The surfaces that a part can touch.
     location : PartLocation, optional
-        Where the parts are; the place of the study if left out.
+        Position of the parts on the track; by default that of the study.
     """
     at = location.gives if location else ()
     respond = between(of_unit, ("part_load", *at), ("track_amplitude", "vibration_angle"))
@@ -144,7 +148,7 @@ class PartLoad:
         What a part can touch.
     needs : tuple of str
         Quantities that both need from outside.
-    place : Place or None
+    location : PartLocation or None
         As in `part_load`.
     """
 
@@ -174,10 +178,10 @@ class PartLoad:
         return Load._make(np.concatenate(part).reshape(shape) for part in zip(*pieces, strict=True))
 
     def amplitude(self, known: Mapping[str, Array], mass: Array, damping: Array) -> tuple[Any, Any]:
-        """Return amplitude [m] and angle [rad] of the track under a load of parts.
+        """Return amplitude [m] and angle [rad] of the track of a drive unit under a load of parts.
 
-        `known` are the quantities that the unit needs, `mass` [kg] and `damping` [N s/m] those of
-        the load.
+        `known` are the quantities of the unit by name, SI units; `mass` [kg] and `damping` [N s
+        m-1] are what the unit feels of the parts.
         """
         none = np.zeros(mass.shape, dtype=bool)
         some = Load(mass, damping, mass, none, none, none)
@@ -185,11 +189,13 @@ class PartLoad:
         return found["track_amplitude"], found["vibration_angle"]
 
     def carried(self, known: Mapping[str, Array], amplitude: Array) -> tuple[Array, Array, Mask]:
-        """Return effective mass and damping of parts at amplitudes, and if their motions repeat.
+        """Return effective mass and damping of parts on a track, and if their motions repeat.
 
-        `known` are the quantities of `needs`, `amplitude` is in m. The mass m (1 + 2 <u.b'>/p^2)
-        and the damper 2 m w drive/p^2 (w = 2 pi f), with the mass m of the parts, the drive number
-        p, and the mean `swing` <u.b'> and power `drive` of a part's motion (theory 13.15).
+        What a drive unit feels of conveyed parts at given amplitudes of its track, `amplitude` in
+        m, in kg and N s m-1: the mass m (1 + 2 <u.b'>/p^2) and the damper 2 m w drive/p^2 (w = 2 pi
+        f), with the mass m of the parts, the drive number p, and the mean `swing` <u.b'> and power
+        `drive` of a part's motion, which is followed for this (theory 13.15). `known` are the
+        quantities of `needs` by name, SI units.
         """
         mass, damping = known["conveyed_mass"], np.zeros_like(known["conveyed_mass"])
         turns = any(one.gives == "vibration_angle" for one in self.respond)
@@ -210,10 +216,13 @@ class PartLoad:
         return {**known, **(self.location(known) if self.location else {})}
 
     def _of_cells(self, known: dict[str, Array]) -> Load:
-        """Return the load of cells given as one-dimensional arrays.
+        """Return the load of conveyed parts on their drive unit, for cells in 1-d arrays.
 
-        A table over amplitudes brackets every agreement of drive and parts, which is then refined.
-        `known` are the quantities of `needs` by name.
+        The motion of the parts is followed at some 200 amplitudes of the track. Where the amplitude
+        of the unit under the load crosses the assumed one, both agree; each such interval is
+        refined. The smallest amplitude at which the excess falls is where a unit comes to rest when
+        it is switched on. NaN where there is none. `known` holds the quantities of `needs` by name,
+        shape (cells,).
         """
         most = BEYOND * np.max([self._sticking(known, share) for share in SHARES], axis=0)
         count = int(np.ceil(np.log(WIDTH) / STEP)) + 2
@@ -249,10 +258,12 @@ class PartLoad:
         return Load._make((*numbers, several & ~none, hunts & ~none, thrown & ~none))
 
     def _thrown(self, known: dict[str, Array], mass: Array, damping: Array) -> Mask:
-        """True where harmonics of the parts' force move the track by more than 0.1 %.
+        """True where conveyed parts are thrown so hard that they disturb the swing of their track.
 
-        That is where parts of `mass` and `damping` are thrown beyond a throw number of 2, and weigh
-        more than 1 % of the moving mass. `known` are the quantities of `needs` by name.
+        The track is taken to move as a sine. Parts thrown beyond a throw number of 2 that weigh
+        more than 1 % of the moving mass move it by more than 0.1 % beside that. `mass` [kg] and
+        `damping` [N s m-1] are the load that the unit feels, `known` the quantities of `needs` by
+        name.
         """
         amplitude, angle = self.amplitude(known, mass, damping)
         placed = {**self._placed(known), "amplitude": amplitude, "beta": angle}
@@ -264,11 +275,12 @@ class PartLoad:
     def _agreement(
         self, known: dict[str, Array], ends: list[tuple[Array, ...]], exact: Mask
     ) -> tuple[Array, Array, Array, Mask]:
-        """Return amplitude, mass and damping where drive and parts agree, and a mask of jumps.
+        """Return amplitude, mass and damping at which drive and parts agree, and a mask of jumps.
 
-        `ends` are logarithm of amplitude, mass and damping of two neighbours of the table. Where
-        motions are not `exact`, or the load jumps, the agreement lies on the line between both.
-        `known` are the quantities of `needs` by name.
+        In one interval of the table of each cell; amplitudes in m. `ends` holds logarithm of
+        amplitude, mass [kg] and damping [N s m-1] of its two ends. Where motions are not `exact`,
+        or the load jumps within, the agreement lies on the line between both ends. `known` are the
+        quantities of `needs` by name.
         """
         (low, mass, damping), (high, next_mass, next_damping) = ends
         columns = tuple(known[name] for name in self.needs)
@@ -290,11 +302,21 @@ class PartLoad:
         self, logarithm: Array, known: Mapping[str, Array], exact: Mask, low: Array, mass: Array,
         damping: Array, high: Array, next_mass: Array, next_damping: Array,
     ) -> tuple[Array, Array]:  # fmt: skip
-        """Return mass and damping of the parts at amplitudes between two entries of the table.
+        """Return mass [kg] and damping [N s m-1] of the load between two known amplitudes.
 
-        `logarithm` is that of the amplitude; `low`, `mass`, `damping` and `high`, `next_mass`,
-        `next_damping` are the entries. Exact motions are followed anew, others are interpolated.
-        `known` are the quantities of `needs` by name.
+        Where motions repeat (`exact`) they are followed anew at the amplitude; elsewhere, where
+        means scatter, the load is interpolated between two neighbours of the table.
+
+        Parameters
+        ----------
+        logarithm
+            Logarithms of the amplitudes, shape (cells,), as of all others.
+        known
+            Quantities of `needs` by name.
+        low, mass, damping
+            Logarithm of the lower amplitude, and the load there.
+        high, next_mass, next_damping
+            The same of the higher amplitude.
         """
         share = (logarithm - low) / (high - low)
         mass = mass + share * (next_mass - mass)

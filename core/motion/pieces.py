@@ -68,7 +68,11 @@ class Piece:
         return np.arange(1.0, self.order + 1.0)
 
     def push(self, phase: Numbers) -> Three:
-        """Return the push along, across and normal at a phase in rad, in g."""
+        """Return the drive acceleration along, across and normal at a phase in rad, in g.
+
+        Of one smooth piece of the drive: sums of sines, plus its constant level. `phase` may be an
+        array; the three results have its shape.
+        """
         if not self.order:
             along, across, normal = (level + 0.0 * phase for level in self.level)
             return along, across, normal
@@ -101,9 +105,10 @@ class Piece:
 
 
 def pieces(groups: Groups, begin: float, end: float) -> Iterator[tuple[Sine | Piece, float]]:
-    """Yield the drive of one part between jumps, with the phase of each end.
+    """Yield the drive of one part between its jumps, with the phase of each end.
 
-    From the phase `begin` to `end` in rad; each piece is smooth up to both its ends.
+    From the phase `begin` to `end` in rad; each piece is smooth up to both its ends, as an
+    integrator needs it. `groups` are the part's dimensionless numbers; a sine is a single piece.
     """
     p = groups
     if p.wave is None:
@@ -113,9 +118,10 @@ def pieces(groups: Groups, begin: float, end: float) -> Iterator[tuple[Sine | Pi
 
 
 def pieces_of(wave: Wave, begin: float, end: float) -> Iterator[tuple[Piece, float]]:
-    """Yield the wave of one cell between jumps, with the phase of each end.
+    """Yield the smooth pieces of the drive of one cell, each with the phase at its end in rad.
 
-    From the phase `begin` to `end` in rad; each piece is smooth up to both its ends.
+    A drive in steps jumps between its levels; integrators must stop there. `wave` is the drive, and
+    the pieces cover the phases from `begin` to `end` in rad. A drive without steps is one piece.
     """
     if not wave.steps.shape[1]:
         yield Piece(wave.harmonics), end

@@ -101,7 +101,11 @@ def waves_of(groups: Floats) -> Waves:
 
 
 def _average(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill results and status of cells that do not repeat, from long runs."""
+    """Fill results and statuses of the cells whose motion does not repeat, from long runs.
+
+    These are the cells with the status `UNREPEATED`. `groups` has a row of numbers for each cell,
+    `table` a row of results, `status` one value; `stop` is a flag that ends the work.
+    """
     (cells,) = np.nonzero(status == compiled.solve.UNREPEATED)
     if cells.size:
         means = np.full((cells.size, RESULTS), np.nan)

@@ -80,7 +80,11 @@ class Simulation(Prepared):
 
     @cached_property
     def tried_seconds_a_cell(self) -> float:
-        """The likely time of a cell on one core, after a trial of some [s]."""
+        """The likely time of a cell on one core, measured on a trial of a few cells [s].
+
+        For a trajectory the estimate by formula is taken. Cells that differ only along axes on
+        which no motion depends share one simulation, so that its time is divided among them.
+        """
         if self.study.trajectory is not None:
             return self.seconds_a_cell
         # An axis that no motion depends on makes no more of them.
@@ -104,9 +108,11 @@ class Simulation(Prepared):
 
 
 def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method | None:
-    """Return the method that verifies motions of a grid; None if there is none.
+    """Return the method by which motions of a grid can be verified; None if there is none.
 
-    `free` are names of parameters that are not on the grid and take any value.
+    The first of those by which the method of the `plan` is checked that the scene has and whose
+    limits the `grid` of parameters respects. `free` are names of parameters that are not on the
+    grid and take any value.
     """
     scene, methods = plan.scene, methods_of(plan.scene.name)
     for name in methods[plan.variant].checked_by:
@@ -122,8 +128,16 @@ def price_of(
 ) -> tuple[float, float]:
     """Return the likely and the largest time of a grid's cell by a method [s].
 
-    `free` are parameters that are not on the grid, and the ends of their values, SI units. A method
-    other than that of the plan has its own default settings.
+    By formulas, from some cells of the grid.
+
+    Parameters
+    ----------
+    method
+        The simulation method; one other than that of the plan has its own default settings.
+    plan, grid
+        The plan of the study, and its grid of parameters.
+    free
+        Parameters that are not on the grid, and the ends of their values, SI units.
     """
     settings = method.defaults if method.name != plan.variant else {}
     contacts = CONTACTS.get(plan.scene.name, Contacts())
@@ -144,11 +158,19 @@ def tried_price(
     *,
     cells: float,
 ) -> float:
-    """Return the likely time of a cell on one core [s], after some cells have been followed.
+    """Return the likely time of a cell on one core [s], found by following some cells first.
 
     Where no compiled code is kept, it is the price by formula of `price_of`: nobody waits for a
-    compiler. `method` is that of the plan; `grid` and `free` are as in `price_of`; `cells` is the
-    number of cells of the study, which limits the time of the trial.
+    compiler to learn a price.
+
+    Parameters
+    ----------
+    method, plan
+        The method of the plan, and the plan of the study.
+    grid, free
+        Values of the grid, and ranges of free parameters, as in `price_of`.
+    cells
+        Number of cells of the study, which limits the time of the trial.
     """
     from core.kernel_cache import are_kept, packages
 
@@ -171,7 +193,11 @@ def tried_price(
 
 
 def _with_all_motions(plan: Plan, method: Method, seconds: Array | float) -> Array:
-    """Return the time of all motions that cells follow [s], from the time of one motion [s]."""
+    """Return the time of all motions that a cell of a plan follows [s].
+
+    `seconds` is the time of one motion by the `method` [s]. A cell may need motions at many places
+    of a bowl's track, and some 200 for the load of parts on a drive unit.
+    """
     seconds = np.asarray(seconds)
     rounds = (
         sum(equation.takes_long for equation in plan.equations)
@@ -189,15 +215,16 @@ def _with_all_motions(plan: Plan, method: Method, seconds: Array | float) -> Arr
 
 
 def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> Chosen:
-    """Return the system with the drive and floor of given parameters, its method, and problems.
+    """Return the scene for a study of motion, the name of its method, and problems with that name.
 
-    The drive is a sine, another wave, or a drive unit; the floor is rigid, or as `on_soft_floor`
-    decides. The problems are those of the name of the method.
+    `name` is the scene's name, `method` that of the method (None for the default). The names of the
+    study's `parameters` decide what the equations are: the drive may be a sine, another wave, or a
+    drive unit; the floor rigid or springy.
 
     Raises
     ------
     StudyError
-        If there is no such system, or the parameters are those of two kinds of drive.
+        If there is no such scene, or the parameters are those of two kinds of drive.
     """
     scene, method, problems = choose_scene(name, method, SYSTEMS)
     names = tuple(parameters)
@@ -222,7 +249,11 @@ def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> C
 
 
 def _problems_of_settings(study: SimulateStudy, scene: Scene, method: str) -> Iterable[Problem]:
-    """Yield problems of settings that a method ignores, or that parameters determine."""
+    """Yield problems of the settings that a study gives to its method.
+
+    Settings that the `method` of the `scene` does not use, and a contact stiffness beside the
+    stiffness of a lining, from which it follows.
+    """
     settings = study.settings()
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
     for name in settings:
@@ -235,12 +266,13 @@ def _problems_of_settings(study: SimulateStudy, scene: Scene, method: str) -> It
 
 
 def prepare(study: SimulateStudy) -> Simulation:
-    """Return the prepared simulation of a study.
+    """Return the prepared simulation of a study: its scene and method, plan of equations, and grid.
 
     Raises
     ------
     StudyError
-        With every problem of scene, method, outputs, settings and parameters.
+        With every problem of scene, method, outputs, settings and parameters, found before anything
+        is computed.
     """
     chosen = choose_system(study.scene, study.method, study.values())
     scene, method, _ = chosen
@@ -275,7 +307,11 @@ def prepare(study: SimulateStudy) -> Simulation:
 
 
 def _derivable(prepared: Simulation) -> Simulation:
-    """Return a simulation unchanged; raise StudyError if its derivatives cannot be computed."""
+    """Return a simulation unchanged; raise `StudyError` if its derivatives cannot be computed.
+
+    That is if the motion has no cycle, or if derivatives by finite differences are asked for at too
+    many cells times parameters. `prepared` is the planned simulation.
+    """
     asked = prepared.derived
     if asked is None:
         return prepared
@@ -296,9 +332,11 @@ def _derivable(prepared: Simulation) -> Simulation:
 
 
 def _all_exact(prepared: Simulation) -> bool:
-    """True if all cells of a simulation have exact derivatives.
+    """True if derivatives of all cells of a simulation are exact, carried through the events.
 
-    That is motion in the plane under a sine by the method `events`, with constant restitution.
+    That is so for motion in the plane of track and normal, under a sine, by the method `events`,
+    with constant restitution. It is decided from names and bounds of the parameters, without
+    computing.
     """
     grid, scene = prepared.grid, prepared.plan.scene
     is_sine = all(equation.gives != "wave" for equation in prepared.plan.equations)
@@ -331,9 +369,10 @@ def fix_for_unused_setting(scene: Scene, setting: str) -> str:
 
 
 def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> list[Problem]:
-    """Return the problems of the trajectory that a study asks for; empty if there are none.
+    """Return the problems of the key `trajectory` of a study; empty if there are none.
 
-    It needs one value of every parameter, and a method that gives more than means.
+    It needs one value of every parameter, and a `method` of the `scene` that follows a part in
+    time, not one that gives means only.
     """
     if study.trajectory is None:
         return []
@@ -353,9 +392,10 @@ def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> 
 
 
 def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
-    """Return the problems of a reduction that a study of motion asks for; empty if none.
+    """Return the problems of the key `reduce` of a study of motion; empty if there are none.
 
-    It excludes derivatives and a trajectory.
+    A reduction gives statistics over axes in place of all cells: derivatives and a trajectory are
+    refused beside it, and its names of outputs and axes must exist.
     """
     if study.reduce is None:
         return []
@@ -370,9 +410,11 @@ def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
 
 
 def _too_many_steps(study: SimulateStudy, method: Method, grid: Grid) -> Iterable[Problem]:
-    """Yield a problem if a cell or trajectory takes more steps than a method allows.
+    """Yield a problem of a study whose cells or trajectory take more steps than allowed.
 
-    Also if a trajectory shows more periods than any method follows.
+    Also one if a trajectory goes on for more periods than any method follows. `study` is checked
+    with the settings and limits of its `method`; `grid` has the frequency of the trajectory's one
+    cell.
     """
     settings = {**method.defaults, **study.settings()}
     periods, steps = settings.get("max_periods", 0.0), settings.get("steps_per_period", 0.0)

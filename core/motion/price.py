@@ -122,9 +122,10 @@ Pricing = Callable[[Priced], Price]
 
 
 def prices_of(price: float | Pricing, cells: Callable[[], Priced]) -> Price:
-    """Return the likely and the largest time of each of some cells [s], or one of all.
+    """Return the likely and the largest time to compute each of some cells [s], or one for all.
 
-    `price` is a method's time of a cell, or the function that estimates it from `cells()`.
+    `price` is a method's time for a cell [s], or the function that estimates it from the settings
+    and numbers of the cells; these are made by calling `cells`, only if they are needed.
     """
     if not callable(price):
         return Price(np.asarray(price), np.asarray(price))
@@ -141,16 +142,18 @@ def seconds_of(price: float | Pricing, cells: Callable[[], Priced]) -> tuple[flo
 def sampled_parameters(
     plan: Plan, grid: Grid, free: Mapping[str, tuple[float, float]], most: int = CELLS
 ) -> tuple[dict[str, Array], int]:
-    """Return the parameters of some cells of a grid, evenly chosen, SI units; and their number.
+    """Return parameters of some cells of a study, evenly chosen, SI units, and their number.
 
-    The same for equal grids.
+    For estimates of computing times. The cells are the same for equal grids.
 
     Parameters
     ----------
+    plan, grid : Plan, Grid
+        The plan of the study, and its parameters with their ranges.
     free : mapping of str to (float, float)
         Parameters that are not on the grid, and between which values they lie, SI units.
     most : int
-        Most cells.
+        Largest number of cells.
     """
     count = most if free else min(most, grid.cells)
     on_grid = grid.at(random_positions(grid, count, 0), min(count, grid.cells), plan.parameters)
@@ -164,7 +167,9 @@ def sampled_parameters(
 def some_cells(
     plan: Plan, chosen: Mapping[str, Any], settings: Mapping[str, float], contacts: Contacts
 ) -> Priced:
-    """Return cells with chosen parameters, to estimate their times.
+    """Return cells with chosen parameters, in the form from which methods estimate their times.
+
+    The equations that the long one needs are run, so that the dimensionless groups are known.
 
     Parameters
     ----------
@@ -175,7 +180,7 @@ def some_cells(
     settings
         Settings of the method in force, by name.
     contacts
-        What the parts can touch.
+        The surfaces that the parts can touch.
     """
     by_name = {equation.gives: equation for equation in plan.equations}
     long = next(equation for equation in plan.equations if equation.takes_long)

@@ -80,7 +80,10 @@ def effective_distance(
 
 
 def _spacing(length: Array, gap: Array | float) -> Array:
-    """Return the length of track that a part takes [m]; raise StudyError if it is not above 0."""
+    """Return the length of track that one part occupies, `length` plus `gap` [m].
+
+    Raises `StudyError` if it is not above 0.
+    """
     spacing = length + gap
     if np.any(spacing <= 0.0):
         fix = "Give length or gap above 0"

@@ -41,9 +41,10 @@ class ReducedSimulation(Reduced, Simulation):
         return {**told, "accuracy": accuracy(plan)}
 
     def verified(self, watch: Watch) -> dict[str, str | int]:
-        """Return attributes of the result about verified cells; empty if none are asked for.
+        """Return attributes of the result on random cells that another method followed again.
 
-        Some cells of the grid are chosen, and each is followed by itself with another method.
+        The attributes, by name, count the verified cells and report the largest difference; empty
+        if the study does not ask to `verify`. `watch` may stop the work.
         """
         if self.study.verify is None:
             return {}
@@ -52,7 +53,7 @@ class ReducedSimulation(Reduced, Simulation):
 
 
 def prepare_reduced(study: SimulateStudy) -> Simulation:
-    """Return the simulation of a study, or its reduction if the study asks for one.
+    """Return the prepared simulation of a study: of statistics in place of cells with `reduce`.
 
     Raises
     ------

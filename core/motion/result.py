@@ -118,9 +118,9 @@ def motion_of(
 def checked(motion: Motion) -> Motion:
     """Return the motion with NaN wherever the status says that there is no result.
 
-    A cell that overflowed, or that was in the air all along without landing, gets `limit_reached`,
-    and loses all values, since a method may have got some way. (Time stepping counts no impact
-    slower than the change of a step: hops may have none.)
+    A cell with a value that is not finite, or that was in the air all along without landing, gets
+    the status `limit_reached`. With this status all values are NaN, since a method may have got
+    some way. (Time stepping counts no impact slower than the change of a step: hops may have none.)
     """
     answered = np.isin(motion.status, [STATUS[name] for name in ANSWERED])
     finite = np.logical_and.reduce([np.isfinite(field) for field in motion[:-1]])
@@ -148,7 +148,11 @@ def with_whole_shares(motion: Motion) -> Motion:
 
 
 def has_status(*names: str) -> Callable[..., Mask]:
-    """Return the condition that the motion of a cell has one of some statuses."""
+    """Return the function of a condition: True where the motion of a cell has one of some statuses.
+
+    `names` are those of the statuses, such as "runaway". Regimes of a result are made from such
+    conditions.
+    """
     values = [STATUS[name] for name in names]
 
     def has_status(*, motion: Motion) -> Mask:

@@ -38,7 +38,13 @@ def floor_contact(
     rolling_resistance: Array, load_number: Array, gravity_number_along: Array,
     drive_number_along: Array, drive_number_normal: Array,
 ) -> RollingContact:  # fmt: skip
-    """Return the contact of a round part with the floor."""
+    """Return the dimensionless numbers of the contact of a round part with the floor.
+
+    All arguments are arrays [1]: `rolling_factor` m r^2/I, `rolling_share` the share of a push that
+    accelerates a rolling part, friction and rolling resistance coefficients, `load_number` gravity
+    onto the floor, and gravity along, drive along and normal over g. There is no wall, whose drag
+    is 0.
+    """
     return RollingContact(
         share=rolling_share, factor=rolling_factor, static=friction_static,
         resistance=rolling_resistance, drag=np.zeros(()), load=load_number,
@@ -52,7 +58,13 @@ def wall_contact(
     gravity_number_across: Array, wall_friction: Array, drive_number_along: Array,
     drive_number_normal: Array,
 ) -> RollingContact:  # fmt: skip
-    """Return the contacts of a disc on its edge with floor and wall."""
+    """Return the dimensionless numbers of the contacts of a disc on its edge with floor and wall.
+
+    All arguments are arrays [1]: `rolling_factor` m r^2/I, `rolling_share` the share of a push that
+    accelerates a rolling part, frictions and rolling resistance, `load_number` gravity onto the
+    floor, and gravity along and across, drive along and normal over g. The disc leans on the wall
+    with gravity across, whose friction is its drag.
+    """
     return RollingContact(
         share=rolling_share, factor=rolling_factor, static=friction_static,
         resistance=rolling_resistance, drag=wall_friction * gravity_number_across,
@@ -71,9 +83,13 @@ def slip_groups(
     gravity_number_along: Array, load_number: Array, friction_static: Array,
     friction_kinetic: Array, restitution: Array,
 ) -> Groups:  # fmt: skip
-    """Return the groups of the block that moves like the slip of a round part's contact.
+    """Return the groups of the block that moves as the contact point of a round part slips.
 
-    Its friction is 1 + kap times that of the part, with the inertia factor kap = m r^2/I.
+    A ball or roller need not be simulated by itself: the slip of its contact follows the equation
+    of a block with 1 + kap times the friction, with the inertia factor kap = m r^2/I
+    (`rolling_factor`). All arguments are arrays [1]: shares of drive and gravity over g along the
+    track and normal to it, `load_number` gravity onto the floor, friction coefficients and
+    restitution (theory 18.2).
     """
     return Groups(
         drive_number_along=drive_number_along,
@@ -161,10 +177,10 @@ VALIDITY = (
 def rolling_scenes(
     scales_of_drive: tuple[Equation, ...], driven_within: Constraint
 ) -> dict[str, Scene]:
-    """Return the systems of round parts, by name.
+    """Return the scenes in which round parts roll along a track, by name: ball, roller and disc.
 
-    `scales_of_drive` are the equations of the drive's scales, `driven_within` the constraint on its
-    frequency.
+    `scales_of_drive` are the equations of the drive's scales, such as g/w, `driven_within` is the
+    constraint on the drive's frequency.
     """
     planar = tuple(each for each in scales_of_drive if each.gives != "drive_number_along")
     planar = (
@@ -237,9 +253,10 @@ def rolling_scenes(
 
 
 def _equations_of_method(method: Method, *, slips: bool) -> tuple[Equation, ...]:
-    """Return the equations of the motion by a method, and those of its results.
+    """Return the equations for the motion of a round part by one method, and for its results.
 
-    `slips` is True if the slip of the contact is a result, too.
+    `slips` is True if the slip of the contact is a result, too; it is followed as the motion of a
+    block.
     """
     equations = [Equation("motion", method.follow(BLOCK_ON_FLOOR), SOURCE), *RESULTS]
     if slips:

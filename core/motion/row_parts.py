@@ -59,7 +59,7 @@ class NumberedParts:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Names of the quantities that the parts are made from."""
+        """Names of the quantities that the parts are made from, as an equation takes them."""
         numbered = [f"{stem}_{n}" for stem, which in self.numbers.items() for n in which]
         common = [] if self.has_all_masses or not self.has_own_masses else ["mass"]
         counted = ["parts"] if self.counted or not self.count else []
@@ -114,10 +114,11 @@ class NumberedParts:
 
 
 def drawn_deviations(seed: Array, parts: int) -> Array:
-    """Return random deviations of the parts, in standard deviations, shape (parts, ...).
+    """Return random deviations of the friction of parts in a row, in standard deviations.
 
-    Normal, cut at `MAX_DEVIATIONS`; those of a `seed` are the same in every study, and those of a
-    longer row begin with those of a shorter one.
+    Shape (parts, ...), with the shape of `seed` behind. Normal numbers, cut at `MAX_DEVIATIONS`.
+    Those of a seed are the same in every study, and those of a longer row begin with those of a
+    shorter one, so that rows can be compared.
     """
     seeds, where = np.unique(np.asarray(seed), return_inverse=True)
     rows = [np.random.default_rng(int(one)).standard_normal(DRAWN) for one in seeds]
@@ -126,9 +127,11 @@ def drawn_deviations(seed: Array, parts: int) -> Array:
 
 
 def numbered(names: Iterable[str]) -> NumberedParts:
-    """Return the parts of a row that a study's parameter names define.
+    """Return the description of a row's parts that a study's parameter names define.
 
-    Names such as `part_friction_2` give a part its own value.
+    Names such as `part_friction_2` give a part (here the second from the rear) its own value;
+    others say that the number of parts is a parameter, that frictions scatter, or that a stop
+    stands in front. No values are known yet: the result makes the parts from them.
     """
     names = tuple(names)
     found = [match for match in map(_NUMBERED.fullmatch, names) if match]
@@ -144,7 +147,11 @@ def numbered(names: Iterable[str]) -> NumberedParts:
 
 
 def contradictions(names: Iterable[str]) -> list[Problem]:
-    """Return problems of row parameters that exclude each other."""
+    """Return problems of the parameters of a row of parts that exclude each other.
+
+    `names` are the names of a study's parameters: two stops, or frictions that are both given and
+    drawn at random.
+    """
     names, problems = tuple(names), []
     if all(name in names for name in STOP_GAPS):
         message = "a row has one stop, and the study gives two"

@@ -94,10 +94,12 @@ def rebounds(*, restitution: Array) -> Mask:
 
 
 def tips(*, row: RowParts, friction_static: Array, height: Array, length: Array) -> Mask:
-    """True where friction can tip a part, mu_s b > h.
+    """True where friction can tip a part of the row over, mu_s b > h.
 
-    Neighbours and a stop push at half its height, and so have no moment about its centre of mass;
-    friction has mu n m b/2, against n m h/2 of the floor.
+    Neighbours and a stop push at half the height b of a part, and so have no moment about its
+    centre of mass; friction has mu n m b/2, against n m h/2 of the floor at the length h. The
+    largest static friction of all parts counts: of each its own in `row`, where that is NaN
+    `friction_static`. `height` and `length` are those of a part along the track [m].
     """
     most = np.zeros(())
     for n, own in enumerate(row.friction):
@@ -183,7 +185,11 @@ RESULTS = (
 
 
 def _of_platoon(number: int) -> tuple[Equation, Equation]:
-    """Return the equations of size and velocity of the platoon with this number, 1 at the rear."""
+    """Return the equations of size and mean velocity of one platoon of a row of parts.
+
+    A platoon is a group of parts that stay together; `number` counts them from 1 at the rear.
+    Without such a platoon the size is 0 and the velocity NaN.
+    """
 
     def size(*, motion: RowMotion) -> Array:
         """Return the number of parts in the platoon."""

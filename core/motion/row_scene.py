@@ -39,10 +39,10 @@ def drive_number_along(*, drive_number: Array, beta: Array) -> Array:
 
 
 def row_scene(scales_of_drive: tuple[Equation, ...], driven_within: Constraint) -> Scene:
-    """Return the system of a row whose parts are all equal.
+    """Return the scene in which a row of equal parts moves along a track, with its equations.
 
-    `scales_of_drive` are the equations of the drive's scales, `driven_within` the constraint on its
-    frequency.
+    `scales_of_drive` are the equations of the drive's scales, such as g/w, `driven_within` is the
+    constraint on the drive's frequency. Parts with numbers of their own change it later.
     """
     in_space = (
         *(one for one in scales_of_drive if one.gives != "drive_number_along"),
@@ -91,7 +91,11 @@ def _equations_of_method(method: Any) -> tuple[Equation, ...]:
 
 
 def _equations_of_parts(parts: NumberedParts) -> tuple[Equation, ...]:
-    """Return the equations that give the parts of a row and the scale of their masses."""
+    """Return the equations that give the parts of a row, and the scale of their masses.
+
+    `parts` says which numbers the parts have of their own. If every part has its own friction, that
+    of the track need not be given.
+    """
     own = (
         Equation("friction_static", own_static, SOURCE),
         Equation("friction_kinetic", own_kinetic, SOURCE),
@@ -104,9 +108,11 @@ def _equations_of_parts(parts: NumberedParts) -> tuple[Equation, ...]:
 
 
 def choose_row(system: Scene, names: tuple[str, ...]) -> tuple[Scene, list[Problem]]:
-    """Return the system of the row that a study's parameter names define, and their problems.
+    """Return the scene of the row of parts that a study's parameter names define, and problems.
 
-    The problems are those of the parts and of the drive of a row.
+    The names say which numbers each part has of its own, whether a stop stands in front, whether
+    parts may tip, and what the drive is. `system` is the scene of rows in general. The problems are
+    names that exclude each other or define no drive.
     """
     parts, problems = numbered(names), contradictions(names)
     known = {
@@ -132,9 +138,10 @@ def choose_row(system: Scene, names: tuple[str, ...]) -> tuple[Scene, list[Probl
 
 
 def of_unit(unit: ChosenUnit | None, names: tuple[str, ...]) -> list[Problem]:
-    """Return the problem of a drive unit whose load by a row of such parts is not modelled.
+    """Return the problems of a drive unit whose load by a row of such parts is not modelled.
 
-    `names` are the parameter names of the study; empty if there is no unit, or no problem.
+    `unit` is the drive unit of the study, `names` are its parameter names. Empty if there is no
+    unit, or no problem.
     """
     if unit is None:
         return []

@@ -33,9 +33,10 @@ TIME = "cycle_time"
 
 
 def compute(prepared: Simulation, watch: Watch) -> Computed:
-    """Return outputs and `regime` of a prepared simulation, and its trajectory if asked for.
+    """Return the computed arrays of a prepared simulation by name: outputs, regimes and more.
 
-    A reduced simulation gives its statistics instead of its cells.
+    Derivatives and a trajectory are among them if the study asks for them; a reduced simulation has
+    its statistics instead of its cells. `watch` may stop the work.
     """
     if isinstance(prepared, ReducedSimulation):
         return prepared.compute(watch)
@@ -56,7 +57,9 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
 def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
     """Return the results of a simulation as a labelled table; cells are verified if asked for.
 
-    `computed` holds the arrays by name; `watch` may stop the verification.
+    The table has outputs, regimes, derivatives and trajectory with their dimensions, units and flag
+    meanings, and the attributes of the study. `prepared` is the planned simulation, `computed`
+    holds its arrays by name; `watch` may stop the verification by another method.
     """
     if isinstance(prepared, ReducedSimulation):
         return prepared.label(computed, watch)
@@ -100,9 +103,10 @@ def _evaluate(prepared: Simulation, watch: Watch) -> dict[str, Any]:
 
 
 def _trajectory(prepared: Simulation, known: dict[str, Any], watch: Watch) -> TrajectoryValues:
-    """Return the trajectory of the part at the times of the study.
+    """Return the trajectory of the one part of a study, at the times that the study asks for.
 
-    `known` holds every quantity of the plan.
+    `prepared` is the planned simulation, `known` holds every quantity of its plan by name, with the
+    means of the motion; `watch` may stop the work.
     """
     samples, scene = prepared.study.trajectory, prepared.plan.scene.name
     follow = prepared.method.course
@@ -116,7 +120,11 @@ def _trajectory(prepared: Simulation, known: dict[str, Any], watch: Watch) -> Tr
 
 
 def _drop_unused_axes(prepared: Simulation, name: str, values: NDArray[Any]) -> NDArray[Any]:
-    """Return values without the grid axes that the quantity `name` does not depend on."""
+    """Return `values` without the axes of the grid that the quantity `name` does not depend on.
+
+    Those axes have length 1; `prepared` is the simulation, with its grid and the dimensions of each
+    quantity.
+    """
     if not values.ndim:
         return values
     dims = prepared.dims[name]

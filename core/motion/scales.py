@@ -125,10 +125,12 @@ def velocity_across(*, motion: Motion, velocity_scale: Array) -> Array:
 
 
 def efficiency(*, motion: Motion, drive_number_along: Array) -> Array:
-    """Return the conveying velocity over A0 w cos(beta) cos(alpha); 0 at rest [1].
+    """Return the conveying velocity over the track's largest velocity along itself; 0 at rest [1].
 
-    Infinite (regime `unbounded`) for a part that moves though the drive along the track is 0, or so
-    small that the quotient is beyond the floats.
+    `motion.velocity` and `drive_number_along`, p cos(beta) cos(alpha), are both in the scale g/w (w
+    = 2 pi f): the quotient is v/(A0 w cos(beta) cos(alpha)). Infinite (regime `unbounded`) for a
+    part that moves though the drive along the track is 0, or so small that the quotient is beyond
+    the floats.
     """
     v = motion.velocity
     beyond = np.where(np.isnan(v), np.nan, np.copysign(np.inf, v))

@@ -31,9 +31,10 @@ SPRUNG = {"regularised": "Radau", "regularised-BDF": "BDF", "regularised-LSODA":
 
 
 def on_soft_floor(name: str, names: Collection[str]) -> Scene:
-    """Return the conveying system of this name with the floor that a study's parameters define.
+    """Return the scene of this name with the floor that a study's parameters define.
 
-    `names` are those of the parameters.
+    `names` are those of the parameters: some of them add a restitution that falls with speed, a
+    lining, or damping; without any, the floor is the plain one.
     """
     parameters = set(names)
     if not parameters & {FALLING, LINING, DAMPED}:
@@ -58,7 +59,8 @@ def _plain(name: str) -> Scene:
 def _with_falling_restitution(system: Scene, parameters: Collection[str]) -> Scene:
     """Return a system with Hunt and Crossley's law, given one restitution at one speed.
 
-    `parameters` are the names of the study's parameters.
+    The restitution then falls with the speed of impact. `parameters` are the names of the study's
+    parameters; those that the law does not allow are refused.
     """
     law = Equation("impact_damping", soft_contact.impact_damping, SOURCE)
 
@@ -83,7 +85,12 @@ def _with_falling_restitution(system: Scene, parameters: Collection[str]) -> Sce
 
 @cache
 def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
-    """Return the function of the groups' equation for a part whose restitution falls with speed."""
+    """Return the function of the groups' equation for a part whose restitution falls with speed.
+
+    `groups` is the function for a constant restitution. The new one takes the damping of the
+    contact law and the scale g/w of velocity (w = 2 pi f), too; restitution is 0 where the damping
+    is infinite, else 1, as the law of the damping takes its place.
+    """
 
     def falling(*, impact_damping: Array, velocity_scale: Array, **numbers: Array) -> Groups:
         """Return the groups of the part, with the law's damping."""
@@ -102,7 +109,8 @@ def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
 def _refusals(system: Scene, parameters: Collection[str]) -> list[Constraint]:
     """Return the constraints on parameters of a study whose restitution falls with speed.
 
-    It is known only for motion in the plane, and by some methods.
+    That law is known only for motion in the plane, and by some methods: the constraints refuse
+    other `parameters` of the study and other methods of `system`, and tell a remedy.
     """
     message = "restitution that falls with speed is known for motion in the plane of the track"
     nothing = [
@@ -142,10 +150,11 @@ def contact_stiffness(*, lining_stiffness: Array, mass: Array, frequency: Array)
 
 
 def _with_lining(system: Scene) -> Scene:
-    """Return a system with a springy lining.
+    """Return a system, as a copy, whose floor has a springy lining of given stiffness and damping.
 
-    Methods with rigid contacts get the condition `soft_contact`, where it is too soft for them; a
-    sprung floor gets its stiffness.
+    Equations for the lining's natural frequency, sag and stiffness ratio come first. Methods with
+    rigid contacts get the condition `soft_contact`, which marks cells where the lining is too soft
+    for them; methods with a sprung floor take their contact stiffness from the lining.
     """
     own = (
         Equation("lining_frequency", soft_contact.lining_frequency, SOURCE),
@@ -183,9 +192,10 @@ def _with_lining(system: Scene) -> Scene:
 
 
 def _with_damping_ratio(system: Scene, parameters: Collection[str]) -> Scene:
-    """Return a system whose sprung floors take either damping ratio or restitution.
+    """Return a scene, as a copy, whose sprung floors take either damping ratio or restitution.
 
-    The one follows from the other; `parameters` are the names of the study's parameters.
+    The one follows from the other; `parameters` are the names of the study's parameters, which tell
+    which of both it gives. `system` is the scene.
     """
     equations: tuple[Equation, ...] = (
         Equation("damping_of_restitution", soft_contact.damping_of_restitution, SOURCE),

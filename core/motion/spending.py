@@ -21,7 +21,11 @@ KINDS = {
 
 
 def _power(kind: str) -> Callable[..., Array]:
-    """Return the function of the equation for a kind of mean power, a field of `Energy`."""
+    """Return the function of the equation for one kind of mean power of a part, per mass.
+
+    `kind` is a field of the record `Energy`, such as friction, impact or drive. The function takes
+    the means over a cycle in the scale of the drive, and returns W kg-1.
+    """
 
     def power(*, energy: Energy, gravity: Array, velocity_scale: Array) -> Array:
         power: Array = getattr(energy, kind) * (gravity * velocity_scale)
@@ -32,7 +36,11 @@ def _power(kind: str) -> Callable[..., Array]:
 
 
 def _work(kind: str) -> Callable[..., Array]:
-    """Return the function of the equation for a kind of work per metre, a field of `Energy`."""
+    """Return the function of the equation for one kind of work of a part, per mass and way.
+
+    `kind` is a field of the record `Energy`, such as friction, impact or drive. The function takes
+    the means of this work and of the motion, and gravity, and returns J kg-1 m-1.
+    """
 
     def work(*, energy: Energy, motion: Motion, gravity: Array) -> Array:
         return _a_metre(getattr(energy, kind), motion) * gravity

@@ -27,10 +27,12 @@ def sines_at(steps: int, shift: float) -> Array:
 
 
 def drives_of(wave: Wave, steps: int, begin: float) -> Array:
-    """Return the drives of cells over a period from the phase `begin`, in steps without jumps.
+    """Return the drives of cells over a period, sampled for time stepping without jumps in a step.
 
-    Shape (cells, rows, steps and jumps), the rows those of the kernels' `Drive`: `steps` equal
-    steps, cut where the push of the wave jumps.
+    Shape (cells, rows, steps and jumps), with the rows of the kernels' `Drive`: push along, across
+    and normal in g, speed of the track in g/w (w = 2 pi f), length of the step and its share of a
+    usual one, and the number of axes on which the push jumps at its start. From the phase `begin`
+    in rad; `steps` equal steps, cut where the push of the `wave` jumps.
     """
     step, jumps = TURN / steps, wave.steps[ENDS]
     starts = begin + step * np.arange(float(steps))[:, np.newaxis]
@@ -50,10 +52,10 @@ def drives_of(wave: Wave, steps: int, begin: float) -> Array:
 
 
 def _apart(starts: Array, least: float, end: float) -> Array:
-    """Return ascending phases; any too near to the one before is moved half-way to the next.
+    """Return the phases at which time steps begin, moved so that no step is too short.
 
-    `starts` are the phases at which steps begin, `least` the shortest step, `end` the end of the
-    period, in rad.
+    `starts` are ascending phases in rad, shape (steps, cells); any that follows the one before by
+    less than `least` is moved half-way to the next. `end` is the end of the period.
     """
     starts = starts.copy()
     for _ in range(MAX_MOVES):

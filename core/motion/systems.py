@@ -195,10 +195,11 @@ def _conveying(
     defaults: Mapping[str, float] = MappingProxyType({}),
     more: str = "",
 ) -> Scene:
-    """Return the system of a conveyed part.
+    """Return a scene in which a part is conveyed: its equations and conditions for each method.
 
-    `in_space` are the equations of its scales and groups, `defaults` its default values beside
-    those of all, `more` what is added to its range of validity.
+    Only methods that can follow a part with these `contacts` are in it. `name` and `title` identify
+    the scene; `in_space` are the equations of its scales and dimensionless groups, `defaults` its
+    default values beside those of all scenes, `more` a text added to its range of validity.
     """
     methods = [one for one in METHODS["conveying"].values() if one.follows(contacts)]
 
@@ -286,7 +287,10 @@ SYSTEMS: dict[str, Scene] = {
 
 
 def methods_of(scene: str) -> Mapping[str, Method]:
-    """Return the methods of a system, and of others of its kind, by name."""
+    """Return the simulation methods of the kind of system that a scene is, by name.
+
+    `scene` is the name of the scene: a row of parts, rolling, conveying, or tumbling.
+    """
     if scene == ROW:
         return METHODS["row"]
     if scene in ROLLING:

@@ -103,7 +103,10 @@ class Trial:
         return int(self.kinds.size)
 
     def seconds_a_cell(self, cells: float) -> float:
-        """Return the mean time of a cell on one core [s]; `cells` is the number in the study."""
+        """Return the mean time of a cell on one core [s], by following some of the cells.
+
+        `cells` is the number of cells in the study, which limits the time spent on this.
+        """
         self._load()
         prices = self.price(None)
         each, spent, done = float(prices.mean()), 0.0, 0
@@ -137,10 +140,11 @@ class Trial:
         return each
 
     def _some_periods(self, cells: float, prices: Array) -> tuple[_Followed, float]:
-        """Follow the first cell for doubling numbers of periods, while the budget lasts.
+        """Follow the first cell for doubling numbers of periods, while the budget of time lasts.
 
-        Return the last outcome and the mean time of a cell [s]; `cells` is the number in the study,
-        `prices` are the prices by formula of the cells for all periods [s].
+        Where even one whole cell costs too much. Return the last outcome and the estimated mean
+        time of a cell [s]; `cells` is the number of cells in the study, `prices` are the times by
+        formula of those of the trial for all periods [s].
         """
         each = mean = float(prices.mean())
         scale = mean / float(prices[0])
@@ -166,7 +170,11 @@ class Trial:
         return {**self.plan.defaults, **self.parameters}
 
     def _load(self) -> None:
-        """Load the code for cells of each kind by following one of them for the fewest periods."""
+        """Load the compiled code that the cells need, so that loading does not count as their time.
+
+        Of each kind of cell not seen before in this process one is followed for the fewest periods,
+        since different kinds run different code.
+        """
         for kind in np.unique(self.kinds).tolist():
             name = (self.plan.scene.name, self.plan.variant, int(kind))
             if name not in _loaded:
@@ -175,10 +183,11 @@ class Trial:
                 _loaded.add(name)
 
     def _follow(self, start: int, stop: int, periods: float | None, left: float) -> _Followed:
-        """Follow the cells from `start` to `stop` and return their time and outcome.
+        """Follow some cells of a study, to measure their time; return it with the outcome.
 
-        `periods` is the number of periods, None for all allowed ones; `left` is the processor time
-        after which the cells are broken off [s].
+        The cells with indices from `start` to before `stop`. `periods` is the number of periods to
+        follow, None for all allowed ones; `left` is the processor time after which the work is
+        broken off [s].
         """
         known = {
             name: value[start:stop] if np.ndim(value) else value
@@ -216,7 +225,11 @@ def _budget(price: float) -> float:
 
 
 def _slope(batches: list[tuple[int, float]]) -> float:
-    """Return the time of a cell [s] without that of a call, from (size, time [s]) of batches."""
+    """Return the time of a cell [s] without that of a call, from times of batches of cells.
+
+    `batches` holds size and time [s] of each batch, the sizes growing: every batch takes the time
+    of a call, which more cells do not lengthen.
+    """
     sizes, seconds = (np.array(column, dtype=float) for column in zip(*batches, strict=True))
     call = 0.0
     if sizes[-1] >= GROWTH:

@@ -48,7 +48,13 @@ def throw(
     velocity_upward: Array,
     pitch_rate: Array,
 ) -> Throw:
-    """Return the part, the plane and the start."""
+    """Return the record of a tumbling part, the vibrating plane and the start, for its simulation.
+
+    All numbers are arrays in SI units: `duration` is the simulated time, `gamma` the climb of the
+    plane, `amplitude`, `frequency` and `beta` (elevation) the drive; the part starts with its
+    lowest corner `drop_height` above the plane, at the angle `pitch`, with velocities along and
+    normal to the plane and `pitch_rate`.
+    """
     return Throw(
         part=tumbling_part,
         friction_static=friction_static,
@@ -74,7 +80,10 @@ def part_energy_lost(*, specific_energy_lost: Array, mass: Array) -> Array:
 
 
 def _ended(name: str) -> Callable[..., Mask]:
-    """Return the condition that the tumbling ended with the status of this name."""
+    """Return the function of a condition: True where the tumbling ended with the status `name`.
+
+    Regimes of a result are made from such conditions; names are such as "settled".
+    """
 
     def ended(*, tumble: Tumble) -> Mask:
         return tumble.status == STATUS[name]
@@ -140,9 +149,10 @@ CONDITIONS = (
 
 
 def tumbling_scene(name: str, title: str, part: Callable[..., Part]) -> Scene:
-    """Return the system of a tumbling part of one shape.
+    """Return the scene, with equations and conditions, in which parts of one shape tumble.
 
-    `part` is the function of the equation that gives the part from its sizes.
+    `name` and `title` identify it; `part` is the function of the equation that gives the part from
+    its sizes.
     """
     numbers = (
         Equation("tumbling_part", part, "theory 2.1"),

@@ -34,7 +34,10 @@ SPEED = ("drive_number", "velocity_scale")
 
 
 def accuracy(plan: Plan) -> str:
-    """Return the known error of a plan's method as a sentence, for the attributes of a result."""
+    """Return the known error of a plan's method as a sentence, for the attributes of a result.
+
+    It tells, too, if an output states the error of each cell.
+    """
     text = methods_of(plan.scene.name)[plan.variant].accuracy
     if ERROR in plan.outputs:
         return f"{text}; {ERROR} states it for each cell"
@@ -94,9 +97,9 @@ class Comparison:
     silent: Mapping[str, int] = field(default_factory=dict)
 
     def in_words(self, where: str) -> str:
-        """Return the comparison as a sentence.
+        """Return the comparison of two methods as a sentence, for the user.
 
-        `where` is the position of the largest difference.
+        `where` is the position of the largest difference, in words.
         """
         parts = []
         if self.output:
@@ -131,20 +134,24 @@ def compare(
     method: str,
     watch: Watch | None = None,
 ) -> Comparison:
-    """Return the differences between given outputs of a motion and those of another method.
+    """Return the comparison of computed outputs of some cells with those of another method.
+
+    The cells are followed again by `method`. Motions that repeat, rest or settle by both methods
+    are judged by all outputs, others by their mean velocities within both stated errors.
 
     Parameters
     ----------
     plan : Plan
-        What computed them.
+        Plan, with scene and method, by which `got` was computed.
     cells : mapping of str to ndarray, shape (n,)
-        The parameters, SI units.
+        Parameters of the cells, SI units.
     got : mapping of str to ndarray, shape (n,)
-        The outputs, in the unit of studies; `motion_status` among them if it is known.
+        Computed outputs, in the units of studies. Status, velocity and error are computed again if
+        they are missing.
     method : str
-        The other method.
+        Name of the other method.
     watch : Watch, optional
-        May stop the other method between cells.
+        May stop the other method; cells that were not reached are not `evaluated`.
     """
     scene = plan.scene
     has = scene.outputs(method)
@@ -181,10 +188,18 @@ def _with_worst(
     theirs: Mapping[str, Array],
     exact: NDArray[np.bool_],
 ) -> Comparison:
-    """Return the comparison, with the output that differs most relative to its size.
+    """Return the comparison with the output that differs most, relative to its largest size.
 
-    `got` are the outputs to verify, `theirs` those of the other method; only cells of the mask
-    `exact` count. `agreement` is the comparison so far.
+    Parameters
+    ----------
+    agreement
+        The comparison so far.
+    outputs
+        Names of the outputs to compare.
+    got, theirs
+        The outputs to verify, and those of the other method.
+    exact
+        Mask of the cells that count.
     """
     for name in outputs:
         right = np.where(exact, theirs[name], 0.0)
@@ -205,9 +220,11 @@ def _with_worst(
 
 
 def _reasons(method: str, ours: Array, theirs: Array) -> dict[str, int]:
-    """Return the reasons why cells with such statuses cannot be judged, with counts.
+    """Return the reasons why cells could not be judged by two methods, with the number of each.
 
-    `ours` and `theirs` are the statuses of these cells by both methods, `method` the other's name.
+    `ours` and `theirs` are the statuses of these cells by the study's method and by the other,
+    `method` is the other's name. A status without a mean is a reason, else the lack of a stated
+    error.
     """
     names = {value: name for name, value in STATUS.items()}
     reasons = Counter[str]()
@@ -229,9 +246,20 @@ def _follow_cells(
     count: int,
     watch: Watch | None,
 ) -> dict[str, Array]:
-    """Return the outputs of `count` cells computed by a method, in the units of studies.
+    """Return the outputs of some cells as a method computes them, in the units of studies.
 
-    `cells` are their parameters, SI units; outputs that the method does not give are left out.
+    To compare two methods. Outputs that the method does not give are left out.
+
+    Parameters
+    ----------
+    scene, method
+        The system, and the name of the method.
+    outputs
+        Names of the outputs to compare.
+    cells, count
+        Parameters of the cells in SI units, and the number of cells.
+    watch
+        Shows progress, and may stop the work.
     """
     asked = tuple(name for name in outputs if name in scene.outputs(method))
     parameters = [name for name in cells if name in scene_parameters(scene, method)]
@@ -246,10 +274,11 @@ def _follow_cells(
 def _velocity_difference(
     ours: Mapping[str, Array], theirs: Mapping[str, Array]
 ) -> tuple[Array, Array]:
-    """Return the difference of two mean velocities, and the difference that their errors allow.
+    """Return the difference of two methods' mean velocities, and that which their errors allow.
 
-    In m/s: the sum of both stated errors and what is resolved of the drive's speed; 0 and infinity
-    where a method states no error. `ours` and `theirs` hold the outputs of both methods by name.
+    In m/s, one value a cell: the second is the sum of both stated errors and 1e-9 of the drive's
+    speed. 0 and infinity if a method states no error. `ours` and `theirs` hold the outputs of both
+    methods by name.
     """
     if not {VELOCITY, ERROR} <= set(ours) or not {VELOCITY, ERROR} <= set(theirs):
         nothing = np.zeros_like(theirs["motion_status"])
@@ -260,9 +289,10 @@ def _velocity_difference(
 
 
 def _other_multiple(got: Mapping[str, Array], theirs: Mapping[str, Array]) -> NDArray[np.bool_]:
-    """Return a mask of motions that repeat after different numbers of periods by two methods.
+    """Return a mask of cells whose motions repeat after other numbers of periods by two methods.
 
-    `got` and `theirs` hold the outputs of both; all False if `period_multiple` is not among them.
+    `got` and `theirs` hold the outputs of both methods by name, shape (n,). All False if
+    `period_multiple` is not among them, or where a motion does not repeat (0).
     """
     multiple = got.get("period_multiple")
     if multiple is None:
@@ -274,16 +304,19 @@ def _other_multiple(got: Mapping[str, Array], theirs: Mapping[str, Array]) -> ND
 def verified(
     prepared: Simulation, arrays: Mapping[str, NDArray[np.generic]], watch: Watch
 ) -> dict[str, str | int]:
-    """Return the verification result as attributes of the dataset; empty if not asked for.
+    """Return the outcome of following some cells again by another method; empty if not asked for.
+
+    The result holds attributes of the dataset, by name: the number of cells and the largest
+    difference.
 
     Parameters
     ----------
     prepared : Simulation
-        The study.
+        The prepared study; its key `verify` is the number of random cells.
     arrays : mapping of str to ndarray
-        What was computed, SI units.
+        Computed outputs by name, SI units; cells that were not computed are not chosen.
     watch : Watch
-        May stop it.
+        May stop the work.
     """
     if prepared.study.verify is None:
         return {}
@@ -297,10 +330,12 @@ def verified_at(
     arrays: Mapping[str, NDArray[np.generic]] | None,
     watch: Watch,
 ) -> dict[str, str | int]:
-    """Return the verification result of sampled cells as attributes of the dataset.
+    """Return the outcome of following given cells again by another method, as attributes by name.
 
-    `arrays` holds the computed outputs, SI units; if None, the cells are simulated again. `watch`
-    may stop it. `prepared` is the simulation, `sample` holds the positions of the cells.
+    `prepared` is the simulation, `sample` holds the positions of the cells. `arrays` holds the
+    computed outputs, SI units; if None, the cells are simulated again. `watch` may stop the work.
+    The attributes count cells that were evaluated, compared and too far apart, and tell of the
+    largest difference.
     """
     plan = prepared.plan
     other = other_method(plan, prepared.grid)

@@ -50,9 +50,10 @@ class Wave(NamedTuple):
         return np.broadcast_shapes(self.harmonics.shape[3:], self.steps.shape[2:])
 
     def columns(self, shape: tuple[int, ...]) -> NDArray[np.float64]:
-        """Return one row per cell: numbers of orders and steps, then harmonics and steps.
+        """Return the wave as a table with one row per cell, as compiled code takes it.
 
-        `shape` is that of the cells; kernels take the wave in this form.
+        A row has the numbers of harmonics and of steps, then the coefficients of both. `shape` is
+        that of the cells, to which the wave is broadcast; the rows are in its order.
         """
         parts = [_broadcast_cells(part, own, shape) for part, own in zip(self, (3, 2), strict=True)]
         counts = np.empty((2, *shape))
@@ -69,7 +70,13 @@ def _broadcast_cells(part: Array, own: int, shape: tuple[int, ...]) -> Array:
 
 
 def of_columns(rows: NDArray[np.float64]) -> Wave:
-    """Return the wave stored in rows of `Wave.columns`, a row a cell."""
+    """Return the wave of many cells from the table in which compiled code takes it.
+
+    `rows` has one row a cell, as made by `Wave.columns`: the numbers of harmonics and of steps
+    (equal in all rows), then the coefficients of both. The cells of the wave have the shape
+    (rows,). A wave is the push of a drive, minus the track's acceleration per weight, as sines and
+    steps.
+    """
     orders, steps = int(rows[0, 0]), int(rows[0, 1])
     columns = rows.T[2:]
     return Wave(
@@ -98,9 +105,12 @@ def push(wave: Wave, axis: int, phase: ArrayLike) -> Array:
 
 
 def level(wave: Wave, axis: int, phase: ArrayLike) -> Array:
-    """Return the share of the push at a phase that comes from the steps of a wave, in g.
+    """Return the share of a drive's push that is constant from step to step, at a phase, in g.
 
-    `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in rad.
+    The push is minus the acceleration of the track, per weight. It is the sum of sines and of this
+    level, which is 0 for a wave without steps. `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in
+    rad; phases and cells of the wave broadcast, and the result has their common shape. `wave` has
+    the coefficients of the sines and the levels of the steps, for each of its cells.
     """
     tau = np.asarray(phase, dtype=float)
     if not wave.steps.shape[1]:
@@ -109,9 +119,12 @@ def level(wave: Wave, axis: int, phase: ArrayLike) -> Array:
 
 
 def speed(wave: Wave, axis: int, phase: ArrayLike) -> Array:
-    """Return the velocity of the track along an axis at a phase, in g/w, without its mean.
+    """Return the velocity of the track along an axis at a phase of the drive, in g/w, w = 2 pi f.
 
-    `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in rad. Here w = 2 pi f.
+    It is that of the vibration, without mean. `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in
+    rad; phases and cells of the wave broadcast, and the result has their common shape. `wave` has
+    the push of the drive, minus the track's acceleration per weight, as sines and steps for each of
+    its cells.
     """
     tau = np.asarray(phase, dtype=float)
     total = -_harmonic(wave, axis, tau, 1)
@@ -121,9 +134,12 @@ def speed(wave: Wave, axis: int, phase: ArrayLike) -> Array:
 
 
 def position_at(wave: Wave, axis: int, phase: ArrayLike) -> Array:
-    """Return the displacement of the track along an axis at a phase, in g/w^2, without its mean.
+    """Return the displacement of the track along an axis at a phase, in g/w^2, w = 2 pi f.
 
-    `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in rad. Here w = 2 pi f.
+    It is that of the vibration, without mean. `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in
+    rad; phases and cells of the wave broadcast, and the result has their common shape. `wave` has
+    the push of the drive, minus the track's acceleration per weight, as sines and steps for each of
+    its cells.
     """
     tau = np.asarray(phase, dtype=float)
     total = -_harmonic(wave, axis, tau, 2)
@@ -133,9 +149,12 @@ def position_at(wave: Wave, axis: int, phase: ArrayLike) -> Array:
 
 
 def _harmonic(wave: Wave, axis: int, tau: Array, integrals: int) -> Array:
-    """Return the harmonics of the push, integrated `integrals` times without constants.
+    """Return the sines of a drive's push at a phase, integrated over the phase `integrals` times.
 
-    At phases `tau` along an axis; -1 is the derivative.
+    The push, minus the track's acceleration per weight, has sines and steps; these are the sines
+    alone, without constants of integration; -1 is the derivative. `axis` is `ALONG`, `ACROSS` or
+    `NORMAL`, `tau` in rad; phases and cells of the wave broadcast to the shape of the result, in g.
+    `wave` has their coefficients.
     """
     total = np.zeros(np.broadcast_shapes(tau.shape, wave.harmonics.shape[3:]))
     for k, (sine, cosine) in enumerate(zip(*wave.harmonics[axis], strict=True), start=1):
@@ -145,9 +164,23 @@ def _harmonic(wave: Wave, axis: int, tau: Array, integrals: int) -> Array:
 
 
 def _at_step(wave: Wave, values: Array, tau: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Return the values of all steps, broadcast to the phases, and the index of the step in force.
+    """Return a quantity of the steps of a drive over phases, and the index of the step in force.
 
-    `values`, shape (steps, ...), at phases `tau`; both are arguments of `take_along_axis`.
+    Both are arguments of `np.take_along_axis`, which then picks the value at each phase. `wave` has
+    the phases at which steps end.
+
+    Parameters
+    ----------
+    values : ndarray, shape (steps, ...)
+        A value for each step and cell, such as the acceleration.
+    tau : ndarray
+        Phases of the drive [rad], of any turn; they broadcast with the cells.
+
+    Returns
+    -------
+    tuple of ndarray
+        The values broadcast to (steps, *phases and cells), and the index, shape (1, *phases and
+        cells).
     """
     within = np.mod(tau, TURN)
     ends = wave.steps[ENDS]
@@ -161,9 +194,11 @@ def _at_step(wave: Wave, values: Array, tau: Array) -> tuple[Array, NDArray[np.i
 
 
 def _stepped(wave: Wave, axis: int, tau: Array) -> tuple[Array, Array]:
-    """Return velocity and displacement of a track that moves in steps, both without mean.
+    """Return velocity and displacement of a track whose drive has steps of constant acceleration.
 
-    Along an axis at phases `tau`, in g/w (w = 2 pi f) and g/w^2.
+    Both are without mean over the period, in g/w and g/w^2 with w = 2 pi f. `axis` is `ALONG`,
+    `ACROSS` or `NORMAL`; `tau` are phases [rad], which broadcast with the cells of the wave to the
+    shape of the results. `wave` has the acceleration and the end of each step.
     """
     level, ends = wave.steps[axis], wave.steps[ENDS]
     starts = np.concatenate([np.zeros_like(ends[:1]), ends[:-1]])
@@ -179,9 +214,11 @@ def _stepped(wave: Wave, axis: int, tau: Array) -> tuple[Array, Array]:
 
 
 def step_speeds(wave: Wave, axis: int) -> Array:
-    """Return the velocity of the track along an axis at the start of each step, in g/w.
+    """Return the velocity of the track along an axis at the start of each step of a drive, in g/w.
 
-    Shape (steps, ...), without its mean over the period. Here w = 2 pi f.
+    A drive may have steps of constant acceleration. Shape (steps, ...), the cells of the wave last;
+    the mean over the period is taken off. `axis` is `ALONG`, `ACROSS` or `NORMAL`; w = 2 pi f.
+    `wave` has the acceleration and the end of each step.
     """
     level, ends = wave.steps[axis], wave.steps[ENDS]
     last = np.diff(ends, axis=0, prepend=0.0)
@@ -201,6 +238,8 @@ def largest_over_period(wave: Wave, axis: int, of: str) -> Array:
     looked at, so the value is exact to rounding: of sines those where the derivative, a polynomial
     in exp(i tau), is 0; of steps their ends, and where the track turns between them. A wave of both
     sines and steps has extremes that are not looked at. `axis` is `ALONG`, `ACROSS` or `NORMAL`.
+    `wave` has the push of the drive, minus the track's acceleration per weight, as sines and steps
+    for each of its cells.
     """
     function, _ = COURSES[of]
     best = np.full(wave.cells, -np.inf)
@@ -218,9 +257,12 @@ def stroke(wave: Wave, axis: int) -> Array:
 
 
 def jerk(wave: Wave, axis: int) -> Array:
-    """Return the largest absolute derivative of the push by the phase along an axis, in g.
+    """Return the largest jerk of the track along an axis, in g per radian of the drive's phase.
 
-    Infinite if the push jumps.
+    It is the largest absolute derivative of the push by the phase, infinite if the push jumps; the
+    push is minus the acceleration of the track, per weight. `axis` is `ALONG`, `ACROSS` or
+    `NORMAL`; the result has the shape of the cells of the wave. `wave` has the push as sines and
+    steps for each of its cells.
     """
     if wave.steps.shape[1]:
         jumps = largest_over_period(wave, axis, "push") + largest_over_period(
@@ -244,7 +286,14 @@ integrates the push."""
 
 
 def _extremes(wave: Wave, axis: int, of: str) -> Iterator[Array]:
-    """Yield phases that include all extremes of a quantity, a key of `COURSES`, along an axis."""
+    """Yield phases [rad] among which are all those where a quantity of a drive has an extreme.
+
+    `of` is the quantity, a key of `COURSES` such as ``"push"`` or ``"place"`` (the displacement),
+    and `axis` the direction, `ALONG`, `ACROSS` or `NORMAL`. Each array broadcasts with the cells of
+    the wave. For sines these are the zeros of the derivative; for steps the start of each, and the
+    phase inside it at which the track turns round. `wave` has the push of the drive, minus the
+    track's acceleration per weight, as sines and steps.
+    """
     if wave.harmonics.shape[2]:
         yield from _turns(wave, axis, COURSES[of][1])
     start = np.zeros(())
@@ -257,10 +306,12 @@ def _extremes(wave: Wave, axis: int, of: str) -> Iterator[Array]:
 
 
 def _turns(wave: Wave, axis: int, integrals: int) -> Array:
-    """Return the phases of all extremes of the harmonics, integrated `integrals` times.
+    """Return the phases [rad] where the sines of a wave have an extreme, shape (2 orders, cells).
 
-    Shape (2 orders, cells); cells with fewer extremes have zeros. `axis` is `ALONG`, `ACROSS` or
-    `NORMAL`.
+    With `integrals` 0 it is the push itself whose extremes are found, with 1 the speed and with 2
+    the displacement of the track, which are its integrals; with -1 its derivative. They are roots
+    of a polynomial in exp(i tau) with tau the phase. Cells with fewer extremes have zeros. `axis`
+    is `ALONG`, `ACROSS` or `NORMAL`. `wave` has the coefficients of the sines.
     """
     sines, cosines = wave.harmonics[axis]
     orders = np.arange(1, len(sines) + 1).reshape(-1, *(1,) * (sines.ndim - 1))
@@ -279,10 +330,11 @@ def _turns(wave: Wave, axis: int, integrals: int) -> Array:
 
 
 def _angles(slopes: NDArray[np.complex128]) -> Array:
-    """Return the phases of the roots of Re sum of b_k exp(i k tau), shape (n, 2 orders).
+    """Return the phases [rad] at which sums of harmonics are 0, shape (n, 2 orders), for extremes.
 
-    b_k are the columns of `slopes`, shape (n, orders), k from 1. By the eigenvalues of companion
-    matrices, then two steps of Newton's.
+    The sum is Re sum of b_k exp(i k tau), k from 1; b_k are the columns of `slopes`, shape (n,
+    orders). The roots are eigenvalues of companion matrices, then improved by two steps of
+    Newton's. Roots off the unit circle give phases at which the sum is not 0.
     """
     count, order = slopes.shape
     rows = np.concatenate([slopes[:, ::-1], np.zeros((count, 1)), slopes.conj()], axis=1)
@@ -305,9 +357,12 @@ def bound(wave: Wave, axis: int) -> Array:
 
 
 def size(wave: Wave) -> Array:
-    """Return an upper bound of the track's speed in g/w.
+    """Return an upper bound of the speed of the track over a period, in g/w, with w = 2 pi f.
 
-    The root of the sum of squares of its bounds on the three axes. Here w = 2 pi f.
+    It is the root of the sum of squares of bounds on the three axes; on each, the sum of the
+    amplitudes of all sines and the largest speed of the steps. Shape: the cells of the wave. `wave`
+    has the push of the drive, minus the track's acceleration per weight, as sines and steps. It is
+    the drive number of a drive that is no plain sine.
     """
     squares = np.zeros(wave.cells)
     orders = np.arange(1, wave.harmonics.shape[2] + 1).reshape(

@@ -128,9 +128,10 @@ def checked(
 def _at_bounds(
     problem: OptimisationProblem, x: Array, lost: NDArray[np.bool_], tolerance: float
 ) -> dict[str, NDArray[np.int8]]:
-    """Return flags, 1 where a variable is at its lower or upper bound, by name.
+    """Return flags that tell where a variable of an optimum is at one of its bounds, by name.
 
-    `x` are the best values in SI units, shape (variables, cells), `lost` is True where there is no
+    A flag is 1 there, else 0, int8 of shape (cells,); the names are ``binds_<variable>_<end>``. `x`
+    are the best values in SI units, shape (variables, cells), `lost` is True where there is no
     optimum, and `tolerance` is a share of the variable's range.
     """
     span = problem.upper - problem.lower
@@ -150,20 +151,20 @@ def _status(
     scales: Mapping[str, Array],
     forward: Array,
 ) -> NDArray[np.int8]:
-    """Return the statuses after physical checks: no motion, only backward, all choices equal.
+    """Return the statuses of optima after physical checks: no motion, only backward, all equal.
 
     Parameters
     ----------
     problem : OptimisationProblem
         The problem.
-    status : ndarray of int8
-        The statuses that the method states, shape (cells,).
-    known : mapping
-        All quantities at the optima.
-    design, scales : mapping of str to ndarray
-        Fixed parameters of each design, and scales of the outputs.
-    forward : ndarray
-        The output that is maximised, in the case that counts.
+    status : ndarray of int8, shape (cells,)
+        The statuses that the method states.
+    known : mapping of str to ndarray
+        All quantities at the optima, SI units.
+    design, scales : mapping of str to ndarray, each of shape (cells,)
+        Fixed parameters of each design, and sizes of the outputs.
+    forward : ndarray, shape (cells,)
+        The output that is maximised, at the optimum.
     """
     optimal = status == STATUS["optimal"]
     if problem.sign > 0 and problem.criterion.output in FORWARD:
@@ -188,10 +189,11 @@ def _status(
 def _of_each_point(
     problem: OptimisationProblem, known: Mapping[str, Any], design: Mapping[str, Array]
 ) -> tuple[OptimisationProblem, Mapping[str, Array]]:
-    """Return the problem of each optimum, and its designs.
+    """Return the problem that each optimum solves, and its fixed parameters, to check it alone.
 
     Each point of a trade-off front is an optimum under a limit of the other output, which is that
-    of the point itself.
+    of the point itself. `known` has all quantities at the optima, `design` the fixed parameters, SI
+    units.
     """
     if not isinstance(problem.criterion, Pareto):
         return problem, design
@@ -207,10 +209,19 @@ def _gap(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> Array:
-    """Return the objective of another method's optimum less this one; NaN without both.
+    """Return the objective of another method's optimum less ours, to check it; NaN without both.
 
-    It is from a closed form, the batch solver, or a dense grid: the first that is not `method`
-    itself. `value` is the objective to compare with, and `lost` is True where there is no optimum.
+    It is from a closed form, compiled Newton or a dense grid: the first that is not `method`, by
+    which our optima were found.
+
+    Parameters
+    ----------
+    value : ndarray, shape (cells,)
+        Our objective.
+    lost : ndarray of bool, shape (cells,)
+        True where there is no optimum.
+    design, scales : mapping of str to ndarray, each of shape (cells,)
+        The fixed parameters, and the sizes of outputs, by which violations are divided.
     """
     if LIMIT in (kept.name for kept in problem.kept) and problem.against:
         # A limit of nothing, which rounding may just break, would leave no answer.

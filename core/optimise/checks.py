@@ -15,10 +15,10 @@ from core.study.values import Between, Values
 
 
 def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Problem]:
-    """Yield the problems that concern several sections of a study.
+    """Yield the problems that concern several sections of an optimisation study.
 
-    `values` are its parameters. Variables may not be given as parameters, outputs with names may
-    not be optimised, and constraints have to be consistent.
+    `values` are its parameters. Variables may not be given as parameters, outputs that are codes
+    may not be optimised, and constraints have to be consistent.
     """
     criterion = study.criterion
     if isinstance(criterion, Limited) and criterion.limit < 0:
@@ -50,7 +50,11 @@ def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Pr
 
 
 def _problems_of_constraints(study: OptimiseStudy) -> Iterable[Problem]:
-    """Yield problems of each constraint, and of two bounds with one name."""
+    """Yield the problems of each constraint of an optimisation, and of two bounds with one name.
+
+    A constraint is an output with a lower bound, an upper one or both, perhaps of its absolute
+    value. A problem names the path in the study and a fix.
+    """
     seen: set[str] = set()
     for number, constraint in enumerate(study.constraints):
         path = f"constraints.{number}"
@@ -84,10 +88,19 @@ def problems_of_intervals(
     values: Mapping[str, Values],
     bounds: Mapping[str, Between],
 ) -> Iterable[Problem]:
-    """Yield problems of the uncertain parameters of a study.
+    """Yield problems of the uncertain parameters of a study that optimises.
 
-    `intervals` are their distributions, `values` the parameters, and `bounds` those of the
-    variables; no name may be in two of them.
+    Found are names that are also fixed or varied, too many of them, and settings of `robust` (what
+    of the uncertain objective is optimised: worst case, mean, quantile) that do not fit.
+
+    Parameters
+    ----------
+    intervals : mapping of str to Distribution
+        The uncertain parameters.
+    values : mapping of str to Values
+        The fixed parameters.
+    bounds : mapping of str to Between
+        The variables.
     """
     for name in intervals:
         if name in values or name in bounds:

@@ -28,6 +28,7 @@ def residual(
     of the inward gradients of the binding constraints; the residual is what is left of it, with
     each variable over its range, relative to the objective's scale. At a kink, |other| = 0, the
     other output's gradient may enter with up to twice its weight. NaN where a slope has no value.
+    The result has the shape (cells,).
 
     Parameters
     ----------
@@ -118,8 +119,9 @@ def residual(
 def _least(target: Array, pulls: Array, binds: NDArray[np.bool_], most: list[float]) -> Array:
     """Return the smallest |target - sum of weights times pulls| over all weights, shape (cells,).
 
-    Weights range from 0 to `most`. No more directions than variables are needed (Caratheodory), so
-    all such subsets are tried.
+    It is the residual of the optimality conditions: what of the objective's gradient the
+    constraints do not balance. Weights range from 0 to `most`. No more directions than variables
+    are needed (Caratheodory), so all such subsets are tried.
 
     Parameters
     ----------

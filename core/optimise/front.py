@@ -41,8 +41,8 @@ def find_front(
     ----------
     problem : OptimisationProblem
         The problem, with a criterion of kind `pareto`.
-    design, scales : mapping of str to ndarray
-        Fixed parameters and scales of the outputs, shape (cells,).
+    design, scales : mapping of str to ndarray, each of shape (cells,)
+        Fixed parameters, and sizes of the outputs, by which violations are divided.
     method : str
         A key of `METHODS`.
     watch : Watch
@@ -83,11 +83,21 @@ def _least(
     method: str,
     watch: Watch,
 ) -> Optima:
-    """Return the end of each front at which the other output is least.
+    """Return the ends of trade-off fronts at which the other output is least, for every design.
 
-    `inner` is the problem with a limit of the other output; the other arguments are as in
-    `find_front`. The batch solver tries a limit of 0; where no choice keeps it, and for other
-    methods, the other output gets a large weight.
+    Compiled Newton tries a limit of 0 of the other output; where no choice keeps it, and for other
+    methods, the other output gets a large weight in the objective.
+
+    Parameters
+    ----------
+    problem, inner : OptimisationProblem
+        That of the front, and that of one of its points, with a limit of the other output.
+    design, scales : mapping of str to ndarray, each of shape (cells,)
+        The fixed parameters, and the sizes of outputs, by which violations are divided.
+    method : str
+        A key of `METHODS`.
+    watch : Watch
+        Takes the progress, and may stop the work.
     """
     criterion = problem.criterion
     assert isinstance(criterion, Pareto)
@@ -113,9 +123,10 @@ def _least(
 
 
 def _other(problem: OptimisationProblem, optima: Optima, design: Mapping[str, Array]) -> Array:
-    """Return the other output's absolute value at an end of the fronts; NaN without an optimum.
+    """Return the size of the other output at an end of trade-off fronts; NaN without an optimum.
 
-    It is in the unit of studies, shape (cells,).
+    `optima` are the optima of all designs, `design` has the fixed parameters, SI units, shape
+    (cells,); the result is in the unit of studies, shape (cells,).
     """
     assert problem.against is not None
     lost = np.isnan(optima.x).any(axis=0)
@@ -125,10 +136,11 @@ def _other(problem: OptimisationProblem, optima: Optima, design: Mapping[str, Ar
 
 
 def knee(output: Array, other: Array) -> NDArray[np.int8]:
-    """Return 1 at the knee of each front, else 0; arguments of shape (cells, points).
+    """Return 1 at the knee of each trade-off front, where it bends most, else 0.
 
-    The knee is the point farthest from the chord between the ends, both outputs over their range;
-    the first point of a front without range or without values.
+    `output` and `other` are the two outputs, shape (cells, points); the result is int8 of that
+    shape. The knee is the point farthest from the chord between the ends, both outputs over their
+    range; the first point of a front without range or without values.
     """
 
     def over_range(values: Array) -> Array:

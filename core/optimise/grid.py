@@ -32,10 +32,24 @@ def by_grid(
     scales: Mapping[str, Array],
     watch: Watch,
 ) -> Optima:
-    """Return the best point of a grid, then of successively finer grids around it, by design.
+    """Return the best point of a grid, then of successively finer grids around it, for each design.
 
-    `design` and `scales` hold the fixed parameters and the outputs' scales, shape (cells,); `watch`
-    takes the progress and may stop the search.
+    A point is a choice of the variables. The one with the smallest violation of constraints is
+    best, then the one with the largest objective.
+
+    Parameters
+    ----------
+    design, scales : mapping of str to ndarray, each of shape (cells,)
+        The fixed parameters of each design, SI units, and the sizes of its outputs, by which
+        violations are divided.
+    watch : Watch
+        Takes the progress, and may stop the search after a grid.
+
+    Returns
+    -------
+    Optima
+        The best values, shape (variables, cells), NaN where there are none; statuses and numbers of
+        evaluations, shape (cells,).
     """
     cells, count = cells_of(design), len(problem.names)
     size = problem.scale(scales)
@@ -76,11 +90,20 @@ def with_best_rest(
     scales: Mapping[str, Array],
     watch: Watch,
 ) -> Optima:
-    """Return the optima, with a choice where the part rests if none moves it forwards.
+    """Return the optima, with choices at which the part rests where none moves it forwards.
 
-    Closed forms and batch solver look for forward motion only. Without any, the best is a part that
-    rests; where it slides back at every choice, a grid finds the best choice, or that none keeps
-    the limits. Arguments as in `by_grid`.
+    Closed forms and compiled methods look for forward motion only. Without any, the best is a part
+    that rests; where it slides back at every choice, a grid finds the best choice, or that none
+    keeps the limits.
+
+    Parameters
+    ----------
+    optima : Optima
+        Results of such a method: points and statuses of all designs.
+    design, scales : mapping of str to ndarray, each of shape (cells,)
+        The fixed parameters, and the sizes of outputs, by which violations are divided.
+    watch : Watch
+        Takes the progress, and may stop the grid.
     """
     still = np.flatnonzero((optima.status == STATUS["no_motion"]) & np.isnan(optima.x).any(axis=0))
     if not still.size:
@@ -110,10 +133,11 @@ def dense_width(variables: int, cells: int, points: int) -> int:
 
 
 def _filled(variables: int, cells: int, points: int) -> Array:
-    """Return points in the unit box, shape (variables, n), about `points` of them.
+    """Return points that fill the unit box, shape (variables, n), about `points` of them.
 
     They are a grid, or an evenly spread sequence for more than four variables, where so coarse a
-    grid would hold little but edges.
+    grid would hold little but edges. `cells` is the number of designs for which they are used,
+    which limits the grid.
     """
     width = dense_width(variables, cells, points)
     if variables > MAX_GRIDDED:
@@ -130,8 +154,9 @@ def _top(
 ) -> tuple[Any, Array, Array]:
     """Return index, violation and objective of the best of some points of each design.
 
-    `unit` are the points as shares of the bounds, shape (variables, cells, n); the results have the
-    shape (cells,). The smallest violation counts first, then the largest objective.
+    The smallest violation counts first, then the largest objective. `unit` are the points as shares
+    of the bounds, shape (variables, cells, n); `design` and `scales` have the fixed parameters and
+    the sizes of outputs, by which violations are divided, shape (cells,), as have the results.
     """
     cells = unit.shape[1]
     step = max(1, BLOCK // (unit.shape[2] * problem.nodes))
@@ -158,10 +183,22 @@ def reliable_grid(
     scales: Mapping[str, Array],
     points: int,
 ) -> Array:
-    """Return the best objective on a grid for motions, after checking chance by longer runs.
+    """Return the best objective of each design on a grid, for outputs that are means of a motion.
 
-    The result has the shape (cells,), -inf where no point keeps the constraints. `points` is the
-    number of points of a design.
+    A motion that does not repeat has a mean with a statistical error: the best points are followed
+    for longer before one is chosen. It is a check on the methods of search.
+
+    Parameters
+    ----------
+    design, scales : mapping of str to ndarray, each of shape (cells,)
+        The fixed parameters, and the sizes of the outputs, by which violations are divided.
+    points : int
+        The number of points for each design.
+
+    Returns
+    -------
+    ndarray, shape (cells,)
+        -inf where no point keeps the constraints.
     """
     count, cells = len(problem.names), cells_of(design)
     unit = _filled(count, cells, points)
@@ -182,9 +219,11 @@ def dense_grid(
     scales: Mapping[str, Array],
     points: int,
 ) -> Array:
-    """Return the best objective on a grid of at most `points` points a design.
+    """Return the best objective of each design on a dense grid, to check methods of search.
 
-    The result has the shape (cells,), -inf where no point keeps the constraints.
+    At most `points` points are evaluated for a design. `design` and `scales` hold the fixed
+    parameters and the sizes of the outputs, by which violations are divided, each of shape
+    (cells,). The result has the shape (cells,), -inf where no point keeps the constraints.
     """
     count, cells = len(problem.names), cells_of(design)
     shares = _filled(count, cells, points)[:, np.newaxis]

@@ -23,7 +23,10 @@ BATCHED = (
 
 
 def _fastest(scene: str, variant: str) -> dict[str, Any]:
-    """Return a study of the largest acceleration, for compiling kernels."""
+    """Return a study of the largest acceleration as plain data; running it compiles the kernels.
+
+    `scene` and `variant` are names, such as ``"rectangle-on-plane"`` and ``"physical"``.
+    """
     return {
         "kind": "optimise",
         "scene": scene,

@@ -30,10 +30,11 @@ class Answered:
 
 
 def answered(problem: OptimisationProblem) -> Answered | None:
-    """Return the family of solved problems that a problem belongs to, None if there is none.
+    """Return the closed form that solves a problem of best drive angles, None if there is none.
 
-    Bounds and criterion are not compared here; with the family comes whether contact with floor and
-    wall is kept.
+    It depends on scene, variant, output and constraints; bounds and criterion are compared
+    elsewhere. With the closed form comes whether contact with floor and wall is to be kept.
+    Problems with uncertain parameters or of a smallest output have none.
     """
     plan, criterion = problem.plan, problem.criterion
     family = OF_SYSTEM.get((plan.scene.name, plan.variant, criterion.output))
@@ -48,7 +49,11 @@ def answered(problem: OptimisationProblem) -> Answered | None:
 
 
 def _has_optimum(problem: OptimisationProblem, family: Family) -> bool:
-    """True if a family's optima hold for the variables, limit and contacts of a problem."""
+    """True if the closed forms of a family hold for the variables, limit and contacts of a problem.
+
+    They hold for a part at rest, for drive angles within half a turn, and for a limit of the
+    family's own output.
+    """
     plan = problem.plan
     at_rest = "speed" not in plan.parameters and (
         plan.scene.name != "rectangle-on-track" or "centripetal_acceleration" in plan.defaults
@@ -59,7 +64,11 @@ def _has_optimum(problem: OptimisationProblem, family: Family) -> bool:
 
 
 def _within_reach(problem: OptimisationProblem) -> bool:
-    """True if the bounds are within half a turn of alpha and a right angle of beta."""
+    """True if the bounds of both drive angles are such that closed forms find the best ones.
+
+    These are bounds within half a turn of the azimuth alpha, and from -90 to 90 degrees of the
+    elevation beta. An angle that is no variable does not matter.
+    """
     for variable in problem.variables:
         if variable.name == "alpha" and variable.upper - variable.lower > np.pi:
             return False
@@ -72,7 +81,11 @@ def _within_reach(problem: OptimisationProblem) -> bool:
 
 
 def is_closed(problem: OptimisationProblem) -> bool:
-    """True if the optimum has a closed form: both angles range from 0 to 90 degrees."""
+    """True if the optimum of a problem has a closed form.
+
+    Both angles of the drive are then variables with bounds from 0 to 90 degrees, and scene,
+    criterion and constraints are among those that were solved.
+    """
     which = answered(problem)
     whole = (
         set(problem.names) == set(ANGLES)
@@ -95,10 +108,10 @@ def is_front(problem: OptimisationProblem) -> bool:
 
 
 def groups(problem: OptimisationProblem, design: Mapping[str, Array]) -> dict[str, Array]:
-    """Return the inputs of the closed forms in SI units, shape (cells,).
+    """Return the inputs of the closed forms and compiled methods in SI units, shape (cells,) each.
 
     They are the drive's acceleration, gravity along and normal (and across), friction, and angles
-    that are not variables. `design` holds the fixed parameters.
+    that are not variables. `design` has the fixed parameters, SI units, shape (cells,).
     """
     known = problem.known(np.broadcast_to(problem.lower[:, None], (len(problem.names), 1)), design)
     names = ("vibration_acceleration", "gravity_along", "gravity_normal", "friction_kinetic")
@@ -116,9 +129,10 @@ def groups(problem: OptimisationProblem, design: Mapping[str, Array]) -> dict[st
 def _closed(
     problem: OptimisationProblem, design: Mapping[str, Array], points: int = 0
 ) -> Optimum | ParetoSet:
-    """Return the closed-form optimum of every design, or `points` points of its front.
+    """Return the closed-form optimum of every design, or `points` points of its trade-off front.
 
-    The problem has to be closed (`is_closed`).
+    `design` has the fixed parameters, SI units, each of shape (cells,). The problem must be one
+    that has a closed form (`is_closed`).
     """
     which = answered(problem)
     assert which is not None
@@ -154,9 +168,12 @@ def by_closed_front(
 
 
 def by_newton(problem: OptimisationProblem, design: Mapping[str, Array]) -> Optima:
-    """Return the optimum of every design by the compiled batch solver.
+    """Return the best drive angles of every design by Newton's method in compiled code.
 
-    The problem has to be compiled (`is_compiled`); `design` has the shape (cells,).
+    `design` has the fixed parameters, SI units, each of shape (cells,). The problem has to be one
+    of those that are compiled (`is_compiled`). An angle that is no variable has equal bounds. The
+    result has the best angles, shape (variables, cells), NaN where there are none, statuses, values
+    of the objective and residuals of the optimality conditions, shape (cells,).
     """
     which = answered(problem)
     assert which is not None

@@ -36,7 +36,7 @@ KNEE = {"point": Flag(0, "a point of the front"), "knee": Flag(1, "its knee")}
 def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
     """Return the results of an optimisation as a table, verified if the study asks for it.
 
-    `computed` are the arrays of all variables; `watch` may stop the verification.
+    `computed` has the arrays of all variables by name; `watch` may stop the verification.
     """
     arrays, dims = computed.arrays, tuple(prepared.grid.axes)
     attributes = _attributes(prepared, arrays["regime"])
@@ -55,9 +55,10 @@ def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
 
 
 def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, dict[str, Any]]:
-    """Return the CF attributes of every variable of an optimisation's result, by name.
+    """Return the attributes of every variable of an optimisation's result after CF, by name.
 
-    `regimes` are the flag values that occur.
+    They are units, long names, comments and meanings of codes; `regimes` are the numbers of those
+    that occur.
     """
     problem = prepared.problem
     sentence = criterion_in_words(problem)
@@ -117,9 +118,12 @@ def _binds(what: str) -> dict[str, Any]:
 
 
 def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
-    """Return the result in plain words: status, best values and binding constraints of one design.
+    """Return the result of an optimisation in words, for the attribute `message` of the file.
 
-    For several designs it is the number of each status.
+    For one design these are its status, the best values and the constraints that bind; for several
+    the number of designs of each status. `arrays` has the computed variables by name, among them
+    ``optimum_status``, ``objective``, ``best_<variable>`` and ``binds_<constraint>``. `prepared` is
+    the checked study.
     """
     by_value = {flag.value: (name, flag.description) for name, flag in OPTIMUM_STATUSES.items()}
     arrays = {name: values.ravel() for name, values in arrays.items()}
@@ -140,7 +144,10 @@ def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
 
 
 def _global_attributes(prepared: Optimisation) -> dict[str, str]:
-    """Return the global attributes of the result."""
+    """Return the attributes of an optimisation's result: title, criterion in words, method.
+
+    `prepared` is the checked study. The attributes head the file.
+    """
     study, plan = prepared.study, prepared.plan
     method, words = METHODS[prepared.method], criterion_in_words(prepared.problem)
     attributes = {

@@ -19,9 +19,10 @@ from core.watch import Watch
 
 
 def _known(solver: Callable[[OptimisationProblem, Mapping[str, Array]], Optima]) -> Solver:
-    """Return the method that uses known optima, and the best rest where nothing moves forwards.
+    """Return a method of optimisation that uses known optima: closed forms or compiled Newton.
 
-    `solver` returns these optima for a problem and its designs.
+    `solver` returns these optima for a problem and its designs. Where nothing moves a part
+    forwards, the method takes the best choice at which it rests.
     """
 
     def solve(
@@ -113,7 +114,10 @@ METHODS: dict[str, OptimisationMethod] = {
 
 
 def refusal(name: str, problem: OptimisationProblem) -> tuple[str, str] | None:
-    """Return the reason why a method cannot solve a problem, and advice; None if it can."""
+    """Return the reason why a method cannot solve a problem, and advice; None if it can.
+
+    `name` is the method, a key of `METHODS`.
+    """
     if problem.uncertain is not None and name in ("slsqp", "trust-constr"):
         return "the worst case has kinks, and it needs slopes", "Leave method out"
     if name == "exact" and not known_optima.is_closed(problem):
@@ -128,10 +132,10 @@ def refusal(name: str, problem: OptimisationProblem) -> tuple[str, str] | None:
 
 
 def default_method(problem: OptimisationProblem, cells: int) -> str:
-    """Return the method for a study that names none.
+    """Return the name of the method for a study that names none.
 
-    Closed form or batch solver if they know the problem; else `search` for motions, which have
-    jumps, and `population` for closed forms. `cells` is not used.
+    It is a closed form or compiled Newton if they know the problem; else ``"search"`` for motions,
+    which jump, and ``"population"`` for others. `cells`, the number of designs, is not used.
     """
     front = known_optima.is_front(problem)
     order = ("exact", "newton") if front else ("newton", "exact")

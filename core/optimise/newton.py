@@ -83,7 +83,7 @@ def fastest(
     wall_contact: bool = True,
     threads: int | None = None,
 ) -> BatchOptimum:
-    """Return the best angles of every design (theory 12).
+    """Return the drive angles of the largest a_x or K for every design, by compiled methods.
 
     The printed formulas and the track are linear in the drive direction, with plane limits and
     bounds: their active set is looked for among closed forms, and the optimum is global. The block
@@ -92,6 +92,7 @@ def fastest(
     samples. With the default bounds of the angles the samples include every maximum; with others,
     and a limit on a_y, a window of beta narrower than a 64th of its range may be missed: look at
     `residual` (above 1e-7 in one of 20,000 random designs, a drive that friction all but holds).
+    a_x is the acceleration along a plane, K that along the track at rest (theory 12).
 
     Parameters
     ----------
@@ -113,6 +114,13 @@ def fastest(
         True to keep the floor's normal force and, on the track, the wall's force >= 0.
     threads : int, optional
         Largest number of threads; the number of cores by default. Results do not depend on it.
+
+    Returns
+    -------
+    BatchOptimum
+        Angles [rad], a_x and a_y, margins of the limits [m s-2], multipliers, residual of the
+        optimality conditions, bits of binding constraints and status, arrays of the broadcast
+        shape.
     """
     from core.optimise.kernels.newton import solve
 

@@ -48,7 +48,11 @@ class Optimisation(Prepared):
 
     @cached_property
     def units(self) -> dict[str, str]:
-        """The unit of each variable of the result, in order."""
+        """The unit of each variable of an optimisation's result by name, in order, as in files.
+
+        Variables are best values, objective, outputs, margins and flags of constraints, status and
+        regime.
+        """
         problem = self.problem
         criterion = problem.criterion
         units = {f"best_{name}": QUANTITIES[name].unit for name in problem.names}
@@ -76,7 +80,11 @@ class Optimisation(Prepared):
         return dict.fromkeys(self.units, tuple(self.grid.axes))
 
     def facts(self) -> dict[str, Any]:
-        """Return further facts for the plan's JSON document."""
+        """Return further facts on an optimisation for the document of its plan, as plain data.
+
+        It is shown before the study is run: criterion in words, variables, method, and names of the
+        constraints.
+        """
         return {
             "criterion": criterion_in_words(self.problem),
             "variables": [*self.problem.names],
@@ -86,7 +94,7 @@ class Optimisation(Prepared):
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Return further facts for the plan as sentences."""
+        """Two sentences on an optimisation, to show before it is run: objective, constraints."""
         facts = self.facts()
         free, kept = (", ".join(facts[name]) for name in ("variables", "kept"))
         return (
@@ -96,7 +104,11 @@ class Optimisation(Prepared):
 
     @cached_property
     def _price(self) -> tuple[float, float]:
-        """The likely and the largest time of a design on one core [s], by method and motion."""
+        """The likely and the largest time in which one design is optimised on one core [s].
+
+        The service uses it to tell a user beforehand how long a study takes. Closed forms have one
+        time for each method; for motions it is their number times the time of one.
+        """
         if not self.problem.is_motion:
             seconds = QUICK_SECONDS if self.method in QUICK else OTHER_SECONDS
             seconds *= max(1.0, self.problem.nodes / NODES)
@@ -132,7 +144,10 @@ class Optimisation(Prepared):
 
     @cached_property
     def tried_seconds_a_cell(self) -> float:
-        """The likely time of a design on one core, after a trial of some motions [s]."""
+        """The likely time to optimise one design on one core [s], after a trial of some motions.
+
+        For motions it is more exact than the estimate without a trial; closed forms need none.
+        """
         if not self.problem.is_motion:
             return self.seconds_a_cell
         free = {one.name: (one.lower, one.upper) for one in self.problem.variables}
@@ -156,7 +171,10 @@ class Optimisation(Prepared):
 
     @property
     def seconds_a_verified_cell(self) -> float:
-        """The time to verify a design [s]."""
+        """The likely time to verify one design [s]: another method, and the outputs another way.
+
+        0 if no other method can verify a motion.
+        """
         if not self.problem.is_motion:
             return super().seconds_a_verified_cell + RIVAL_SECONDS
         other = self.other_motion

@@ -33,10 +33,25 @@ def by_population(
     scales: Mapping[str, Array],
     watch: Watch,
 ) -> Optima:
-    """Return the best member of every design's population.
+    """Return the best candidate of every design, found by differential evolution.
 
-    A member that keeps the constraints beats one that does not; of two that do not, the smaller
-    violation wins. `design` and `scales` have the shape (cells,).
+    A candidate that keeps the constraints beats one that does not; of two that do not, the smaller
+    violation wins. Each design has a population of its own; designs are taken in pieces that fit
+    the cache.
+
+    Parameters
+    ----------
+    design, scales : mapping of str to ndarray, each of shape (cells,)
+        The fixed parameters of each design, SI units, and the sizes of its outputs, by which
+        violations are divided.
+    watch : Watch
+        Takes the progress, and may stop the search.
+
+    Returns
+    -------
+    Optima
+        The best values, shape (variables, cells), NaN where there are none; statuses and numbers of
+        evaluations, shape (cells,).
     """
     cells = cells_of(design)
     step = max(1, CELLS * NODES // max(NODES, problem.nodes))
@@ -58,9 +73,25 @@ def _evolve(
     watch: Watch,
     all_cells: int,
 ) -> Optima:
-    """Evolve the populations of some designs until they have narrowed; return their best members.
+    """Return the best members of some designs' populations, after these have narrowed.
 
-    `all_cells` is the number of designs of the whole study, for the progress.
+    It is differential evolution of all designs at once; a design whose population has narrowed is
+    finished.
+
+    Parameters
+    ----------
+    design, scales : mapping of str to ndarray, each of shape (cells,)
+        The fixed parameters, SI units, and the sizes of outputs, by which violations are divided.
+    watch : Watch
+        Takes the progress, and may stop the search: unfinished designs then have no optimum.
+    all_cells : int
+        The number of designs of the whole study, for the progress.
+
+    Returns
+    -------
+    Optima
+        The best values, shape (variables, cells), NaN where there are none; statuses and numbers of
+        evaluations, shape (cells,).
     """
     cells, count = cells_of(design), len(problem.names)
     members = MEMBERS + 8 * count
@@ -127,11 +158,23 @@ def _first(
     scales: Mapping[str, Array],
     members: int,
 ) -> tuple[Array, Array, Array]:
-    """Return the first members of each population, with their violations and objectives.
+    """Return the first members of each design's population, with their violations and objectives.
 
-    Half are the best of many points, half are spread out. Where little is feasible, the box around
-    the first feasible points is sampled once more. The members are shares of the bounds, shape
-    (variables, cells, members); `design` and `scales` have the shape (cells, 1).
+    Half are the best of many points, half are spread out. Where few points keep the constraints,
+    the box around them is sampled once more.
+
+    Parameters
+    ----------
+    design, scales : mapping of str to ndarray, each of shape (cells, 1)
+        The fixed parameters, and the sizes of outputs, by which violations are divided.
+    members : int
+        Number of members of a population.
+
+    Returns
+    -------
+    tuple of ndarray
+        Members as shares of the bounds, shape (variables, cells, members); violations and
+        objectives, shape (cells, members).
     """
     count, cells = len(problem.names), next(iter(design.values())).shape[0]
     points = np.concatenate([_corners(count), spread(SAMPLES, count)], axis=1)[:, None, :SAMPLES]
@@ -163,9 +206,10 @@ def _judge(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> tuple[Array, Array]:
-    """Return violation and objective of points in the unit box, shape (cells, n).
+    """Return violation of constraints and objective of points, each of shape (cells, n).
 
-    `unit` are the points as shares of the bounds, shape (variables, cells, n).
+    `unit` are the points as shares of the bounds, shape (variables, cells, n); `design` and
+    `scales` have the fixed parameters and the sizes of outputs, shape (cells, 1).
     """
     lower, upper = problem.lower[:, None, None], problem.upper[:, None, None]
     x = np.where(unit == 1, upper, lower + unit * (upper - lower))
@@ -174,10 +218,19 @@ def _judge(
 
 
 def _trial(unit: Array, beyond: Array, value: Array, random: np.random.Generator) -> Array:
-    """Return a trial point for each member: steps towards the best and along differences of others.
+    """Return a trial point for each member of the populations, of the shape of `unit`.
 
-    `unit` are the members as shares of the bounds, shape (variables, cells, members); `beyond` and
-    `value` are their violations and objectives. All designs get the same random numbers.
+    It is a step towards the best member or none, and along the difference of two others, in some of
+    the variables (differential evolution).
+
+    Parameters
+    ----------
+    unit : ndarray, shape (variables, cells, members)
+        The members as shares of the bounds.
+    beyond, value : ndarray, shape (cells, members)
+        Their violations and objectives.
+    random : numpy.random.Generator
+        The source of random numbers, which are the same for all designs.
     """
     count, _, members = unit.shape
     top = np.lexsort((-value, beyond), axis=-1)[:, 0]

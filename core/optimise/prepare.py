@@ -33,7 +33,7 @@ FRONT = "front"
 
 
 def prepare(study: OptimiseStudy) -> Optimisation:
-    """Return the prepared optimisation of a study; raise `StudyError` with every problem.
+    """Return the optimisation that a study describes, checked and planned, ready to be computed.
 
     Raises
     ------
@@ -96,10 +96,11 @@ def _unknown_method(name: str | None) -> Iterable[Problem]:
 
 
 def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
-    """Return scene and variant of a study; raise `StudyError` if there are none such.
+    """Return the scene and the variant for an optimisation, as the user named them or by default.
 
-    `asked` are the outputs of criterion and study. A drive other than the plain sine needs an
-    output of the motion.
+    `asked` are the outputs of criterion and study, which with the parameters decide whether closed
+    forms or the motion in time are needed. Raises `StudyError` if there are none such, or if a
+    drive other than the plain sine is given with outputs that do not come from a motion.
     """
     named = (*asked, *(each.output for each in study.constraints))
     given = (*study.values(), *study.bounds(), *study.intervals())
@@ -115,7 +116,10 @@ def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
 
 
 def _problems_of_whole_bounds(bounds: Mapping[str, Between]) -> Iterable[Problem]:
-    """Yield problems of bounds of counted parameters."""
+    """Yield a problem for each variable that counts something and has no choice within its bounds.
+
+    Variables such as a number of parts are whole numbers; `bounds` has the bounds of all variables.
+    """
     for name, between in bounds.items():
         if QUANTITIES[name].count and math.ceil(between.lower) >= math.floor(between.upper):
             message = "it is a whole number, and there is no choice between these bounds"
@@ -124,7 +128,7 @@ def _problems_of_whole_bounds(bounds: Mapping[str, Between]) -> Iterable[Problem
 
 
 def _problems_of_count(bounds: Mapping[str, Between]) -> Iterable[Problem]:
-    """Yield a problem if there are too many variables, or none."""
+    """Yield a problem if an optimisation has too many variables, or none; `bounds` are theirs."""
     if not bounds:
         message = "there are no variables"
         fix = 'Name some, for example [variables] beta = { lower = 0, upper = "90 deg" }'
@@ -135,9 +139,11 @@ def _problems_of_count(bounds: Mapping[str, Between]) -> Iterable[Problem]:
 
 
 def _method(study: OptimiseStudy, problem: OptimisationProblem, designs: Grid) -> str:
-    """Return the method of a study, or the default one.
+    """Return the name of the method by which a study is optimised, asked for or by default.
 
-    `StudyError` if it cannot solve the problem.
+    `designs` is the grid of the fixed parameters; the default depends on their number. Raises
+    `StudyError` if the method cannot solve the problem, or if sensitivities are asked for too many
+    designs.
     """
     if study.sensitivities and designs.cells > MAX_SENSITIVE:
         message = f"each of {designs.cells:,} designs would be derived singly"
@@ -151,7 +157,10 @@ def _method(study: OptimiseStudy, problem: OptimisationProblem, designs: Grid) -
 
 
 def _variable(name: str, between: Between) -> Variable:
-    """Return a variable with its bounds in SI units, which are whole numbers for counts."""
+    """Return a variable with its bounds in SI units; those of counts are rounded inwards.
+
+    `between` are the bounds in the unit of studies. `name` is the parameter.
+    """
     ends = (between.lower, between.upper)
     if QUANTITIES[name].count:
         ends = (math.ceil(between.lower), math.floor(between.upper))
@@ -161,7 +170,7 @@ def _variable(name: str, between: Between) -> Variable:
 def choose_problem_scene(
     name: str, variant: str | None, outputs: Iterable[str], parameters: Iterable[str] = ()
 ) -> Chosen:
-    """Return the closed-form scene with its variant, or the system of motion with its method.
+    """Return the scene for an optimum: a closed form with its variant, or a motion with its method.
 
     Motion is taken if an output needs it, or if a parameter belongs to a drive other than the plain
     sine, which closed forms do not know. The third result are problems of the variant, which is
@@ -203,7 +212,11 @@ def choose_problem_scene(
 
 
 def _kept(study: OptimiseStudy, scene: Scene, variant: str) -> Iterable[Kept]:
-    """Yield every bound that outputs have to keep: contacts, the criterion's limit, constraints."""
+    """Yield every bound that outputs of an optimisation have to keep, in the units of studies.
+
+    They are the limit of the criterion, contacts with floor and wall, as far as this variant has
+    them and the study keeps them, and the constraints of the study.
+    """
     if isinstance(study.criterion, Limited):
         yield Kept(LIMIT, study.criterion.against, study.criterion.limit, True, True)
     switches = {"floor_contact": study.floor_contact, "wall_contact": study.wall_contact}
@@ -218,9 +231,10 @@ def _kept(study: OptimiseStudy, scene: Scene, variant: str) -> Iterable[Kept]:
 def _default_bounds(
     scene: Scene, variant: str, outputs: Iterable[str], values: Mapping[str, Values]
 ) -> dict[str, Between]:
-    """Return default bounds of the drive's angles that outputs depend on and the study leaves free.
+    """Return default bounds of the drive's angles, for a study that names no variables.
 
-    `values` are the study's parameters.
+    They are of those angles on which the `outputs` depend, which the study does not give among its
+    `values`, and for which 0 to 90 degrees are allowed in this scene and variant.
     """
     needed = behind(outputs, scene.producers(variant).get).keys()
     refused = {

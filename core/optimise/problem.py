@@ -143,12 +143,12 @@ class OptimisationProblem:
         watch: Watch | None = None,
         plan: Plan | None = None,
     ) -> Arrays:
-        """Return every quantity of the plan at candidates, by name, in SI units.
+        """Return every quantity at candidates by name, parameters and outputs, in SI units.
 
         Parameters
         ----------
         x : ndarray, shape (variables, ...)
-            Values of the variables, SI units; counted ones, such as springs, are rounded.
+            Values of the variables, SI units; counts, such as a number of springs, are rounded.
         design : mapping of str to ndarray
             The fixed parameters, which broadcast with a candidate.
         watch : Watch, optional
@@ -162,9 +162,10 @@ class OptimisationProblem:
         return run_equations(plan, {**given, **chosen}, watch)
 
     def whole(self, x: Array) -> Array:
-        """Return candidates with counted variables rounded to whole numbers.
+        """Return candidates with counts, such as a number of parts, rounded to whole numbers.
 
-        `x` has the shape (variables, ...).
+        `x` has the shape (variables, ...), in SI units, and so has the result; it is `x` itself if
+        no variable is a count.
         """
         counted = np.array([QUANTITIES[name].count for name in self.names])
         if not counted.any():
@@ -178,7 +179,9 @@ class OptimisationProblem:
     def objective(self, known: Arrays) -> Array:
         """Return the value to maximise, in the unit of studies; NaN where an output has no value.
 
-        It is the output with its sign, less the weight times the other output's size.
+        It is the output with its sign (minus to minimise it), less a weight times the size of the
+        other output, if the criterion has one. `known` has all quantities at the candidates, SI
+        units.
         """
         value = self.sign * self.output(self.criterion.output, known)
         if self.weight and self.against:
@@ -186,11 +189,17 @@ class OptimisationProblem:
         return value
 
     def counted(self, x: Array, design: Mapping[str, Array]) -> Array:
-        """Return the objective; under uncertain parameters, the statistic of it over all nodes.
+        """Return the objective of candidates, or its statistic over uncertain parameters.
 
         That is the worst case, the mean or the quantile that the study asks for; NaN where an
-        output has no value at a node. The shape is that of a candidate of `x` broadcast with the
-        design.
+        output has no value.
+
+        Parameters
+        ----------
+        x : ndarray, shape (variables, ...)
+            Candidates, SI units.
+        design : mapping of str to ndarray
+            The fixed parameters, which broadcast with a candidate to the shape of the result.
         """
         if self.uncertain is None:
             return self.objective(self.known(x, design))
@@ -203,9 +212,10 @@ class OptimisationProblem:
         return np.where(lost, np.nan, counts)
 
     def margin(self, kept: Kept, known: Arrays, design: Mapping[str, Array]) -> Array:
-        """Return the distance of an output from its bound, in the unit of studies.
+        """Return the distance of an output from its bound, in the unit of studies, at candidates.
 
-        It is negative where the constraint `kept` is violated; `known` holds the outputs.
+        It is negative where the constraint `kept` is broken. `known` has all quantities at the
+        candidates, SI units; a bound that differs between designs is in `design`.
         """
         value = self.output(kept.output, known)
         bound = design[LIMIT] if kept.bound is None else kept.bound
@@ -217,9 +227,17 @@ class OptimisationProblem:
         return [self.margin(kept, known, design) for kept in self.kept]
 
     def smooth_margins(self, known: Arrays, design: Mapping[str, Array]) -> list[Array]:
-        """Return margins without absolute values, for methods that follow slopes.
+        """Return the margins of all constraints as smooth functions, for methods with slopes.
 
-        A bound |y| <= b becomes the two margins b - y and b + y.
+        A margin is the distance of an output from its bound, negative where the bound is broken. A
+        bound |y| <= b has a kink at y = 0; it becomes the two margins b - y and b + y.
+
+        Parameters
+        ----------
+        known : mapping of str to ndarray
+            All quantities at the candidates, SI units.
+        design : mapping of str to ndarray
+            The fixed parameters; a bound that differs between designs is among them.
         """
         margins = []
         for kept in self.kept:
@@ -252,11 +270,22 @@ class OptimisationProblem:
         scales: Mapping[str, Array],
         watch: Watch | None = None,
     ) -> tuple[Array, Array, Array]:
-        """Return objective, sum of violations, and the error of the objective by chance.
+        """Return objective, violation of the constraints and error of the objective of candidates.
 
-        The error is that of the mean of a motion that does not repeat, 0 of one that does, and
-        `UNKNOWN` for outputs whose error is not known. Under uncertain parameters the largest error
-        counts.
+        The error is the statistical error of the mean of a motion that does not repeat, 0 where the
+        motion repeats, and `UNKNOWN` for outputs whose error is not known. With uncertain
+        parameters the objective is the statistic that the study asks for, and the largest violation
+        and error count.
+
+        Parameters
+        ----------
+        x : ndarray, shape (variables, ...)
+            Candidates, SI units. The three results have the shape of the candidates and designs
+            together.
+        design, scales : mapping of str to ndarray
+            The fixed parameters, and the size of each output, by which violations are divided.
+        watch : Watch, optional
+            May stop motions.
         """
         if self.uncertain is None:
             return self._judged(x, design, scales, watch)
@@ -271,7 +300,11 @@ class OptimisationProblem:
         return self.is_motion and self.criterion.output == "conveying_velocity"
 
     def longer(self, times: float = LONGEST) -> OptimisationProblem:
-        """Return the problem with motions that do not repeat simulated `times` as long."""
+        """Return the problem with motions that do not repeat followed `times` as long.
+
+        Their means are then known better. It is the problem itself if its outputs are closed forms,
+        or if the method of motion has no limit of its own on the periods.
+        """
         if not self.is_motion or "max_periods" not in self.plan.defaults:
             return self
         most = times * self.plan.defaults["max_periods"]
@@ -279,9 +312,11 @@ class OptimisationProblem:
         return replace(self, plan=plan)
 
     def chance_error(self, known: Arrays) -> Array:
-        """Return the error of the objective by chance, in the unit of studies.
+        """Return the statistical error of the objective at candidates, in the unit of studies.
 
-        0 if the motion repeats.
+        A motion that does not repeat is averaged over a limited time, and its mean is uncertain. It
+        is 0 where the motion repeats, and `UNKNOWN` if the objective's error cannot be told.
+        `known` has all quantities at the candidates, as the method `known` returns them.
         """
         motion = known.get("motion")
         if not isinstance(motion, Motion):
@@ -300,9 +335,18 @@ class OptimisationProblem:
         return 1 if self.uncertain is None else self.uncertain.size
 
     def over(self, design: Mapping[str, Array], x: Array) -> dict[str, Array]:
-        """Return designs at the nodes of the uncertain parameters, along a new first axis.
+        """Return designs with the nodes of the uncertain parameters added, along a new first axis.
 
-        Quantities that depend on the candidates `x` alone are then computed once.
+        A statistic over that axis is then one over the uncertainty. Only for a problem that has
+        uncertain parameters.
+
+        Parameters
+        ----------
+        design : mapping of str to ndarray
+            Values of the fixed parameters, SI units.
+        x : ndarray, shape (variables, ...)
+            Candidates. The nodes get the shape (nodes, 1, ...), which broadcasts with candidates
+            and designs, so that quantities that depend on candidates alone are computed once.
         """
         assert self.uncertain is not None
         axes = max(x.ndim - 1, *(values.ndim for values in design.values()))
@@ -310,7 +354,12 @@ class OptimisationProblem:
         return {**design, **{name: one.reshape(-1, *(1,) * axes) for name, one in nodes}}
 
     def safe_margin(self, kept: Kept, x: Array, design: Mapping[str, Array]) -> Array:
-        """Return the least margin of a constraint over the nodes of the uncertain parameters."""
+        """Return the margin of a constraint at candidates, the least one over uncertain parameters.
+
+        A margin is the distance of an output from its bound, negative where it is broken, in the
+        unit of studies. `x` are candidates, SI units, shape (variables, ...), `design` has the
+        fixed parameters, which broadcast with them.
+        """
         if self.uncertain is None:
             return self.margin(kept, self.known(x, design), design)
         over = self.over(design, x)
@@ -325,7 +374,20 @@ class OptimisationProblem:
         scales: Mapping[str, Array],
         watch: Watch | None,
     ) -> tuple[Array, Array, Array]:
-        """Return objective, violation and error by chance of candidates, node by node."""
+        """Return objective, violation and statistical error of candidates and designs.
+
+        Where an output has no value the objective is -inf and the violation inf. The violation is
+        the sum over the constraints of what is broken, over the size of the output.
+
+        Parameters
+        ----------
+        x : ndarray, shape (variables, ...)
+            Candidates, SI units.
+        design, scales : mapping of str to ndarray
+            The fixed parameters, and the size of each output; they broadcast with a candidate.
+        watch : Watch or None
+            May stop motions.
+        """
         known = self.known(x, design, watch, self.bare)
         shape = np.broadcast_shapes(*(part.shape for part in (*x, *design.values())))
         value = np.broadcast_to(self.objective(known), shape)
@@ -337,10 +399,12 @@ class OptimisationProblem:
         return np.where(lost, -np.inf, value), np.where(lost, np.inf, beyond), chance_error
 
     def scales(self, design: Mapping[str, Array], watch: Watch | None = None) -> dict[str, Array]:
-        """Return the scale of each output that takes part: its largest size in each design.
+        """Return the size of each output that takes part, in each design, shape (cells,), by name.
 
-        It is taken over the corners and middles of the bounds, shape (cells,); margins and gaps are
-        compared with it. It is 1 where an output is 0 or has no value.
+        It is the largest size over the corners and middles of the variables' bounds, or 1 where an
+        output is 0 or has no value. Violations and gaps are divided by it, so that they can be
+        compared and added. `design` has the fixed parameters, SI units, shape (cells,); `watch` may
+        stop motions.
         """
         ways = np.array(list(product((0.0, 0.5, 1.0), repeat=len(self.names)))).T[:, None, :]
         x = self.lower[:, None, None] + (self.upper - self.lower)[:, None, None] * ways
@@ -362,10 +426,19 @@ class OptimisationProblem:
     def regime(
         self, known: Arrays, scales: Mapping[str, Array], touching: float
     ) -> NDArray[np.int8]:
-        """Return the regime of each point as flag values.
+        """Return the number of the regime at each point, as files write it.
 
-        A contact whose normal acceleration is within `touching` of its scale counts as kept: at an
-        optimum on the verge of lift-off it is a rounding of either sign.
+        At an optimum on the verge of lift-off the normal acceleration is a rounding of either sign:
+        a contact that is to be kept counts as kept if it is within `touching` times its size.
+
+        Parameters
+        ----------
+        known : mapping of str to ndarray
+            All quantities at the points, SI units.
+        scales : mapping of str to ndarray
+            The size of each output in each design.
+        touching : float
+            A share, some roundings.
         """
         snapped = dict(known)
         for kept in self.kept:
@@ -376,9 +449,10 @@ class OptimisationProblem:
         return regimes(self.plan, snapped)
 
     def limited(self) -> OptimisationProblem:
-        """Return the problem of one point of a front: the output with a limit of the other one.
+        """Return the problem of one point of a front: one output with a limit of the other.
 
-        The value of the limit is then `design[LIMIT]`.
+        Its optimum for each value of the limit, `design[LIMIT]`, is a point of the front. Only for
+        criteria of two outputs.
         """
         criterion = self.criterion
         assert isinstance(criterion, Pareto | Limited | Weighted)

@@ -55,9 +55,11 @@ Bound = tuple[OutputLimit, str]
 
 
 def nearest(study: Study) -> list[Reach]:
-    """Return the nearest approach to each bound that cannot be met while all others are kept.
+    """Return the nearest approach to each bound of an optimisation that cannot be met.
 
-    Bounds of absolute values are left out; empty for a study of another kind.
+    For each bound that cannot be met while all others are kept it is the nearest value of the
+    output. Bounds of absolute values are left out; empty for a study of another kind. Each has the
+    output, the bound, the value and the variables there, in the units of studies.
     """
     if not isinstance(study, OptimiseStudy):
         return []
@@ -66,9 +68,12 @@ def nearest(study: Study) -> list[Reach]:
 
 
 def _reach(study: OptimiseStudy, named_bound: Bound) -> Reach | None:
-    """Return the nearest approach to one bound with the others kept.
+    """Return the nearest approach of an output to one of its bounds, with the others kept.
 
-    None if there is no solution.
+    This is for a study whose constraints cannot all be kept. The output of the bound is itself
+    minimised or maximised. `named_bound` is a constraint of the study and the end, ``"upper"`` or
+    another, that is looked at. None if that problem has no solution either. The result has that
+    value of the output, and the variables there, in the units of studies.
     """
     limit, end = named_bound
     kept = []
@@ -87,7 +92,10 @@ def _reach(study: OptimiseStudy, named_bound: Bound) -> Reach | None:
 
 
 def _solved(study: OptimiseStudy) -> dict[str, Any] | None:
-    """Return the variables of the result of a study of one design; None without a solution."""
+    """Return the variables of the result of an optimisation of one design; None without a solution.
+
+    None, too, if the study cannot be planned: it is one that the program makes up to advise a user.
+    """
     try:
         table = carry_out(prepare(study), KIND.compute, KIND.label)
     except VibrafeedError:  # such as an output that is none of this sort of study
@@ -106,7 +114,10 @@ def _is_beyond(value: float, named_bound: Bound) -> bool:
 
 
 def _single(study: OptimiseStudy) -> list[Bound]:
-    """Return every bound of every limit separately."""
+    """Return every bound of the constraints of a study separately: constraint and end of it.
+
+    The end is ``"lower"`` or ``"upper"``; a constraint may have both.
+    """
     return [
         (limit, end)
         for limit in study.constraints
@@ -149,9 +160,10 @@ OF_A_LINE = ("amplitude", "beta")
 
 
 def ways(study: Study) -> list[Way]:
-    """Return changes of a study by which all limits would be kept, each with its best choice.
+    """Return changes of a study by which all constraints would be kept, each with its best choice.
 
-    Tried are another frequency, more friction and an elliptical drive.
+    Tried are another frequency, more friction and an elliptical drive; a user whose constraints
+    cannot be kept is told. Empty for other studies, or if none of the changes helps.
     """
     if not isinstance(study, OptimiseStudy) or study.variables is None:
         return []
@@ -170,9 +182,10 @@ def ways(study: Study) -> list[Way]:
 
 
 def _with_frequency(study: OptimiseStudy) -> OptimiseStudy | None:
-    """Return the study with the frequency as a variable, within a factor of four either way.
+    """Return the study with the frequency as one more variable, within a factor of four, or None.
 
-    None if the study does not give one frequency.
+    It is solved to tell a user whose constraints cannot be kept whether another frequency would
+    help. None if the study does not give one frequency.
     """
     given = study.values().get("frequency")
     if not isinstance(given, Fixed):
@@ -182,7 +195,11 @@ def _with_frequency(study: OptimiseStudy) -> OptimiseStudy | None:
 
 
 def _with_friction(study: OptimiseStudy) -> OptimiseStudy | None:
-    """Return the study with the friction as a variable, up to 0.8; None if it is larger already."""
+    """Return the study with its friction as one more variable, from its value up to 0.8, or None.
+
+    It is solved to tell a user whose constraints cannot be kept whether more friction would help.
+    None if the friction is not one fixed value, or is that large already.
+    """
     given = study.values().get("friction")
     if not isinstance(given, Fixed) or given.value >= MAX_FRICTION:
         return None
@@ -190,7 +207,10 @@ def _with_friction(study: OptimiseStudy) -> OptimiseStudy | None:
 
 
 def _freed(study: OptimiseStudy, name: str, bounds: Between) -> OptimiseStudy | None:
-    """Return the study with a parameter as a variable between bounds; None without variables."""
+    """Return the study with one more parameter as a variable between bounds, or None.
+
+    None if the study names no variables: the default ones would then be lost.
+    """
     if study.variables is None:
         return None
     return study.model_copy(
@@ -202,7 +222,13 @@ def _freed(study: OptimiseStudy, name: str, bounds: Between) -> OptimiseStudy | 
 
 
 def _with_ellipse(study: OptimiseStudy) -> OptimiseStudy | None:
-    """Return the study with an ellipse as large as its line; None without a variable line."""
+    """Return the study with an elliptical drive as large as its straight one, or None.
+
+    It is solved to tell a user whose constraints cannot be kept whether such a drive would help.
+    The amplitudes along and normal to the track run up to that of the straight drive, their phase
+    over a turn. None if neither amplitude nor elevation is a variable, or if the drive has an
+    azimuth.
+    """
     bounds, values = study.bounds(), study.values()
     line = [name for name in OF_A_LINE if name in bounds]
     size = bounds.get("amplitude") or values.get("amplitude")

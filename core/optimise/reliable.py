@@ -29,11 +29,12 @@ def most_reliable(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> tuple[int, float]:
-    """Return index and objective of the best point after longer runs; -inf without a value.
+    """Return index and objective of the best evaluated point, chosen after longer runs if need be.
 
     If the motion of the best point repeats, its mean is exact, and it is taken. Else the points of
-    the largest objective less its error by chance are followed for longer, and the best is taken
-    then. Points that keep the constraints come first.
+    the largest objective less its statistical error are followed for longer, and the best of these
+    is taken. Points that keep the constraints come first. The objective is -inf if no point has a
+    value.
 
     Parameters
     ----------
@@ -42,9 +43,9 @@ def most_reliable(
     unit : ndarray, shape (variables, n)
         Points that were evaluated, as shares of the bounds.
     judged : tuple of ndarray, each of shape (n,)
-        Their objective, violation, and error of the objective by chance.
+        Their objective, violation of constraints, and statistical error of the objective.
     design, scales : mapping of str to ndarray
-        Fixed parameters and scales of one design, arrays of shape (1,).
+        Fixed parameters and sizes of the outputs of one design, arrays of shape (1,).
     """
     value, beyond, chance_error = judged
     best = int(np.lexsort((-value, beyond))[0])

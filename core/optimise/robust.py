@@ -27,10 +27,10 @@ How = Literal["worst", "mean", "quantile"]
 
 
 def nodes_over(interval: ArrayLike, how: str, nodes: int = NODES) -> tuple[Array, Array | None]:
-    """Return nodes over an interval, and the weights of a mean; None as weights for the worst case.
+    """Return points over an interval for a worst case or a mean, and weights of the mean or None.
 
-    `interval` is a pair of ends; `how` is `worst`, with equally spaced nodes, or `mean`, with those
-    of Gauss and Legendre. Raises `ValueError` for other values.
+    `interval` is a pair of ends; `how` is ``"worst"``, with equally spaced points, or ``"mean"``,
+    with those of Gauss and Legendre; `nodes` is their number. Raises `ValueError` for other values.
     """
     low, high = (float(end) for end in np.asarray(interval, dtype=np.float64))
     if not low <= high:
@@ -84,9 +84,10 @@ class Uncertain:
         return next(iter(self.values.values())).size
 
     def counts(self, values: Array, sign: float) -> Array:
-        """Return the statistic of values over the nodes (the first axis): least, mean or quantile.
+        """Return the statistic of values over uncertain parameters: least, mean or quantile.
 
-        `sign` is -1 if the values are those of an output with the sign turned, as it is minimised.
+        `values` has the points of the uncertain parameters along its first axis, which is taken
+        away. `sign` is -1 if the sign of the output was turned, as it is minimised.
         """
         if self.how == "quantile":
             share = self.quantile if sign > 0 else 1 - self.quantile
@@ -99,11 +100,14 @@ class Uncertain:
 def uncertain_of(
     distributions: Mapping[str, Distribution], how: How, quantile: float | None
 ) -> Uncertain:
-    """Return the nodes at which candidates are judged under some distributions.
+    """Return the points of uncertain parameters at which each candidate of an optimum is judged.
 
-    For one interval the worst case and the mean are those of `nodes_over`. Else the worst case is
-    that of nodes all over the box of the tolerances, ends included, and mean and quantile are those
-    of points that are sampled once for all candidates. `how` and `quantile` are those of the study.
+    For one interval they are equally spaced or those of Gauss. Else the worst case has points all
+    over the box of the tolerances, ends included, and mean and quantile have points that are
+    sampled once for all candidates.
+
+    `distributions` are those of the parameters; `how` is ``"worst"``, ``"mean"`` or ``"quantile"``,
+    and `quantile` the share for the last, 0.5 if None.
     """
     (name, one), *others = distributions.items()
     if not others and isinstance(one, Between) and how != "quantile":
@@ -118,7 +122,12 @@ def uncertain_of(
 
 
 def _box(distributions: Mapping[str, Distribution]) -> dict[str, Array]:
-    """Return nodes over the box of the tolerances, with its middle, by parameter in SI units."""
+    """Return the points at which uncertain parameters are evaluated for a worst case, SI units.
+
+    They are a grid over the box of the tolerances, corners included, and its middle: an array
+    (nodes,) for each parameter. The more parameters, the coarser the grid. `distributions` are
+    those of the parameters.
+    """
     count = len(distributions)
     shares = np.linspace(0.0, 1.0, LEVELS.get(count, 2))
     nodes = np.array(list(product(shares, repeat=count)))

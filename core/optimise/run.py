@@ -25,9 +25,10 @@ BLOCK_CELLS = 65_536  # optima that are computed at a time, which bounds the mem
 
 
 def compute(prepared: Optimisation, watch: Watch) -> Computed:
-    """Return every variable of the optima of a study, in the units of studies.
+    """Return every variable of the optima of a study over its designs, in the units of studies.
 
-    `watch` takes the progress and may stop the search.
+    Designs are solved in blocks that fit the memory. `watch` takes the progress and may stop the
+    search: the rest then has the status that it was not computed.
     """
     everything = designs_of(prepared.problem, prepared.designs)
     cells = prepared.designs.cells
@@ -48,7 +49,12 @@ def compute(prepared: Optimisation, watch: Watch) -> Computed:
 def _solved(
     prepared: Optimisation, design: Mapping[str, Array], watch: Watch
 ) -> tuple[dict[str, NDArray[Any]], str]:
-    """Return every variable for some designs, by name, and the method's own message."""
+    """Return every variable of an optimisation for some designs, by name, and the method's message.
+
+    `design` has the fixed parameters, SI units, shape (cells,); `watch` takes the progress and may
+    stop the work. For a trade-off front each design has several points, one after another in the
+    last axis.
+    """
     problem, method = prepared.problem, prepared.method
     scales = problem.scales(design)
     if isinstance(problem.criterion, Pareto):
@@ -63,7 +69,11 @@ def _solved(
 
 
 def designs_of(problem: OptimisationProblem, grid: Grid) -> dict[str, Array]:
-    """Return the fixed parameters of every design in SI units, with the limit, shape (cells,)."""
+    """Return the fixed parameters of every design in SI units, each of shape (cells,), by name.
+
+    A design is a point of the grid. A limit that the criterion sets on the other output is among
+    them.
+    """
     shape = tuple(grid.shape.values())
     design = {
         name: np.broadcast_to(values, shape).reshape(-1) for name, values in grid.si().items()

@@ -36,9 +36,10 @@ class SearchStoppedError(Exception):
 
 
 def _starts(single: Single, count: int = STARTS) -> Array:
-    """Return the starts of a method that follows slopes, shape (count, variables).
+    """Return points from which a method that follows slopes is started, shape (count, variables).
 
-    They are shares of the bounds: half are the best of 256 evenly spread points, half far apart.
+    They are shares of the bounds: half are the best of 256 evenly spread points, half far apart, so
+    that not all lead to one local maximum. `single` is the problem of one design.
     """
     points = spread(SAMPLES, single.variables)
     value, beyond = single.judged(points)
@@ -80,7 +81,11 @@ class _Smooth:
         return np.append(slope, self.weight) if self.extra else slope
 
     def kept(self, z: Array) -> Array:
-        """Return the constraints of the smooth problem, which have to be positive, at a point z."""
+        """Return the constraints of a smooth problem at a point `z`, which have to be positive.
+
+        The size of another output has a kink; it becomes a variable of its own, the last of `z`,
+        that bounds the output from both sides.
+        """
         rows = self.single.rows(z[: self.single.variables])[:, 0]
         return (
             np.concatenate([rows[2:], [z[-1] - rows[1], z[-1] + rows[1]]])
@@ -89,9 +94,10 @@ class _Smooth:
         )
 
     def kept_slope(self, z: Array) -> Array:
-        """Return the derivatives of the smooth constraints at a point z.
+        """Return the derivatives of the constraints of a smooth problem at a point `z`.
 
-        The shape is (constraints, variables of the smooth problem).
+        The shape is (constraints, variables of the smooth problem). The size of another output is a
+        variable of its own, the last of `z`, if `extra` is true.
         """
         slopes = self.single.slopes(z[: self.single.variables])
         if not self.extra:
@@ -117,9 +123,10 @@ def _best(single: Single, points: list[Array], tolerance: float) -> Array:
 
 
 def slsqp(single: Single) -> tuple[Array, str]:
-    """Return the best point of SLSQP from several starts, and scipy's message.
+    """Return the best point of sequential quadratic programming from several starts, and a message.
 
-    As for all methods of scipy, `single` is one design, and the point is a share of the bounds.
+    It is one of scipy's methods that a study may choose. `single` is the problem of one design; the
+    point is in shares of the bounds, shape (variables,).
     """
     smooth = _Smooth(single)
     constraints = {"type": "ineq", "fun": smooth.kept, "jac": smooth.kept_slope}
@@ -140,9 +147,10 @@ def slsqp(single: Single) -> tuple[Array, str]:
 
 
 def trust_constr(single: Single) -> tuple[Array, str]:
-    """Return the best point of the trust-region interior point method, and scipy's message.
+    """Return the best point of scipy's trust-region interior point method, and scipy's message.
 
-    It starts from four points. `single` is one design.
+    It is one of scipy's methods that a study may choose; it starts from four points. `single` is
+    the problem of one design; the point is in shares of the bounds, shape (variables,).
     """
     smooth = _Smooth(single)
     constraints: list[Any] = []
@@ -179,9 +187,10 @@ def trust_constr(single: Single) -> tuple[Array, str]:
 
 
 def differential_evolution(single: Single) -> tuple[Array, str]:
-    """Return the best point of scipy's differential evolution, and scipy's message.
+    """Return the best point by scipy's differential evolution, and scipy's message.
 
-    Whole populations are evaluated at once. `single` is one design.
+    It is one of scipy's methods that a study may choose. Whole populations are evaluated at once.
+    `single` is the problem of one design; the point is in shares of the bounds, shape (variables,).
     """
     constraints: Any = ()
     if single.problem.kept:
@@ -215,10 +224,22 @@ def search_budget(variables: int) -> int:
 
 
 def search(single: Single, budget: int | None = None) -> tuple[Array, str]:
-    """Return the best point of the global search for outputs with jumps, and its message.
+    """Return the best point of a global search for outputs with jumps, and its message.
 
-    Of motions the best points are confirmed by longer runs. `single` is one design; `budget` is the
-    largest number of points. Raises `SearchStoppedError` if the watch stops it.
+    It is the method for motions, whose best points are confirmed by longer runs. The point is in
+    shares of the bounds, shape (variables,).
+
+    Parameters
+    ----------
+    single : Single
+        The problem of one design.
+    budget : int, optional
+        The largest number of points to evaluate.
+
+    Raises
+    ------
+    SearchStoppedError
+        If the watch stops it.
     """
     budget = budget or search_budget(single.variables)
     seen: list[tuple[Array, ...]] = []
@@ -245,7 +266,11 @@ def search(single: Single, budget: int | None = None) -> tuple[Array, str]:
 
 
 def shgo(single: Single) -> tuple[Array, str]:
-    """Return the best point of simplicial homology global optimisation, and scipy's message."""
+    """Return the best point by simplicial homology global optimisation, and scipy's message.
+
+    It is one of scipy's methods that a study may choose. `single` is the problem of one design. The
+    point is in shares of the bounds, shape (variables,); it is refined by local searches.
+    """
     # Its local searches need numbers; its sampling leaves out what the constraints refuse.
     result = scipy.optimize.shgo(
         lambda unit: float(single.penalised(unit)),
@@ -265,9 +290,10 @@ def shgo(single: Single) -> tuple[Array, str]:
 
 
 def direct(single: Single) -> tuple[Array, str]:
-    """Return the best point of dividing rectangles (DIRECT), and scipy's message.
+    """Return the best point by dividing rectangles (DIRECT), and scipy's message.
 
-    Violations of constraints are penalised. `single` is one design.
+    It is one of scipy's methods that a study may choose. Violations of constraints are penalised.
+    `single` is the problem of one design; the point is in shares of the bounds, shape (variables,).
     """
     result = scipy.optimize.direct(
         lambda unit: float(single.penalised(unit)),
@@ -281,9 +307,11 @@ def direct(single: Single) -> tuple[Array, str]:
 
 
 def minimize_scalar(single: Single) -> tuple[Array, str]:
-    """Return the best point of bounded searches around the three deepest minima of a grid.
+    """Return the best point of one variable, by scipy's bounded search around minima of a grid.
 
-    The second result is a message. `single` is one design with one variable.
+    It is one of scipy's methods that a study may choose; the three deepest minima are followed.
+    `single` is the problem of one design; the point is a share of the bounds, shape (1,). The
+    second result is a message.
     """
     points = np.linspace(0.0, 1.0, DENSE)
     values = single.penalised(points[None, :])
@@ -303,14 +331,14 @@ def minimize_scalar(single: Single) -> tuple[Array, str]:
 def one_by_one(
     search_design: DesignSearch, tolerance: float, about: Callable[[int], int]
 ) -> Solver:
-    """Return the solver that solves designs one after the other.
+    """Return a method of optimisation that solves designs one after the other.
 
     Parameters
     ----------
     search_design : callable
-        Solves one design; returns the best point and a message.
+        Solves one design; returns the best point, as shares of the bounds, and a message.
     tolerance : float
-        Violation of constraints that still counts as none, over the outputs' scales.
+        Violation of constraints that still counts as none, over the outputs' sizes.
     about : callable
         Returns the approximate number of evaluations of a design for a number of variables, for the
         progress.

@@ -84,7 +84,9 @@ def search_maximum(
     seed: int = 0,
     watch: Watch | None = None,
 ) -> SearchResult:
-    """Return the largest value that a search of a box finds, and its point.
+    """Return the largest value of a function that a search of a box finds, and its point.
+
+    It is for functions with jumps and several maxima, such as mean velocities.
 
     Parameters
     ----------
@@ -100,6 +102,12 @@ def search_maximum(
         Seed of the random numbers.
     watch : Watch, optional
         May stop the search between batches of points.
+
+    Returns
+    -------
+    SearchResult
+        Best point, shape (d,), and its value, NaN without one; the largest loss beside it, infinite
+        on the brink of a jump; number of evaluations, status and message.
     """
     lower, upper = (np.asarray(end, dtype=np.float64) for end in (lower, upper))
     _check(lower, upper, budget, tolerance)
@@ -115,7 +123,10 @@ def search_maximum(
 
 
 def _check(lower: Array, upper: Array, budget: int, tolerance: float) -> None:
-    """Raise ValueError for an invalid box, budget or tolerance."""
+    """Raise ValueError for an invalid box, budget or tolerance.
+
+    `lower` and `upper` are the ends of the box, shape (variables,).
+    """
     if lower.shape != upper.shape or lower.ndim != 1:
         raise ValueError(
             "lower and upper have different shapes; give one bound of each for every variable"
@@ -151,9 +162,18 @@ class _Search:
         self.used = 0
 
     def values(self, unit: Array) -> Array:
-        """Return the values at points of the unit box, shape (n, free); -inf without a value.
+        """Return the values of the function to maximise at points; -inf without a value.
 
-        The best point so far is kept. Raises `_StoppedError` if the watch stops the search.
+        `unit` are the points, shape (n, variables that are not held fixed), as shares of their
+        bounds; the result has the shape (n,). Evaluations are counted, and the best point so far is
+        kept in `point` and `value`.
+
+        Raises
+        ------
+        _StoppedError
+            If the watch stops the search.
+        ValueError
+            If the function returns another number of values.
         """
         if self.watch.stopped():
             raise _StoppedError
@@ -172,9 +192,10 @@ class _Search:
         return values
 
     def points_in_box(self, unit: Array) -> Array:
-        """Return the points in the box, shape (n, d), of points of the unit box, shape (n, free).
+        """Return points of the unit box as values of all variables, shape (n, variables).
 
-        Free variables are those whose ends differ; both ends are met exactly.
+        `unit` has the shape (n, free variables), those whose bounds differ; both bounds are met
+        exactly.
         """
         points = np.tile(self.lower, (len(unit), 1))
         low, high = self.lower[self.free], self.upper[self.free]
@@ -183,9 +204,10 @@ class _Search:
 
     @cached_property
     def around(self) -> Array:
-        """The directions of neighbours: corners, sides, middle.
+        """The directions from a point to its neighbours in a search, shape (n, free variables).
 
-        Only the axes for many variables.
+        They are all combinations of -1, 0 and 1, or the point and its axes if the variables are
+        many.
         """
         if self.free.size > FEW:
             axes = np.eye(self.free.size)
@@ -201,9 +223,10 @@ class _Search:
         self.drop = self.value - float(nearby.min())
 
     def result_of(self, status: SearchStatus) -> SearchResult:
-        """Return the result of the search so far.
+        """Return the result of the search so far, with the best point and its value.
 
-        `status` becomes flat or no_value where that fits.
+        It has, too, the largest loss beside that point and the number of evaluations. `status`
+        becomes flat or no_value where that fits. Without a value the point is NaN.
         """
         point, value = np.full(self.lower.size, np.nan), math.nan
         if math.isfinite(self.value):
@@ -232,7 +255,9 @@ def _around(point: Array, random: np.random.Generator) -> Array:
 def _evolve(search: _Search, budget: int, tolerance: float, seed: int) -> SearchStatus:
     """Evolve populations one after another until the budget is used; return the status.
 
-    It is `converged` if a population narrowed to the tolerance on the best point.
+    The status is ``"converged"`` if a population that found the best point narrowed to less than
+    `tolerance`, a share of the box, else ``"budget_spent"``. `search` evaluates the points and
+    keeps the best one, `budget` is their largest number, `seed` that of the random numbers.
     """
 
     def lost(wide: Array) -> Array:
@@ -249,7 +274,7 @@ def _evolve(search: _Search, budget: int, tolerance: float, seed: int) -> Search
         return bool(np.ptp(np.clip(result.population, 0.0, 1.0), axis=0).max() < tolerance)
 
     def over(intermediate_result: Any) -> bool:
-        """True if the population is narrow, or its evaluations are used up."""
+        """True if the population is narrow, or its share of the evaluations is used up."""
         late = search.used - begun >= each and each < budget
         return late or narrow(intermediate_result)
 

@@ -15,7 +15,10 @@ def criterion_in_words(problem: OptimisationProblem) -> str:
 
 
 def _over_interval(problem: OptimisationProblem) -> str:
-    """Return the words on uncertain parameters in a criterion; empty if there are none."""
+    """Return the words on uncertain parameters for a criterion; empty if there are none.
+
+    An example is ", in the worst case over friction from 0.2 to 0.4".
+    """
     if problem.uncertain is None:
         return ""
     how = {"worst": "in the worst case", "mean": "on average"}.get(problem.uncertain.how)
@@ -25,7 +28,10 @@ def _over_interval(problem: OptimisationProblem) -> str:
 
 
 def _known(name: str, distribution: Distribution) -> str:
-    """Return the uncertainty of a parameter in words."""
+    """Return the uncertainty of a parameter in words, such as "friction from 0.2 to 0.4".
+
+    It stands in the criterion of an optimisation; `name` is the parameter.
+    """
     unit = "" if QUANTITIES[name].unit == "1" else f" {QUANTITIES[name].unit}"
     if isinstance(distribution, Between):
         return f"{name} from {distribution.lower:g} to {distribution.upper:g}{unit}"
@@ -34,7 +40,7 @@ def _known(name: str, distribution: Distribution) -> str:
 
 
 def _looked_for(problem: OptimisationProblem) -> str:
-    """Return the objective in words."""
+    """Return the objective of an optimisation in words, such as "largest conveying_velocity"."""
     criterion = problem.criterion
     output, against = criterion.output, problem.against
     if isinstance(criterion, Weighted):

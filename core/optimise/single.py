@@ -84,10 +84,10 @@ class Single:
         return self.judged_with_error(unit)[:2]
 
     def judged_with_error(self, unit: Array) -> tuple[Array, Array, Array]:
-        """Return objective, violation of limits, and standard error of the objective, shape (n,).
+        """Return objective, violation of constraints, and error of the objective, shape (n,).
 
-        Each is divided by its scale. `unit` are points of the unit cube, shape (variables, n), as
-        in `points_in_box`. The standard error is that of motions which do not repeat; else 0.
+        Each is divided by the size of the output. `unit` are points as shares of the bounds, shape
+        (variables, n). The standard error is that of motions which do not repeat, else 0.
         """
         x = self.points_in_box(unit)
         self._count(x.shape[1])
@@ -97,10 +97,10 @@ class Single:
         return value[0] / self.size, beyond[0], chance_error[0] / self.size
 
     def most_reliable(self, unit: Array, value: Array, beyond: Array, chance_error: Array) -> int:
-        """Return the index of the best of evaluated points that longer runs confirm.
+        """Return the index of the best of evaluated points of a motion, after longer runs.
 
-        `unit` are the points, shape (variables, n); the other arguments are what
-        `judged_with_error` returned for them.
+        `unit` are the points as shares of the bounds, shape (variables, n); objective, violation
+        and error, shape (n,), are what `judged_with_error` returned for them.
         """
         design = {name: values[:, 0] for name, values in self.design.items()}
         scales = {name: values[:, 0] for name, values in self.scales.items()}
@@ -119,9 +119,12 @@ class Single:
         return value if np.ndim(unit) > 1 else value[0]
 
     def rows(self, unit: Array) -> Array:
-        """Return output, other output and smooth margins of points, shape (2 + margins, n).
+        """Return outputs and smooth margins at points, over their sizes, shape (2 + margins, n).
 
-        All are over their scales; missing values are replaced by -1e6. The last call is cached.
+        A margin is the distance to the bound of a constraint. The first row is the output to
+        maximise, the second the other output of the criterion or 0. Methods that follow slopes ask
+        for both at the same points: the last call is cached. `unit` are the points as shares of the
+        bounds, shape (variables, n); missing values are replaced by -1e6.
         """
         key = unit.tobytes()
         if key == self._at:
@@ -151,8 +154,9 @@ class Single:
     def slopes(self, unit: Array) -> Array:
         """Return the derivatives of `rows` at a point, shape (2 + margins, variables).
 
-        They are differences, per share of the bounds, that stay within the bounds, beyond which an
-        output may have no value.
+        Rows are outputs and margins of constraints. Derivatives are differences, per share of the
+        bounds, that stay within the bounds, beyond which an output may have no value. `unit` is the
+        point as shares of the bounds, shape (variables,).
         """
         steps = STEP * np.eye(self.variables)
         inside = np.clip(unit, 0.0, 1.0)[:, None]
@@ -163,10 +167,10 @@ class Single:
 
 
 def spread(points: int, variables: int) -> Array:
-    """Return evenly spread points of the unit box, shape (variables, points).
+    """Return evenly spread points of the unit box as starts of a search, shape (variables, points).
 
-    They are an additive recurrence with the powers of the root of x^(d + 1) = x + 1, with d the
-    number of variables (Roberts 2018).
+    The k-th point has the coordinates (1/2 + k r^-j) mod 1, j = 1 ... d, where d is the number of
+    variables and r the root of r^(d + 1) = r + 1 (Roberts 2018). It is the same for each run.
     """
     root = 2.0
     for _ in range(40):

@@ -26,11 +26,12 @@ def sensitive(problem: OptimisationProblem) -> tuple[str, ...]:
 def slopes(
     problem: OptimisationProblem, x: Array, design: Mapping[str, Array], lost: NDArray[np.bool_]
 ) -> dict[str, Array]:
-    """Return the logarithmic derivatives d ln(output)/d ln(parameter) at optima, by name.
+    """Return the elasticities d ln(output)/d ln(parameter) of the objective's output at optima.
 
-    Those of closed forms are exact; those of motion are differences inside one regime. NaN where
-    there is none: at a kink, a jump, and for a parameter or an output that is 0. 0 for a variable
-    that the output does not depend on.
+    They tell a user which parameter matters at the optimum. The names are
+    ``sensitivity_<parameter>``, the values arrays (cells,). Those of closed forms are exact, those
+    of motion are differences inside one regime. NaN where there is none: at a kink, a jump, and for
+    a parameter or an output that is 0. 0 for a variable that the output does not depend on.
 
     Parameters
     ----------
@@ -58,10 +59,20 @@ def _derive(
     kept: NDArray[np.bool_],
     derivatives: Mapping[str, Array],
 ) -> None:
-    """Fill in the derivatives by those parameters that the output depends on.
+    """Fill in the elasticities of an output at optima, by those parameters on which it depends.
 
-    `derivatives` holds an array for each name, which is filled where `kept` is True; the other
-    arguments are as in `slopes`.
+    Elasticity is d ln(output)/d ln(parameter). It is NaN at a kink and wherever else there is none.
+
+    Parameters
+    ----------
+    x : ndarray, shape (variables, cells)
+        The optima, SI units.
+    design : mapping of str to ndarray
+        The fixed parameters, shape (cells,).
+    kept : ndarray of bool, shape (cells,)
+        True where there is an optimum; only these cells are filled.
+    derivatives : mapping of str to ndarray
+        An array (cells,) for each parameter, which is filled.
     """
     output = problem.criterion.output
     used = problem.plan.only(output).parameters

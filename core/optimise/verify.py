@@ -29,7 +29,11 @@ RIVALS = ("population", "newton", "exact", "grid")
 
 
 def accuracy(gaps: Array) -> str:
-    """Return the accuracy of optima in words; `gaps` is the variable `optimum_gap`."""
+    """Return the accuracy of optima in words, as an attribute of a file.
+
+    `gaps` is the variable `optimum_gap`: by how much another method finds better optima, over the
+    size of the objective.
+    """
     text = (
         "optimum_gap: what another method finds better, over the largest size of the objective; "
         "below 0 where it finds less"
@@ -43,6 +47,7 @@ def verified(
 ) -> dict[str, str | int]:
     """Return the result of verifying random optima, as attributes of the dataset.
 
+    The outputs at the optima are computed another way, and another method looks for better optima.
     Empty if the study does not ask for it.
 
     Parameters
@@ -52,7 +57,7 @@ def verified(
     arrays : mapping of str to ndarray
         The computed variables, in the units of studies.
     watch : Watch
-        May stop the verification.
+        May stop the verification; what was compared until then counts.
     """
     if prepared.study.verify is None:
         return {}
@@ -99,10 +104,11 @@ def verified(
 
 
 def _design(prepared: Optimisation, sample: Sample, known: Mapping[str, Array]) -> dict[str, Array]:
-    """Return the designs of the sampled cells in SI units, with each optimum's own limit.
+    """Return the fixed parameters of the sampled cells in SI units, with each optimum's own limit.
 
-    On a trade-off front the limit is the other output's size at the point. `known` are the
-    variables of the cells.
+    With these another method can solve the same problem. On a trade-off front the limit is the size
+    of the other output at the point. `known` are the computed variables of the cells, in the units
+    of studies.
     """
     problem = prepared.problem
     design = prepared.designs.at(sample.positions, sample.count, prepared.plan.parameters)
@@ -130,11 +136,11 @@ def _outputs(
     prepared : Optimisation
         The study.
     design, x : mapping of str to ndarray, ndarray
-        Fixed parameters and best values of the sampled cells, SI units.
+        Fixed parameters and best values of the sampled cells, SI units; x is (variables, cells).
     known : mapping of str to ndarray
-        The computed variables of these cells.
+        The computed variables of these cells, in the units of studies.
     chosen : ndarray of int
-        Indices of the cells to compare.
+        Positions of the cells to compare.
     watch : Watch
         May stop the work.
     """
@@ -154,9 +160,10 @@ def _outputs(
 
 
 def _rival(prepared: Optimisation) -> str | None:
-    """Return the method that verifies optima; None for motions, which take too long.
+    """Return the name of the method that verifies optima, another than theirs, or None.
 
-    The optima of motions are compared with a grid in any case (`optimum_gap`).
+    None for motions, too, which take too long: their optima are compared with a grid in any case
+    (`optimum_gap`).
     """
     if prepared.problem.is_motion:
         return None
@@ -172,11 +179,27 @@ def _better(
     chosen: NDArray[np.intp],
     watch: Watch,
 ) -> tuple[NDArray[np.bool_], int, float]:
-    """Return the amount by which another method's optima are better, in sampled cells.
+    """Return the advantage of another method's optima over ours, in sampled cells.
 
-    The results are a mask of the cells that it solved before a stop, the cell where its objective
-    is furthest above ours, and by how much, 0 if nowhere. `rival` is that method; `chosen` are the
-    indices of the cells in `design` and `known`.
+    Parameters
+    ----------
+    prepared : Optimisation
+        The study.
+    rival : str
+        The other method, a key of `METHODS`.
+    design, known : mapping of str to ndarray
+        The fixed parameters, SI units, and our results, in the units of studies, over all sampled
+        cells.
+    chosen : ndarray of int
+        Positions in these of the cells to compare.
+    watch : Watch
+        May stop the other method.
+
+    Returns
+    -------
+    tuple
+        True for each of the chosen cells that the rival solved before a stop; the position of the
+        cell where its objective is furthest above ours; by how much, 0 if nowhere.
     """
     if watch.stopped():
         return np.zeros(chosen.size, dtype=np.bool_), -1, 0.0

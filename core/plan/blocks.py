@@ -44,11 +44,16 @@ def evaluate_in_blocks(
     block_cells: int = BLOCK_CELLS,
     progress: Progress | None = None,
 ) -> None:
-    """Compute a plan on a grid block by block, by numpy, and write the outputs into `results`.
+    """Compute a plan on a grid block by block with numpy, and write the outputs into `results`.
 
-    `results` has an array for each output and `regime`, over the axes that it depends on. A block
-    has about `block_cells` points, so that its arrays stay in the processor's cache; `progress` is
-    called after each block with the share of the grid that it made up.
+    Parameters
+    ----------
+    results : mapping of str to ndarray
+        An array for each output and `regime`, over the axes that it depends on; filled in SI units.
+    block_cells : int
+        About the number of cells of a block: few enough that arrays stay in the processor's cache.
+    progress : callable, optional
+        Called after each block with its share of the grid.
     """
     depends = plan.depends_on(grid.axes)
     used = grid.dims(set().union(*(depends[name] for name in (*plan.outputs, "regime"))))
@@ -63,9 +68,10 @@ def evaluate_in_blocks(
 
 
 def _sliced_axes(used: tuple[str, ...], grid: Grid, block_cells: int) -> tuple[str, ...]:
-    """Return the leading axes to loop over, so that the rest of the grid fits a block.
+    """Return the leading axes to loop over, so that the cells of the other axes fit one block.
 
-    `used` are the axes that any output depends on, in the order of the grid.
+    `used` are the axes that any output depends on, in the order of the grid; `block_cells` is the
+    most cells that are computed at once, so that their arrays stay in the processor's cache.
     """
     for count in range(len(used)):
         if grid.size(used[count:]) <= block_cells:
@@ -80,10 +86,20 @@ def _levels(
     sliced: tuple[str, ...],
     last_step: int,
 ) -> list[_Level]:
-    """Return the loop levels of the sliced axes, each with the equations computable there.
+    """Return the loops over the axes of a grid that are cut, each with the equations to run in it.
 
-    `depends` has the axes of each quantity. An equation runs at the innermost sliced axis that it
-    depends on. The last axis is taken in slices of `last_step` values, the others value by value.
+    An equation runs at the innermost cut axis on which it depends, no deeper, so that it is not
+    repeated. A loop has the axis, its position in the grid, the values of a slice and the equations
+    of the `plan`. `grid` has the axes.
+
+    Parameters
+    ----------
+    depends : mapping of str to frozenset of str
+        The axes on which each quantity depends.
+    sliced : tuple of str
+        The axes to cut, outermost first.
+    last_step : int
+        Values of the last of them that are taken at a time; the others go value by value.
     """
     positions = {name: position for position, name in enumerate(grid.axes)}
     levels = []
@@ -102,10 +118,22 @@ def _levels(
 def _descend(
     levels: list[_Level], depth: int, known: Known, where: dict[str, slice], writer: _Writer
 ) -> None:
-    """Loop over the slices of one axis and all inner levels; write the block at the innermost.
+    """Compute the cells of a grid block by block: loop over one axis and, inside, over the others.
 
-    `depth` is the number of the level, `known` holds the quantities computed so far, `where` the
-    slice of each outer axis.
+    Equations that do not depend on inner axes are computed outside of these loops, once.
+
+    Parameters
+    ----------
+    levels : list of _Level
+        The axes that are cut, outermost first, with the equations to run inside each.
+    depth : int
+        The number of the level to loop over; after the last one the block is written.
+    known : mapping of str to ndarray
+        The quantities computed so far.
+    where : dict of str to slice
+        The slice of each axis outside.
+    writer : _Writer
+        Takes the results of a block.
     """
     if depth == len(levels):
         writer.write(known, where)
@@ -141,9 +169,10 @@ class _Writer:
         self.all_dims = grid.dims(set().union(*self.dims.values()))
 
     def write(self, known: Known, where: Mapping[str, slice]) -> None:
-        """Write the outputs and regimes of a block into the results, and report progress.
+        """Write the outputs and regimes of a block of cells into the results, and report progress.
 
-        `known` holds the quantities of the block, `where` its slice of each sliced axis.
+        `known` has the quantities of the block by name, SI units; `where` has its slice on each
+        axis that is cut.
         """
         for name in self.plan.outputs:
             self._put(name, known[name], where)
@@ -158,7 +187,18 @@ class _Writer:
     def _put(
         self, name: str, block: NDArray[np.float64] | NDArray[np.int8], where: Mapping[str, slice]
     ) -> None:
-        """Write one array of a block into its region of the result; `where` has the slices."""
+        """Write one array of a block of cells into its region of the result.
+
+        Parameters
+        ----------
+        name : str
+            The output, or ``"regime"``.
+        block : ndarray
+            Its values: a scalar, or an array with every axis of the grid, of size 1 where the
+            output does not depend on it.
+        where : mapping of str to slice
+            The cells of the block on each axis that is cut; on other axes they are all.
+        """
         dims = self.dims[name]
         region = tuple(where.get(axis, slice(None)) for axis in dims)
         if block.ndim:

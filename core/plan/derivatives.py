@@ -62,9 +62,10 @@ class Derived(NamedTuple):
     jumps: NDArray[np.bool_]
 
     def logarithmic(self, at: Array) -> Array:
-        """Return d ln(output)/d ln(parameter), the exponent of a power law; NaN for 0/0.
+        """Return the elasticity d ln(output)/d ln(parameter), shape (cells,).
 
-        `at` are the values of the parameter, SI units, shape (cells,).
+        `at` are the values of the parameter, SI units, shape (cells,). NaN where the output is 0.
+        It is the exponent if the output is a power of the parameter.
         """
         with np.errstate(all="ignore"):
             usable = (self.value != 0) & np.isfinite(self.value)
@@ -94,8 +95,9 @@ def derivatives(
     parameters: Collection[str],
     rules: Mapping[str, Rule] | None = None,
 ) -> Derivatives:
-    """Return the exact derivatives of every output of a plan at some cells.
+    """Return the exact derivatives of every output of a plan by some parameters, at some cells.
 
+    The keys are pairs (output, parameter), the values arrays over the cells, SI units and radians.
     At a switch of the equations (an equality that a step would decide) both sides are evaluated:
     the derivative is that of both if they agree, else NaN with the two.
 
@@ -104,17 +106,13 @@ def derivatives(
     plan : Plan
         Its outputs are derived.
     cells : mapping of str to array_like
-        Parameters by name, SI units and radians, that broadcast to the shape (cells,).
+        Parameters, SI units and radians, that broadcast to the shape (cells,).
     parameters : collection of str
         What to derive by: parameters of the cells, or those with a default value.
     rules : mapping of str to callable, optional
-        Rules of equations, by what the equation gives, that are not in numpy.
+        Derivatives of equations that numpy's rules do not give, by what the equation gives.
 
-    Raises
-    ------
-    StudyError
-        For a parameter that is no number here, and for an output whose equations have no
-        derivative by `core.plan.duals`.
+    Raises `StudyError` if a parameter is no number or an equation has no rule for its derivative.
     """
     values = values_of(plan, cells, parameters)
     results: Derivatives = {}
@@ -142,10 +140,10 @@ def derivatives(
 def values_of(
     plan: Plan, cells: Mapping[str, Any], parameters: Collection[str]
 ) -> dict[str, Array]:
-    """Return every parameter and default of a plan at cells, SI units, shape (cells,).
+    """Return every parameter and default of a plan at cells, SI units, each of shape (cells,).
 
-    `cells` has the values of the plan's parameters; `parameters` are those to derive by. Raises
-    `StudyError` for one of them that the plan does not use.
+    `cells` has the values of the plan's parameters, which broadcast; `parameters` are those by
+    which outputs are to be derived. Raises `StudyError` for one of them that the plan does not use.
     """
     values = {**plan.defaults, **{name: cells[name] for name in plan.parameters}}
     unknown = [name for name in parameters if name not in values]
@@ -178,8 +176,17 @@ def _carry_derivative(
 ) -> dict[str, _Slope]:
     """Return value, derivative and status of each output by one parameter, from dual numbers.
 
-    `values` are all parameters at the cells; `rules` give the derivatives of equations that dual
-    numbers cannot follow.
+    The plan's equations are run with the parameter as an array that carries a derivative of 1. The
+    status says where the equations met a switch, so that both sides must be looked at.
+
+    Parameters
+    ----------
+    values : mapping of str to ndarray, shape (cells,)
+        All parameters at the cells, SI units.
+    parameter : str
+        What to derive by.
+    rules : mapping of str to callable
+        Derivatives of equations that dual numbers cannot follow, by what the equation gives.
     """
     ties: list[Any] = []
     cells = values[parameter].size
@@ -220,10 +227,19 @@ def _by_cell(where: NDArray[np.bool_], cells: int) -> NDArray[np.bool_]:
 
 
 def _run(equation: Equation, arguments: Mapping[str, Any], parameter: str) -> Any:
-    """Return an equation's result for arguments that are dual numbers.
+    """Return an equation's result for arguments that are dual numbers: arrays with a derivative.
 
-    Raises `StudyError`, with the output and the parameter, if numpy's functions in it have no rule
-    for a derivative.
+    Parameters
+    ----------
+    arguments : mapping of str to Dual or ndarray
+        Inputs of the equation, by name.
+    parameter : str
+        The parameter by which the dual numbers are derived, for the message.
+
+    Raises
+    ------
+    StudyError
+        If numpy's functions in the equation have no rule for a derivative.
     """
     function = equation.derivative or equation.function
     try:
@@ -243,10 +259,12 @@ def _run(equation: Equation, arguments: Mapping[str, Any], parameter: str) -> An
 
 
 def _between_switches(carried: _Slope) -> Derived:
-    """Return the derivative record of cells that are at no switch of formulas.
+    """Return the derivative of an output for cells that are at no switch of formulas.
 
-    The slope is NaN where the status says that no derivative exists, and the status `no_value`
-    where the output is not finite.
+    `carried` has its value, slope and status from dual numbers, arrays over cells. The slope is NaN
+    where the status says that no derivative exists; the status becomes `no_value` where the output
+    is not finite. The result has value, derivative, an error of 0, and the status; what is known at
+    switches only is NaN.
     """
     lost = ~np.isfinite(carried.value) & (carried.status < DERIVATIVE_STATUS["kink"])
     status = np.where(lost, np.int8(DERIVATIVE_STATUS["no_value"]), carried.status)
@@ -268,10 +286,19 @@ def _size(at: Array) -> Array:
 def _derivatives_beside(
     plan: Plan, values: Mapping[str, Array], parameter: str, rules: Mapping[str, Rule]
 ) -> list[dict[str, _Slope]]:
-    """Return the derivatives at two points below and two above each cell, in ascending order.
+    """Return values and derivatives of outputs at four points beside a switch, ascending.
 
-    The points are 16 and 1 steps away; a step is 1e-6 of the parameter. Each result maps outputs to
-    their slopes.
+    The points are two below and two above each cell, 16 and 1 steps away; a step is 1e-6 of the
+    parameter.
+
+    Parameters
+    ----------
+    values : mapping of str to ndarray, shape (cells,)
+        All parameters at the cells at a switch, SI units.
+    parameter : str
+        The parameter that is moved, and by which outputs are derived.
+    rules : mapping of str to callable
+        Derivatives of equations that numpy's rules do not give, by what the equation gives.
     """
     at = values[parameter]
     step = SIDE * _size(at)
@@ -284,11 +311,20 @@ def _derivatives_beside(
 def _from_both_sides(
     value: Array, step: Array, far_below: _Slope, below: _Slope, above: _Slope, far_above: _Slope
 ) -> Derived:
-    """Return the derivative at a switch if both sides tend to one number, else NaN and `kink`.
+    """Return the derivative of an output at a switch of formulas if both sides agree, else NaN.
 
-    `value` is the output at the switch, `step` the distance of the near points in the parameter,
-    and the four slopes are those of `_derivatives_beside`. The output jumps if its values differ by
-    more than the slopes explain.
+    The output jumps if its values on both sides differ by more than the slopes explain; it has a
+    kink if the slopes stay apart however near the points. Then the status is `kink`, else
+    `both_sides`.
+
+    Parameters
+    ----------
+    value : ndarray, shape (n,)
+        The output at the switch, in n cells.
+    step : ndarray, shape (n,)
+        Distance of the near points in the parameter; the far ones are 16 times as far.
+    far_below, below, above, far_above : _Slope
+        Value and slope of the output at these points.
     """
     with np.errstate(all="ignore"):
         largest = np.fmax(np.abs(below.slope), np.abs(above.slope))

@@ -50,7 +50,11 @@ class Asked:
 
     @cached_property
     def units(self) -> dict[str, str]:
-        """The unit of each derivative variable, in order."""
+        """The unit of each variable that the asked derivatives add to a result, by name, in order.
+
+        For each parameter and output there are a derivative and an elasticity (per cent per cent,
+        unit 1); for each parameter a status, which tells where there is no derivative.
+        """
         units = {}
         for parameter in self.parameters:
             for output in self.outputs:
@@ -60,9 +64,10 @@ class Asked:
         return units
 
     def dims(self, grid: Grid, depends: Mapping[str, frozenset[str]]) -> dict[str, tuple[str, ...]]:
-        """Return the axes of each variable of derivatives; a status has the axes of all outputs.
+        """Return the names of the axes of each variable that the asked derivatives add to a result.
 
-        `depends` has the axes on which each quantity of the plan depends.
+        A derivative has the axes of its output, a status those of all outputs. `depends` has the
+        axes on which each quantity of the plan depends.
         """
         every = grid.dims(frozenset().union(*(depends[name] for name in self.outputs)))
         dims = dict.fromkeys(self.units, every)
@@ -75,10 +80,10 @@ class Asked:
     def arrays(
         self, plan: Plan, grid: Grid, dims: Dims, derivatives: Derivatives
     ) -> dict[str, NDArray[Any]]:
-        """Return each variable of derivatives over its axes, in the units of files.
+        """Return each variable of the asked derivatives over its axes, in the units of files.
 
-        `derivatives` hold every cell of the grid, `dims` the axes of each variable; the status of a
-        parameter is the worst of all outputs.
+        `derivatives` has every cell of the grid, by output and parameter; `dims` has the axes of
+        each variable. The status of a parameter is the worst of all outputs.
         """
         shape = tuple(grid.shape.values())
         values: dict[str, Any] = {**plan.defaults, **grid.si()}
@@ -103,7 +108,10 @@ class Asked:
         return arrays
 
     def variables(self, dims: Dims, arrays: Mapping[str, NDArray[Any]]) -> dict[str, TableVariable]:
-        """Return the variables of derivatives with axes, values and labels."""
+        """Return the variables of derivatives for a result by name: axes, values, attributes.
+
+        `dims` has the axes of each, `arrays` the values, both by name.
+        """
         labels: dict[str, dict[str, Any]] = {}
         for parameter in self.parameters:
             by = QUANTITIES[parameter].label.lower()
@@ -212,7 +220,10 @@ def _factor(output: str, parameter: str) -> float:
 
 
 def _per(output: str, parameter: str) -> str:
-    """Return the unit of the derivative of an output by a parameter, such as ``m s-1 Hz-1``."""
+    """Return the unit of the derivative of an output by a parameter, such as ``m s-1 Hz-1``.
+
+    Files state it beside the values; without a unit on both sides it is ``"1"``.
+    """
     factors = [] if QUANTITIES[output].unit == "1" else [QUANTITIES[output].unit]
     if QUANTITIES[parameter].unit != "1":
         for unit, power in _FACTOR.findall(QUANTITIES[parameter].unit):

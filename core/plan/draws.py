@@ -21,7 +21,7 @@ on an edge."""
 
 
 def points(dimensions: int, count: int, seed: int, replicates: int = 1) -> Array:
-    """Return scrambled Sobol points in several independent sets.
+    """Return Sobol points, which fill the unit box evenly, in several independent sets.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def points(dimensions: int, count: int, seed: int, replicates: int = 1) -> Array
     seed : int
         Seed of the scrambling: equal seeds give equal points.
     replicates : int
-        Number of sets, each scrambled by itself.
+        Number of sets, each scrambled by itself: their scatter shows the error of a mean.
 
     Returns
     -------

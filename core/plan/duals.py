@@ -129,7 +129,11 @@ def _map_arguments(of: Callable[[Any], Any], args: Any) -> Any:
 
 
 def _slopes(args: Any) -> Any:
-    """Return the derivatives of the arguments, in the shapes of their values."""
+    """Return the derivatives of the arguments of a numpy function, in the shapes of their values.
+
+    An argument may be a dual number (an array with its derivative), an array or a float, whose
+    derivative is 0, or a list of these. Other arguments, such as axes, are returned as they are.
+    """
     if isinstance(args, list | tuple):
         return tuple(_slopes(x) for x in args)
     if isinstance(args, Dual):
@@ -143,7 +147,12 @@ def _clip(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
 
 
 def _where(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
-    """Return values and derivatives chosen by a condition, as numpy's `where` chooses."""
+    """Return values and derivatives chosen by a condition: the rule for `np.where`.
+
+    `args` are the condition and the two choices, arrays or dual numbers (arrays with a derivative).
+    `ties` is the list in which switches without a derivative are noted. `function` and `kwargs` are
+    not used: all rules are called alike.
+    """
     condition, *values = _map_arguments(value_of, args)
     return Dual(
         np.where(condition, *values), np.where(condition, *_map_arguments(slope_of, args[1:])), ties
@@ -151,7 +160,12 @@ def _where(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
 
 
 def _broadcast(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
-    """Return the arguments broadcast to a common shape, dual numbers with their derivatives."""
+    """Return arrays and dual numbers broadcast to one shape: the rule for `np.broadcast_arrays`.
+
+    A dual number is an array with its derivative, and both are broadcast. `args` are the arguments
+    of the call, `ties` is the list in which switches without a derivative are noted. `function` and
+    `kwargs` are there because all rules are called alike; they are not used.
+    """
     whole = np.broadcast_shapes(*(np.shape(value_of(x)) for x in args))
     return tuple(
         Dual(np.broadcast_to(x.value, whole), np.broadcast_to(x.slope, whole), ties)
@@ -162,7 +176,12 @@ def _broadcast(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
 
 
 def _linear(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
-    """Return a linear function of dual numbers: its value, and the same function of the slopes."""
+    """Return a linear function, such as a sum, of dual numbers: the rule for such functions.
+
+    A dual number is an array with its derivative; the derivative of the result is the same function
+    of the derivatives. `ties` is the list in which switches without a derivative are noted; here
+    none is added.
+    """
     return Dual(
         function(*_map_arguments(value_of, args), **kwargs),
         function(*_slopes(args), **kwargs),
@@ -178,7 +197,12 @@ def _cross(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
 
 
 def _largest(ties: list[Any], function: Any, args: Any, kwargs: Any) -> Any:
-    """Return the largest dual number along an axis, with the derivative of that one."""
+    """Return the largest of dual numbers along an axis with its derivative: the rule for `np.max`.
+
+    A dual number is an array with its derivative. `args` is the one array, `kwargs` has its
+    ``axis``. `ties` is the list in which switches without a derivative are noted; here none is
+    added. `function` is not used: all rules are called alike.
+    """
     (of,), axis = args, kwargs["axis"]
     where = np.argmax(of.value, axis=axis, keepdims=True)
     value, slope = (

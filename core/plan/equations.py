@@ -56,10 +56,11 @@ def regimes(plan: Plan, known: Mapping[str, Any]) -> NDArray[np.int8]:
 
 
 def regimes_of(conditions: Sequence[Condition], otherwise: str, known: Mapping[str, Any]) -> Any:
-    """Return the number of each cell's regime, by the first condition that holds.
+    """Return the number of each cell's regime: that of the first condition that holds.
 
     `conditions` are in order of severity, `otherwise` is the regime where none holds, `known` has
-    the quantities that they need.
+    the quantities that they need: arrays by name, SI units. The result is int8, of the shape of the
+    conditions.
     """
     regime: Any = np.int8(REGIMES[otherwise].value)
     with too_large_is_data():

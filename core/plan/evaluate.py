@@ -73,7 +73,8 @@ def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> Non
     """Compute a plan with simulated motion on the whole grid at once, and write into `into`.
 
     The equations of motion share out their cells among threads themselves, and ask `watch` whether
-    to stop: then cells are left that are not computed.
+    to stop: then cells are left that are not computed. `into` has an array for each output and
+    `regime` over its own axes, SI units.
     """
     depends = plan.depends_on(grid.axes)
     given = grid.si()
@@ -87,7 +88,11 @@ def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> Non
 
 
 def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:
-    """Return uninitialised arrays for the outputs of a plan and `regime`, each over its axes."""
+    """Return uninitialised arrays for the outputs of a plan and `regime`, to be filled later.
+
+    Each has the shape of the axes of the grid on which it depends; regimes are int8, outputs
+    doubles.
+    """
     depends = plan.depends_on(grid.axes)
     results: dict[str, NDArray[Any]] = {}
     for name in (*plan.outputs, "regime"):
@@ -97,7 +102,10 @@ def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:
 
 
 def _fused(plan: Plan, grid: Grid) -> Fused | None:
-    """Return the compiled form of a plan; None if there is none or compiling does not pay."""
+    """Return the compiled form of a plan on a grid; None if compiling does not pay.
+
+    It does not for few cells, or if numpy is done sooner than a compiler; some plans have none.
+    """
     cells = grid.size(list(groups_of(plan, grid))[-1])
     if cells <= FEW_CELLS:
         return None

@@ -51,7 +51,10 @@ class Grid:
 
     @classmethod
     def of(cls, values: Mapping[str, Values]) -> Grid:
-        """Return the grid of a study's parameter values: ranged ones are axes, others fixed."""
+        """Return the grid of a study's parameters: those with several values are axes.
+
+        `values` has the values of each parameter, as a user gave them: one, a list or a range.
+        """
         return cls(
             {name: value for name, value in values.items() if not isinstance(value, Fixed)},
             {name: value.value for name, value in values.items() if isinstance(value, Fixed)},
@@ -88,10 +91,10 @@ class Grid:
         return Grid(axes, self.fixed)
 
     def piece(self, box: Mapping[str, tuple[int, int]], names: Iterable[str]) -> Grid:
-        """Return a part of the grid over the axes of a box, with the named fixed parameters.
+        """Return a smaller grid: the axes of a box, within its ends, with some fixed parameters.
 
-        `box` has start and stop (exclusive) of an axis by its name; an axis that it takes whole
-        stays as it is. Axes not in `box` are left out, as are fixed parameters not in `names`.
+        `box` has start and stop (exclusive) of an axis by its name. Axes not in `box` are left out,
+        as are fixed parameters not in `names`.
         """
         ends = {name: (0, axis.size) for name, axis in self.axes.items()}
         cut = {name: at for name, at in box.items() if at != ends[name]}
@@ -106,7 +109,10 @@ class Grid:
         return self.axes[name].array()
 
     def bounds(self, name: str) -> tuple[float, float]:
-        """Return the smallest and largest value of a parameter, SI units and radians."""
+        """Return the smallest and largest value of a parameter, SI units and radians.
+
+        `name` is the parameter; both are equal if it has a single value.
+        """
         if name in self.fixed:
             ends = np.array([self.fixed[name]])
         else:
@@ -133,9 +139,9 @@ class Grid:
     def at(
         self, positions: Mapping[str, NDArray[np.int64]], count: int, names: Iterable[str]
     ) -> dict[str, NDArray[np.float64]]:
-        """Return the named parameters of some cells, SI units and radians, shape (count,).
+        """Return the named parameters of some cells, SI units and radians, shape (count,) each.
 
-        `positions` has, for each axis, the position of every cell on it, shape (count,). No axis is
+        `positions` has, for each axis, the index of every cell on it, shape (count,). No axis is
         made as a whole: it may have a hundred million values.
         """
         wanted = set(names)
@@ -152,7 +158,7 @@ def random_positions(grid: Grid, count: int, seed: int | str) -> dict[str, NDArr
     """Return the positions, on each axis, of random distinct cells; equal seeds give equal cells.
 
     There are `count` cells, or as many as the grid has, in random order. A grid of any size costs
-    no more.
+    no more. They are the cells of a study that are verified. Each array has the shape (count,).
     """
     chosen = random.Random(seed).sample(range(grid.cells), min(count, grid.cells))
     positions: dict[str, NDArray[np.int64]] = {}

@@ -20,7 +20,11 @@ from core.study.values import Fixed, Values
 
 
 def coordinates_of(plan: Plan, grid: Grid) -> dict[str, TableVariable]:
-    """Return the coordinates of a result: axes of the grid, fixed parameters, default values."""
+    """Return the coordinates of a result: axes of the grid, fixed parameters, default values.
+
+    They are in the units of files, with attributes; fixed parameters and defaults are scalars, so
+    that a file says all that went into its results.
+    """
     coordinates = {
         name: TableVariable((name,), grid.coordinate(name), quantity_attributes(name))
         for name in grid.axes
@@ -36,7 +40,8 @@ def coordinates_of(plan: Plan, grid: Grid) -> dict[str, TableVariable]:
 def outputs_of(prepared: Prepared, arrays: Mapping[str, NDArray[Any]]) -> dict[str, TableVariable]:
     """Return the requested outputs with axes and labels, in the units of files.
 
-    `arrays` are the computed outputs in SI units and radians.
+    `arrays` are the computed outputs in SI units and radians. `prepared` is the study, with its
+    plan and the axes of each output.
     """
     plan = prepared.plan
     equations = {equation.gives: equation for equation in plan.equations}
@@ -60,7 +65,7 @@ def _edge(name: str, value: float) -> float:
 
 
 def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
-    """Return the global attributes of a result: study, version, scene, validity, drive.
+    """Return the attributes of a result that say where it is from: study, version, scene, drive.
 
     `how` says in words how it was computed, behind the version in `source`.
     """

@@ -129,9 +129,18 @@ def _flat(function: Function, loop: str, digits: Function | None) -> Operation:
 
 
 def _arc_slope(f: Any, square: Any, root: Any, dsquare: Any, droot: Any) -> Any:
-    """Return the slope of `arc_quotient`, from its value f, its arguments and their slopes.
+    """Return the derivative of `arc_quotient`, by the chain rule, for functions of dual numbers.
 
-    Where the square is near 1 it goes by the root, which has the digits there; near 0 by a series.
+    `arc_quotient` is f = artanh(u)/u, where u^2 is the square and its root is sqrt(1 - u^2); for a
+    negative square f = arctan(u)/u with u^2 = -square.
+
+    Parameters
+    ----------
+    f, square, root : ndarray
+        Its value and its two arguments.
+    dsquare, droot : ndarray
+        The derivatives of the arguments. Where the square is near 1 it has lost digits, and the
+        root is used; near 0 a series.
     """
     small = np.abs(square) < 0.02
     by_series = sum(k * square ** (k - 1) / (2 * k + 1) for k in range(1, 11))
@@ -144,7 +153,11 @@ def _arc_slope(f: Any, square: Any, root: Any, dsquare: Any, droot: Any) -> Any:
 
 
 def _arc_digits(m: Any, square: Any, root: Any) -> Any:
-    """Return `arc_quotient` of numbers of 50 digits; `m` is the context of mpmath."""
+    """Return `arc_quotient`, artanh(u)/u or arctan(u)/u, of numbers of 50 digits.
+
+    u^2 is `square`, or minus that below 0, and `root` is sqrt(1 - square); `m` is the context of
+    mpmath. It serves to verify the same function of floats.
+    """
     if square == 0:
         return m.one
     u = m.sqrt(abs(square))
@@ -156,10 +169,11 @@ def _arc_digits(m: Any, square: Any, root: Any) -> Any:
 def _slip_slope(
     z: Any, x: Any, y: Any, s: Any, held: Any, dx: Any, dy: Any, ds: Any, dheld: Any
 ) -> Any:
-    """Return the slope of `slip_share`, by implicit differentiation of its equation.
+    """Return the derivative of `slip_share` by the chain rule, for functions of dual numbers.
 
-    That is x^2/(z+s)^2 + y^2/(z + held s)^2 = 1 for the root z; x, y, s and held are the arguments,
-    dx to dheld their slopes.
+    `slip_share` is the root z of x^2/(z + s)^2 + y^2/(z + held s)^2 = 1, which says how a cylinder
+    slips; the derivative follows from this equation. x, y, s and held are its arguments, arrays,
+    and dx to dheld their derivatives.
     """
     a, b = z + s, z + held * s
     by_a, by_b = np.square(x / a) / a, np.square(y / b) / b
@@ -169,9 +183,12 @@ def _slip_slope(
 
 
 def _slip_digits(m: Any, x: Any, y: Any, s: Any, held: Any) -> Any:
-    """Return the root of `slip_share` in 50 digits, by Newton's method from below.
+    """Return the positive root z of x^2/(z + s)^2 + y^2/(z + held s)^2 = 1 in 50 digits.
 
-    `m` is the context of mpmath.
+    It is the function `slip_share` of a slipping cylinder for mpmath numbers, to verify that
+    function. `m` is the context of mpmath; x and y are the push along and across the axis, x^2 +
+    y^2 = 1, s is friction over the push, and `held` a number of the part's inertia. Newton's method
+    climbs from below.
     """
     z = max(x - s, y - held * s, 1 - held * s, m.zero)
     for _ in range(200):

@@ -50,10 +50,19 @@ def carry_out(
     label: Callable[[Study, Computed, Watch], Table],
     watch: Watch | None = None,
 ) -> Table:
-    """Compute a study and return its labelled results, with cells and seconds as attributes.
+    """Compute a prepared study and return the table of its results, with cells and seconds.
 
-    `compute` and `label` are those of the study's kind. The seconds count neither verifying, which
-    `label` does, nor compiling, which is done once.
+    The seconds, an attribute of the table, leave out the time for verifying and for compiling.
+
+    Parameters
+    ----------
+    prepared : Study
+        A checked study with its plan and grid.
+    compute, label : callable
+        Those of the study's kind: `compute` returns bare arrays for a study, `label` makes a table
+        of them and verifies some cells. Both get their share of the watch.
+    watch : Watch, optional
+        Takes the progress and may stop the computation.
     """
     watch, share = watch or Watch(), prepared.computing_share
     started, compiling = time.perf_counter(), stopwatch.spent
@@ -78,10 +87,10 @@ def price(cells: int, seconds: float) -> dict[str, float]:
 
 
 def cells_of_piece(prepared: Prepared, seconds: float) -> int:
-    """Return the number of cells of a piece that takes about `seconds` on one core.
+    """Return the number of cells of a piece of a study that takes about `seconds` on one core.
 
-    It is bounded so that there are at most `MAX_PIECES` pieces, and a piece stores at most
-    `MAX_PIECE_CELLS`.
+    Pieces are what the service gives to its workers. There are at most `MAX_PIECES` of them, and a
+    piece stores at most `MAX_PIECE_CELLS`.
     """
     cells = seconds / prepared.seconds_a_cell
     fewest = prepared.cells / MAX_PIECES
@@ -123,7 +132,11 @@ class Cut:
         return math.prod(self._parts)
 
     def box(self, index: int) -> Box:
-        """Return start and stop (exclusive) of a piece on each axis that is cut."""
+        """Return the box of cells of a piece of a study: start and stop (exclusive) by axis.
+
+        `index` is the number of the piece, from 0, with the last axis fastest. Pieces are nearly
+        equal.
+        """
         position = np.unravel_index(index, self._parts) if self._parts else ()
         return {
             name: (int(at) * size // parts, (int(at) + 1) * size // parts)
@@ -134,10 +147,10 @@ class Cut:
 
 
 def join(prepared: Prepared, pieces: Iterable[tuple[Box, Computed]]) -> Computed:
-    """Join the arrays of pieces into those of the whole study.
+    """Join the results of the pieces of a study into those of the whole study.
 
-    Each piece comes with its box: start and stop on the axes that are cut. They are taken one after
-    another, so that they need not all be in memory.
+    `pieces` are pairs: the box of a piece (start and stop on the axes that are cut) and its arrays.
+    They are taken one after another, so that they need not all be in memory.
     """
     arrays: dict[str, NDArray[Any]] = {}
     notes: dict[str, str] = {}

@@ -60,14 +60,21 @@ class Plan:
         return (more or said or ["not_assessed"])[-1]
 
     def only(self, output: str) -> Plan:
-        """Return the plan of one of the outputs alone, with the parameters that it needs."""
+        """Return the plan of one output alone, with the equations and parameters that it needs.
+
+        Plans are kept for the next call.
+        """
         known = self._known_parts
         if output not in known:
             known[output] = _Walk(self.scene, self.variant, self.parameters, (output,)).plan()
         return known[output]
 
     def part(self, outputs: Collection[str], conditions: Collection[Condition]) -> Plan:
-        """Return the part of the plan that some of its outputs and conditions need."""
+        """Return a smaller plan: the equations that some outputs and conditions of this plan need.
+
+        `outputs` are names of quantities, `conditions` those by which the regime is to be told.
+        Parameters and defaults are limited to what these equations take.
+        """
         wanted = [*outputs, *(name for condition in conditions for name in condition.inputs)]
         needed = behind(wanted, {e.gives: e for e in self.equations}.get)
         return replace(
@@ -80,7 +87,11 @@ class Plan:
         )
 
     def depends_on(self, axes: Collection[str]) -> dict[str, frozenset[str]]:
-        """Return, for each quantity of the plan and `regime`, the axes on which it depends."""
+        """Return the axes on which each quantity of the plan and its `regime` depend, by name.
+
+        `axes` are the parameters with several values. A quantity is computed over its own axes
+        only, which saves most of the work on a large grid. Results are kept for the next call.
+        """
         names = tuple(axes)
         if names not in self._known_axes:
             self._known_axes[names] = self._depends_on(names)
@@ -97,6 +108,11 @@ class Plan:
         return {}
 
     def _depends_on(self, axes: Collection[str]) -> dict[str, frozenset[str]]:
+        """Return the axes on which each quantity of the plan and its `regime` depend, by name.
+
+        `axes` are the parameters with several values. A quantity depends on the axes of all inputs
+        of its equation, the regime on those of all inputs of the conditions.
+        """
         known = {name: frozenset({name} & set(axes)) for name in self.parameters}
         known.update(dict.fromkeys(self.defaults, frozenset()))
         for equation in self.equations:
@@ -109,7 +125,9 @@ class Plan:
 def find_scene(
     name: str, variant: str | None, scenes: Mapping[str, Scene] = SCENES
 ) -> tuple[Scene, str]:
-    """Return the named scene and the chosen variant; the default variant if none is named.
+    """Return the named scene and the chosen variant of its equations, the default one for None.
+
+    `scenes` are those to look in, by name.
 
     Raises
     ------
@@ -125,10 +143,10 @@ def find_scene(
 def choose_scene(
     name: str, variant: str | None, scenes: Mapping[str, Scene] = SCENES
 ) -> tuple[Scene, str, list[Problem]]:
-    """Return the named scene, the variant in force, and problems of the variant's name.
+    """Return the named scene, the variant of its equations, and the problems of the variant's name.
 
-    An unknown variant gives way to the default, so that the rest of a study can be checked. Raises
-    `StudyError` if there is no such scene.
+    An unknown variant gives way to the default, so that the rest of a study can be checked.
+    `scenes` are those to look in. Raises `StudyError` if there is no such scene.
     """
     scene = scenes.get(name)
     if scene is None:
@@ -209,7 +227,7 @@ class _Walk:
                 self.visit(name, condition.regime)
 
     def plan(self) -> Plan:
-        """Return the plan of everything that was visited."""
+        """Return the plan of everything that was collected: equations in order, parameters."""
         return Plan(
             self.scene,
             self.variant,
@@ -221,9 +239,11 @@ class _Walk:
         )
 
     def visit(self, name: str, user: str = "") -> None:
-        """Visit a quantity and all that it depends on, noting equations, defaults and gaps.
+        """Collect a quantity and all that it depends on: equations, defaults, what is missing.
 
-        `user` is the quantity or regime that needs it, named if it is missing.
+        It is called for the outputs, and calls itself for the inputs of the equation that gives the
+        quantity `name`. `user` is the quantity or regime that needs it, for the message if it is
+        missing.
         """
         if name in self.visited:
             return
@@ -241,11 +261,11 @@ class _Walk:
             self.missing[name] = user
 
     def _producer(self, name: str) -> Equation | None:
-        """Return the equation that gives a quantity; None if there is none or a default stands in.
+        """Return the equation that gives a quantity for this study, or None.
 
-        An alternative parameter of the study (a stroke for an amplitude) comes first. Where a
-        quantity has a default, its equation runs only if the study asks for it or sets one of its
-        inputs.
+        None if there is none, or if a default is taken. An alternative parameter of the study (a
+        stroke for an amplitude) comes first. Where a quantity has a default, its equation runs only
+        if the study asks for it or sets one of its inputs.
         """
         for alias in ALIASES:
             asked = {one for one in alias.inputs if QUANTITIES[one].parameter}
@@ -266,7 +286,11 @@ class _Walk:
 
 
 def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions) -> Problem:
-    """Return the problem of an output that the variant does not give."""
+    """Return the problem of an output that a variant of a scene does not give, with a fix.
+
+    The fix is another variant, another kind of study, or a similar name, which `suggest` finds.
+    `name` is the output that the user asked for.
+    """
     others = [v for v in scene.variants if name in scene.outputs(v)]
     if others:
         return Problem(
@@ -287,7 +311,12 @@ def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions)
 
 
 def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
-    """Return the problem of an output that another kind of study gives; None if none does."""
+    """Return the problem of an output that this kind of study cannot give but another kind can.
+
+    A sweep evaluates closed forms, a simulation follows a part in time; the problem names the kind
+    to set, and an output of this kind that means the same, if any. None if no other kind gives
+    `name`. `scene` and `variant` are those of the study, for a simulation the variant is a method.
+    """
     closed = SCENES.get(scene.name)
     if scene.choice == "method" and closed is not None:
         here, there, kind = "simulation", "sweep", "sweep"
@@ -306,9 +335,10 @@ def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
 
 
 def _doubled(parameters: Collection[str]) -> list[Problem]:
-    """Return the problems of parameters set twice, or without others that they need.
+    """Return the problems of parameters that exclude or need each other, from their names.
 
-    Twice means by two alternatives, such as amplitude and stroke.
+    Such are parameters that are set twice, by two alternatives such as amplitude and stroke, and
+    those that say nothing without another.
     """
     problems = []
     for name, others in ALTERNATIVES.items():
@@ -328,10 +358,10 @@ def _doubled(parameters: Collection[str]) -> list[Problem]:
 
 
 def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
-    """Return the problem of a missing parameter, with what needs it and an example.
+    """Return the problem of a missing parameter of a study, with what needs it and an example.
 
-    The parameter has the name that studies use. `needed_by` is named only if users know it: not a
-    bundle of several quantities.
+    `name` is the quantity that equations of the scene need; the message has the name that studies
+    use. `needed_by` is the quantity that needs it; it is named only if users know it.
     """
     written = WRITTEN_AS.get(name, name)
     quantity = QUANTITIES[written]
@@ -348,7 +378,10 @@ def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
 
 
 def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> Problem:
-    """Return the problem of a parameter that no asked output uses."""
+    """Return the problem of a parameter that a study gives and no asked output uses, with a fix.
+
+    `name` is the parameter, `outputs` are those asked of this variant of the scene.
+    """
     if name in DRIVE and "wave" not in scene.producers(variant):
         fix = "Give amplitude, alpha and beta instead, or ask for the conveying_velocity of a part"
         message = (
@@ -364,7 +397,11 @@ def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> 
 
 
 def scene_parameters(scene: Scene, variant: str) -> tuple[str, ...]:
-    """Return the parameters that outputs or conditions of a variant can use, alternatives too."""
+    """Return the names of the parameters that a study of a scene's variant can give.
+
+    They are those that its equations or conditions use, and alternatives to them such as stroke for
+    amplitude.
+    """
     parts: tuple[Equation | Condition, ...] = (*scene.variants[variant], *scene.conditions[variant])
     needed = {name for part in parts for name in part.inputs}
     for alias in ALIASES:

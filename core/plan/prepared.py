@@ -105,7 +105,7 @@ class Prepared:
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
-        """The axes of each output by name, `regime` last."""
+        """The names of the axes of each variable of the result, by name, `regime` last."""
         depends = self.plan.depends_on(self.grid.axes)
         dims = {name: self.grid.dims(depends[name]) for name in self.plan.outputs}
         if self.derived is not None:
@@ -209,7 +209,7 @@ class Prepared:
 
     @property
     def size_in_words(self) -> str:
-        """A text with the number of cells, bytes and the time on one core."""
+        """A text with cells, bytes and time on one core, to show before a study is run."""
         seconds, most = self.stated_seconds, self.most_seconds
         rarely = f" (at most some {in_words(most)})" if most > RARELY * seconds else ""
         cells = f"{self.cells:,} cell{'s' * (self.cells != 1)}"
@@ -236,7 +236,7 @@ class Prepared:
 
     @property
     def computing_share(self) -> float:
-        """The share of computing in the total time with verification, 0 to 1."""
+        """The share of computing in the total time with verification, 0 to 1, for the progress."""
         if not self.seconds_to_verify:
             return 1.0
         seconds = self.cells * self.seconds_a_cell
@@ -247,7 +247,10 @@ class Prepared:
         return replace(self, study=self.study.model_copy(update={"verify": None}))
 
     def check_verification(self) -> Self:
-        """Return the study; raise `StudyError` if it cannot be verified, or not in 100 seconds."""
+        """Return the study itself; raise `StudyError` if it cannot be verified in 100 seconds.
+
+        Verifying means to compute some cells another way. A study that does not ask for it passes.
+        """
         if self.study.verify is None:
             return self
         if not self.verified_by:
@@ -268,7 +271,11 @@ class Prepared:
                 raise LimitError(limit, asked, allowed, self.what_fits(allowed / asked))
 
     def what_fits(self, share: float) -> str:
-        """Return a sentence on a grid that fits, at a given share of the present size."""
+        """Return a sentence on a smaller grid that fits the limits, as the fix in a message.
+
+        `share` is the share of the present number of cells that fits. One axis gets fewer values,
+        or all of them.
+        """
         longest = max(self.grid.shape, key=lambda name: self.grid.shape[name])
         fitting = int(self.grid.shape[longest] * share)
         if fitting >= 2:
@@ -291,10 +298,18 @@ def plan_study(
     chosen: Chosen,
     more: Mapping[str, Values] | None = None,
 ) -> tuple[Plan, Grid]:
-    """Return the plan and grid of a study of any kind; raise `StudyError` with every problem.
+    """Return the plan (equations in order) and the grid of a study of any kind.
 
-    `chosen` is scene, variant and problems of their names; `more` holds values of parameters that
-    the study gives elsewhere than under `parameters`.
+    Raises `StudyError` with all problems of the study at once.
+
+    Parameters
+    ----------
+    outputs : iterable of str
+        The outputs to compute.
+    chosen : Chosen
+        Scene, variant and the problems of their names.
+    more : mapping of str to Values, optional
+        Parameters that the study gives elsewhere than under `parameters`.
     """
     values = {**study.values(), **(more or {})}
     grid = Grid.of(values)
@@ -323,9 +338,10 @@ def names_intended(parameters: Iterable[object]) -> list[str]:
 
 
 def locate_problem(problem: Problem, study: Study) -> Problem:
-    """Return a problem of a plan with the path of its cause in the study.
+    """Return a problem of a plan with the path at which its cause stands in the study.
 
-    A plan names `parameters.<name>` or an output; the study may hold either in another section.
+    A plan names `parameters.<name>` or an output; the study may have either in another section,
+    such as among its variables.
     """
     section, _, name = problem.place.partition(".")
     if section == "parameters":
@@ -336,7 +352,12 @@ def locate_problem(problem: Problem, study: Study) -> Problem:
 
 
 def broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Problem]:
-    """Yield problems of parameters whose values on the grid violate a constraint of the scene."""
+    """Yield problems of parameters whose values on the grid break a relation of the scene.
+
+    A relation is between parameters, such as a length below a diameter; it is looked at for the
+    ends of their ranges. `grid` has the values of all parameters that the study gives; `variant` is
+    that of the `scene`.
+    """
     given = {*grid.axes, *grid.fixed}
     for constraint in scene.constraints:
         concerned = constraint.variant in ("", variant)

@@ -69,7 +69,7 @@ def pace() -> float:
 
 
 def in_words(seconds: float) -> str:
-    """Return a time [s] in words with two digits: ``3.2 minutes``."""
+    """Return a time [s] in words with two digits, as users see it: ``3.2 minutes``."""
     for unit, length in (("days", 86_400), ("hours", 3600), ("minutes", 60)):
         if seconds >= 2 * length:
             return f"{float(f'{seconds / length:.2g}'):,g} {unit}"

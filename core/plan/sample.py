@@ -63,7 +63,10 @@ class Sample:
         return np.broadcast_to(np.asarray(chosen, dtype=np.float64), self.count)
 
     def where(self, cell: int) -> str:
-        """Return the position of a sampled cell in words: ``at frequency 50 Hz, beta 30 deg``."""
+        """Return the position of a sampled cell in words: ``at frequency 50 Hz, beta 30 deg``.
+
+        `cell` is its number in the sample.
+        """
         parts = []
         for name, axis in self.grid.axes.items():
             k = int(self.positions[name][cell])
@@ -110,10 +113,19 @@ def sample_of(
     arrays: Mapping[str, NDArray[np.generic]],
     unfinished: tuple[str, int] | None = None,
 ) -> Sample:
-    """Return the cells of a study that are to be verified.
+    """Return the cells of a study that are to be verified: random ones, equal for equal studies.
 
-    `unfinished` names the status in `arrays` and its value at cells that a stop left without a
-    result: these are taken out. None if no stop can leave any.
+    The result has the index of each cell on each axis of the grid, and the number of cells.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        The study, which says how many cells.
+    arrays : mapping of str to ndarray
+        Its computed results.
+    unfinished : (str, int), optional
+        Name of a status among them, and its value in cells that a stop left without a result; these
+        are taken out. None if no stop can leave any.
     """
     positions, chosen = chosen_positions(prepared)
     sample = Sample(prepared.grid, positions, chosen, chosen)

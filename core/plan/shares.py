@@ -227,7 +227,10 @@ class Shares(ABC):
 
 
 def ranges(numbers: list[int]) -> str:
-    """Return sorted numbers in the notation of job queues, such as ``3,17-19``."""
+    """Return sorted numbers in the notation of job queues, such as ``3,17-19``.
+
+    It names the parts of a study that are to be computed again.
+    """
     intervals: list[str] = []
     start = before = -2
     for number in [*sorted(numbers), -2]:

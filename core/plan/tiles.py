@@ -50,10 +50,10 @@ class Tiled:
         return {name: self._prepared.in_files(name, computed[name]) for name in tile.field.names}
 
     def at(self, positions: Mapping[str, NDArray[np.int64]], count: int) -> dict[str, NDArray[Any]]:
-        """Return the outputs at some cells in SI units, shape (count,), computed one by one.
+        """Return the outputs of a sweep at some cells, SI units, (count,) each, to verify them.
 
-        `positions` has, for each axis of the study, the position of every cell on it, shape
-        (count,).
+        `positions` has, for each axis of the study, the index of every cell on it, shape (count,).
+        The sweep may be too large to be computed as a whole; cells are computed one by one.
         """
         cells = [
             self._evaluated(

@@ -45,10 +45,10 @@ def draw_accuracy(dataset: xarray.Dataset, family: str, style: Style = LIGHT) ->
 
 
 def _closed_forms(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
-    """Draw error against time per cell of closed forms, and errors in units of rounding.
+    """Draw rounding errors of closed formulas over their time, and in units of rounding.
 
-    As all painters: `points` are the family's measurements, `title` is that of the study, and the
-    result is a figure, or None without anything to show.
+    It is a picture of the accuracy report. `points` has one entry for each measurement, `title` is
+    that of the report. Lines show half a unit in the last place of each kind of float.
     """
     figure, (left, right) = _sheet(style, 2)
     subjects, settings = _flag(points, "subject"), _flag(points, "setting")
@@ -89,7 +89,11 @@ def _closed_forms(points: xarray.Dataset, title: str, style: Style) -> Figure | 
 
 
 def _motion(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
-    """Draw error against time per cell of simulation methods, for sliding and hopping cells."""
+    """Draw the errors of methods of simulation over their time per cell, for sliding and hopping.
+
+    It is a picture of the accuracy report; `points` has one entry for each measurement. None if
+    there is none. `title` is that of the report.
+    """
     subjects, methods = _flag(points, "subject"), _flag(points, "method")
     panels = [s for s in ("sliding_cells", "hopping_cells") if s in subjects]
     if not panels:
@@ -132,7 +136,11 @@ def _motion(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
 
 
 def _optimisers(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
-    """Draw error of optimisers against time and evaluations."""
+    """Draw how far optimisers end from the best known objective, over time and over evaluations.
+
+    `points` has one entry for each measurement of a method. None if there is nothing to draw.
+    `title` is that of the report.
+    """
     costs = {
         "Time of a design (ms)": points["time_per_cell"].values * 1e3,
         "Points at which the outputs are computed": points["evaluations"].values,
@@ -143,7 +151,11 @@ def _optimisers(points: xarray.Dataset, title: str, style: Style) -> Figure | No
 
 
 def _storage(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
-    """Draw error of storage formats against file size and writing time."""
+    """Draw the errors of storage formats over the size of a file and over the time of writing.
+
+    It is a picture of the accuracy report; `points` has one entry for each measurement of a format.
+    `title` is that of the report.
+    """
     costs = {
         "Bytes of the file for a value": points["bytes_per_value"].values,
         "Time to write a value (ns)": points["time_per_cell"].values * 1e9,
@@ -159,7 +171,11 @@ def _storage(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
 def _by_method(
     points: xarray.Dataset, costs: Mapping[str, Values], style: Style
 ) -> tuple[Figure, Sequence[Any]]:
-    """Return a figure of the errors of each method over each of some costs, and its axes."""
+    """Return a figure of the errors of each method over each of some costs, and its axes.
+
+    `points` has one entry for each measurement: method, median and largest error. `costs` has by
+    label the cost of each measurement, such as the time of a cell; each has its own axes.
+    """
     figure, sheets = _sheet(style, len(costs))
     methods = _flag(points, "method")
     for axes, (label, cost) in zip(sheets, costs.items(), strict=True):
@@ -178,7 +194,12 @@ def _by_method(
 
 
 def _model(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
-    """Draw outputs of a sweep against the true mean velocity, coloured by regime."""
+    """Draw closed formulas over the true mean velocity, by throw number, coloured by regime.
+
+    It is a picture of the accuracy report: how far formulas without time are from a simulated
+    motion. `points` has the values by cell. None if the report has none. `title` is that of the
+    report.
+    """
     if "cell_true_velocity" not in points:
         return None
     true = points["cell_true_velocity"].values
@@ -252,7 +273,7 @@ def _line(
     marker: str = "o",
     floor: float = NOTHING,
 ) -> None:
-    """Draw a curve: a mark at each median error, a bar up to each largest error.
+    """Draw a method's errors over its cost: a mark at each median, a bar up to each largest error.
 
     Parameters
     ----------
@@ -289,7 +310,7 @@ def _finish(
     figure : Figure
         The figure.
     what, title : str
-        Name of the picture, and title of the study.
+        Name of the picture, and title of the report.
     style : Style
         Colours and sizes.
     first : Axes

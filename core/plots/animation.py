@@ -42,7 +42,7 @@ Frame = NDArray[np.uint8]
 
 
 def draw_frames(film: Film, style: Style, dots: int, title: str | None = None) -> Iterator[Frame]:
-    """Yield the frames of an animation, drawn one after another.
+    """Yield the frames of an animation of one part, drawn one after another.
 
     Parameters
     ----------
@@ -147,7 +147,11 @@ class _Moving:
             axes.add_artist(artist)
 
     def put(self, i: int) -> None:
-        """Move the artists to their positions in frame i."""
+        """Move ground, marks, path and part of an animation to their positions in frame `i`.
+
+        The ground and its marks move with the track; the path shows where the part has been, and
+        its colour tells what it does, such as sticking or sliding.
+        """
         film = self._film
         along, up = film.track[:, i]
         left, right = self._ends
@@ -163,9 +167,10 @@ class _Moving:
 
 
 def _frame_view(axes: Axes, film: Film, style: Style) -> tuple[float, float, float]:
-    """Set the view to scale and add a scale bar; return left, right and bottom of the view.
+    """Set the limits of an animation's view, to scale, and add a scale bar; return these limits.
 
-    They are in the unit of the film.
+    They are left, right and bottom, in the unit of lengths of `film`, and leave room for all
+    positions of track and part.
     """
     if film.pitch.any():
         reach = above = float(np.hypot(*film.outline).max())
@@ -196,7 +201,11 @@ def _frame_view(axes: Axes, film: Film, style: Style) -> tuple[float, float, flo
 
 
 def _add_strip(axes: Axes, film: Film, style: Style) -> Line2D:
-    """Draw the modes of the part over time as a strip; return the line that marks the time."""
+    """Draw a strip over time of what the part does, below an animation; return its clock.
+
+    Each spell of the motion, such as sliding, has a colour; `film` has their starts and ends [s],
+    the axis is in ms. The clock is the vertical line that is moved to the time of each frame.
+    """
     for mode, start, stop in film.spells:
         axes.axvspan(1000 * start, 1000 * stop, facecolor=_colour(mode, style), linewidth=0)
     first, last = 1000 * film.spells[0][1], 1000 * film.spells[-1][2]

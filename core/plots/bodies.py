@@ -46,9 +46,10 @@ def views(dataset: xarray.Dataset) -> tuple[tuple[int, int], ...]:
 
 
 def read_bodies(dataset: xarray.Dataset, positions: Mapping[str, int]) -> tuple[Outline, ...]:
-    """Return both bodies: corners and centres in mm, velocities in m/s.
+    """Return both bodies of an impact, to be drawn: corners and centres in mm, velocities in m/s.
 
-    `positions` holds the index at which each ranged parameter is taken; the middle is the default.
+    Each is a rectangle or a cylinder in space, with points of shape (n, 3). `positions` has the
+    index at which each ranged parameter is taken; the middle is the default.
     """
 
     def value(name: str, body: int) -> float:
@@ -91,7 +92,8 @@ def _rectangle(length: float, width: float, angle: float) -> Array:
 def _cylinder(length: float, diameter: float, azimuth: float, elevation: float) -> Array:
     """Return points on both rims of a cylinder about its centre, shape (96, 3).
 
-    The axis has an azimuth from x towards y and an elevation above the level plane [rad].
+    The axis has an azimuth from x towards y and an elevation above the level plane [rad]. `length`
+    and `diameter` are in the unit of the result.
     """
     axis = np.array(
         [
@@ -146,9 +148,10 @@ def _turn(start: Array, corner: Array, end: Array) -> float:
 def draw_bodies(
     axes: Axes, bodies: tuple[Outline, ...], view: tuple[int, int], style: Style
 ) -> None:
-    """Draw numbered outlines of both bodies, with arrows for their velocities.
+    """Draw both bodies of an impact in one view: outlines, numbers, arrows for velocities.
 
-    `view` holds the indices of the axes that are drawn across and up.
+    `bodies` have points [mm], centres [mm] and velocities in space; `view` has the indices of the
+    axes that are drawn across and up. The fastest body has the longest arrow.
     """
     seen = [body.points[:, view] for body in bodies]
     every = np.concatenate(seen)

@@ -61,7 +61,7 @@ class Example(NamedTuple):
 
     @property
     def readings(self) -> tuple[float, float]:
-        """The ordinates of both charts for the example: v f/g, and v/(A0 w cos(beta)).
+        """The values to be read in both charts for the example: v f/g, v/(A0 w cos(beta)).
 
         v is the mean velocity, f the frequency, g gravity, A0 the amplitude, w = 2 pi f, and beta
         the angle of the drive.
@@ -73,7 +73,7 @@ class Example(NamedTuple):
 
 
 def draw_introduction() -> Figure:
-    """Return the page that explains how to read the charts."""
+    """Return the first page of the book of charts: how to read them, with an example."""
     figure = sheet()
     dashes = {
         "stick": "sparse dots", "stick_slip": "dashes", "slip": "dense dots",
@@ -96,7 +96,10 @@ def draw_introduction() -> Figure:
 
 
 def _draw_example(figure: Figure, chart: Chart, example: Example) -> None:
-    """Draw a chart with the lines by which the example is read, and the steps in words."""
+    """Draw an example of how to read a chart: the chart with guide lines, and the steps in words.
+
+    `chart` has the curves, `example` a drive and the two values that are read for it.
+    """
     speed, share = example.readings
     axes = figure.add_axes((0.62, 0.50, 0.34, 0.36))
     draw_curves(axes, chart, chart.speed)

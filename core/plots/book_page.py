@@ -81,7 +81,11 @@ class Chart:
 
     @classmethod
     def of(cls, friction: float, slope: float) -> Chart:
-        """Return the chart of a friction and a climb, computed exactly."""
+        """Return the values of a page of the book of charts, for a friction and a climb [degree].
+
+        Motions are computed exactly at many throw numbers, with those just beside the limits of
+        hopping.
+        """
         throw = np.linspace(0.0, LARGEST, STEPS + 1)[1:]
         aside = 1e-9
         breaks = [HOP, HOP + aside, HOP_AFTER_HOP - aside, HOP_AFTER_HOP + aside]
@@ -90,7 +94,7 @@ class Chart:
 
     @property
     def name(self) -> str:
-        """The heading of the page."""
+        """The heading of the page of charts: friction and climb in words."""
         track = "level track"
         if self.slope:
             track = f"track {'up' if self.slope > 0 else 'down'} {number(abs(self.slope))}°"
@@ -140,7 +144,12 @@ def followed(
 
 
 def draw_page(chart: Chart) -> Figure:
-    """Return the page of a chart."""
+    """Return a page of the book of charts: mean velocity of a part over the throw number.
+
+    Two charts above show v f/g below and above the throw number at which parts begin to hop, the
+    lower one the share of the drive's own speed, v/(A w cos(beta)). `chart` has the values of one
+    friction and slope.
+    """
     figure = sheet()
     floor = figure.add_axes((0.075, 0.52, 0.25, 0.38))
     above = figure.add_axes((0.375, 0.52, 0.38, 0.38))
@@ -173,10 +182,16 @@ def sheet() -> Figure:
 def draw_curves(
     axes: Axes, chart: Chart, values: Array, ends: tuple[float, float] = (0.0, LARGEST)
 ) -> None:
-    """Draw a curve for each drive angle between two throw numbers, with dashes by regime.
+    """Draw a curve for each drive angle over the throw number, with the line style of each regime.
 
-    `values` are the ordinates, an array (angles, throw numbers) of the chart; `ends` are the throw
-    numbers at the left and the right of the axes.
+    Parameters
+    ----------
+    chart : Chart
+        Throw numbers, and the regime at each drive angle and throw number.
+    values : ndarray, shape (angles, throw numbers)
+        What is drawn upwards: speeds or shares of a speed, without a unit.
+    ends : tuple of float
+        The throw numbers at the left and the right of the axes.
     """
     seen = values[:, (chart.throw >= ends[0]) & (chart.throw <= ends[1])]
     finite = seen[np.isfinite(seen)]
@@ -209,10 +224,11 @@ def draw_curves(
 
 
 def stretches(regime: NDArray[np.int8], values: Array) -> list[tuple[int, int, str]]:
-    """Return start, stop and name of each stretch of a curve in one regime.
+    """Return start, stop and regime of each stretch of a curve that is drawn in one line style.
 
-    `regime` and `values` are along the curve; each stretch ends with the first point of the next.
-    Stretches that are not drawn (no value, another regime) are left out.
+    `regime` has the number of the regime at each point, `values` are the ordinates, both of shape
+    (n,). A stretch ends with the first point of the next, so that the curve has no gaps. Those
+    without value, or in a regime that has no line, are left out.
     """
     names = {REGIMES[name].value: name for name in LINES}
     ends = [0, *(np.flatnonzero(np.diff(regime)) + 1).tolist(), regime.size]
@@ -235,7 +251,7 @@ def _marked(chart: Chart, values: Array, k: int) -> list[int]:
 
 
 def name_bands(axes: Axes) -> None:
-    """Write the kinds of motion above the bands of throw numbers that the axes show."""
+    """Write the kinds of motion above a chart, each over the throw numbers for which it holds."""
     least, largest = axes.get_xlim()
     for start, end, _, name in BANDS:
         if start >= largest or end <= least:
@@ -247,7 +263,11 @@ def name_bands(axes: Axes) -> None:
 
 
 def _legends(figure: Figure, chart: Chart) -> None:
-    """Add the legends of curves and lines, and the table of facts on each curve."""
+    """Add to a page of charts the legends of drive angles and regimes, and the table of each curve.
+
+    The table says from which throw number parts move, and their best share of the drive's speed.
+    `chart` has the values of the page.
+    """
     curves: list[Artist] = [
         Line2D([], [], color=colour, marker=marker, markersize=5, label=f"{number(beta)}°",
                markeredgecolor=LIGHT.ground, markeredgewidth=0.5, linewidth=1.2)
@@ -272,7 +292,7 @@ def _legends(figure: Figure, chart: Chart) -> None:
 
 
 def line_entries() -> list[Artist]:
-    """Return the legend entries that explain the line styles."""
+    """Return the legend entries that explain the line styles of charts, one for each regime."""
     return [
         Line2D([], [], color=LIGHT.ink, linestyle=style, linewidth=width, label=label)
         for style, width, label in LINES.values()
@@ -280,10 +300,12 @@ def line_entries() -> list[Artist]:
 
 
 def _facts(chart: Chart) -> list[str]:
-    """Return lines of text: for each curve, where the part begins to move, and its best share.
+    """Return the lines of a table beside a chart: from where parts move, and their best share.
 
-    The first is a throw number; the share is v/(A0 w cos(beta)), that of the drive's own speed
-    along the track.
+    The first column is beta, the angle of the drive to the floor; the second the throw number Gamma
+    from which a part moves; the third the best share v/(A0 w cos(beta)): v is the mean velocity, A0
+    w cos(beta) the largest speed of the track along itself. `chart` has these shares, shape (betas,
+    throw numbers).
     """
     lines = ["   β  moves    best share", "      from Γ   of the drive"]
     for k, beta in enumerate(BETAS):

@@ -36,7 +36,7 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the picture of a calibration: posterior, speeds or residuals.
+    """Return the picture of a calibration, by `options.kind`: posterior, speeds or residuals.
 
     Raises
     ------
@@ -56,9 +56,11 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 def _draw_posterior(
     dataset: xarray.Dataset, style: Style, units: ShownUnits, title: str | None
 ) -> Figure:
-    """Return the picture of the posterior: the density of each unknown and of each pair.
+    """Return the picture of a calibration's posterior: densities of unknowns and of pairs.
 
-    `units` are those for reading, `title` replaces the name of the picture.
+    The density of each unknown is on the diagonal, that of each pair below, with the regions that
+    hold 95 and 68 % and a cross at each mode. `units` are those that the reader wants, `title`
+    replaces the name of the picture.
     """
     names = str(dataset.attrs["unknowns"]).split()
     count = len(names)
@@ -103,10 +105,10 @@ def _draw_posterior(
 def _draw_marginal(
     panel: Axes, dataset: xarray.Dataset, name: str, x: Array, factor: float, style: Style
 ) -> None:
-    """Draw the density of one unknown with its intervals of 95 and 68 % and its modes.
+    """Draw the density of one unknown of a calibration, with intervals of 95 and 68 % and modes.
 
-    `x` are the values of the unknown in the unit for reading, and `factor` leads to that unit from
-    the dataset's.
+    `x` are the values of the unknown in the unit of the picture, shape (n,), and `factor` leads to
+    that unit from the dataset's.
     """
     density = np.asarray(dataset[f"density_{name}"].values, dtype=np.float64)
     panel.plot(x, density, color=style.curve, lw=style.width(1.8))
@@ -123,9 +125,9 @@ def _draw_marginal(
 
 
 def _draw_pair(panel: Axes, x: Array, y: Array, density: Array, style: Style) -> None:
-    """Fill the regions of highest density that hold 95 and 68 % of two unknowns.
+    """Fill the regions of highest density that hold 95 and 68 % of two unknowns of a calibration.
 
-    `x` and `y` are the values across and up, and `density` has a row for each y.
+    `x` and `y` are the values across and up, shape (n,) and (m,); `density` has the shape (m, n).
     """
     ordered = np.sort(density.ravel())[::-1]
     below = np.cumsum(ordered) / ordered.sum()
@@ -145,7 +147,10 @@ def _draw_modes(
     shown: Sequence[object],
     style: Style,
 ) -> None:
-    """Mark the modes of two unknowns; `shown` are the units in which these are read."""
+    """Mark the modes of a posterior, regions that explain the runs, in a picture of two unknowns.
+
+    `names` are the unknowns across and up, `shown` the units in which they are drawn, with factors.
+    """
     values = [
         np.atleast_1d(dataset[f"mode_{name}"].values) * one.factor  # type: ignore[attr-defined]
         for name, one in zip(names, shown, strict=True)
@@ -154,7 +159,10 @@ def _draw_modes(
 
 
 def _pair_density(dataset: xarray.Dataset, across: str, below: str) -> Array:
-    """Return the density of two unknowns, a row for each value of `below`."""
+    """Return the posterior density of two unknowns of a calibration, shape (below, across).
+
+    It is a variable of the dataset, or the exponential of one.
+    """
     for name in (f"density_{across}_{below}", f"density_{below}_{across}"):
         if name in dataset:
             return np.asarray(dataset[name].transpose(below, across).values, dtype=np.float64)
@@ -163,7 +171,10 @@ def _pair_density(dataset: xarray.Dataset, across: str, below: str) -> Array:
 
 
 def _interval(dataset: xarray.Dataset, name: str, units: ShownUnits) -> str:
-    """Return name and 95 % interval of an unknown in words, in units for reading."""
+    """Return name and 95 % interval of an unknown of a calibration as a text, in readable units.
+
+    `name` is the unknown, `units` are those that the reader wants.
+    """
     ends = [dataset[f"{end}_95_{name}"] for end in ("lower", "upper")]
     shown = shown_in(xarray.concat(ends, "end", combine_attrs="override"), units)
     low, high = (number(float(end) * shown.factor, 3) for end in ends)
@@ -174,9 +185,10 @@ def _interval(dataset: xarray.Dataset, name: str, units: ShownUnits) -> str:
 def _draw_speeds(
     dataset: xarray.Dataset, style: Style, units: ShownUnits, title: str | None
 ) -> Figure:
-    """Return the picture of predicted against measured values of the runs.
+    """Return the picture of predicted over measured values of the runs of a calibration.
 
-    `units` are those for reading, `title` replaces the name of the picture.
+    Each run is a point with bars: 95 % of the posterior upwards, twice the error of the measurement
+    across. `units` are those that the reader wants, `title` replaces the name of the picture.
     """
     measured, factor, unit = _measured(dataset, units)
     figure = style.sheet()
@@ -217,9 +229,10 @@ def _draw_speeds(
 def _draw_residuals(
     dataset: xarray.Dataset, style: Style, units: ShownUnits, title: str | None
 ) -> Figure:
-    """Return the picture of the residuals of the runs: measured less predicted values.
+    """Return the picture of the residuals of a calibration's runs: measured less predicted values.
 
-    `units` are those for reading, `title` replaces the name of the picture.
+    Each run has bars: 95 % of the posterior, and twice the error of the measurement. `units` are
+    those that the reader wants, `title` replaces the name of the picture.
     """
     measured, factor, unit = _measured(dataset, units)
     figure = style.sheet()
@@ -259,9 +272,10 @@ def _draw_residuals(
 
 
 def _measured(dataset: xarray.Dataset, units: ShownUnits) -> tuple[Array, float, str]:
-    """Return the measured values in the unit for reading, the factor to it, and the unit.
+    """Return the measured values of a calibration's runs, the factor to their unit, and the unit.
 
-    Raises `PlotError` if only regimes were observed.
+    They are in the unit that the reader wants, shape (runs,). Raises `PlotError` if only regimes
+    were observed.
     """
     array = dataset[str(dataset.attrs["output"])]
     if not np.isfinite(array.values).any():
@@ -274,9 +288,10 @@ def _measured(dataset: xarray.Dataset, units: ShownUnits) -> tuple[Array, float,
 
 
 def _whole_error(dataset: xarray.Dataset) -> Array:
-    """Return the standard deviation of each run: error, spread and discrepancy combined.
+    """Return the standard deviation of each measured run of a calibration, shape (runs,).
 
-    It is the root of the sum of their squares, in the unit of the dataset.
+    It is the root of the sum of squares of measuring error, predicted spread and discrepancy of the
+    model, in the unit of the dataset; what is missing counts as 0.
     """
     parts = (dataset["error"], dataset["predicted_spread"], dataset["discrepancy"])
     squares = [
@@ -287,9 +302,9 @@ def _whole_error(dataset: xarray.Dataset) -> Array:
 
 
 def _facts(dataset: xarray.Dataset, factor: float, unit: str) -> list[str]:
-    """Return the rms of the residuals and the discrepancy in words, in the unit for reading.
+    """Return the lines below the title of a calibration's picture: rms of residuals, discrepancy.
 
-    `factor` leads from the unit of the dataset to `unit`.
+    `factor` leads from the unit of the dataset to `unit`, in which they are shown.
     """
     residual = np.asarray(dataset["residual"].values) * factor
     rms = float(np.sqrt(np.nanmean(np.square(residual))))
@@ -301,9 +316,9 @@ def _facts(dataset: xarray.Dataset, factor: float, unit: str) -> list[str]:
 
 
 def _number(axes: Axes, x: Array, y: Array, known: NDArray[np.bool_], style: Style) -> None:
-    """Write the number of each run beside its point (x, y), if the runs are few.
+    """Write the number of each measured run beside its point, if the runs are few.
 
-    `known` is True for the runs that are drawn.
+    `x` and `y` are the points of all runs, shape (runs,); `known` is True for those that are drawn.
     """
     if known.sum() > MAX_NUMBERED:
         return

@@ -26,9 +26,10 @@ PALE = "#f2f2f2"
 
 
 def categories_of(array: xarray.DataArray) -> dict[int, str] | None:
-    """Return the names of an output's numbers; None if its values are plain numbers.
+    """Return the names that an output's numbers stand for; None if its values are plain numbers.
 
-    Values that are not finite have the number `NO_VALUE`. None, too, if there are more than eight.
+    Values that are not finite have the number `NO_VALUE`. None, too, if more than eight occur,
+    which cannot be told apart in a picture.
     """
     name = str(array.name)
     if "flag_values" in array.attrs:
@@ -53,7 +54,11 @@ def codes_of(values: NDArray[np.generic]) -> NDArray[np.int64]:
 
 
 def looks_of_categories(named: Mapping[int, str], style: Style) -> list[Look]:
-    """Return colour and name of each category, ascending; "no value" is pale."""
+    """Return the colour and the name of each category of an output, to fill its cells in a map.
+
+    Some outputs have a name in each cell instead of a number, which files hold as numbers. `named`
+    has the names by number, ascending. "No value" is pale.
+    """
     looks = []
     for value, name in named.items():
         paint = PALE if value == NO_VALUE else FILLS[COLOURS[value % len(COLOURS)]]

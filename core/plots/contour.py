@@ -34,7 +34,8 @@ def draw_contour(
 ) -> tuple[Axes, list[Artist]]:
     """Draw an output over two axes as filled, labelled contours; return axes and legend entries.
 
-    `looks` are the regimes that occur, which are shaded where they are not valid.
+    `selection` has the output's values and its two axes, in the units of the picture. `looks` are
+    the regimes that occur with their colours; those where formulas do not hold are shaded.
     """
     axes = figure.add_subplot()
     across, up, values, regimes = set_plane(axes, selection, MAX_POINTS)
@@ -60,7 +61,11 @@ def draw_contour(
 
 
 def _add_lines(axes: Axes, x: Array, y: Array, values: Masked, scale: Scale, style: Style) -> None:
-    """Add contour lines with labels that avoid other texts; `values` has a row for each y."""
+    """Add contour lines to a filled picture, with numbers that avoid other texts.
+
+    `x` and `y` are the values of the axes, `values` those of the output, shape (y, x), masked where
+    not finite; `scale` has the levels and their colours. The line of 0 is heavier.
+    """
     inner = scale.levels[(scale.levels > values.min()) & (scale.levels < values.max())]
     if not inner.size:
         return
@@ -74,7 +79,12 @@ def _add_lines(axes: Axes, x: Array, y: Array, values: Masked, scale: Scale, sty
 def _mark_level(
     axes: Axes, x: Array, y: Array, values: Masked, selection: Selection, style: Style
 ) -> None:
-    """Draw the line at which the output passes a threshold, such as throw number 1, and name it."""
+    """Draw the line on which an output passes its threshold, such as throw number 1, and label it.
+
+    `x` and `y` are the values of the axes, `values` those of the output, shape (y, x), masked where
+    not finite. Thresholds of outputs are those of `LEVELS`; without one, or where the output does
+    not pass it, nothing is drawn. `selection` tells which output it is.
+    """
     level, begins = LEVELS.get(str(selection.variable.name), (np.nan, ""))
     if not values.min() < level < values.max():
         return

@@ -8,7 +8,10 @@ from core.scenes import EXACT, SCENES
 
 
 def is_exact(dataset: xarray.Dataset, output: str) -> bool:
-    """True if an output is valid in every regime: no condition of its scene restricts it."""
+    """True if an output is valid in every regime, so that pictures of it shade none.
+
+    This is so if no condition of the dataset's scene restricts the output.
+    """
     if output in EXACT:
         return True
     name, variant = str(dataset.attrs.get("scene")), str(dataset.attrs.get("variant"))

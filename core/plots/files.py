@@ -47,7 +47,7 @@ def draw_file(
         The pictures, PNG, SVG or PDF by their suffix, GIF or MP4 of an animation; existing ones are
         replaced.
     variable, axes, kind
-        As for `draw`.
+        Output, axes and kind of picture, as for `draw`; by default what suits the data.
     at : mapping of str to str, optional
         Values of other dimensions as a user writes them, in the unit of the file.
     slow : float, optional
@@ -57,10 +57,9 @@ def draw_file(
 
     Raises
     ------
-    PlotError
-        If a file is not such a result, or does not hold what is asked for.
-    OSError
-        If a file cannot be read or a picture cannot be written; no part of one is left behind.
+    PlotError, OSError
+        If a file does not have what is asked for; if one cannot be read or written. No half picture
+        is left behind.
     """
     files = [file] if isinstance(file, Path) else list(file)
     moving = kind == "animation" or any(target.suffix.lower() in MOVING for target in targets)
@@ -91,10 +90,18 @@ def _animate_file(
     slow: float | None,
     look: Mapping[str, Any],
 ) -> None:
-    """Save the animation of a file's trajectory; arguments as in `draw_file`.
+    """Save the animation of a result file's trajectory; raise `PlotError` for wrong options.
 
-    `chosen` are the options variable, axes and at, which an animation does not take. Raises
-    `PlotError` for several files or such options.
+    Parameters
+    ----------
+    files, targets : sequence of Path
+        One result file, and the animations to write, GIF or MP4.
+    chosen : sequence
+        The options variable, axes and at, which an animation does not take.
+    kind, slow : str or None, float or None
+        The kind of picture asked for, and the slow-motion factor.
+    look : mapping
+        Title, units and colours.
     """
     # Here, since it loads what draws bodies, and the whole of motion.
     from core.plots.movie import animate
@@ -127,7 +134,7 @@ def check_format(target: Path) -> None:
 
 
 def save(figure: Figure, target: Path) -> None:
-    """Save a figure as PNG, SVG or PDF, by the suffix; the file appears only when complete."""
+    """Save a figure as PNG, SVG or PDF, by the suffix; a file appears only when complete."""
     name = FORMATS[target.suffix.lower()]
     picture = io.BytesIO()
     figure.savefig(picture, format=name, dpi=DPI, metadata=METADATA[name])

@@ -111,9 +111,12 @@ def read_film(dataset: xarray.Dataset, units: ShownUnits, slow: float | None = N
 
 
 def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) -> Film:
-    """Return the frames of a part on a track, over enough cycles for it to travel.
+    """Return the frames of a part on a track, over enough cycles for the part to travel visibly.
 
-    Arguments as in `read_film`. Raises `PlotError` if there is no motion to show.
+    The part is drawn as a box, not to scale; its gap to the track is enlarged if it is too small to
+    be seen, and notes say so. `slow` is how many times slower than real the film is, by default
+    such that a period takes about a second. `units` are those that the reader wants. Raises
+    `PlotError` if there is no motion to show.
     """
     known = read_trajectory(dataset, units)
     dataset = dataset.sortby(TIME)
@@ -187,9 +190,11 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
 
 
 def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) -> Film:
-    """Return the frames of a tumbling part, until shortly after it rests.
+    """Return the frames of an animation of a tumbling part, until shortly after it rests.
 
-    Arguments as in `read_film`.
+    The dataset has the part's path and pitch over time; between its times they are interpolated.
+    `slow` is how many times slower than real the film is, by default such that the fall is well
+    seen. `units` are those that the reader wants. Raises `PlotError` if the dataset has no motion.
     """
     dataset = dataset.sortby(TIME)
     time = values_of(dataset[TIME])
@@ -282,11 +287,18 @@ def _box(half_length: float, half_height: float) -> Array:
 
 
 def _cycles(dataset: xarray.Dataset, time: Array, span: float, length: float) -> int:
-    """Return the number of times that a trajectory is shown; 1 if the motion does not repeat.
+    """Return the number of times that a film shows a trajectory; 1 if it does not repeat.
 
-    `time` are its times [s], `span` is the extent of the motion [m], by which closing is judged,
-    and `length` that of the drawn part [m]: the cycle is repeated until the part has travelled far
-    enough.
+    The cycle is repeated until the part has travelled far enough to be seen.
+
+    Parameters
+    ----------
+    time : ndarray
+        Times of the trajectory [s].
+    span : float
+        Extent of the motion [m]; the motion repeats if it ends as it began within a share of that.
+    length : float
+        Length of the drawn part [m].
     """
     periods = (time[-1] - time[0]) * float(dataset["frequency"])
     closes = [("height_above_floor", span), ("track_along", span), ("track_normal", span)]
@@ -301,7 +313,10 @@ def _cycles(dataset: xarray.Dataset, time: Array, span: float, length: float) ->
 
 
 def frames_in(seconds: float) -> int:
-    """Return the number of frames in a time [s]; `PlotError` if it is above 1,000."""
+    """Return the number of frames in a film of some seconds; `PlotError` if it is above 1,000.
+
+    `seconds` is the length of the film; it has `FRAMES_PER_SECOND` frames a second, two at least.
+    """
     frames = max(2, round(seconds * FRAMES_PER_SECOND))
     if frames > MAX_FRAMES:
         message = f"the animation would have {frames:,} frames, at most {MAX_FRAMES:,} are drawn"
@@ -327,7 +342,10 @@ def nice(value: float) -> float:
 
 
 def _stands_for(dataset: xarray.Dataset, units: ShownUnits) -> str:
-    """Return a note on the drawn part: its length, or that the model has no size."""
+    """Return a note on the part drawn in a film: its length, or that the model has no size.
+
+    `units` are those that the reader wants.
+    """
     if "length" not in dataset or dataset["length"].ndim:
         return "no size in the model"
     shown: Shown = shown_in(dataset["length"], units)

@@ -44,16 +44,16 @@ def fixed_positions(
     *,
     nearest: bool = False,
 ) -> dict[str, int]:
-    """Return the index at which each remaining dimension is held: as in `at`, else the middle.
+    """Return the index at which each dimension that is not drawn is held; else the middle.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         The dataset.
     at : mapping of str to float
-        Values of dimensions, in the unit of the dataset.
+        Values of dimensions that the user asked for, in the unit of the dataset.
     loose, axes : iterable of str
-        The remaining dimensions, and those that are drawn.
+        The dimensions to hold, and those that are drawn.
     nearest : bool
         True if a value that the dataset does not have stands for the nearest one.
 

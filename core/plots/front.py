@@ -26,14 +26,15 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the picture of a trade-off front: both outputs, with the knee.
+    """Return the picture of a trade-off front: one output over the other, with the knee marked.
 
-    Of a dataset with more than seven designs, seven fronts are drawn, evenly chosen.
+    The front is the result of a study that optimises two outputs at once. Of a dataset with more
+    than seven designs, seven fronts are drawn, evenly chosen.
 
     Raises
     ------
     PlotError
-        If the dataset holds no front.
+        If the dataset has no front.
     """
     style, units = options.style, options.units
     problem = prepared_of(dataset).problem

@@ -34,7 +34,7 @@ def finish(
     entries: Sequence[Artist] = (),
     note: str = "",
 ) -> Figure:
-    """Add title, facts, source and legend to a figure, and return it.
+    """Add title, facts, source and legend to a drawn figure, and return it.
 
     Parameters
     ----------
@@ -78,9 +78,10 @@ def finish(
 
 
 def source_of(dataset: xarray.Dataset, shown: str = "") -> str:
-    """Return the source of a dataset's values: title, scene, variant and method of its study.
+    """Return the source of a picture's values: title, scene, variant and method.
 
-    `shown` is a text that the picture has already, such as a criterion; the title leaves it out.
+    It is a line below the title. `shown` is a text that the picture has already, such as a
+    criterion; the title leaves it out.
     """
     parts = (dataset.attrs.get(name) for name in ("scene", "variant", "method"))
     origin = ", ".join(str(part) for part in parts if part)
@@ -89,7 +90,10 @@ def source_of(dataset: xarray.Dataset, shown: str = "") -> str:
 
 
 def text_width(figure: Figure, text: str, size: float, weight: str = "normal") -> float:
-    """Return the width of a text in dots; `size` is that of its letters [points]."""
+    """Return the width of a text in dots; `size` is that of its letters [points].
+
+    `weight` is ``"normal"`` or ``"bold"``. Texts are laid out by it.
+    """
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
     font = FontProperties(size=size, weight=weight)
     width, _, _ = renderer.get_text_width_height_descent(text, font, ismath="$" in text)
@@ -97,9 +101,10 @@ def text_width(figure: Figure, text: str, size: float, weight: str = "normal") -
 
 
 def _packed(figure: Figure, facts: Sequence[str], width: float, size: float) -> str:
-    """Return as many facts as fit a line, and the number of the others.
+    """Return as many texts as fit one line below a title, and the number of those left out.
 
-    `width` is that of the line in dots, `size` that of its letters [points].
+    `facts` are the texts, `width` is that of the line in dots, `size` that of its letters [points].
+    The line is empty if not even one fits.
     """
     for count in range(len(facts), 0, -1):
         left = len(facts) - count
@@ -113,7 +118,7 @@ def _packed(figure: Figure, facts: Sequence[str], width: float, size: float) -> 
 def _cut(figure: Figure, text: str, width: float, size: float, weight: str = "normal") -> str:
     """Return a text shortened to a width by leaving out its last words; empty if none fits.
 
-    `width` is in dots, `size` that of the letters [points].
+    `width` is in dots, `size` that of the letters [points]. `weight` is ``"normal"`` or ``"bold"``.
     """
     parts = text.split(" ")
     for count in range(len(parts), 0, -1):
@@ -125,7 +130,10 @@ def _cut(figure: Figure, text: str, width: float, size: float, weight: str = "no
 
 
 def _add_name(figure: Figure, name: str, style: Style) -> None:
-    """Add the title of the picture, in two lines if one is too short for it."""
+    """Add the title `name` to a picture, in two lines if need be; what is longer is cut.
+
+    It is not wider than the figure.
+    """
     size, width = style.text(NAME), (1 - 2 * MARGIN) * figure.bbox.width
     words, count = name.split(), 1
     while (
@@ -139,7 +147,11 @@ def _add_name(figure: Figure, name: str, style: Style) -> None:
 
 
 def _add_legend(figure: Figure, entries: Sequence[Artist], note: str, style: Style) -> None:
-    """Add the legend below the axes, in as many columns as fit; `note` is a sentence above it."""
+    """Add the legend below the axes of a picture; nothing is added without entries.
+
+    It has as many columns as fit. `note` is a sentence that becomes its title, cut if it is longer
+    than the picture is wide; it may be empty. `style` has colours and sizes of text.
+    """
     if not entries:
         return
     size = style.text(LEGEND)

@@ -11,10 +11,10 @@ SPECK = 0.005  # of the plane: where there are more, the border of a smaller one
 
 
 def without_specks(regimes: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return regimes on a plane with tiny islands, if there are many, merged into neighbours.
+    """Return the regimes of a map with tiny islands, if many, merged into their neighbours.
 
-    It is for borders and labels only: fills and shares show every cell. `regimes` has two
-    dimensions.
+    It is for borders and names in pictures; fills and shares show every cell. `regimes` has the
+    number of the regime of each cell, in two dimensions; the result has the same shape.
     """
     sizes = np.zeros(regimes.shape, dtype=np.int64)
     count = 0

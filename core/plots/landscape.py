@@ -76,7 +76,11 @@ class Landscape(NamedTuple):
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """True if a dataset is one optimised design with one or two variables."""
+    """True if a dataset is drawn as a landscape by default: one optimum of one or two variables.
+
+    `options` are those of the picture; an output or axes that are asked for ask for another
+    picture.
+    """
     asked = (options.variable, options.axes) != (None, None)
     if asked or not is_optimum(dataset) or dataset["optimum_status"].size > 1:
         return False
@@ -84,14 +88,16 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the picture of the objective over one or two variables, with optimum and limits.
+    """Return the picture of an objective over one or two variables, with optimum and limits.
 
-    Ranged parameters are held at `options.at`, by default at their middle values.
+    With one variable it is a curve, with two a filled map. Other ranged parameters are held at
+    `options.at`, by default at their middle values.
 
     Raises
     ------
     PlotError
-        If the study has more variables, or the dataset does not have a value.
+        If the study has more than two variables, or the dataset does not have a value of
+        `options.at`.
     """
     style, units = options.style, options.units
     prepared = prepared_of(dataset)
@@ -151,7 +157,16 @@ def name_of(problem: OptimisationProblem) -> str:
 
 
 def _limit(kept: Kept, units: ShownUnits) -> str:
-    """Return a constraint in words: output and bound, or the name of a contact condition."""
+    """Return the label of an optimisation's constraint for the legend, such as "throw number < 3".
+
+    Parameters
+    ----------
+    kept : Kept
+        The constraint: the name of an output and its bound in the unit of studies, or the name of a
+        condition that the contact must meet, which has no bound.
+    units : ShownUnits
+        The units in which the reader wants to see values.
+    """
     if kept.name not in (f"{kept.output}_lower", f"{kept.output}_upper") or kept.bound is None:
         return words(kept.name)
     shown = units.of(QUANTITIES[kept.output].unit, abs(kept.bound))
@@ -179,10 +194,12 @@ def _computed(
 def curves_of(
     dataset: xarray.Dataset, prepared: Optimisation, positions: Mapping[str, int], units: ShownUnits
 ) -> list[Landscape]:
-    """Return the objective along each variable, the others fixed at the optimum.
+    """Return an optimisation's objective along each variable, the others held at the optimum.
 
-    Without a single optimum they are fixed in the middle of their bounds. `positions` holds the
-    index of each ranged parameter.
+    Without a single optimum they are held in the middle of their bounds. Each curve has the margins
+    of the constraints, too. `dataset` is the result and `prepared` its study; `positions` has the
+    index of each ranged parameter, which together choose the design; `units` are those that the
+    reader wants.
     """
     problem, curves = prepared.problem, []
     best = dataset.isel({str(name): position for name, position in positions.items()})
@@ -199,7 +216,7 @@ def curves_of(
 
 
 def _sides(problem: OptimisationProblem, count: int) -> list[Array]:
-    """Return `count` evenly spaced values between the bounds of each variable."""
+    """Return `count` evenly spaced values between the bounds of each variable, SI units."""
     return [
         np.linspace(low, high, count)
         for low, high in zip(problem.lower, problem.upper, strict=True)
@@ -214,16 +231,14 @@ def _over(
     names: tuple[str, ...],
     grid: Array,
 ) -> Landscape:
-    """Return the objective of one design on a grid of its variables.
+    """Return the objective of one design on a grid of its variables, with constraints and optimum.
 
     Parameters
     ----------
     dataset, prepared : xarray.Dataset, Optimisation
         The result, and its study.
     positions : mapping of str to int
-        Index of each ranged parameter.
-    units : ShownUnits
-        Units for reading.
+        Index of each ranged parameter: together they choose the design.
     names : tuple of str
         The variables that change along the grid's axes.
     grid : ndarray, shape (variables, n) or (variables, n, n)
@@ -276,7 +291,11 @@ def _excluding(margin: Array) -> Array:
 
 
 def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
-    """Draw the objective over two variables, with limits and optimum; return the legend entries."""
+    """Draw an objective over two variables as a filled map; return the entries of the legend.
+
+    Constraints are drawn as borders with the excluded side shaded, the optimum as a star, and the
+    points of a trade-off front as a line. `shown` has all values in the units of the picture.
+    """
     (y, x), value = shown.variables, np.ma.masked_invalid(shown.value)
     # The scale is that of what may be chosen: what is excluded may be far larger.
     allowed = np.ones(shown.value.shape, dtype=bool)
@@ -321,7 +340,11 @@ def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
 
 
 def draw_curve(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
-    """Draw the objective over one variable, with limits and optimum; return the legend entries."""
+    """Draw an objective over one variable as a curve; return the entries of the legend.
+
+    Ranges that constraints exclude are shaded, and the optimum is a star. `shown` has all values in
+    the units of the picture.
+    """
     (x,), value = shown.variables, shown.value
     axes.plot(x, value, color=style.curve, lw=style.width(2.0), zorder=4)
     entries: list[Artist] = []
@@ -349,9 +372,10 @@ def draw_curve(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
 
 
 def _limits(axes: Axes, shown: Landscape, style: Style, face: RGB | None) -> list[Artist]:
-    """Shade what constraints exclude, and draw the border of each; return the legend entries.
+    """Shade the area that constraints exclude, and draw the border of each; return legend entries.
 
-    `face` is a colour of the excluded area for the legend, if known.
+    `shown` has for each constraint its margin over the two variables, negative where it is broken.
+    `face` is a colour of the excluded area for the legend; a default is taken if it is None.
     """
     (y, x), entries = shown.variables, list[Artist]()
     colours = (style.series[1], style.series[2], style.series[3], style.series[5])

@@ -31,6 +31,8 @@ def draw_lane(
 ) -> Iterator[Frame]:  # fmt: skip
     """Yield the frames of an animation of a row of parts; parts that touch are filled.
 
+    Each frame is an array of red, green and blue, uint8 of shape (rows, columns, 3).
+
     Parameters
     ----------
     dataset : xarray.Dataset

@@ -38,8 +38,8 @@ def draw_levels(
     """Draw level lines of an output over two axes; return axes and legend entries.
 
     Positive values have solid lines; negative ones dashed lines in another colour and hatching, so
-    that parts travelling backwards can be seen without colours, too. `looks` are the regimes that
-    occur.
+    that parts travelling backwards can be seen without colours, too. Backgrounds show regimes.
+    `selection` has the values and the axes, `looks` the regimes that occur.
     """
     axes = figure.add_subplot()
     across, up, values, regimes = set_plane(axes, selection, MAX_POINTS)
@@ -66,9 +66,10 @@ def _hatch_below(
     values: NDArray[np.float64],
     style: Style,
 ) -> bool:
-    """Hatch the area where values are negative; True if there is any.
+    """Hatch the area of a map where values are negative; True if there is any.
 
-    `values` has a row for each y.
+    So parts that travel backwards can be seen without colours. `x` and `y` are the axes' values,
+    shape (n,) and (m,); `values` has the shape (m, n).
     """
     negative = np.nan_to_num(values) < -NOTHING * np.nanmax(np.abs(values), initial=0.0)
     if not negative.any():
@@ -95,9 +96,10 @@ def _add_lines(
     values: NDArray[np.float64],
     style: Style,
 ) -> set[int]:
-    """Add level lines with numbers; return the signs that occur: 1, 0, -1.
+    """Add level lines with numbers to a map; return the signs that occur: 1, 0, -1.
 
-    `values` has a row for each y.
+    `x` and `y` are the axes' values, shape (n,) and (m,); `values` has the shape (m, n). Lines
+    below 0 are dashed and of another colour.
     """
     ends = value_range(values)
     if ends is None:
@@ -126,9 +128,10 @@ def _add_lines(
 
 
 def _line_entries(signs: set[int], what: str, unit: str, style: Style) -> list[Artist]:
-    """Return the legend entries of the level lines for the signs that occur.
+    """Return the legend entries of level lines: positive, zero and negative values, if they occur.
 
-    `what` is the word for the values, such as speed, and `unit` their unit.
+    `signs` are 1, 0 and -1; `what` is the word for the values, such as speed, and `unit` their
+    unit.
     """
     said: dict[int, tuple[str, str, float, Literal["solid", "dashed"]]] = {
         1: (what, style.ink, FORWARD, "solid"),

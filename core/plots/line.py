@@ -38,10 +38,11 @@ Colour = tuple[float, float, float] | str
 def draw_line(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw curves of an output over one axis; return axes and the legend entries of regimes.
+    """Draw curves of an output over one axis; return its axes and the legend entries of regimes.
 
-    A second axis of the selection makes a family of at most seven curves. `looks` are the regimes
-    that occur.
+    `selection` has the values, regimes and axes in the units of the picture; a second axis makes a
+    family of at most seven curves. `looks` are the regimes that occur with their colours. Outputs
+    that have a name in each cell are drawn as strips.
     """
     across = selection.axes[0]
     chosen = thin(selection.axes[1].values.size, MAX_CURVES) if len(selection.axes) > 1 else [0]
@@ -82,12 +83,20 @@ def _draw_regimes(
     style: Style,
     chosen: Sequence[int] | NDArray[np.int64],
 ) -> tuple[Axes, list[Artist], bool]:
-    """Draw the regimes of curves, and return the axes for the curves and the legend entries.
+    """Draw the regimes of curves, and return the axes for the curves, legend entries, and a flag.
 
-    Curves of the same regimes stand on coloured grounds. If the strokes of a curve cannot
-    distinguish all regimes, a strip below the curves shows them. The last result is True if the
-    strokes need not show regimes. `regimes` has a column for each curve, and `chosen` are the
-    indices of the curves on the second axis.
+    Curves that all have the same regimes stand on coloured backgrounds. Else each curve shows them
+    by its dashes, or if these are too few for all regimes by a strip below. The flag is true if the
+    dashes need not show them.
+
+    Parameters
+    ----------
+    regimes : ndarray, shape (points, curves)
+        The number of the regime at each point.
+    looks : sequence of Look
+        Names and colours of the regimes that occur.
+    chosen : sequence of int
+        Positions of the curves on the second axis of `selection`.
     """
     across = selection.axes[0]
     alike = bool((regimes == regimes[:, :1]).all())
@@ -118,10 +127,18 @@ def _draw_categories(
     style: Style,
     chosen: Sequence[int] | NDArray[np.int64],
 ) -> tuple[Axes, list[Artist]]:
-    """Draw an output with named values as strips; return axes and legend entries.
+    """Draw an output that has a name in each cell as strips; return axes and legend entries.
 
-    There is one strip for each value of the second axis. `codes` has a column for each strip;
-    `chosen` are the indices of the strips on the second axis.
+    There is one strip for each value of the second axis of `selection`, or one if there is none.
+
+    Parameters
+    ----------
+    codes : ndarray, shape (points, strips)
+        The number of the name at each point.
+    looks : sequence of Look
+        Colour and name for each number.
+    chosen : sequence of int
+        Positions of the strips on the second axis.
     """
     axes = figure.add_subplot()
     across = selection.axes[0]
@@ -146,7 +163,11 @@ def _labels(selection: Selection, chosen: Sequence[int] | NDArray[np.int64]) -> 
 
 
 def _mark_level(axes: Axes, selection: Selection, style: Style) -> None:
-    """Draw a threshold of the output, such as throw number 1, if it is in the visible range."""
+    """Draw a threshold of the output, such as throw number 1, as a line across a picture of curves.
+
+    Thresholds are those of `LEVELS`; the line is drawn if it is in the visible range. `selection`
+    tells which output the curves show.
+    """
     level, begins = LEVELS.get(str(selection.variable.name), (np.nan, ""))
     low, high = axes.get_ylim()
     if low < level < high:
@@ -167,9 +188,11 @@ def _add_bands(
     colours: list[Colour],
     style: Style,
 ) -> Artist:
-    """Add a light band of +- the spread around each curve; return its legend entry.
+    """Add a light band of plus and minus the spread around each curve; return its legend entry.
 
-    `values` and `spread` have a column for each curve.
+    `x` has the shape (points,), `values` and `spread` (points, curves), all in the units of the
+    picture. The spread is the scatter of a speed that does not repeat. `colours` are those of the
+    curves.
     """
     for curve, width, colour in zip(values.T, spread.T, colours, strict=True):
         if width.any():
@@ -187,9 +210,18 @@ def _add_strips(
     looks: Sequence[Look],
     labels: list[str],
 ) -> None:
-    """Draw the regimes, or categories, of each curve as a strip; strips are named by `labels`.
+    """Draw the regimes, or categories, of each curve as a strip along the horizontal axis.
 
-    `regimes` has a column for each strip.
+    Parameters
+    ----------
+    across : PlotAxis
+        The horizontal axis.
+    regimes : ndarray, shape (points, strips)
+        The number of the regime at each point of each strip.
+    looks : sequence of Look
+        Number, colour and hatching of each regime.
+    labels : list of str
+        The name of each strip, on the vertical axis.
     """
     edges = cell_edges(across)
     by_value = {look.value: look for look in looks}
@@ -214,9 +246,11 @@ def _runs(states: NDArray[np.int64]) -> list[tuple[int, int, int]]:
 
 
 def _style(look: Look, looks: Sequence[Look], alike: bool) -> tuple[float, tuple[float, ...]]:
-    """Return width and dashes of a curve in a regime; curves are solid in valid regimes.
+    """Return the line width and the dash pattern of a curve in a regime, in units of matplotlib.
 
-    `alike` is True if the strokes need not distinguish the regimes.
+    Curves are solid, an empty pattern, where the formulas hold, and dashed in regimes where they do
+    not, each with a pattern of its own. `look` is the regime, `looks` are all that occur; with
+    `alike` the background tells the regimes apart, and strokes need not.
     """
     if look.valid:
         return PLAIN[-1] if alike else look.width, ()
@@ -230,7 +264,10 @@ def _draw_style(dashes: tuple[float, ...]) -> Dashes:
 
 
 def _handle(look: Look, looks: Sequence[Look], style: Style) -> Line2D:
-    """Return the legend entry of a regime `look` among those that occur, with its stroke."""
+    """Return the legend entry of a regime `look` among those that occur, with its stroke.
+
+    The stroke is the width and the dashes of curves in that regime.
+    """
     width, dashes = _style(look, looks, alike=False)
     return Line2D(
         [], [], color=style.ink, linewidth=width, linestyle=_draw_style(dashes), label=look.label
@@ -246,10 +283,10 @@ def _part(
     style: tuple[float, tuple[float, ...]],
     colour: Colour,
 ) -> None:
-    """Draw a curve where it is in one regime, up to the next regime's first point.
+    """Draw a curve where it is in one regime, up to the first point of the next regime.
 
-    `states` are the regimes along the curve, `look` is the regime to draw, and `style` its width
-    and dashes.
+    `x`, `curve` and `states`, the numbers of the regimes, have the shape (points,); `look` is the
+    regime to draw, and `style` the line's width and dashes. `colour` is that of the curve.
     """
     here = states == look.value
     if not here.any():
@@ -276,9 +313,10 @@ def _mark_edges(
     looks: Sequence[Look],
     style: Style,
 ) -> None:
-    """Mark the last valid point where a curve passes from a valid regime to an invalid one.
+    """Mark the points of a curve at which it leaves a regime where the formulas hold.
 
-    `states` are the regimes along the curve.
+    `x` and `curve` are its points and `states` the numbers of their regimes, all of shape (n,);
+    `looks` tell which regimes are valid. The mark is at the last valid point.
     """
     valid = np.isin(states, [look.value for look in looks if look.valid])
     last = np.flatnonzero(valid[:-1] != valid[1:])
@@ -289,9 +327,17 @@ def _mark_edges(
 def _spans(
     axes: Axes, across: PlotAxis, states: NDArray[np.int64], looks: Sequence[Look], style: Style
 ) -> None:
-    """Colour the background by regime, with borders half-way between two points.
+    """Colour the background of a curve by regime, with borders half-way between two points.
 
-    `states` are the regimes along the axis.
+    Parameters
+    ----------
+    across : PlotAxis
+        The horizontal axis, with n values.
+    states : ndarray, shape (n,)
+        The number of the regime at each of them.
+    looks : sequence of Look
+        Name, colour and hatching of each regime. Borders at which formulas begin or cease to hold
+        are drawn heavily, the others only if they are few.
     """
     edges = cell_edges(across)
     by_value = {look.value: look for look in looks}
@@ -314,9 +360,9 @@ def _spans(
 def _name_curves(
     figure: FigureBase, selection: Selection, values: NDArray[np.float64], colours: list[Colour]
 ) -> None:
-    """Add the legend of curves by their values on the second axis.
+    """Add a legend that tells curves apart by their values on the second axis of `selection`.
 
-    `values` and `colours` are theirs.
+    `values` and `colours` are those of the curves.
     """
     second = selection.axes[1]
     handles = [
@@ -334,7 +380,11 @@ def _name_curves(
 
 
 def _limit(axes: Axes, across: PlotAxis, values: NDArray[np.float64], style: Style) -> None:
-    """Set the limits of both axes, and draw a line at zero if values have both signs."""
+    """Set the limits of both axes of a picture of curves, and draw a line at 0 between two signs.
+
+    `across` is the horizontal axis; `values` are all values drawn, of any shape, NaN where there
+    are none. Outliers, as at a pole, do not count.
+    """
     axes.set_xlim(across.values[0], across.values[-1])
     ends = value_range(values)
     if ends is None:

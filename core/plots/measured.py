@@ -22,10 +22,11 @@ MICRO = 1e6  # micrometres in a metre
 
 
 def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
-    """Return the picture of a drive that was fitted to a recording.
+    """Return the picture of a drive that was fitted to a recording of accelerations.
 
     On the left are the samples of one period with the fitted drive, axis by axis, and the residual;
     on the right the spectrum, in which dots mark the fitted harmonics, and the path of the track.
+    `fit` is the drive with its samples; `dark` asks for light colours on a dark background.
     """
     style = Style(dark=dark)
     figure = style.sheet(*SIZE)
@@ -46,9 +47,10 @@ def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
 
 
 def _facts(fit: Fit) -> tuple[list[str], str]:
-    """Return the facts of a fit as texts: frequency, clock, periods.
+    """Return the lines below the title of a fitted drive's picture, and a closing sentence.
 
-    And a sentence on the residual.
+    The first are texts: frequency with its error, error of the clock, periods and samples. The
+    sentence says what the fit leaves over.
     """
     frequency = f"{fit.frequency:.8g} Hz"
     if fit.frequency_error > EXACT * fit.frequency:
@@ -70,7 +72,12 @@ def _percent(shares: Array) -> str:
 
 
 def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
-    """Draw samples and fit over one period, a panel for each axis, and the residual in the last."""
+    """Draw a recorded acceleration over one period of the drive, with the fit and its residual.
+
+    All periods of the recording lie upon each other. `panels` are one for each axis of the
+    recording, and a last one for the residuals of all; `fit` is the drive that was fitted to the
+    recording. Of many samples only some are drawn.
+    """
     fold = fit.fold()
     milliseconds = 1e3 / (2.0 * np.pi * fit.frequency)
     smooth = np.linspace(0.0, 2.0 * np.pi, FINE)
@@ -101,7 +108,10 @@ def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
 
 
 def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
-    """Draw the amplitude spectrum of the acceleration, with dots at the fitted harmonics."""
+    """Draw the amplitude spectrum of a recorded acceleration, with dots at the fitted harmonics.
+
+    `fit` is the drive that was fitted to the recording; each of its axes is a curve.
+    """
     fold = fit.fold()
     window = np.hanning(fit.samples)
     amplitude = 2.0 * np.abs(np.fft.rfft(fold.accelerations * window)) / window.sum()
@@ -139,7 +149,10 @@ def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
 
 
 def _draw_path(axes: Axes, fit: Fit, style: Style) -> None:
-    """Draw the path of the track from the side; displacements over time if an axis is missing."""
+    """Draw the path of a track with a fitted drive from the side, over one period.
+
+    Without the axis along or normal, displacements are drawn over time instead. `fit` is the drive.
+    """
     phase = np.linspace(0.0, 2.0 * np.pi, FINE)
     moved = dict(zip(fit.axes, MICRO * fit.displacement(phase), strict=True))
     if "along" not in moved or "normal" not in moved:

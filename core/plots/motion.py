@@ -26,9 +26,10 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 
 
 def followed(dataset: xarray.Dataset) -> Prepared | None:
-    """Return the study of a dataset's single part, prepared with a trajectory over a cycle.
+    """Return the study of a dataset's single cell, prepared to be followed over a cycle, or None.
 
-    None if there are several parts, or if the method gives no trajectory.
+    So a result without a trajectory can be drawn as a motion. None if there are several cells, no
+    study of a motion, or a method that gives no trajectory.
     """
     text = str(dataset.attrs.get("study", ""))
     if "motion_status" not in dataset or any(one.size > 1 for one in dataset.values()) or not text:
@@ -43,7 +44,10 @@ def followed(dataset: xarray.Dataset) -> Prepared | None:
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the picture of a dataset's single motion.
+    """Return the picture of the motion of a dataset's single part over time.
+
+    A dataset without a time axis but with one cell is followed in time first. The picture of a
+    tumbling part shows its path, that of any other how it moves on the track.
 
     Raises
     ------

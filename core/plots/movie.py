@@ -53,7 +53,7 @@ def animate(
     dark: bool = False,
     small: bool = False,
 ) -> None:
-    """Save the trajectory of a part or row as an animation, GIF or MP4 by the suffix.
+    """Save the motion of a part or of a row of parts as an animation, GIF or MP4 by the suffix.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def animate(
     slow : float, optional
         Slow-motion factor. By default a period takes about a second, a fall six.
     title, units, dark, small
-        As for `draw`.
+        Title, units for the reader, dark background, small format, as for `draw`.
 
     Raises
     ------
@@ -90,7 +90,11 @@ def animate(
 
 
 def _write_gif(frames: Iterable[Frame], target: Path) -> None:
-    """Write an endless GIF whose frames share one palette, so that nothing flickers."""
+    """Write frames as an endless GIF with one palette of colours, so that nothing flickers.
+
+    `frames` are images in the order of time, uint8 arrays of shape (rows, columns, 3); `target` is
+    the file.
+    """
     pictures = [Image.fromarray(frame) for frame in frames]
     some = pictures[:: max(1, len(pictures) // SAMPLED)]
     sheet = Image.fromarray(np.concatenate([np.asarray(picture) for picture in some]))
@@ -105,7 +109,12 @@ def _write_gif(frames: Iterable[Frame], target: Path) -> None:
 
 
 def _write_mp4(frames: Iterable[Frame], target: Path) -> None:
-    """Write an MP4 that all browsers can play."""
+    """Write frames as an MP4 file that all browsers can play.
+
+    `frames` are images in the order of time, uint8 arrays of shape (rows, columns, 3), at least
+    one; they are drawn one by one as they are written. `target` is the file. Needs the package
+    imageio-ffmpeg, else `PlotError` is raised.
+    """
     imageio_ffmpeg = _ffmpeg()
     shown = iter(frames)
     first = next(shown)
@@ -124,7 +133,10 @@ def _write_mp4(frames: Iterable[Frame], target: Path) -> None:
 
 
 def _ffmpeg() -> ModuleType:
-    """Return the writer of MP4; raise `PlotError` if ffmpeg is missing."""
+    """Return the writer of MP4; raise `PlotError` if ffmpeg is missing.
+
+    It is the module imageio_ffmpeg, which is installed with the extra `video`.
+    """
     try:
         import imageio_ffmpeg
     except ModuleNotFoundError:

@@ -46,8 +46,9 @@ def number_lines(axes: Axes, lines: ContourSet, style: Style, size: float, **loo
 
 
 def leave_out_what_meets(figure: Figure) -> None:
-    """Hide the marked texts of a figure that touch other texts or leave their axes.
+    """Hide less important texts of a figure that touch other texts or leave their axes.
 
+    Less important texts, such as numbers on contour lines, are marked by the group id `GIVES_WAY`.
     Of two that touch, the one drawn on top (the larger z-order) stays. The figure has to be laid
     out.
     """
@@ -89,22 +90,23 @@ def add_names(
     *,
     on_fill: bool = False,
 ) -> None:
-    """Write the name of each regime where it has most room, if it has any.
+    """Write the name of each regime into a map, where its region is widest, if it has room.
 
     Parameters
     ----------
     axes : Axes
         Where to write.
     across, up : PlotAxis
-        The axes of the plane.
+        The axes of the map.
     regimes : ndarray, shape (rows, columns)
-        Regime of each cell, rows upward.
+        Number of the regime of each cell, rows upward.
     looks : sequence of Look
-        The regimes that occur.
+        The regimes that occur, with their colours.
     style : Style
         Colours and sizes.
     on_fill : bool
-        True if the cells are filled with the colours of their regimes.
+        True if the cells are filled with the colours of their regimes; else a single regime that is
+        everywhere is not named.
     """
     if len(looks) < 2 and not on_fill:
         return
@@ -137,8 +139,8 @@ def add_names(
 def _centre(inside: NDArray[np.bool_], width: float, height: float) -> tuple[float, float] | None:
     """Return the centre for a text in an area, in shares of the frame; None if it does not fit.
 
-    `inside` is True in the area, on a raster of the frame; `width` and `height` are those of the
-    text in points.
+    `inside` is True in the area, on a raster of the frame, shape (rows, columns); `width` and
+    `height` are those of the text in points. The place is deep in the area and near its middle.
     """
     columns = math.ceil(width * RASTER[0] / BOX[0] * CLEARANCE)
     rows = math.ceil(height * RASTER[1] / BOX[1] * CLEARANCE)

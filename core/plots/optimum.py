@@ -19,7 +19,9 @@ def is_optimum(dataset: xarray.Dataset) -> bool:
 
 
 def prepared_of(dataset: xarray.Dataset) -> Optimisation:
-    """Return the prepared optimisation whose result a dataset is.
+    """Return the optimisation, checked and planned again, of which a dataset is the result.
+
+    The study is read from the dataset's attributes.
 
     Raises
     ------

@@ -79,10 +79,10 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the picture of all designs of a dataset, with parallel axes.
+    """Return the picture of all designs of a dataset, each a line through parallel axes.
 
-    Columns are the axes of the dataset, optimised variables, further outputs that the study asks
-    for, and last the output by which lines are coloured. Of more than 1,000 designs, 1,000 are
+    Axes are the parameters with several values, optimised variables, further outputs that the study
+    asks for, and last the output by which lines are coloured. Of more than 1,000 designs, 1,000 are
     drawn by chance, the best one among them.
 
     Raises
@@ -126,11 +126,12 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 
 
 def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | None) -> Designs:
-    """Return the designs of a dataset to draw, with the best one.
+    """Return the designs of a dataset as the lines of a picture: a value on each of its axes.
 
-    `variable` is the output that ranks them, by default that of the study; `units` are those for
-    reading. Designs without a valid value are left out. Raises `PlotError` if fewer than two are
-    left.
+    A design is a cell of the dataset; its parameters are the axes and an output the last one.
+    Designs without a valid value are left out, and of many some are taken at random, the best one
+    always. `variable` is the output that ranks them, by default that of the study; `units` are
+    those that the reader wants. Raises `PlotError` if fewer than two designs are left.
     """
     study = study_of(dataset)
     criterion = study.get("criterion") or {}
@@ -177,7 +178,7 @@ def _best(
 
     Parameters
     ----------
-    values : ndarray
+    values : ndarray, shape (designs,)
         The output of all designs.
     designs, knees : ndarray of int
         Indices of the valid designs, and of those at knees of fronts, which are preferred.
@@ -195,10 +196,11 @@ def _best(
 
 
 def _output(dataset: xarray.Dataset, study: Mapping[str, Any], variable: str | None) -> str:
-    """Return the output that ranks the designs: `variable`, else that of the study's criterion.
+    """Return the output by which the lines of designs are coloured, the name of a variable.
 
-    Without a criterion it is the first output of the study. Raises `PlotError` if `variable` is
-    unknown.
+    It is `variable` if the user asks for one, else that of the study's criterion, else the study's
+    first output; ``"objective"`` if the dataset does not have it. `study` is the study as plain
+    data. Raises `PlotError` if `variable` is unknown.
     """
     outputs = outputs_of(dataset)
     if variable is not None and variable not in outputs:
@@ -212,9 +214,11 @@ def _output(dataset: xarray.Dataset, study: Mapping[str, Any], variable: str | N
 def _names(
     dataset: xarray.Dataset, study: Mapping[str, Any], axes: list[str], output: str
 ) -> list[str]:
-    """Return the names of the columns besides the output: axes, variables, other outputs.
+    """Return the names of the vertical axes of a picture of designs, but for the output's.
 
-    Raises `PlotError` if no column has more than one value.
+    They are ranged parameters, optimised variables and other outputs, as far as they have more than
+    one value; `axes` are the ranged parameters, `study` is the study as plain data. Raises
+    `PlotError` if there is none.
     """
     outputs = outputs_of(dataset)
     chosen = [name for name in outputs if name.startswith("best_")]
@@ -232,7 +236,8 @@ def _names(
 def _at_all(array: xarray.DataArray, dims: list[str], shape: tuple[int, ...]) -> NDArray[Any]:
     """Return the values of an array for all designs in one row, shape (designs,).
 
-    `dims` and `shape` are the dimensions over which designs range; others are taken at the middle.
+    `dims` and `shape` are names and lengths of the dimensions over which designs range; the array
+    is repeated along those that it lacks. Its other dimensions are taken at the middle.
     """
     middles = {d: array.sizes[d] // 2 for d in array.dims if d not in dims}
     array = array.isel(middles)
@@ -244,9 +249,10 @@ def _at_all(array: xarray.DataArray, dims: list[str], shape: tuple[int, ...]) ->
 def _column(
     array: xarray.DataArray, values: Array, units: ShownUnits, gridded: bool
 ) -> ParallelColumn:
-    """Return a column in the unit for reading; its limits leave room to spread equal values.
+    """Return one vertical axis of a picture of designs: name, unit, limits and each design's value.
 
-    `gridded` is True for an axis of the dataset, on which many designs share a value.
+    `array` is the variable, `values` has its values at the designs. `gridded` is True for an axis
+    of the dataset, on which many designs share a value: room is then left to spread them.
     """
     shown = shown_in(array, units)
     values = scaled(xarray.DataArray(values), shown.factor)
@@ -262,7 +268,12 @@ def _column(
 
 
 def _draw_lines(axes: Axes, designs: Designs, style: Style) -> None:
-    """Draw a line for each design, better ones above."""
+    """Draw a line for each design through all axes, better ones above, the best one heavily.
+
+    Lines are coloured by their height on the last axis, an output. On axes with few values they are
+    spread a little at random, so that they do not hide each other. `designs` has the axes and their
+    values.
+    """
     random = np.random.default_rng(1)
     heights = []
     for column in designs.columns:
@@ -294,7 +305,10 @@ def _draw_lines(axes: Axes, designs: Designs, style: Style) -> None:
 
 
 def _draw_columns(axes: Axes, designs: Designs, style: Style) -> None:
-    """Draw the axes with numbers and names, and write the best design's value at each."""
+    """Draw the vertical axes of a picture of designs, with numbers and names.
+
+    The value of the best design stands at each axis. `designs` has the axes with their values.
+    """
     width = max(9, LETTERS // len(designs.columns))
     halo = [withStroke(linewidth=2.5, foreground=style.ground)]
     size = style.text(8.0)
@@ -329,7 +343,10 @@ def _wrapped(name: str, width: int) -> list[str]:
 
 
 def _ticks(column: ParallelColumn) -> Sequence[float]:
-    """Return the ticks of a column."""
+    """Return the values at which a vertical axis of a picture of designs has ticks.
+
+    Of few values on a ranged axis these are all of them.
+    """
     values = np.unique(column.values)
     if column.spread and values.size <= TICKS:
         return [float(value) for value in values]

@@ -70,9 +70,11 @@ def limit_to_cells(axes: Axes, across: PlotAxis, up: PlotAxis) -> None:
 
 
 def set_plane(axes: Axes, selection: Selection, most: int) -> Plane:
-    """Name axes and space them as a selection over two has it; return what is drawn there.
+    """Set labels and spacing of axes for a picture over two axes; return the values to draw there.
 
-    Of more than `most` points of an axis as many are taken, both ends included.
+    `selection` has an output over two axes. Of more than `most` points of an axis as many are
+    taken, both ends included. The result has the axes and arrays of values and regimes, shape (up,
+    across).
     """
     across, up = selection.axes
     columns, rows = (thin(axis.values.size, most) for axis in selection.axes)
@@ -98,8 +100,8 @@ def add_colour_bar(
 ) -> None:
     """Add a colour bar beside axes, with ticks at the levels and the label of the output.
 
-    `colours` is what is coloured, `scale` its levels, and `layout` holds further options of
-    matplotlib.
+    `colours` is what is coloured, `scale` has the levels, `selection` the output and its unit, and
+    `layout` further options of matplotlib.
     """
     ticks = scale.levels[:: 2 if style.small else 1]
     bar = figure.colorbar(colours, ax=axes, ticks=ticks.tolist(), **layout)
@@ -114,7 +116,7 @@ def padded(low: float, high: float) -> tuple[float, float]:
 
 
 def say_nothing_is_finite(axes: Axes, selection: Selection, style: Style) -> None:
-    """Write into empty axes that no value is finite."""
+    """Write into empty axes that no value of the selected output is finite."""
     name = long_name(selection.variable)
     axes.annotate(
         f"{name}:\nno value here is finite.", (0.5, 0.5), xycoords="axes fraction", ha="center",

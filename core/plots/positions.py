@@ -57,7 +57,11 @@ class RowPositions(NamedTuple):
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """True if a dataset is a single row of parts."""
+    """True if a dataset is drawn as positions of a row of parts by default: it is one such row.
+
+    `options` are those of the picture; an output or axes that are asked for ask for another
+    picture.
+    """
     asked = (options.variable, options.axes) != (None, None)
     if asked or dataset.attrs.get("scene") != ROW:
         return False
@@ -65,12 +69,15 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 
 
 def read_row(dataset: xarray.Dataset, units: ShownUnits) -> RowPositions:
-    """Return the positions of a row of parts over time, in units for reading.
+    """Return the positions of a row of parts over time, in the units that are drawn.
+
+    The dataset has a position over time for each part; the result tells, too, which neighbours
+    touch when. `units` are those that the reader wants.
 
     Raises
     ------
     PlotError
-        If the dataset holds no row in time.
+        If the dataset has no row in time.
     """
     if FIRST not in dataset:
         raise PlotError(
@@ -89,12 +96,15 @@ def read_row(dataset: xarray.Dataset, units: ShownUnits) -> RowPositions:
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the positions of all parts over time, shaded between touching ones.
+    """Return the picture of a row of parts: positions over time, shaded where parts touch.
+
+    The dataset is the result of a study of a row; if it has no positions over time, its single cell
+    is followed again to get them.
 
     Raises
     ------
     PlotError
-        If the dataset holds no row in time.
+        If the dataset has no row in time.
     """
     check_result(dataset)
     if FIRST not in dataset and (one := followed(dataset)) is not None:

@@ -23,15 +23,16 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the objective along each variable through the optimum, excluded ranges shaded.
+    """Return curves of an optimisation's objective along each variable, through the optimum.
 
-    Where there is no optimum the others are held in the middle of their bounds. Ranged parameters
-    are held at `options.at`, at their middle values if left out.
+    In each curve the other variables are at the optimum, or in the middle of their bounds if there
+    is none; ranges that constraints exclude are shaded. Ranged parameters are held at `options.at`,
+    at their middle values if left out.
 
     Raises
     ------
     PlotError
-        If the dataset holds no optimisation, or not a value that is asked for.
+        If the dataset is no optimisation, or does not have a value that is asked for.
     """
     style, units = options.style, options.units
     prepared = prepared_of(dataset)

@@ -27,9 +27,10 @@ BORDER = "#1a1a1a"  # on fills, which are light in every style
 def draw_map(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw the map of regimes over two axes; return axes and legend entries with shares.
+    """Draw a map of regimes over two axes; return its axes and legend entries with shares of cells.
 
-    `looks` are the regimes that occur.
+    Each cell is filled with the colour of its regime, and large regions are named in the map.
+    `selection` has the regimes and the two axes, `looks` the colours of the regimes that occur.
     """
     axes = figure.add_subplot()
     across, up, _, regimes = set_plane(axes, selection, MAX_POINTS)
@@ -48,10 +49,18 @@ def fill_cells(
     looks: Sequence[Look],
     fills: Sequence[RGB],
 ) -> None:
-    """Fill every cell with its regime's colour, hatched where results are not valid.
+    """Fill every cell of a map with the colour of its regime, hatched where formulas do not hold.
 
-    `regimes` has a row for each value of `up`; `fills` are the colours of `looks`, which are
-    ascending by value.
+    Parameters
+    ----------
+    across, up : PlotAxis
+        The axes of the map.
+    regimes : ndarray, shape (up, across)
+        The number of the regime of each cell.
+    looks : sequence of Look
+        The regimes that occur, ascending by number.
+    fills : sequence of RGB
+        Their colours.
     """
     x, y = cell_edges(across), cell_edges(up)
     values = [look.value for look in looks]  # ascending
@@ -77,9 +86,10 @@ def add_borders(
     looks: Sequence[Look],
     colour: str | RGB = BORDER,
 ) -> NDArray[np.int64]:
-    """Draw borders between regimes; return the regimes without tiny islands, as bordered.
+    """Draw borders between the regimes of a map; return the regimes without tiny islands.
 
-    `regimes` has a row for each value of `up`.
+    `regimes` has the number of the regime of each cell, shape (up, across), and the result the
+    same; islands have no borders. `looks` are the regimes that occur.
     """
     x, y = cell_edges(across), cell_edges(up)
     plain = without_specks(regimes)
@@ -106,9 +116,10 @@ def _as_corners(
 def share_entries(
     regimes: NDArray[np.int64], looks: Sequence[Look], fills: Sequence[RGB]
 ) -> list[Artist]:
-    """Return the legend entries, each with its share of all cells.
+    """Return the legend entries of a map of regimes, each with the share of cells in that regime.
 
-    `regimes` holds flag values or categories, and `fills` the colours of `looks`.
+    `regimes` has the number of the regime or category in each cell, of any shape; `fills` are the
+    colours of `looks`, one each.
     """
     return [
         _entry(look, fill, float(np.mean(regimes == look.value)))
@@ -117,7 +128,10 @@ def share_entries(
 
 
 def _entry(look: Look, fill: RGB, share: float) -> Artist:
-    """Return the legend entry of a regime with its share."""
+    """Return the legend entry of a regime, a patch of the colour `fill`, with its share.
+
+    `share` is that of the cells in this regime, 0 to 1.
+    """
     ink = to_rgb(BORDER) if look.valid else look.hatch_ink
     entry = swatch(look, fill, ink, hatched=not look.valid)
     entry.set_label(f"{look.label}, {percent(share)}")

@@ -160,10 +160,10 @@ def looks_of(
     *,
     exact: bool = False,
 ) -> list[Look]:
-    """Return colours and names of the regimes that occur, ascending by value.
+    """Return colours and names of the regimes that occur, ascending by number, to draw them.
 
-    `regime` is the variable that gives each value its name, `present` are the values that occur;
-    with `exact` the output holds in every regime, and none is hatched as invalid.
+    `regime` is the variable that gives each number its name, `present` are the numbers that occur,
+    of any shape; with `exact` the output is valid in every regime, and none is hatched.
 
     Raises
     ------
@@ -193,10 +193,18 @@ def shade(
     faces: Mapping[Look, RGB],
     style: Style,
 ) -> None:
-    """Shade and hatch the regimes of a plane, and draw their borders.
+    """Shade and hatch the regimes in a picture over two axes, and draw the borders between them.
 
-    Values that are not valid get a veil and a dense hatch. `regimes` has a row for each y; `faces`
-    holds the colour below each regime, by its look.
+    Where formulas do not hold there is a veil and a dense hatch, and the border is heavy.
+
+    Parameters
+    ----------
+    x, y : ndarray, shape (n,) and (m,)
+        Values of the axes.
+    regimes : ndarray, shape (m, n)
+        The number of the regime of each cell.
+    faces : mapping of Look to RGB
+        The colour that each regime has below the shading.
     """
     bordered = without_specks(regimes)
     for look, face in faces.items():
@@ -228,7 +236,11 @@ def shade(
 
 
 def swatch(look: Look, face: RGB, ink: RGB | None = None, *, hatched: bool = True) -> Patch:
-    """Return the legend entry of a regime on a face colour; `ink` is the colour of the hatching."""
+    """Return the legend entry of a regime: a patch of the colour `face` with its hatching.
+
+    `ink` is the colour of the hatching, by default that of the look; with `hatched` False there is
+    none.
+    """
     patch = Patch(facecolor=face, edgecolor=ink or look.hatch_ink, label=look.label)
     patch.set_linewidth(0.8)
     if hatched:

@@ -30,9 +30,9 @@ class Scale:
     extend: Literal["neither", "min", "max", "both"]
 
     def typical(self, values: NDArray[np.float64]) -> RGB:
-        """Return a strong colour of some values, at their 85th percentile.
+        """Return the colour of a large one of some values, their 85th percentile, to stand for all.
 
-        White if none is finite.
+        It is the colour of an area in a legend; white if no value is finite.
         """
         finite = values[np.isfinite(values)]
         if not finite.size:
@@ -49,7 +49,8 @@ def value_range(values: NDArray[np.float64]) -> tuple[float, float] | None:
     """Return the smallest and largest value to show; None if nothing is finite.
 
     Outliers are cut off, as at a pole, which would leave one colour to the rest of the picture: 1 %
-    on either side, if that shrinks the range more than fourfold. A flat range is widened.
+    on either side, if that shrinks the range more than fourfold. A flat range is widened. `values`
+    may have any shape, in the unit of the picture.
     """
     finite = values[np.isfinite(values)]
     if not finite.size:
@@ -65,9 +66,10 @@ def value_range(values: NDArray[np.float64]) -> tuple[float, float] | None:
 
 
 def scale_of(values: NDArray[np.float64], style: Style) -> Scale | None:
-    """Return the colour scale for values; None if nothing is finite.
+    """Return levels and colours for the values of a picture; None if no value is finite.
 
     If both signs occur to some extent, the colours have two branches with zero in the middle.
+    `values` may have any shape.
     """
     ends = value_range(values)
     if ends is None:

@@ -50,7 +50,7 @@ class PlotAxis:
 
     @property
     def is_log(self) -> bool:
-        """True if the values are geometrically spaced."""
+        """True if the values of the axis are geometrically spaced, to be drawn with a log scale."""
         if self.values.size < 3 or self.values[0] <= 0:
             return False
         steps = np.diff(np.log(self.values))
@@ -100,11 +100,11 @@ class Selection:
 def natural(
     dataset: xarray.Dataset, variable: str | None, axes: tuple[str, ...] | None
 ) -> tuple[str, str, tuple[str, ...]]:
-    """Return kind, output and axes of the default picture of an output.
+    """Return kind, output and axes of the picture that is drawn of a dataset by default.
 
     Lines are drawn over one axis, or if an axis has at most seven values; a map if values have
-    names; lines of equal value for speeds; else contours. `variable` and `axes` are what was asked
-    for, if anything.
+    names; lines of equal value for speeds; else contours. `variable` and `axes` are what the user
+    asked for, or None.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def select(
     *,
     nearest: bool = False,
 ) -> Selection:
-    """Return the slice of a dataset to draw.
+    """Return the values of a dataset to draw: one output over one or two axes, in readable units.
 
     Parameters
     ----------
@@ -149,14 +149,11 @@ def select(
     kind : str
         contour, surface, levels, line or map.
     units : ShownUnits, optional
-        Units for reading.
+        The units that the reader wants.
     nearest : bool
         True if a value of `at` that the dataset does not have stands for the nearest one.
 
-    Raises
-    ------
-    PlotError
-        If the dataset does not have what is asked for.
+    Raises `PlotError` if the dataset does not have what is asked for.
     """
     units = units or ShownUnits()
     whole, names, categories = _selected(dataset, variable, axes, kind)
@@ -198,9 +195,19 @@ def select(
 def _selected(
     dataset: xarray.Dataset, variable: str | None, axes: tuple[str, ...] | None, kind: str
 ) -> tuple[xarray.DataArray, tuple[str, ...], dict[int, str] | None]:
-    """Return the array to draw, its axes, and the names of its categories if it has any.
+    """Return the array of a dataset to draw, its axes, and the names of its categories or None.
 
-    Arguments as in `select`; raises `PlotError` if the kind does not fit the output.
+    Parameters
+    ----------
+    variable, axes : str, tuple of str, or None
+        The output, and the axes that the picture is to have; chosen here if None.
+    kind : str
+        The picture: ``"line"`` has one axis, ``"map"`` shows regimes or categories, others numbers.
+
+    Raises
+    ------
+    PlotError
+        If the kind of picture does not fit the output, or the dataset has no such output or axes.
     """
     if kind == "map" and "regime" not in dataset:
         fix = "Draw another kind, or leave out kind"
@@ -227,7 +234,7 @@ def outputs_of(dataset: xarray.Dataset) -> list[str]:
 
 
 def study_of(dataset: xarray.Dataset) -> dict[str, Any]:
-    """Return the study that a dataset carries; empty without one."""
+    """Return the study that a dataset carries as an attribute, as plain data; empty without one."""
     try:
         study = json.loads(str(dataset.attrs.get("study", "{}")))
     except ValueError:
@@ -236,9 +243,10 @@ def study_of(dataset: xarray.Dataset) -> dict[str, Any]:
 
 
 def held_fixed(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
-    """Return name, value and unit of every parameter with a single value, as texts.
+    """Return name, value and unit of every parameter that has a single value, as a text each.
 
-    Parameters of the study come before those left to defaults.
+    The texts stand below the title of a picture. Parameters that the study gives come before those
+    left to defaults; `units` are those in which the reader wants to see values.
     """
     parameters = study_of(dataset).get("parameters", {})
     single = [
@@ -270,9 +278,10 @@ def _regime(dataset: xarray.Dataset) -> xarray.DataArray:
 
 
 def _variable(dataset: xarray.Dataset, name: str | None) -> str:
-    """Return the output to draw; raise `PlotError` if the dataset has no such output.
+    """Return the name of the output to draw; raise `PlotError` if the dataset has no such output.
 
-    Without a name it is the first output that varies and is not a count.
+    `name` is what the user asked for; for None it is the first output that varies and does not
+    count cells.
     """
     outputs = outputs_of(dataset)
     if not outputs:
@@ -298,9 +307,10 @@ def _ranged(whole: xarray.DataArray) -> list[str]:
 
 
 def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> tuple[str, ...]:
-    """Return the axes to draw; raise `PlotError` for invalid ones.
+    """Return the names of the axes over which an output is drawn; raise `PlotError` for wrong ones.
 
-    Without `names` they are the `most` longest dimensions of the array.
+    `whole` is the output over all its dimensions. `names` are the axes that the user asked for, one
+    or two; without them the `most` longest dimensions are taken, in the order of the array.
     """
     ranged = _ranged(whole)
     if not ranged:
@@ -332,10 +342,11 @@ def _axis(coordinate: xarray.DataArray, units: ShownUnits) -> PlotAxis:
 
 
 def held_at(coordinate: xarray.DataArray, units: ShownUnits, position: int | None = None) -> str:
-    """Return name, value and unit of a parameter as one text, with non-breaking spaces.
+    """Return name, value and unit of a parameter as one text, for the lines below a title.
 
-    `position` is an index of a ranged parameter. A parameter over which a reduction went has its
-    range instead of a value.
+    Spaces are non-breaking. `coordinate` has the parameter's value, or its values if it is ranged;
+    then `position` is the index of the one that is shown. A parameter over which statistics were
+    taken has its range instead of a value. `units` are those that the reader wants.
     """
     name = name_in_words(str(coordinate.name))
     if position is None and "reduced_range" in coordinate.attrs:  # its value is only nominal

@@ -47,7 +47,7 @@ def write_sheet(file: Path, target: Path, *, title: str = "", units: str | None 
 
 
 def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = None) -> Figure:
-    """Return the one-page summary of a result.
+    """Return a one-page summary of a result: parameters, outputs, regimes, picture and assumptions.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     title : str
         Title of the page; by default that of the study.
     units : str, optional
-        Units for reading, as for `core.plots.draw`.
+        The units that the reader wants, as for `core.plots.draw`.
 
     Raises
     ------
@@ -116,7 +116,11 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
 
 
 def _parameters(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
-    """Return label and value (or range) of each parameter, without settings such as a tolerance."""
+    """Return label and value, or range of values, of each parameter of a result, for a table.
+
+    Settings of the computation, such as a tolerance, are left out. `units` are those that the
+    reader wants.
+    """
     rows = []
     for name, array in dataset.coords.items():
         if name not in QUANTITIES or name in SETTINGS:
@@ -126,7 +130,11 @@ def _parameters(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, s
 
 
 def _outputs(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
-    """Return label and value (or range) of each output."""
+    """Return label and value, or range of values, of each output of a result as texts for a table.
+
+    Codes such as a status, and what the search itself reports, are left out. `units` are those that
+    the reader wants.
+    """
     return [
         (long_name(array), _values(array, units))
         for name, array in dataset.data_vars.items()
@@ -136,7 +144,10 @@ def _outputs(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]
 
 
 def _values(array: xarray.DataArray, units: ShownUnits) -> str:
-    """Return the value or the range of an array with its unit; a dash if no value is finite."""
+    """Return the value or the range of an array with its unit; a dash if no value is finite.
+
+    `units` are those that the reader wants.
+    """
     shown = shown_in(array, units)
     values = np.asarray(array.values, dtype=float) * shown.factor
     values = values[np.isfinite(values)]
@@ -148,7 +159,10 @@ def _values(array: xarray.DataArray, units: ShownUnits) -> str:
 
 
 def _regimes(dataset: xarray.Dataset) -> str:
-    """Return the regimes that occur in words, with their shares of the cells."""
+    """Return a sentence on the regimes that occur in a result, with their shares of the cells.
+
+    A single regime is described instead; the text is empty if the dataset has no regimes.
+    """
     if "regime" not in dataset:
         return ""
     values, counts = np.unique(dataset["regime"].values, return_counts=True)

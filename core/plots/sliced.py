@@ -34,9 +34,9 @@ Painter = Callable[[FigureBase, Selection, Sequence[Look], Style], tuple[Axes, l
 
 
 def _said(look: Look, dataset: xarray.Dataset) -> Look:
-    """Return a regime's look, named by the reason if its cells have no regime.
+    """Return a regime's look for the legend, named by the reason if its cells have no regime.
 
-    The reason is the status of these cells, if the dataset has one.
+    The reason is the status of these cells, such as an invalid geometry, if the dataset has one.
     """
     if look.name != "not_assessed":
         return look
@@ -52,7 +52,11 @@ def _said(look: Look, dataset: xarray.Dataset) -> Look:
 
 
 def _add_sketch(sheet: SubFigure, dataset: xarray.Dataset, options: Options) -> None:
-    """Draw two colliding bodies as they lie, at the values of `options.at`, in each view."""
+    """Draw two colliding bodies as they lie, from each side, beside a picture of their impact.
+
+    `sheet` is the space for the views. Ranged parameters are taken at the values of `options.at`,
+    the nearest that the dataset has.
+    """
     positions = {
         str(name): int(np.abs(dataset[name].values - value).argmin())
         for name, value in options.at.items()
@@ -73,7 +77,11 @@ def check_result(dataset: xarray.Dataset) -> None:
 
 
 def fits_as(kind: str) -> Callable[[xarray.Dataset, Options], bool]:
-    """Return the test by which a dataset is drawn as a kind of picture by default."""
+    """Return the test that tells if a kind of picture is the one to draw when none is asked for.
+
+    `kind` is the name of the picture, such as ``"contour"``. The test is called with a dataset and
+    the options of the picture, and is true if that kind suits the dataset's axes and values best.
+    """
 
     def fits(dataset: xarray.Dataset, options: Options) -> bool:
         """True if a dataset is drawn as this kind by default."""
@@ -88,8 +96,15 @@ def renderer_of(
 ) -> Callable[[xarray.Dataset, Options], Figure]:
     """Return the function that draws a slice of a dataset as one kind of picture.
 
-    `painter` draws the slice; `beyond` says how invalid regimes look, with `{pale}` in place of the
-    style's word for pale.
+    Parameters
+    ----------
+    painter : callable
+        Draws the selected values into a figure; returns axes and legend entries.
+    kind : str
+        The kind, such as ``"contour"``.
+    beyond : str
+        Says in a note how regimes look in which formulas do not hold, with ``{pale}`` in place of
+        the style's word for pale.
     """
 
     def draw(dataset: xarray.Dataset, options: Options) -> Figure:

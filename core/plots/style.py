@@ -77,7 +77,7 @@ class Style:
 
     @property
     def series(self) -> tuple[str, ...]:
-        """The colours of unordered series."""
+        """The colours of curves that have no order, as texts ``#rrggbb``."""
         if self.dark:
             return (
                 "#6fb1e8", "#f0925f", "#7cc576", "#b99be0", "#d9b44a", "#f07fb0", "#5fd0d0",
@@ -113,9 +113,10 @@ class Style:
         return size * (SMALL if self.small else 1.0)
 
     def sheet(self, width: float = 8.0, height: float = 6.4) -> Figure:
-        """Return an empty figure; `width` and `height` are those of a normal picture [inch].
+        """Return an empty figure of matplotlib, on which a picture is drawn.
 
-        In the style of small pictures it is smaller.
+        `width` and `height` are those of a normal picture [inch]; in the style of small pictures it
+        is smaller.
         """
         if self.small:
             width, height = NARROW * width, LOW * height
@@ -132,7 +133,7 @@ class Style:
         return [(float(r), float(g), float(b)) for r, g, b, _ in shades]
 
     def dress(self, figure: Figure) -> None:
-        """Apply colours and text sizes to all axes and legends of a figure."""
+        """Apply the style's colours and text sizes to all axes and legends of a figure."""
         for axes in figure.findobj(Axes):
             self._dress_axes(axes)
         for legend in figure.findobj(Legend):
@@ -144,7 +145,10 @@ class Style:
             heading.set_color(self.ink)
 
     def _dress_axes(self, axes: Axes) -> None:
-        """Apply colours and text sizes to axes."""
+        """Apply the style's colours and text sizes to axes, in the plane or in space.
+
+        They are colours of background, frame, ticks and texts.
+        """
         axes.set_facecolor(self.ground)
         for spine in axes.spines.values():
             spine.set_edgecolor(mix(self.ground, self.ink, 0.75))
@@ -173,7 +177,10 @@ class Style:
 
 
 def mix(colour: str | RGB, other: str | RGB, share: float) -> RGB:
-    """Return a mixture of two colours; `share` is that of the second one, 0 to 1."""
+    """Return a mixture of two colours; `share` is that of the second one, 0 to 1.
+
+    Colours are texts or red, green and blue, 0 to 1; so is the result, in the latter form.
+    """
     red, green, blue = (
         (1 - share) * a + share * b for a, b in zip(to_rgb(colour), to_rgb(other), strict=True)
     )

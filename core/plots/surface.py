@@ -38,10 +38,12 @@ AZIMUTHS = (-50.0, -130.0, 130.0, 50.0)  # from where the corner in front may be
 def draw_surface(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw an output over two axes as a surface; return axes and legend entries.
+    """Draw an output over two axes as a surface in space; return its axes and the legend entries.
 
-    If several valid regimes occur, colours show regimes, else values. `looks` are the regimes that
-    occur.
+    Colours show the value, or the regimes if formulas hold in more than one that occurs.
+    `selection` has the values and their axes, of which at most `MAX_POINTS` points are drawn,
+    `looks` the regimes that occur. If no value is finite, a flat picture that says so is drawn
+    instead.
     """
     first, second = selection.axes
     rows, columns = thin(first.values.size, MAX_POINTS), thin(second.values.size, MAX_POINTS)
@@ -93,9 +95,20 @@ def _add_faces(
     *,
     by_regime: bool,
 ) -> None:
-    """Add a face for each visible cell, coloured by value or regime.
+    """Add a face for each cell of a surface in space, coloured by value or by regime.
 
-    `points` are x, y, z of the grid, shape (m, n, 3); `regimes` has the shape (m, n).
+    Parameters
+    ----------
+    points : ndarray, shape (m, n, 3)
+        x, y and z of the grid.
+    regimes : ndarray, shape (m, n)
+        Numbers of the regimes.
+    looks : sequence of Look
+        The regimes that occur; those where formulas do not hold are greyed.
+    scale : Scale
+        Colours of values, and the heights that are shown: other faces are left out.
+    by_regime : bool
+        True to colour by regime, with light and shade.
     """
     corners = [points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]]
     faces = np.stack(corners, axis=-2).reshape(-1, 4, 3)
@@ -118,9 +131,10 @@ def _add_faces(
 
 
 def _light(faces: NDArray[np.float64], scale: Scale) -> NDArray[np.float64]:
-    """Return the brightness of faces, shape (n,), 0.55 to 1, by the angle at which light falls in.
+    """Return the brightness of a surface's faces, shape (n,), 0.55 to 1, by the angle of light.
 
-    `faces` are the corners of each, shape (n, 4, 3).
+    `faces` are the four corners of each, shape (n, 4, 3), in the units of the axes; heights are
+    taken over the range of `scale`, so that the light falls on the surface as it is seen.
     """
     ends = faces.reshape(-1, 3)
     across, up = np.ptp(ends[:, 0]) or 1.0, np.ptp(ends[:, 1]) or 1.0
@@ -140,9 +154,10 @@ def _add_borders(
     scale: Scale,
     style: Style,
 ) -> None:
-    """Add borders between regimes, heavier where validity ends.
+    """Add borders between the regimes on a surface in space, heavier where formulas cease to hold.
 
-    `points` are x, y, z of the grid, shape (m, n, 3); `regimes` has the shape (m, n).
+    `points` are x, y, z of the grid, shape (m, n, 3); `regimes` has the numbers, shape (m, n), and
+    `looks` which of them are valid. Borders outside of the heights of `scale` are left out.
     """
     valid = np.isin(regimes, [look.value for look in looks if look.valid])
     for states, width in ((regimes, 0.8), (valid, 2.0)):
@@ -173,7 +188,16 @@ def _entry(look: Look, face: RGB) -> Artist:
 
 
 def _greyed(colours: NDArray[np.float64], look: Look) -> NDArray[np.float64]:
-    """Return colours, shape (n, 3), greyed if the regime is not valid."""
+    """Return the colours of a surface, greyed in a regime where formulas do not hold.
+
+    Parameters
+    ----------
+    colours : ndarray, shape (n, 3)
+        Red, green and blue of n faces, 0 to 1; the result has the same form.
+    look : Look
+        The regime and its colour. Where it is valid the colours are returned as they are; else most
+        of each turns to grey of its own lightness, with a tint of the regime's colour.
+    """
     if look.valid:
         return colours
     grey = 0.6 + 0.36 * (luminance(colours))[:, np.newaxis]

@@ -44,9 +44,9 @@ def shown_in(array: xarray.DataArray, units: ShownUnits) -> Shown:
 
 
 def units_of(dataset: xarray.Dataset, asked: Sequence[str] | str | None) -> ShownUnits:
-    """Return the asked units, else those of the dataset's study.
+    """Return the units in which a picture shows values: those asked for, else those of the study.
 
-    `asked` are names such as `m/min`, as a list or separated by commas.
+    `asked` are names such as `m/min`, as a list or separated by commas, or None.
 
     Raises
     ------
@@ -72,7 +72,10 @@ def with_unit(text: str, unit: str) -> str:
 
 
 def math_symbol(symbol: str) -> str:
-    """Return a symbol of a quantity as mathematical text, as in `mu_s`; empty for an expression."""
+    r"""Return a symbol of a quantity as mathematical text, as in `mu_s`; empty for an expression.
+
+    The result is in matplotlib's notation, as in ``$\mu_{\mathrm{s}}$``, for labels of axes.
+    """
     match = re.fullmatch("(" + "|".join(GREEK) + r"|[A-Za-z])_?(\d|[a-z]+)?", symbol)
     if not match:
         return ""
@@ -94,7 +97,10 @@ def axis_label(array: xarray.DataArray, unit: str) -> str:
 
 
 def short_label(array: xarray.DataArray, unit: str) -> str:
-    """Return symbol and unit of an axis; without a symbol the long name and the unit."""
+    """Return symbol and unit of an output for a narrow axis, or its long name without a symbol.
+
+    `array` has these as attributes; `unit` is that in which its values are shown.
+    """
     symbol = math_symbol(str(array.attrs.get("symbol", "")))
     return (
         " ".join(part for part in (symbol, in_brackets(unit)) if part)
@@ -104,7 +110,11 @@ def short_label(array: xarray.DataArray, unit: str) -> str:
 
 
 def demand_in_words(array: xarray.DataArray, units: ShownUnits) -> str:
-    """Return the demand whose probability an array holds, in words; empty for other variables."""
+    """Return in words the demand whose probability an array has; empty for other arrays.
+
+    An example is "Probability of conveying velocity at least 80 mm/s". Output and bounds stand in
+    the attributes of the array; `units` are those that the reader wants.
+    """
     name, attributes = str(array.name), array.attrs
     if not name.startswith("probability_") or "output" not in attributes:
         return ""

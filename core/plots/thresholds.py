@@ -62,15 +62,15 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the picture of an output over one parameter with its thresholds.
+    """Return the picture of an output over one parameter, with its thresholds marked.
 
-    Each kind of threshold is marked where it comes first; the best value is that of the largest
-    size, positive or negative.
+    At thresholds the motion changes, such as from sliding to hopping. Each kind is marked where it
+    comes first; the best value is that of the largest size, positive or negative.
 
     Raises
     ------
     PlotError
-        If the dataset does not hold what is asked for.
+        If the dataset does not have what is asked for.
     """
     check_result(dataset)
     style, units, axes, at = options.style, options.units, options.axes, options.at
@@ -123,7 +123,10 @@ def find_thresholds(
     multiples: NDArray[np.float64] | None,
     unit: str,
 ) -> tuple[list[Threshold], int]:
-    """Return the first threshold of each kind along an axis, and the number of others.
+    """Return the first threshold of each kind along an axis, and the number of later ones.
+
+    Thresholds are changes of the regime or of the number of periods after which the motion repeats,
+    the point where parts reverse, and the best value. They lie half-way between two points.
 
     Parameters
     ----------
@@ -160,7 +163,10 @@ def find_thresholds(
 
 
 def _change(before: str, after: str) -> str:
-    """Return the change from one regime to the next in words; both are names of regimes."""
+    """Return the change from one regime to the next in words; both are names of regimes.
+
+    It is the label of a threshold in a picture, such as "lifts off".
+    """
     if before in ("stick", "no_motion"):
         return "starts to move"
     if after in ("stick", "no_motion"):
@@ -189,7 +195,9 @@ def _repeats(multiple: int) -> str:
 def _turn(axis: NDArray[np.float64], values: NDArray[np.float64], limit: float) -> Threshold | None:
     """Return the first threshold at which parts reverse their direction; None if they do not.
 
-    `limit` is the speed below which a part counts as having no direction, in the unit of `values`.
+    `axis` are the values of the parameter, ascending, and `values` the velocities there, both of
+    shape (n,); the position of the threshold is interpolated. `limit` is the speed below which a
+    part counts as having no direction, in the unit of `values`.
     """
     moving = np.flatnonzero(np.abs(np.nan_to_num(values)) > limit)
     for before, after in pairwise(moving):
@@ -207,9 +215,17 @@ def _mark(
     selection: Selection,
     style: Style,
 ) -> None:
-    """Draw a line with a label at each threshold, in rows above the curve.
+    """Mark thresholds on a curve: a vertical line and a label for each, a star at the best value.
 
-    A star at the best value.
+    The labels are stacked in rows above the curve so that none hides another; the upper limit of
+    the vertical axis is raised to make room for them.
+
+    Parameters
+    ----------
+    thresholds : sequence of Threshold
+        Position on the horizontal axis, text, and whether it is that of the best value.
+    selection : Selection
+        The curve: its axis and its values, in the units that the picture shows.
     """
     size = style.text(TEXT)
     low, high = axes.get_ylim()
@@ -267,9 +283,10 @@ class _Label(NamedTuple):
 def _rows(labels: Sequence[_Label], left: float, right: float) -> list[tuple[_Label, int, bool]]:
     """Return each label with its row above the curve, and True if it is left of its line.
 
-    No line runs through a label. `left` and `right` are the ends of the frame in dots; labels that
-    find no room to the right of their lines stand to the left. Of labels on the right, those
-    further to the left lie higher; of labels on the left, those further to the right.
+    Labels name thresholds, marked by vertical lines; no line runs through a label. `labels` have a
+    position and a width, ascending; `left` and `right` are the ends of the frame, all in dots.
+    Labels that find no room to the right of their lines stand to the left. Of labels on the right,
+    those further to the left lie higher; of labels on the left, those further to the right.
     """
     limit, leftward = right, []
     for label in reversed(labels):
@@ -296,7 +313,10 @@ def _span(label: _Label, leftward: bool) -> tuple[float, float]:
 
 
 def _label(threshold: Threshold, selection: Selection) -> str:
-    """Return the text of a threshold's label: what happens, and at which value of the axis."""
+    """Return the label of a threshold in a picture: what happens, and at which value of the axis.
+
+    `selection` has the axis; the value has as many digits as its step allows.
+    """
     axis = selection.axes[0]
     step = float(np.diff(axis.values).max())
     digits = 3

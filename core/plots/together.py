@@ -34,9 +34,9 @@ BEYOND = "Pale: values there do not describe a real part"
 
 
 def draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figure:
-    """Return the picture of one output of several datasets over one axis, a line each.
+    """Return the picture of one output of several datasets over one axis, a curve each.
 
-    Each line is named by the parameters in which its dataset differs from the others, or by its
+    Each curve is named by the parameters in which its dataset differs from the others, or by its
     file.
 
     Raises
@@ -83,9 +83,10 @@ def draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figur
 def _selections(
     datasets: Sequence[xarray.Dataset], options: Options
 ) -> tuple[list[Selection], ShownUnits]:
-    """Return the curve of each dataset in common units, and these units.
+    """Return the curve of each dataset, over one axis and in common units, and these units.
 
-    Raises `PlotError` if the datasets share no output or axis.
+    Output, axis and held values are those of `options`, or what the datasets share. Raises
+    `PlotError` if they share no output or axis.
     """
     output = _output(datasets, options.variable)
     axis = _axis(datasets, output, options.axes)
@@ -114,9 +115,10 @@ def _add_lines(
     selections: Sequence[Selection],
     style: Style,
 ) -> bool:
-    """Draw the curves, pale where not valid; True if some values are not valid.
+    """Draw a curve of each dataset into one picture; True if some values are not valid.
 
-    Datasets and selections belong together.
+    Values where the formulas do not hold are pale. `selections` has the values of each dataset and
+    their axis, in the units of the picture.
     """
     beyond = False
     rows = zip(datasets, selections, style.series, DASHES, strict=False)
@@ -137,9 +139,10 @@ def _add_lines(
 
 
 def _output(datasets: Sequence[xarray.Dataset], asked: str | None) -> str:
-    """Return the output to draw: the asked one, or the first that varies in all datasets.
+    """Return the name of the output that curves of several datasets show.
 
-    Raises `PlotError` if a dataset does not have it.
+    It is the one `asked` for, or the first that varies in all datasets. Raises `PlotError` if a
+    dataset does not have it.
     """
     if asked is not None:
         for dataset in datasets:
@@ -157,9 +160,10 @@ def _output(datasets: Sequence[xarray.Dataset], asked: str | None) -> str:
 
 
 def _axis(datasets: Sequence[xarray.Dataset], output: str, asked: tuple[str, ...] | None) -> str:
-    """Return the axis to draw: the asked one, or the longest that the output has in all datasets.
+    """Return the axis over which curves of several datasets are drawn.
 
-    Raises `PlotError` if there is none.
+    It is the one `asked` for, or the longest that the output has in all datasets. Raises
+    `PlotError` if there is none.
     """
     if asked is not None and len(asked) != 1:
         raise PlotError(
@@ -187,9 +191,10 @@ def _axis(datasets: Sequence[xarray.Dataset], output: str, asked: tuple[str, ...
 def _held(
     datasets: Sequence[xarray.Dataset], at: Mapping[str, float], axis: str
 ) -> list[dict[str, float]]:
-    """Return the values of `at` that apply to each dataset: those of its dimensions.
+    """Return the values of `at` that apply to each of several datasets: those of its dimensions.
 
-    Unknown names, and the axis itself, are kept, so that they are refused later.
+    `at` has values of parameters by name, as the user asked for; `axis` is the one over which
+    curves are drawn. Unknown names, and the axis itself, are kept, so that they are refused later.
     """
     known = {str(name) for dataset in datasets for name in dataset.dims}
     unknown = {name for name in at if name not in known or name == axis}
@@ -202,7 +207,11 @@ def _held(
 def _labels(
     datasets: Sequence[xarray.Dataset], selections: Sequence[Selection], units: ShownUnits
 ) -> tuple[list[str], list[str]]:
-    """Return labels that distinguish the datasets, and the facts that they have in common."""
+    """Return labels that tell the datasets of a picture apart, and the facts that they share.
+
+    A label is made of parameters, or of the scene or file if these differ. `selections` has the
+    facts of each dataset.
+    """
     facts = [list(dict.fromkeys(selection.fixed)) for selection in selections]
     common = [fact for fact in facts[0] if all(fact in other for other in facts)]
     labels = [[fact for fact in own if fact not in common] for own in facts]
@@ -216,7 +225,10 @@ def _labels(
 
 
 def _distinct(labels: list[str], datasets: Sequence[xarray.Dataset]) -> list[str]:
-    """Return labels that are all different, with file names or numbers where needed."""
+    """Return labels of datasets, made different by file names or numbers where they are equal.
+
+    Legends tell curves apart by them; the result has a label for each dataset, in order.
+    """
     if len(set(labels)) < len(labels) or not all(labels):
         names = [_name(dataset) for dataset in datasets]
         labels = [": ".join(filter(None, pair)) for pair in zip(names, labels, strict=True)]
@@ -238,7 +250,7 @@ def _name(dataset: xarray.Dataset) -> str:
 
 
 def _shared(datasets: Sequence[xarray.Dataset]) -> list[str]:
-    """Return the outputs that are ranged in all datasets."""
+    """Return the names of outputs that have several values in every dataset, to compare them by."""
     return [
         name
         for name in outputs_of(datasets[0])

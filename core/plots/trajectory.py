@@ -109,7 +109,11 @@ def check_trajectory(
     axes: tuple[str, ...] | None,
     at: Mapping[str, float],
 ) -> None:
-    """Raise `PlotError` if there is no motion, or options do not apply to one."""
+    """Raise `PlotError` if a dataset has no motion over time, or if options do not apply to one.
+
+    `variable`, `axes` and `at` are what the user asked for: an output, axes, and values of ranged
+    parameters. The picture of a motion shows fixed outputs over time, so only `at` may be given.
+    """
     if TIME not in dataset.dims:
         fix = "Set trajectory = 400 in a study of one point, and run it"
         raise PlotError(
@@ -130,12 +134,15 @@ def check_trajectory(
 
 
 def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
-    """Return the motion of a dataset's part, in units for reading.
+    """Return the motion of a dataset's part over time, in the units in which it is drawn.
+
+    The dataset has the axis `time` and the positions, velocities and modes that `simulate` writes;
+    `units` are the units that the reader wants.
 
     Raises
     ------
     PlotError
-        If the dataset lacks a variable of the motion, or has no values.
+        If the dataset lacks a variable of the motion, or has no values since no cycle was found.
     """
     known = {**dataset.data_vars, **dataset.coords}
     shape, _ = shape_of(map(str, known))
@@ -194,10 +201,11 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
 
 
 def draw_trajectory(figure: Figure, shown: Trajectory, style: Style) -> tuple[Axes, list[Artist]]:
-    """Draw the motion of a part; return the upper axes and legend entries.
+    """Draw the motion of a part over time; return the upper axes and the legend entries.
 
-    Panels show the height over the track, the velocity along it, the position, and the distance
-    from a wall, if there is one.
+    Panels below each other show the height of track and part, their velocity along the track, the
+    position of the part on it, and its distance from the wall if there is one. Backgrounds tell
+    what the part does. `shown` has the values in the units of the picture.
     """
     walled = shown.wall is not None
     ratios = (*PANELS, WALL_PANEL) if walled else PANELS
@@ -244,7 +252,11 @@ def draw_trajectory(figure: Figure, shown: Trajectory, style: Style) -> tuple[Ax
 
 
 def _draw_wall(axes: Axes, shown: Trajectory, distance: NDArray[np.float64], style: Style) -> None:
-    """Draw the distance of the part from the wall over time, in the unit of the trajectory."""
+    """Draw the distance of a part from the wall over time into a panel of its own.
+
+    `distance` has a value for each time of `shown`, in its unit `wall_unit`; the wall is shaded
+    below 0.
+    """
     low, high = _limits(np.append(distance, 0.0))
     body = mix(style.other, style.ground, 0.5)
     axes.axhspan(low, 0.0, facecolor=body, linewidth=0, zorder=2)
@@ -261,7 +273,10 @@ def _under(style: Style) -> str:
 
 
 def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
-    """Return mean velocity, regime, and fixed values in words."""
+    """Return the lines below the title of a motion's picture: mean velocity, regime, parameters.
+
+    Each is a text with non-breaking spaces; `units` are those that the reader wants.
+    """
     facts = []
     mean = dataset.get("conveying_velocity")
     if mean is not None and not mean.ndim and np.isfinite(mean):
@@ -290,7 +305,9 @@ def _limits(*curves: NDArray[np.float64]) -> tuple[float, float]:
 def _swing(
     seconds: NDArray[np.float64], period: float, track: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the velocity of a track that moves as a sine, at any times [m s-1].
+    """Return the velocity along itself of a track that moves as a sine, at any times [m/s].
+
+    Its amplitude is fitted to the displacement.
 
     Parameters
     ----------
@@ -309,7 +326,10 @@ def _swing(
 
 
 def _wave(dataset: xarray.Dataset, shape: Shape) -> Wave:
-    """Return the drive that a dataset's parameters define; `shape` is its kind, as of harmonics."""
+    """Return the drive that a dataset's parameters define, for drives that are no plain sine.
+
+    `shape` is its kind, such as harmonics or steps, and knows its parameters.
+    """
     given = {name: values_of(dataset[name]) for name in shape.inputs}
     return shape.wave(
         **{n: np.deg2rad(v) if QUANTITIES[n].is_angle else v for n, v in given.items()}
@@ -317,9 +337,11 @@ def _wave(dataset: xarray.Dataset, shape: Shape) -> Wave:
 
 
 def _orbit(wave: Wave) -> NDArray[np.float64] | None:
-    """Return the orbit of the track over a period, along and normal; None if it is a line.
+    """Return the path of the track over a period, along and normal, shape (2, points), or None.
 
-    The shape is (2, points); the unit is that of the drive's own dimensionless position.
+    None if it is a line. The unit is that of the drive's own dimensionless position, g/w^2 with w =
+    2 pi f. `wave` has the push of the drive, minus the track's acceleration per weight, as sines
+    and steps.
     """
     phases = np.linspace(0.0, TURN, ORBIT_POINTS + 1)
     orbit = np.stack([position_at(wave, axis, phases) for axis in (ALONG, NORMAL)])
@@ -328,7 +350,10 @@ def _orbit(wave: Wave) -> NDArray[np.float64] | None:
 
 
 def _draw_orbit(axes: Axes, orbit: NDArray[np.float64], style: Style) -> None:
-    """Draw the orbit of the track as an inset, with a dot at the start and an arrow."""
+    """Draw the path of the track over a period as an inset, with a dot at the start and an arrow.
+
+    `orbit` is its displacement along and normal, shape (2, points), in any one unit.
+    """
     inset = axes.inset_axes(ORBIT_AXES, facecolor=style.ground, zorder=5)
     inset.plot(*orbit, color=style.other, linewidth=style.width(1.4))
     inset.plot(*orbit[:, :1], color=style.other, marker="o", markersize=style.width(3.5))
@@ -342,7 +367,10 @@ def _draw_orbit(axes: Axes, orbit: NDArray[np.float64], style: Style) -> None:
 
 
 def _flag(array: xarray.DataArray, value: int) -> str:
-    """Return the name of a flag's value; raise `PlotError` if the array does not name it."""
+    """Return the name that a code of an array stands for; raise `PlotError` if it has none.
+
+    A code is a regime or a mode of the motion; the array has the names as attributes.
+    """
     try:
         return flags_of(array.attrs)[value]
     except KeyError:
@@ -355,9 +383,9 @@ def _modes(array: xarray.DataArray) -> list[str]:
 
 
 def _look(mode: str, style: Style) -> tuple[str, RGB]:
-    """Return hatch and background colour of a mode of the contact.
+    """Return hatch and background colour for what a part does, such as sticking or sliding.
 
-    Flight has the ground's colour.
+    `mode` is a name of `MODES`, ``"flight"``, which has the colour of the ground, or unknown.
     """
     if mode == "flight":
         return "", mix(style.ground, style.ground, 0.0)
@@ -366,7 +394,10 @@ def _look(mode: str, style: Style) -> tuple[str, RGB]:
 
 
 def _shade_modes(axes: Axes, shown: Trajectory, style: Style) -> None:
-    """Colour the background by mode, with borders half-way between two times."""
+    """Colour the background by what the part does, with borders half-way between two times.
+
+    `shown` has its mode, such as sticking or sliding, at each time.
+    """
     time = shown.time
     edges = np.concatenate([time[:1], (time[:-1] + time[1:]) / 2, time[-1:]])
     changes = [i for i in range(1, len(shown.modes)) if shown.modes[i] != shown.modes[i - 1]]
@@ -379,7 +410,7 @@ def _shade_modes(axes: Axes, shown: Trajectory, style: Style) -> None:
 
 
 def _mark_periods(axes: Axes, shown: Trajectory, style: Style) -> None:
-    """Draw a line at the start of each period of the drive."""
+    """Draw a dotted line at the start of each period of the drive, unless they are too many."""
     first, last = np.ceil(shown.time[0] / shown.period), np.floor(shown.time[-1] / shown.period)
     if last - first > MAX_PERIODS:
         return
@@ -390,7 +421,7 @@ def _mark_periods(axes: Axes, shown: Trajectory, style: Style) -> None:
 
 
 def _lines(style: Style) -> list[Artist]:
-    """Return the legend entries of part and track."""
+    """Return the legend entries of the curves of part and track in a picture of a motion."""
     return [
         Line2D([], [], color=style.curve, linewidth=style.width(2.0), label="part"),
         Line2D([], [], color=style.other, linewidth=style.width(1.4), label="track"),
@@ -398,7 +429,10 @@ def _lines(style: Style) -> list[Artist]:
 
 
 def _mode_entries(modes: list[str], style: Style) -> list[Artist]:
-    """Return the legend entries of the modes that occur."""
+    """Return the legend entries of what a part does, such as sticking, for the modes that occur.
+
+    `modes` are its modes over time.
+    """
     entries: list[Artist] = []
     for name in dict.fromkeys((*MODES, "flight", *modes)):
         if name in modes:

@@ -66,7 +66,11 @@ class TumblingTrajectory(NamedTuple):
 
 
 def read_tumbling(dataset: xarray.Dataset, units: ShownUnits) -> TumblingTrajectory:
-    """Return the trajectory of a dataset's tumbling part, in units for reading.
+    """Return the trajectory of a dataset's tumbling part, a rectangle, in the units that are drawn.
+
+    The dataset has position, pitch and gap to the plane over the axis `time`; the outline of the
+    part at each time is made from them and its length and height. It ends where the caller's
+    picture would show no more motion. `units` are those that the reader wants.
 
     Raises
     ------
@@ -119,7 +123,9 @@ def draw_tumbling(
 ) -> tuple[Axes, list[Artist]]:
     """Draw the trajectory of a tumbling part; return the upper axes and legend entries.
 
-    Panels show the part from the side, the height of its lowest corner, and its pitch.
+    Panels show the part from the side, the height of its lowest corner over the plane, and its
+    pitch over time; times at which it touches the plane are shaded. `shown` has the values in the
+    units of the picture.
     """
     side, gaps, pitches = figure.subplots(3, 1, height_ratios=PANELS)
     gaps.sharex(pitches)
@@ -144,7 +150,11 @@ def draw_tumbling(
 
 
 def _draw_side(axes: Axes, shown: TumblingTrajectory, style: Style) -> None:
-    """Draw outlines of the part from the side, equally far apart, and its middle's path."""
+    """Draw a tumbling part from the side: outlines equally far apart, and the path of its middle.
+
+    The first and the last outline are filled; the plane on which the part falls is at height 0.
+    `shown` has the outlines, shape (times, 4, 2), and the path in the units of the picture.
+    """
     moved = np.abs(np.diff(shown.outlines, axis=0)).sum(axis=(1, 2))
     passed = np.concatenate([[0.0], np.cumsum(moved)])
     chosen = np.unique(np.searchsorted(passed, np.linspace(0.0, passed[-1], OUTLINES)))
@@ -178,10 +188,10 @@ def _draw_side(axes: Axes, shown: TumblingTrajectory, style: Style) -> None:
 
 
 def _end(outlines: Array, pitch: Array, size: float) -> int:
-    """Return the number of times to show: until shortly after the part rests.
+    """Return the number of times to show of a trajectory: until shortly after the part rests.
 
-    `outlines` are the part's corners over time, `size` the length by which rest is judged, in the
-    same unit; `pitch` is in degrees.
+    `outlines` are the part's corners, shape (times, 4, 2), `size` the length by which rest is
+    judged, in the same unit; `pitch` is in degrees, shape (times,).
     """
     still = np.abs(outlines - outlines[-1]).max(axis=(1, 2)) < STILL * size
     still &= np.abs(pitch - pitch[-1]) < STILL * 360
@@ -191,7 +201,10 @@ def _end(outlines: Array, pitch: Array, size: float) -> int:
 
 
 def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
-    """Return the final state of the part, and fixed values, in words."""
+    """Return the lines below the title of a tumbling part's picture: how it rests, parameters.
+
+    Each is a text with non-breaking spaces; `units` are those that the reader wants.
+    """
     facts = []
     side, settled = dataset.get("resting_side"), dataset.get("settling_time")
     if side is not None and not side.ndim and np.isfinite(side):
@@ -205,7 +218,10 @@ def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
 
 
 def _entries(style: Style) -> list[Artist]:
-    """Return the legend entries of the drawing."""
+    """Return the legend entries for a tumbling part: part, path of its middle, contact.
+
+    The contact is the time at which the part touches the plane.
+    """
     patch = Polygon([(0, 0), (1, 0), (1, 1)], facecolor=mix(style.curve, style.ground, 0.55))
     patch.set(edgecolor=style.curve, label="the part, drawn strongest at the end")
     touch = Polygon([(0, 0), (1, 0), (1, 1)], facecolor=mix(style.other, style.ground, 0.75))

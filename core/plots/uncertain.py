@@ -104,7 +104,10 @@ class UncertainOutput:
         return f"{self.output}_{part}" in self.design
 
     def end_in_words(self, name: str, end: str) -> str:
-        """Return the lower or upper end (`end`) of a parameter's tolerance, with its unit."""
+        """Return the lower or upper end of a parameter's tolerance as a text with its unit.
+
+        `name` is the parameter and `end` ``"lower"`` or ``"upper"``.
+        """
         known = json.loads(str(self.design.attrs["uncertain_parameters"]))
         quantity = QUANTITIES[name]
         lower, upper = tolerance(name, read_distribution(name, known[name], quantity))
@@ -117,7 +120,11 @@ class UncertainOutput:
 
 
 def kind_of(dataset: xarray.Dataset) -> str | None:
-    """Return the kind of picture for a sensitivity study; None for other results."""
+    """Return the kind of picture to draw by default of a study with uncertain parameters, or None.
+
+    It is the first of ``"distribution"``, ``"indices"`` and others whose variables the dataset has;
+    None for results of other kinds of study.
+    """
     if "uncertain_parameters" not in dataset.attrs:
         return None
     names = [str(name) for name in dataset.data_vars]
@@ -128,7 +135,11 @@ def kind_of(dataset: xarray.Dataset) -> str | None:
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """True for the first kind of picture for which a sensitivity study has values."""
+    """True if a kind of picture is the one to draw of a study with uncertain parameters by default.
+
+    It is the first kind for which the dataset has values; `options` has the kind and what the user
+    asked for.
+    """
     asked = (options.variable, options.axes) != (None, None)
     if asked or options.kind != kind_of(dataset):
         return False
@@ -142,12 +153,14 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return a picture of a sensitivity study at one design.
+    """Return a picture of a study with uncertain parameters, for one output at one design.
+
+    The kind of picture is `options.kind`: distribution, indices, effects or tornado.
 
     Raises
     ------
     PlotError
-        If the dataset does not hold what is asked for.
+        If the dataset does not have what is asked for.
     """
     style, kind = options.style, str(options.kind)
     result = _result(
@@ -171,20 +184,18 @@ def _result(
     *,
     nearest: bool,
 ) -> UncertainOutput:
-    """Return the output of a kind of picture, at the chosen design.
+    """Return the values of one output of a study with uncertain parameters, to be drawn.
 
     Parameters
     ----------
     kind : str
-        The kind of picture, which needs an analysis.
-    dataset : xarray.Dataset
-        A sensitivity study.
+        The kind of picture, which needs one of the study's analyses.
     variable : str or None
         The output; by default the first.
     at : mapping of str to float
-        Values of ranged parameters; by default their middle.
+        Values of ranged parameters, which choose the design; by default their middle.
     units : ShownUnits
-        Units for reading.
+        The units that the reader wants.
     nearest : bool
         True if a value of `at` that the dataset does not have stands for the nearest one.
 
@@ -216,9 +227,19 @@ def _result(
 
 
 def _output(kind: str, dataset: xarray.Dataset, variable: str | None) -> str:
-    """Return the output to draw; raise `PlotError` if values for the kind are missing.
+    """Return the output to draw in a picture of a study with uncertain parameters.
 
-    `variable` is the one that was asked for, by default the first.
+    Parameters
+    ----------
+    kind : str
+        The picture, such as ``"tornado"``; each needs variables of its own.
+    variable : str or None
+        The output that the user asked for; by default the first.
+
+    Raises
+    ------
+    PlotError
+        If the dataset is no such study, or does not have the output or the values for that picture.
     """
     names = [str(name) for name in dataset.data_vars]
     outputs = [name.removesuffix(LEFT_OUT) for name in names if name.endswith(LEFT_OUT)]
@@ -242,9 +263,14 @@ Drawing = tuple[str, Sequence[Artist], str]
 
 
 def _draw_distribution(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
-    """Draw the distribution of an output with quantiles and bounds of demands.
+    """Draw the distribution of an output as a histogram, with quantiles and bounds of demands.
 
-    As all painters, return the name of the picture, the legend entries, and a note.
+    `result` has the values at one design.
+
+    Returns
+    -------
+    tuple
+        Title of the picture, entries of its legend, and a note below it on points without a value.
     """
     levels = np.asarray(result.design[LEVEL].values, dtype=np.float64)
     values = result.values("distribution")
@@ -318,7 +344,17 @@ def _rising(
 
 
 def _draw_indices(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
-    """Draw first-order and total Sobol indices as bars with intervals."""
+    """Draw Sobol indices as bars: each uncertain parameter's share of an output's variance.
+
+    The first index is that of a parameter alone, the total one with all its interactions; bars have
+    95 % intervals, and the parameter of the largest total stands on top. `result` has the values at
+    one design.
+
+    Returns
+    -------
+    tuple
+        Title of the picture, entries of its legend, and a note below it.
+    """
     total = result.shares("total")
     order = np.argsort(total)
     names = [result.names[k] for k in order]
@@ -340,7 +376,18 @@ def _draw_indices(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
 
 
 def _draw_effects(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
-    """Draw Morris's plane: mean effect mu* of each parameter against its deviation sigma."""
+    """Draw Morris's diagram: mean effect of uncertain parameters and its scatter.
+
+    The effect is the change of the output when that parameter alone runs over its range. mu* is the
+    mean of its size, sigma its standard deviation over other values of the parameters: large where
+    the output is curved or parameters act together. `result` has the values at one design, in the
+    unit of the picture.
+
+    Returns
+    -------
+    tuple
+        Title of the picture, entries of its legend, and a note below it.
+    """
     size, deviation = result.values("effect"), result.values("effect_deviation")
     most = float(np.nanmax(size)) * (1 + 2 * PADDING)
     high = float(np.nanmax(deviation)) * (1 + 3 * PADDING)
@@ -366,7 +413,17 @@ def _draw_effects(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
 
 
 def _draw_tornado(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
-    """Draw the tornado diagram: effect of each tolerance and of the worst cases."""
+    """Draw a tornado diagram: how far each tolerance alone moves an output from its nominal value.
+
+    For each uncertain parameter there are two bars, with the parameter at its lower and at its
+    upper end. Dashed lines show the least and the largest output with all parameters together.
+    `result` has the values at one design, in the unit of the picture.
+
+    Returns
+    -------
+    tuple
+        Title of the picture, entries of its legend, and a note below it, which is empty.
+    """
     lower, upper = result.values("at_lower"), result.values("at_upper")
     middle = float(result.values("nominal"))
     reach = np.nan_to_num(np.maximum(np.abs(lower - middle), np.abs(upper - middle)))
@@ -404,7 +461,11 @@ def _draw_tornado(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
 
 
 def _set_rows(axes: Axes, names: Sequence[str], style: Style) -> None:
-    """Set the names of rows on the vertical axis."""
+    """Label the rows of a diagram of uncertain parameters: row k, at height k, with the k-th name.
+
+    `names` are names of parameters, which are shown in words. The grid is drawn for the horizontal
+    axis alone.
+    """
     axes.set_yticks(range(len(names)), [words(name) for name in names])
     axes.set_ylim(-0.6, len(names) - 0.4)
     axes.tick_params(axis="y", length=0)

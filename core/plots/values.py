@@ -36,7 +36,9 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the table of a design's values; ranged parameters are fixed at `at`.
+    """Return the outputs of one cell of a dataset as a table, with a sketch of an impact.
+
+    Ranged parameters are held at `options.at`, by default at their middle values.
 
     Raises
     ------
@@ -80,14 +82,15 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 
 
 def rows_of(design: xarray.Dataset, units: ShownUnits, variable: str | None = None) -> list[Row]:
-    """Return name and value of each output of one design, in units for reading.
+    """Return label and value of each output of one design as texts, the rows of a table.
 
-    `variable` is an output that comes first.
+    `design` has a single value of each; `variable` is an output that comes first. `units` are those
+    that the reader wants.
 
     Raises
     ------
     PlotError
-        If the design does not have it.
+        If the design does not have that output.
     """
     names = [str(name) for name, one in design.data_vars.items() if one.size == 1]
     if variable is not None and variable not in names:
@@ -100,7 +103,11 @@ def rows_of(design: xarray.Dataset, units: ShownUnits, variable: str | None = No
 
 
 def _row(array: xarray.DataArray, units: ShownUnits) -> Row:
-    """Return name and value of an output in the unit for reading; "no value" if not finite."""
+    """Return label and value of an output as texts, in the unit that the reader wants.
+
+    `array` has a single value. A category is shown by its name, "no value" stands for a number that
+    is not finite.
+    """
     categories = categories_of(array)
     label = axis_label(array, "")
     if categories:
@@ -111,7 +118,11 @@ def _row(array: xarray.DataArray, units: ShownUnits) -> Row:
 
 
 def _write(axes: Axes, rows: list[Row], style: Style) -> None:
-    """Write the rows of a table, the first in large letters."""
+    """Write a table of labels and values into axes, a line a row, the first value in bold.
+
+    Labels stand at the left, values at the right. If there are more than `MAX_ROWS` rows, the last
+    line says how many are left out.
+    """
     if len(rows) > MAX_ROWS:
         rows = [*rows[: MAX_ROWS - 1], (f"{len(rows) - MAX_ROWS + 1} more in the file", "")]
     axes.set(xlim=(0, 1), ylim=(len(rows) - 0.4, -0.6))

@@ -9,7 +9,10 @@ MAX_STRETCHES = 6
 
 
 def _turns(n: int) -> Quantity:
-    """Return the quantity of the turns of stretch n."""
+    """Return the declaration of a parameter: the turns of stretch `n` of a bowl's track.
+
+    A stretch is a piece of the track with one climb and one lining; stretches count from 1.
+    """
     return Quantity(
         "1", f"n_{n}", f"Turns, stretch {n}", f"Turns of stretch {n} of the track.", 0.0,
         strict=True, parameter=True, examples=("1.5",), usual=(1e-3, 20.0),
@@ -24,7 +27,10 @@ def _radius(n: int) -> Quantity:
 
 
 def _climb(n: int) -> Quantity:
-    """Return the quantity of the climb of stretch n."""
+    """Return the declaration of a parameter: the climb of stretch `n` of a bowl's track [degree].
+
+    A stretch is a piece of the track with one climb and one lining; stretches count from 1.
+    """
     return angle(
         f"gamma_{n}", f"Climb, stretch {n}",
         f"Climb of stretch {n}; that of the stretch before unless given.", 80.0, "3 deg",
@@ -33,7 +39,10 @@ def _climb(n: int) -> Quantity:
 
 
 def _friction(n: int) -> Quantity:
-    """Return the quantity of the friction on stretch n."""
+    """Return the declaration of a parameter: the friction on stretch `n` of a bowl's track, from 1.
+
+    A stretch is a piece of the track with one climb and one lining.
+    """
     return friction(
         f"mu_{n}",
         f"Friction, stretch {n}",

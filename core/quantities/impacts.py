@@ -6,7 +6,10 @@ from core.quantities.quantity import Quantity, velocity
 
 
 def _quantities_of_body(body: str) -> dict[str, Quantity]:
-    """Return the quantities of one of two colliding bodies."""
+    """Return the declarations of all quantities of one of two colliding bodies, ``"1"`` or ``"2"``.
+
+    They are position, angles, velocity, spin, sizes and mass, and what the impact changes.
+    """
 
     def quantity(unit: str, symbol: str, label: str, description: str, example: str) -> Quantity:
         """Return a quantity of the body."""

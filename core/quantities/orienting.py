@@ -13,7 +13,11 @@ PAIRS = {10 * i + j: f"{i} to {j}" for i in range(1, 4) for j in range(1, 4) if 
 
 
 def _device(position: int) -> dict[str, Quantity]:
-    """Return the quantities of the device at a position of the line, by kind."""
+    """Return the declarations of what the device at a place of an orienting line may have, by name.
+
+    A device lets parts pass by how they lie, or turns them. `position` is its place in the line,
+    from 1.
+    """
     at = f", place {position}"
 
     def size(symbol: str, label: str, says: str, example: str) -> Quantity:
@@ -66,7 +70,10 @@ DEVICES = tuple(_device(1))
 
 
 def _shares() -> dict[str, Quantity]:
-    """Return the quantities of passing and leaving shares, for each aspect."""
+    """Return the declarations of the shares of parts that pass and that leave a line, by name.
+
+    There is one of each for every aspect, the way in which a part lies.
+    """
     quantities = {}
     for name, (words, _) in ASPECTS.items():
         quantities[f"passing_share_{name}"] = number(

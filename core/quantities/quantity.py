@@ -85,7 +85,11 @@ class Quantity:
 
 
 def length(symbol: str, label: str, description: str, example: str) -> Quantity:
-    """Return the quantity of a length above 0, as a parameter."""
+    """Return the declaration of a parameter that is a length above 0 [m].
+
+    `symbol` is its sign in formulas, `label` its name on axes of pictures, `example` a value as
+    users write it.
+    """
     return Quantity(
         "m", symbol, label, description, 0.0, strict=True, parameter=True, examples=(example,),
         usual=(1e-5, 5.0),
@@ -100,9 +104,10 @@ def angle(
     example: str,
     usual: tuple[float, float] | None = None,
 ) -> Quantity:
-    """Return the quantity of an angle within a limit on both sides [degree], as a parameter.
+    """Return the declaration of a parameter that is an angle, with a limit both ways [degree].
 
-    `usual` are the ends of what is found in practice; `example` is a value as users write it.
+    `symbol` is its sign in formulas, `label` its name on axes of pictures; `usual` are the ends of
+    what is found in practice; `example` is a value as users write it.
     """
     return Quantity(
         "degree", symbol, label, description, -limit, limit, parameter=True, examples=(example,),

@@ -15,7 +15,11 @@ ASPECTS = {
 
 
 def _estimates() -> dict[str, Quantity]:
-    """Return the quantities of second estimates of shares, and of their difference."""
+    """Return the declarations of second estimates of the shares in which parts rest, by name.
+
+    For each aspect, the way in which a part lies, there are a share by another formula and the
+    difference of both, which tells how far the share can be trusted.
+    """
     quantities = {}
     for name, (words, where) in ASPECTS.items():
         plain = where.replace("`", "")

@@ -23,10 +23,18 @@ _BY_VALUE = {flag.value: name for name, flag in REGIMES.items()}
 
 
 def dims_of(units: Units, asked: Reduction) -> dict[str, tuple[str, ...]]:
-    """Return the dimensions of every variable of a reduction, by the variable's name.
+    """Return the names of the dimensions of every variable of a reduction, by the variable's name.
 
-    `units` are the boxes of the reduction. A quantile has the dimension `quantile` before the axes
-    that stay.
+    A reduction has statistics over some axes of a study in place of all cells: these axes are
+    dropped, and the others stay in their order. A quantile has the dimension `quantile` before
+    them.
+
+    Parameters
+    ----------
+    units : Units
+        The work of the reduction, with its groups of outputs and the axes of each.
+    asked : Reduction
+        The section `reduce` of the study.
     """
     dims: dict[str, tuple[str, ...]] = {}
     for boxes in units.boxes:
@@ -40,10 +48,17 @@ def dims_of(units: Units, asked: Reduction) -> dict[str, tuple[str, ...]]:
 def reduced_arrays(
     units: Units, grid: Grid, asked: Reduction, states: Iterable[tuple[int, int, State]]
 ) -> Arrays:
-    """Return the variables of a reduction, in the units of files, by name.
+    """Return all variables of a reduced result, in the units of files, by name.
 
-    `states` are the number of a field, the number of a block and the state of that block, for all
-    blocks.
+    Parameters
+    ----------
+    units : Units
+        The work of the reduction: its groups of outputs (fields) and the blocks of each.
+    asked : Reduction
+        The section `reduce` of the study.
+    states : iterable of (int, int, State)
+        Number of a field, number of a block, and what the statistics of that block have gathered;
+        for all blocks.
     """
     dims = dims_of(units, asked)
     sizes = {**grid.shape, QUANTILE: len(asked.quantiles)}
@@ -65,7 +80,11 @@ def reduced_arrays(
 
 
 def _names(boxes: Boxes, asked: Reduction) -> Iterator[str]:
-    """Yield the names of a field's variables: statistics, quantiles, regimes, shares, levels."""
+    """Yield the names of all variables that a group of outputs adds to a reduced result.
+
+    They are statistics, quantiles, counts of regimes, shares and levels, in the order of the
+    result. `boxes` has the group, and `asked` is the section `reduce` of the study.
+    """
     field = boxes.field
     for name in field.outputs:
         yield f"{name}_count"
@@ -85,9 +104,10 @@ def _names(boxes: Boxes, asked: Reduction) -> Iterator[str]:
 def _arrays_of_block(
     boxes: Boxes, grid: Grid, asked: Reduction, state: State
 ) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Yield name and values of each variable of a block, in the units of files.
+    """Yield name and values of each variable of a block of a reduced result, in the units of files.
 
-    Values have the shape (slots,), or (quantiles, slots); a slot is a point of the axes that stay.
+    `state` has what the statistics of the block have gathered. Values have the shape (slots,), or
+    (quantiles, slots); a slot is a point of the axes that stay. `asked` is the section `reduce`.
     """
     field = boxes.field
     for name in field.outputs:
@@ -113,7 +133,9 @@ def _statistics(
 ) -> Iterator[tuple[str, NDArray[Any]]]:
     """Yield name and values of the count and each statistic of one output in a block.
 
-    Values have the shape (slots,), NaN where no cell counts; `state` is that of the block.
+    Values have the shape (slots,), a slot for each point of the block, NaN where no cell counts;
+    they are in the units of files. `name` is the output, `state` has what was gathered in the
+    block, and `asked` is the section `reduce` of the study.
     """
     ends: NDArray[np.int64] = state[f"{name}.ends"]
     count = ends[4]
@@ -136,10 +158,11 @@ def _statistics(
 def _points(
     boxes: Boxes, grid: Grid, asked: Reduction, number: NDArray[np.int64]
 ) -> dict[str, NDArray[np.float64]]:
-    """Return the values of each reduced axis at the cells with given numbers, by axis.
+    """Return the place of an extreme on each reduced axis, by axis, in the units of files.
 
-    `number` counts the cells of a slot, the last axis fastest. Along an axis that the output does
-    not depend on all cells are alike, and the first is taken.
+    `number` is the cell of the extreme for each point of the result, counted along the reduced
+    axes, the last axis fastest; the arrays have its shape. Along an axis on which the output does
+    not depend all cells are alike, and the first is taken.
     """
     points = {}
     for axis in reversed(asked.over):
@@ -158,11 +181,19 @@ def binned_quantiles(
     ends: NDArray[np.int64],
     quantiles: tuple[float, ...],
 ) -> NDArray[np.float64]:
-    """Return quantiles of one slot from its histogram, shape (quantiles, 1).
+    """Return quantiles of the values that fall into one cell of the result, shape (quantiles, 1).
 
-    `bins` are the bins that are not empty, `filled` the number of values in each, `ends` the keys
-    of the largest (row 0) and the least (row 2) of all values. Within a bin values are taken to lie
-    evenly. A bin is at most 1/512 of its value wide, which is the error at most.
+    They are taken from a histogram, with values evenly spread in each bin. A bin is at most 1/512
+    of its value wide, which is the largest error. NaN if there are no values.
+
+    Parameters
+    ----------
+    bins, filled : ndarray, shape (n,)
+        Numbers of the bins that are not empty, ascending, and the number of values in each.
+    ends : ndarray of int64, shape (5, 1)
+        The largest value in row 0 and the least in row 2, as integers that sort like the floats.
+    quantiles : tuple of float
+        The shares wanted, 0 to 1.
     """
     result = np.full((len(quantiles), 1), np.nan)
     total = int(filled.sum())

@@ -96,7 +96,10 @@ class Boxes:
 
     @cached_property
     def _compiled(self) -> FieldLoop | None:
-        """The compiled loop of the field, if compiling is worth its time."""
+        """The compiled loop for these outputs, or None if numpy is done sooner.
+
+        Whether compiling is worth its time depends on the number of cells; it is done here.
+        """
         seconds = self.cutting.cells * self.field.plan.scene.seconds_a_cell
         if self._loop is None or not repays(self._loop.missing, seconds):
             return None
@@ -104,7 +107,10 @@ class Boxes:
         return self._loop
 
     def seen(self, box: Box, watch: Watch | None = None) -> State:
-        """Compute the cells of a box; return their state: counts, sums, extremes by slot.
+        """Compute the cells of a box and return the state of the statistics after them.
+
+        A box is start and stop on each axis. The state has arrays over the slots, points of the
+        result: counts, sums, extremes and the like, which can be added up.
 
         Raises
         ------
@@ -117,7 +123,12 @@ class Boxes:
         return self._seen_in_lanes(loop, box)
 
     def _seen_in_lanes(self, loop: FieldLoop, box: Box) -> State:
-        """Return the state of a box by the compiled loop, which stores no cells."""
+        """Return the state of the statistics after a box, by a compiled loop that stores no cells.
+
+        The loop adds each cell to the totals of its slot, a point of the result. A box is start and
+        stop on each axis. The state has arrays (slots,), by output or count and the name of the
+        total.
+        """
         field, state = self.field, State()
         counters = len(field.outputs) + len(self.flags) * field.regimes + len(field.shares)
         totals = Totals(self._slots(box), counters)
@@ -138,7 +149,10 @@ class Boxes:
         return dict(zip(self.field.dims, box, strict=True))
 
     def _lanes(self) -> BoxLanes:
-        """Return this thread's buffers of lanes."""
+        """Return the buffers in which this thread gathers totals, made on its first call.
+
+        They tell, too, in which order cells are taken.
+        """
         held: dict[str, Any] = self._threads.__dict__
         if "lanes" not in held:
             held["lanes"] = BoxLanes(
@@ -148,7 +162,11 @@ class Boxes:
         return lanes
 
     def _seen_stored(self, box: Box, watch: Watch) -> State:
-        """Return the state of a box by numpy: its cells are stored, then reduced."""
+        """Return the state of the statistics after a box, by numpy: cells are stored, then reduced.
+
+        A box is start and stop on each axis. The state has arrays over the points of the result.
+        Raises `StoppedError` if `watch` stops it.
+        """
         field, state = self.field, State()
         rows = Rows.of(tuple(stop - start for start, stop in box), self.cutting.goes)
         wider = self._wider(box)
@@ -171,9 +189,10 @@ class Boxes:
         return state
 
     def _wider(self, box: Box) -> Box:
-        """Return a box with one cell more before it along the axes of crossings.
+        """Return a box with one more cell before it on the axes along which levels are crossed.
 
-        A crossing lies between two cells, of which the first may be in the box before.
+        A crossing of a level lies between two cells, of which the first may be in the box before. A
+        box is start and stop on each axis; at the start of an axis there is no cell before.
         """
         return tuple(
             (start - (dim in self.field.along and start > 0), stop)
@@ -181,7 +200,10 @@ class Boxes:
         )
 
     def _narrowed(self, wide: Buffers, wider: Box, box: Box) -> Buffers:
-        """Return the values of a box out of those of the box that `_wider` made."""
+        """Return the values of a box, flat, out of those of the wider box that `_wider` made.
+
+        `wide` has the arrays of the wider box by name; a box is start and stop on each axis.
+        """
         if wider == box:
             return wide
         lengths = [stop - start for start, stop in wider]
@@ -192,9 +214,11 @@ class Boxes:
         return {name: array.reshape(lengths)[here].reshape(-1) for name, array in wide.items()}
 
     def _evaluated(self, box: Box, watch: Watch) -> Buffers:
-        """Return outputs and regimes of all cells of a box, flat, in the units of files.
+        """Return outputs and regimes of all cells of a box by name, flat, in the units of files.
 
-        The arrays are buffers of this thread, which the next box uses again.
+        Each array has one entry for every cell, also of outputs that do not depend on all axes. The
+        arrays are buffers of this thread, which the next box uses again. Raises `StoppedError` if
+        `watch` stops it.
         """
         field = self.field
         ends = dict(zip(field.dims, box, strict=True))
@@ -224,9 +248,11 @@ class Boxes:
         return whole
 
     def _buffer(self, name: str, shape: tuple[int, ...], dtype: Any = None) -> NDArray[Any]:
-        """Return an array of this thread for a box, which the next box uses again.
+        """Return an array of this thread for the cells of a box; the next box reuses its memory.
 
-        `name` tells buffers apart; the content is what was left in it.
+        It is not cleared. `name` tells buffers apart. `dtype` counts when the buffer is made; by
+        default bytes for ``"regime"``, else doubles. Memory that is used again spares the time to
+        allocate it.
         """
         held: Buffers = self._threads.__dict__
         cells = math.prod(shape)
@@ -236,10 +262,10 @@ class Boxes:
         return held[name][:cells].reshape(shape)
 
     def _statistics(self, name: str, values: Buffers, box: Box) -> State:
-        """Return the state of one output in a box from its stored cells.
+        """Return the state of the statistics of one output after a box, from its stored cells.
 
         Sums are made in the order of the compiled loop, so that both give the same bits. `values`
-        has outputs and regimes of the box.
+        has outputs and regimes of the cells, flat; `box` is start and stop on each axis.
         """
         lanes, totals = self._lanes(), Totals(self._slots(box), 1)
         ends = self._ends(box)
@@ -268,10 +294,11 @@ class Boxes:
         return cells
 
     def _quantiles(self, name: str, values: Buffers, rows: Rows, box: Box) -> State:
-        """Return the state of an output's quantiles: final values, or a histogram.
+        """Return the state of an output's quantiles after a box: final values, or a histogram.
 
-        Final values are possible where a box holds all cells of its slots. `rows` tell which cells
-        go to which slot.
+        Final values are possible where a box has all cells of its slots, points of the result; else
+        histograms of all boxes are added up. `values` has outputs and regimes of the cells, flat;
+        `rows` tells which cells belong to which slot; `box` is start and stop on each axis.
         """
         if not self.is_exact:
             counts = self._buffer("bins", (others.BINS,), np.int64)
@@ -288,7 +315,11 @@ class Boxes:
     def _met(
         self, conditions: tuple[ShareCondition, ...], values: Buffers, rows: Rows
     ) -> NDArray[np.int64]:
-        """Return the number of cells of each slot that meet all conditions of a share."""
+        """Return the number of cells of each slot that meet a share's conditions, shape (slots,).
+
+        A slot is a point of the reduced result. `values` has outputs and regimes of all cells of a
+        box, flat; `rows` says which cells belong to which slot.
+        """
         met = np.ones(values["regime"].size, np.int8)
         for condition in conditions:
             if condition.name == "regime":
@@ -302,10 +333,12 @@ class Boxes:
         return _counted(met, 1, rows)
 
     def _crossings(self, name: str, values: Buffers, rows: Rows, box: Box) -> State:
-        """Return the state of a level: its smallest or largest crossing in each slot.
+        """Return the state of a level after a box: its smallest or largest crossing in each slot.
 
-        `values` are those of the box that `_wider` made, which is `box` here. Infinite where
-        nothing crosses.
+        A level asks where along an axis an output crosses a value; a slot is a point of the result.
+        The crossing is infinite where there is none. `values` has outputs and regimes of the cells,
+        flat, of the wider box that `_wider` made, `box` here; `rows` says which cells belong to
+        which slot.
         """
         level, dims = self.field.levels[name], self.field.dims
         at = dims.index(level.along)
@@ -323,10 +356,11 @@ class Boxes:
 def exact_quantiles(
     lines: NDArray[np.float64], quantiles: tuple[float, ...], times: int = 1
 ) -> NDArray[np.float64]:
-    """Return quantiles of each line, ignoring NaN, shape (quantiles, lines).
+    """Return quantiles of each line of values, ignoring NaN, shape (quantiles, lines).
 
-    Each value counts `times`, as it stands for so many cells. A quantile between two cells lies on
-    the straight line between their values, as numpy's method `linear` has it.
+    `lines` has the shape (lines, cells), a line for each point of the result. Each value counts
+    `times`, as it stands for so many cells. A quantile between two cells lies on the straight line
+    between their values, as in numpy's method `linear`.
     """
     lines = np.sort(lines, axis=-1)
     counts = lines.shape[1] - np.count_nonzero(np.isnan(lines), axis=-1)
@@ -347,7 +381,11 @@ def exact_quantiles(
 
 
 def _counted(flags: NDArray[np.int8], wanted: int, rows: Rows) -> NDArray[np.int64]:
-    """Return the number of cells of each slot whose flag is `wanted`, shape (slots,)."""
+    """Return the number of cells of each slot whose flag is `wanted`, shape (slots,).
+
+    A slot is a point of the reduced result. `flags` are the regimes of all cells of a box, flat;
+    `rows` says which cells belong to which slot.
+    """
     counts = np.zeros(rows.count, np.int64)
     count: Callable[..., None] = others.count_across if rows.spread else others.count_along
     count(flags, wanted, rows.slots, rows.length, counts)
@@ -360,9 +398,13 @@ def values_of(keys: NDArray[np.int64]) -> NDArray[np.float64]:
 
 
 def stored_order(field: ReducedField, grid: Grid, asked: Reduction) -> LaneOrder:
-    """Return the tiles for a field whose cells are stored before they are reduced.
+    """Return the order of cells in tiles where all cells are stored before statistics.
 
-    With quantiles, the axes that stay come first, so that a tile has few slots with many cells.
+    `field` is a group of outputs over the same axes. The innermost loop runs over as many of the
+    last axes as its length allows. With quantiles, the axes that stay come first, so that a tile
+    has all cells of a few values of the result. `asked` is the section `reduce` of the study. The
+    order tells which axes are loops and which the innermost row, and the values of each axis in a
+    tile.
     """
     dims = field.dims
     if asked.quantiles:

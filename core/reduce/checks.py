@@ -16,9 +16,16 @@ from core.suggestions import Suggestions
 def problems_of_names(
     asked: Reduction, outputs: Collection[str], values: Mapping[str, Values]
 ) -> list[Problem]:
-    """Return the problems of the names in a reduction, given outputs and axes of its study.
+    """Return the problems of the names in a study's section `reduce`: axes, outputs, codes, shares.
 
-    `outputs` are those of the study, `values` its parameters, of which the ranged ones are axes.
+    Parameters
+    ----------
+    asked : Reduction
+        The section.
+    outputs : collection of str
+        The study's outputs.
+    values : mapping of str to Values
+        Its parameters, of which those with several values are axes.
     """
     axes = [name for name, value in values.items() if not isinstance(value, Fixed)]
     suggest = Suggestions()
@@ -60,7 +67,12 @@ def _of_codes(asked: Reduction, outputs: Collection[str]) -> Iterator[Problem]:
 def _of_shares(
     asked: Reduction, outputs: Collection[str], suggest: Suggestions
 ) -> Iterator[Problem | None]:
-    """Yield problems of the conditions of shares."""
+    """Yield the problems of the shares that a reduction asks for; None stands for no problem.
+
+    A share is that of the cells that meet all its conditions, such as a velocity above a level. A
+    problem is a share without conditions or a condition on an unknown output. `asked` is the
+    section `reduce`, `outputs` are the study's outputs, `suggest` finds the name that was meant.
+    """
     for share, conditions in asked.shares.items():
         path = f"reduce.shares.{share}"
         if not conditions:
@@ -73,7 +85,12 @@ def _of_shares(
 def _of_levels(
     asked: Reduction, outputs: Collection[str], suggest: Suggestions
 ) -> Iterator[Problem | None]:
-    """Yield problems of the outputs and axes of levels."""
+    """Yield the problems of the levels that a reduction asks for; None stands for no problem.
+
+    A level asks where along an axis an output crosses a value: the output must be one of the
+    study's `outputs`, the axis one that is reduced. `asked` is the section `reduce`, `suggest`
+    finds the name that was meant.
+    """
     for name, level in asked.levels.items():
         path = f"reduce.levels.{name}"
         yield _no_output(level.output, f"{path}.output", outputs, suggest)
@@ -93,7 +110,10 @@ def problems_of(asked: Reduction, plan: Plan, grid: Grid) -> list[Problem]:
 
 
 def _regimes(asked: Reduction, plan: Plan) -> Iterator[Problem]:
-    """Yield problems of regimes that no cell of the study can have."""
+    """Yield a problem for each condition of a share on a regime that no cell of the study can have.
+
+    A share is that of the cells that meet conditions; `asked` is the section `reduce` of the study.
+    """
     for share, conditions in asked.shares.items():
         for k, one in enumerate(conditions):
             if one.name == "regime" and one.value not in plan.regimes:
@@ -103,7 +123,11 @@ def _regimes(asked: Reduction, plan: Plan) -> Iterator[Problem]:
 
 
 def _levels(asked: Reduction, plan: Plan, grid: Grid) -> Iterator[Problem]:
-    """Yield problems of levels along axes that their output does not depend on."""
+    """Yield problems of levels along axes on which their output does not depend.
+
+    A level asks where along an axis an output crosses a value; `asked` is the section `reduce` of
+    the study.
+    """
     depends = plan.depends_on(grid.axes)
     for name, level in asked.levels.items():
         path = f"reduce.levels.{name}.along"
@@ -131,7 +155,16 @@ def _no_axis(
 ) -> Problem | None:
     """Return the problem of a name that is no axis of the study; None if it is one.
 
-    `path` is that of the name in the study, `axes` are the ranged parameters among the `values`.
+    Parameters
+    ----------
+    name, path : str
+        A name in the section `reduce`, and where it stands in the study, such as ``reduce.over.0``.
+    axes : collection of str
+        The parameters with several values.
+    values : mapping of str to Values
+        All parameters that the study gives.
+    suggest : Suggestions
+        Finds the name that was meant among those that there are.
     """
     if name in axes:
         return None
@@ -145,7 +178,11 @@ def _no_axis(
 def _no_output(
     name: str, path: str, outputs: Collection[str], suggest: Suggestions
 ) -> Problem | None:
-    """Return the problem of a name that is no output of the study; None if it is one."""
+    """Return the problem of a name that is no output of the study; None if it is one.
+
+    `name` stands at `path` in the section `reduce`; `outputs` are the study's outputs, `suggest`
+    finds the one that was meant.
+    """
     if name in outputs:
         return None
     fix = suggest(name, outputs).removesuffix("?") + "? If not, add it to outputs"

@@ -52,10 +52,19 @@ class Cutting:
         slots: int = BLOCK_SLOTS,
         tile: Sequence[int] = (),
     ) -> Cutting:
-        """Return the cut of a field into boxes of at most `cells`, in blocks of at most `slots`.
+        """Return a cut of a grid into boxes of cells, in blocks of the reduced result.
 
-        `shape` are the lengths of the axes, `goes` is true for those that are reduced. `tile` has a
-        number of values of each axis; boxes hold whole tiles, one at least.
+        A box has at most `cells` cells, a block at most `slots` points (slots) of the result, if
+        whole tiles allow it.
+
+        Parameters
+        ----------
+        shape : sequence of int
+            Lengths of the axes.
+        goes : sequence of bool
+            True for the axes that are reduced away.
+        tile : sequence of int, optional
+            Number of values of each axis that belong together; a box has whole tiles, one at least.
         """
         tile = tuple(tile) or (1,) * len(shape)
         steps = [min(n, step) for n, step in zip(shape, tile, strict=True)]
@@ -64,7 +73,7 @@ class Cutting:
         kept = math.prod(step for step, gone in zip(steps, goes, strict=True) if not gone)
 
         def widen(axes: Iterable[int], budget: int) -> None:
-            """Enlarge the boxes along some axes within a budget of tiles."""
+            """Enlarge the boxes along some axes, in this order, to at most `budget` tiles."""
             for axis in axes:
                 tiles = even_length(-(-shape[axis] // steps[axis]), budget)
                 steps[axis] = min(shape[axis], tiles * steps[axis])
@@ -101,9 +110,10 @@ class Cutting:
         return math.prod(self.shape)
 
     def box(self, block: int, turn: int) -> Box:
-        """Return the box of a round in a block: start and stop on each axis.
+        """Return a box of cells: start and stop on each axis.
 
-        `block` and `turn` are the numbers of the block and of the round.
+        `block` is the number of the block, a region of the reduced result, and `turn` that of the
+        round: the boxes whose cells are reduced to that block are taken one after another.
         """
         at = dict.fromkeys(range(len(self.shape)), 0)
         for gone, number in ((False, block), (True, turn)):
@@ -120,9 +130,10 @@ class Cutting:
         return tuple(ends for ends, gone in zip(box, self.goes, strict=True) if not gone)
 
     def order(self, box: Box, cells: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the numbers of a box's cells among all cells of their slots.
+        """Return the number that each of a box's cells has among all cells of its slot.
 
-        `cells` are their positions in the box, flat.
+        A slot is a point of the reduced result; of equal extremes the cell with the least number
+        counts. `box` is start and stop on each axis, `cells` are positions in the box, flat.
         """
         lengths = [stop - start for start, stop in box]
         at = np.unravel_index(cells, lengths) if box else ()
@@ -156,9 +167,12 @@ class Rows:
 
     @classmethod
     def of(cls, lengths: tuple[int, ...], goes: tuple[bool, ...]) -> Rows:
-        """Return the longest possible rows of a box, along axes of one kind at its end.
+        """Return the cells of a box as rows, each of one slot or with a slot for each cell.
 
-        `lengths` are the values of the box on each axis; `goes` is true for axes that are reduced.
+        A slot is a point of the reduced result. `lengths` are the values of the box on each axis;
+        `goes` is true for axes that are reduced. Rows run along the last axes of one kind and are
+        as long as possible. The result has the slot of each row's first cell, the cells of a row,
+        whether these have slots of their own, and the number of slots.
         """
         axes = [(n, gone) for n, gone in zip(lengths, goes, strict=True) if n > 1]
         spread = bool(axes) and not axes[-1][1]

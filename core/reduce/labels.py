@@ -33,9 +33,12 @@ class ReducedVariable:
 
 
 def variable_of(name: str, asked: Reduction, outputs: Collection[str]) -> ReducedVariable:
-    """Return statistic, output and axis of a reduction's variable, by its name.
+    """Return statistic, output and axis of a variable of a reduction, read from its name.
 
-    Raises `KeyError` for a name that the reduction does not give.
+    Names are ``share_<name>``, ``level_<name>``, ``regime_<name>_count``, or output, statistic and,
+    if any, axis, such as ``conveying_velocity_mean``. `asked` is the section `reduce` of the study,
+    which defines shares and levels, `outputs` are the study's outputs. Raises `KeyError` for other
+    names.
     """
     for what, named in (("share", asked.shares), ("level", asked.levels)):
         rest = name.removeprefix(f"{what}_")
@@ -52,7 +55,12 @@ def variable_of(name: str, asked: Reduction, outputs: Collection[str]) -> Reduce
 
 
 def unit_of(name: str, asked: Reduction, outputs: Collection[str]) -> str:
-    """Return the unit of a reduction's variable."""
+    """Return the unit of a variable of a reduced result, as files write it.
+
+    `name` is the variable; `asked` is the section `reduce` and `outputs` are the study's outputs,
+    from which its name is read. A place of an extreme has the unit of its axis, counts and shares
+    have "1".
+    """
     one = variable_of(name, asked, outputs)
     if one.axis:
         return QUANTITIES[one.axis].unit
@@ -62,9 +70,11 @@ def unit_of(name: str, asked: Reduction, outputs: Collection[str]) -> str:
 def attributes_of(
     name: str, asked: Reduction, outputs: Collection[str], *, is_exact: bool
 ) -> dict[str, Any]:
-    """Return the CF attributes of a reduction's variable: unit, name, method, comment.
+    """Return the attributes of a variable of a reduced result after the CF conventions.
 
-    `is_exact` is true if its quantiles come from all cells, false if from a histogram.
+    They are unit, long name, method of the statistic, comment, and the name of the variable that
+    counts cells. `name` is the variable, `asked` the section `reduce`, `outputs` the study's
+    outputs; `is_exact` is true if quantiles come from all cells, false if from a histogram.
     """
     parts = variable_of(name, asked, outputs)
     attributes: dict[str, Any] = {"units": unit_of(name, asked, outputs)}
@@ -105,7 +115,10 @@ BINNED = "from a histogram whose bins are 1/512 of a value wide at most: the err
 
 
 def _crossing(level: LevelSet) -> str:
-    """Return a comment on a level's variable: which crossing it is, and how it is interpolated."""
+    """Return a comment on a level's variable in a file: which crossing it is, and how interpolated.
+
+    An example is "the smallest value at which throw_number is 1".
+    """
     unit = QUANTITIES[level.output].unit
     return (
         f"the {level.take} value at which {level.output} is {level.level:g}"

@@ -83,9 +83,11 @@ class BoxLanes:
         self._layouts = lru_cache(maxsize=64)(self._placed)
 
     def buffer(self, kind: str, lanes: int) -> Array:
-        """Return the array of `lanes` lanes of a kind (a key of `EMPTY`), as it was left.
+        """Return an array in which a compiled loop gathers totals of one kind, shape (lanes,).
 
-        At first its lanes are empty; whoever folds them into totals empties them again.
+        A lane is a place for one total. `kind` is a name that ends in a key of `EMPTY`, such as
+        ``"sum"``. At first all lanes are empty; whoever adds them to the totals of a block empties
+        them again, so that the array serves for the next cells.
         """
         of = kind.split(".")[-1]
         name = f"{kind} {lanes}"
@@ -94,7 +96,10 @@ class BoxLanes:
         return self._held[name]
 
     def tiles(self, box: Ends) -> Iterator[Ends]:
-        """Yield the tiles of a box, which contains whole tiles only."""
+        """Yield the tiles of a box, start and stop by axis; a box contains whole tiles only.
+
+        A tile has the cells that are gathered at a time, the last axis fastest.
+        """
         ranges = [
             [
                 (name, (start, min(start + self.order.steps[name], box[name][1])))
@@ -105,9 +110,10 @@ class BoxLanes:
         return map(dict, itertools.product(*ranges))
 
     def layout(self, tile: Ends, box: Ends) -> tuple[TileLayout, int]:
-        """Return the lane layout of a tile, and its offset among the slots of its box.
+        """Return the layout of a tile's lanes, and the offset of its slots in the box.
 
-        `tile` and `box` are start and stop on each axis.
+        The layout tells which lane belongs to which slot: a lane is a place in which cells are
+        gathered, a slot a point of the result. `tile` and `box` are start and stop on each axis.
         """
         kept = {n: box[n][1] - box[n][0] for n in self._dims if n not in self._goes}
         strides = _strides(kept)
@@ -116,9 +122,11 @@ class BoxLanes:
         return self._layouts(lengths, tuple(strides.items())), offset
 
     def _placed(self, lengths: Shape, slot_strides: Shape) -> TileLayout:
-        """Return the lane layout of tiles with given lengths on each axis.
+        """Return the layout of lanes for tiles of given lengths: which lane belongs to which slot.
 
-        `slot_strides` are the slots from one value to the next, for each axis that stays.
+        A lane is a place in which cells are gathered, a slot a point of the result. `lengths` are
+        those of the axes; `slot_strides` are the slots from one value to the next, for each axis
+        that stays.
         """
         lanes = self.order.lanes(dict(lengths), self._goes)
         of_slot = dict(slot_strides)
@@ -139,10 +147,18 @@ class BoxLanes:
     def gather(
         self, cells: Array, tile: Ends, layout: TileLayout, lanes: Mapping[str, Array]
     ) -> None:
-        """Add stored cells of a tile to lanes, each kind of statistic in an array of its own.
+        """Add stored cells of a tile to lanes, places for totals, as a compiled loop would.
 
-        `cells` has the axes of the field, NaN where a cell does not count; `lanes` has the arrays
-        by kind, as in `EMPTY`.
+        Parameters
+        ----------
+        cells : ndarray
+            Values of an output over the axes of the field, NaN where a cell does not count.
+        tile : mapping of str to (int, int)
+            Start and stop on each axis.
+        layout : TileLayout
+            Which lane belongs to which point of the result.
+        lanes : mapping of str to ndarray
+            An array for each kind of total, a key of `EMPTY`; they are updated.
         """
         axes = (*self.order.outer, *self.order.inner)
         rows = cells.transpose([self._dims.index(name) for name in axes])
@@ -189,10 +205,20 @@ class Totals:
     def fold_sum(
         self, name: str, lanes: Array, layout: TileLayout, offset: int, line: Array
     ) -> None:
-        """Add the sums in the lanes of an output to the totals of their slots; empty the lanes.
+        """Add the sums that a tile has gathered for an output to the totals; empty the lanes.
 
-        `offset` is that of the tile among the slots of the box, `line` room for the lanes of a
-        slot.
+        Parameters
+        ----------
+        name : str
+            The output.
+        lanes : ndarray
+            A sum for each lane, 0 afterwards.
+        layout : TileLayout
+            Which lanes belong to which slot, a point of the result.
+        offset : int
+            Added to the slots of the tile: where the tile stands in the box.
+        line : ndarray
+            Room for the lanes of one slot, overwritten.
         """
         if name not in self._sums:
             digits = np.zeros((LEVELS, self._slots), np.int64)
@@ -202,10 +228,19 @@ class Totals:
     def fold_extremes(
         self, name: str, kind: str, lanes: Array, at: Array, layout: TileLayout, offset: int
     ) -> None:
-        """Update the largest or least values of an output from its lanes; empty the lanes.
+        """Update the largest or least values of an output from lanes of a tile; empty the lanes.
 
-        `at` has the number of the row in which each lane's extreme lies, and is empty if nobody
-        asks; `offset` is that of the tile among the slots of the box.
+        Parameters
+        ----------
+        name, kind : str
+            The output; ``"largest"`` or ``"least"``.
+        lanes, at : ndarray
+            The extreme in each lane, and the number of the row in which it lies; `at` is empty if
+            no place is wanted.
+        layout : TileLayout
+            Which lanes belong to which slot, a point of the result.
+        offset : int
+            Added to the slots of the tile: where the tile stands in the box.
         """
         ends, row = self._ends_of(name), 2 if kind == "least" else 0
         folding.fold_extremes(
@@ -223,9 +258,10 @@ class Totals:
         folding.fold_counts(lanes, layout.order, layout.own_slots, offset, self.counts[first:last])
 
     def state(self, name: str, counter: int) -> State:
-        """Return the state of an output after all tiles: extremes, count and sum by slot.
+        """Return the totals of an output after all tiles of a box, as arrays that can be added up.
 
-        `counter` is the row of `counts` that counts its cells.
+        They are extremes, count and exact sum for each slot, a point of the reduced result; names
+        begin with that of the output. `counter` is the row of `counts` that counts its cells.
         """
         ends = self._ends_of(name)
         state: State = {f"{name}.ends": np.concatenate([ends, self.counts[counter : counter + 1]])}
@@ -239,9 +275,10 @@ class Totals:
         return state
 
     def _ends_of(self, name: str) -> Integers:
-        """Return the extremes of an output, shape (4, slots), created empty if missing.
+        """Return the extremes of an output, int64 of shape (4, slots), created empty if missing.
 
-        Rows: key and number of the largest, then of the least.
+        Rows: key and cell of the largest, then of the least, for each slot, a point of the result.
+        A key is an integer that sorts like the float.
         """
         if name not in self._ends:
             self._ends[name] = np.zeros((4, self._slots), np.int64)

@@ -47,7 +47,10 @@ class Gathering:
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """The kinds of lanes, as in `core.reduce.lanes.EMPTY`."""
+        """The kinds of arrays in which the cells of this total are gathered, keys of `EMPTY`.
+
+        A largest or least value has a second one if its place is wanted.
+        """
         if self.counters[1]:
             return ("counts",)
         if self.update == "sum":
@@ -110,9 +113,10 @@ class FieldLoop:
         return self._loop.missing
 
     def gather(self, box: Ends, lanes: BoxLanes, totals: Totals) -> None:
-        """Compute the cells of a box and add them to the totals of its slots.
+        """Compute the cells of a box with the compiled loop and add them to the totals.
 
-        `box` is start and stop on each axis, `lanes` the buffers of this thread.
+        A slot is a point of the result. `box` is start and stop on each axis, `lanes` has the
+        buffers of this thread in which cells are gathered first, `totals` are those of the box.
         """
         for tile in lanes.tiles(box):
             layout, offset = lanes.layout(tile, box)
@@ -140,9 +144,10 @@ class FieldLoop:
         return [name for name in names if name != "regime"]
 
     def _by_regime(self, values: Mapping[int, Any], otherwise: Any) -> Any:
-        """Return the node that chooses a value by each cell's regime.
+        """Return a node that chooses between values by the regime of each cell.
 
-        `values` has values for some regimes, by number; all others get `otherwise`.
+        A node is an operation of the graph from which the compiled loop is written. `values` has
+        nodes or constants for some regimes, by number; all others get `otherwise`.
         """
         plan = self._field.plan
         chosen = values.get(int(REGIMES[plan.otherwise].value), otherwise)
@@ -154,7 +159,11 @@ class FieldLoop:
         return chosen
 
     def _counted(self, name: str) -> Any:
-        """Return the node of an output in the units of files, NaN where it does not count."""
+        """Return a node of an output in units of files, NaN in cells whose regime does not count.
+
+        A node is an operation of the graph from which the compiled loop is written; `name` is the
+        output. Statistics then skip these cells.
+        """
         value = self._traced.known[name]
         if QUANTITIES[name].is_angle:
             value = self._traced.graph.apply(np.multiply, (value, 180 / np.pi))
@@ -166,11 +175,14 @@ class FieldLoop:
     def _counts(
         self, counted: Mapping[str, Any], flags: Sequence[int]
     ) -> list[tuple[Gathering, Any]]:
-        """Return the packed counts of cells, each with the lanes that gather it.
+        """Return the counts of cells that a loop gathers, several packed into one number.
 
-        They are counts of outputs, then of regimes, then of shares; several go into one number, in
-        which each adds its own power of 2. Of the regimes of a cell at most one holds, so that all
-        regimes in one number are chosen at once.
+        They are counts of outputs, then of regimes, then of shares; each adds its own power of 2.
+        Of the regimes of a cell at most one holds, so that all regimes in one number are chosen at
+        once. Each result is the total to gather and the node of the graph that gives its numbers.
+
+        `counted` has the outputs' nodes, NaN where a cell does not count; `flags` are the numbers
+        of the regimes.
         """
         field = self._field
         counters: list[Any] = [counted[name] == counted[name] for name in field.outputs]
@@ -193,7 +205,12 @@ class FieldLoop:
         return pairs
 
     def _met(self, conditions: Sequence[ShareCondition], counted: Mapping[str, Any]) -> Any:
-        """Return the node that is true where a cell meets all conditions of a share."""
+        """Return a node that is true where a cell meets all conditions of a share.
+
+        A node is an operation of the graph from which the compiled loop is written. `conditions`
+        are on regimes or on outputs; `counted` has the outputs' nodes, NaN where a cell does not
+        count: then no condition holds.
+        """
         met: Any = True
         for condition in conditions:
             if condition.name == "regime":
@@ -211,9 +228,11 @@ class FieldLoop:
 def _statistics(
     name: str, counted: Mapping[str, Any], asked: Reduction
 ) -> list[tuple[Gathering, Any]]:
-    """Return the lanes and the node for each statistic that is asked of an output.
+    """Return the totals and the node behind each statistic that is asked of an output.
 
-    `counted` has the outputs' nodes, NaN where a cell does not count.
+    A total says what a compiled loop gathers, such as a sum or a largest value; a node is an
+    operation of the graph that gives its values. `name` is the output, `counted` has the outputs'
+    nodes, NaN where a cell does not count, and `asked` is the section `reduce` of the study.
     """
     value, wanted = counted[name], asked.statistics
     pairs = []
@@ -230,10 +249,20 @@ def _statistics(
 def field_loop(
     field: ReducedField, grid: Grid, asked: Reduction, valid: int, flags: Sequence[int]
 ) -> FieldLoop | None:
-    """Return the compiled loop of a field; None if its cells have to be stored.
+    """Return the compiled loop for a group of outputs; None if their cells have to be stored.
 
-    That is for quantiles, for levels, and where the plan cannot be traced. `valid` has a bit for
-    each regime that counts, `flags` are the regimes to count.
+    That is for quantiles, for levels, and where the plan cannot be traced.
+
+    Parameters
+    ----------
+    field : ReducedField
+        The outputs, over the same axes, with what is asked of them.
+    asked : Reduction
+        The section `reduce` of the study.
+    valid : int
+        A bit for each regime that counts.
+    flags : sequence of int
+        The numbers of the regimes to count.
     """
     if not field.dims or field.levels or (field.outputs and asked.quantiles):
         return None

@@ -47,9 +47,11 @@ class ReducedField:
 
 
 def fields_of(plan: Plan, grid: Grid, asked: Reduction) -> tuple[ReducedField, ...]:
-    """Return the fields of a reduction: outputs over the same axes, with what is asked of them.
+    """Return the fields of a reduction: groups of outputs over the same axes with their statistics.
 
-    Levels have fields of their own, unless cells take long: those are computed once for all.
+    The cells of a field are computed once for all its statistics. Crossings of levels have fields
+    of their own, unless cells take long: those are computed once for all. `asked` is the section
+    `reduce`.
     """
     fields: dict[tuple[tuple[str, ...], tuple[str, ...]], ReducedField] = {}
     needed: dict[tuple[tuple[str, ...], tuple[str, ...]], set[str]] = {}
@@ -99,7 +101,9 @@ def outputs_of(plan: Plan, asked: Reduction) -> tuple[str, ...]:
 def _questions(plan: Plan, asked: Reduction) -> Iterator[tuple[set[str], ReducedField]]:
     """Yield each question of a reduction: the arrays that it needs, and a field with it alone.
 
-    A question is a statistic of an output, the count of regimes, a share, or a level.
+    A question is the statistics of an output, the count of regimes, a share of cells that meet
+    conditions, or the crossing of a level. A field is a group of questions that are computed over
+    the same axes; the caller joins these single ones. `asked` is the section `reduce` of the study.
     """
     if asked.statistics or asked.quantiles:
         for name in outputs_of(plan, asked):

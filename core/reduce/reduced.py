@@ -140,7 +140,11 @@ class Reduced(Prepared):
         return Computed(reduce.arrays.reduced_arrays(self.work, self.grid, self.asked, states))
 
     def label(self, computed: Computed, watch: Watch) -> Table:
-        """Return the labelled variables; `watch` may stop verifying."""
+        """Return the results of a reduction as a table: arrays with coordinates and attributes.
+
+        `computed` has the bare arrays by name. Some cells of the study are verified here by other
+        means, which `watch` may stop.
+        """
         asked, plan = self.asked, self.plan
         exact = {name: one.is_exact for one in self.work.boxes for name in one.field.outputs}
         variables = {}
@@ -188,7 +192,7 @@ class Reduced(Prepared):
 
     @property
     def size_in_words(self) -> str:
-        """The size and the time in words."""
+        """A text with cells, values of the result and time, to show before a study is run."""
         return (
             f"{self.cells:,} cells reduced to {self.bytes // 8:,} values, {self.bytes:,} bytes; "
             f"some {in_words(self.seconds_here)} here{self._by}"
@@ -223,10 +227,13 @@ class ReducedShares(Shares):
     def _computed(
         self, start: int, stop: int, watch: Watch
     ) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
-        """Compute the boxes from `start` to `stop`; return the states of their blocks as arrays.
+        """Compute the boxes of cells from `start` to `stop`; return their states as arrays.
 
-        An array is named ``field/block/name``; there are no digests, since nothing but the record
-        is written.
+        A box is a numbered range of cells, and its state is what the statistics have gathered
+        there; the states of all parts of a study are joined later. An array is named
+        ``field/block/name``: number of the group of outputs, number of the block of the result,
+        name within the state. The second result, digests of files written, is empty, since nothing
+        but the record is written. `watch` may stop it.
         """
         arrays: State = {}
         if stop > start:
@@ -243,7 +250,9 @@ class ReducedShares(Shares):
     def _states(self, records: list[Mapping[str, Any]]) -> Iterator[tuple[int, int, State]]:
         """Yield field, block and joined state of each block, from the records of all shares.
 
-        The fields of the records are appended to `records`.
+        A field is a group of outputs, a block a region of the result; both are numbers. A state has
+        what statistics have gathered: those of one block in successive parts are added up. The
+        fields of the records are appended to `records`.
         """
         known: tuple[int, int] | None = None
         state: State = {}
@@ -261,7 +270,12 @@ class ReducedShares(Shares):
 
 
 def _blocks(arrays: Mapping[str, NDArray[Any]]) -> dict[tuple[int, int], State]:
-    """Return the states in a record's arrays, by field and block, in order."""
+    """Return the states of statistics in a record's arrays, by field and block, in ascending order.
+
+    A record is what one part of a study leaves on disk. The names of its arrays are
+    ``"<field>/<block>/<name>"``: number of the field (a group of outputs), number of the block of
+    cells, and name of the array in the state.
+    """
     found: dict[tuple[int, int], State] = {}
     for name, values in arrays.items():
         field, block, of = name.split("/", 2)
@@ -270,10 +284,10 @@ def _blocks(arrays: Mapping[str, NDArray[Any]]) -> dict[tuple[int, int], State]:
 
 
 def _coordinates(prepared: Reduced) -> dict[str, TableVariable]:
-    """Return the coordinates of a result: axes that stay, reduced axes, quantiles.
+    """Return the coordinates of a reduced result: axes that stay, reduced axes, quantiles.
 
-    A reduced axis has its middle as value and its range as attribute. Bounds would say it in CF's
-    own words, but its checker knows none of a scalar.
+    A reduced axis, over which statistics were taken, is a scalar: the middle of its range, with the
+    range as an attribute. CF's bounds would be its own way, but its checker knows none of a scalar.
     """
     asked, grid = prepared.asked, prepared.grid
     coordinates = coordinates_of(prepared.plan, grid)

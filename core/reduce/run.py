@@ -43,7 +43,7 @@ class ReductionBox:
 
     @property
     def cells(self) -> int:
-        """The number of cells."""
+        """The number of cells of the study in the box, a range of indices on each axis."""
         cells = 1
         for start, stop in self.box:
             cells *= stop - start
@@ -85,10 +85,12 @@ class Units:
         return ReductionBox(field, block, own.box(block, turn))
 
     def states(self, start: int, stop: int, watch: Watch) -> Iterator[tuple[int, int, State]]:
-        """Yield field, block and state of each block, from the boxes `start` to `stop`.
+        """Yield the states of the statistics of some boxes: field, block, and state of that block.
 
-        The state is that of the block's boxes that are among them. They are computed by threads,
-        and joined in order.
+        A field is a group of outputs over the same axes, a block a region of the result, which
+        several boxes of cells may add to; the numbers of both are given. Only the boxes from
+        `start` to `stop` count, so that machines can share them. Boxes are computed by threads and
+        joined in order.
 
         Raises
         ------
@@ -130,10 +132,11 @@ class Units:
             yield before.field, before.block, state
 
     def _seen(self, unit: ReductionBox, watch: Watch) -> State:
-        """Evaluate the cells of one box and return the state of the reduction after them.
+        """Evaluate the cells of one box and return the state of the statistics after these cells.
 
-        A box is a range of indices of the sweep's axes, and `unit` names the field that is reduced
-        and the box. If boxes are fewer than threads, each is evaluated by several threads. Raises
+        A box is a range of indices on each axis of the study, small enough for memory; `unit` names
+        it and the group of outputs that is computed there. States of boxes are joined by the
+        caller. If boxes are fewer than threads, each is evaluated by several threads. Raises
         `StoppedError` if `watch` stops it.
         """
         if watch.stopped():
@@ -144,10 +147,11 @@ class Units:
         return self.boxes[unit.field].seen(unit.box, silent)
 
     def seconds(self) -> float:
-        """Return the estimated time of all boxes with all cores [s], by trying a few of each field.
+        """Return the estimated time of a reduction with all cores [s], by a trial of a few boxes.
 
-        They are spread over the field and run side by side, as all will be; more than once, since a
-        loop is compiled only when numpy has worked as long as that takes.
+        The boxes of each group of outputs are spread over the grid and run side by side, as all
+        will be; more than once, since a loop is compiled only when numpy has worked as long as
+        compiling takes.
         """
         threads, total, start = cores(), 0.0, 0
         with ThreadPoolExecutor(threads) as pool:

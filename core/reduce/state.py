@@ -27,14 +27,15 @@ State = dict[str, NDArray[Any]]
 
 
 def merge_states(first: State, second: State) -> State:
-    """Return the combined state of two sets of cells: counts, extremes, sums, histograms.
+    """Return the state of the statistics after two sets of cells, from the states after each.
 
-    The kinds of arrays are those of `State`; the order of the two does not matter.
+    A state has counts, extremes, sums and histograms by name, arrays over points of the result; the
+    order of the two does not matter.
 
     Raises
     ------
     ValueError
-        For quantiles, which need all cells of a slot at once.
+        For quantiles, which need all cells of a point at once.
     """
     result: State = {}
     for name in first:
@@ -75,9 +76,11 @@ def size(state: Mapping[str, NDArray[Any]]) -> int:
 
 
 def _ends(mine: NDArray[np.int64], yours: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the combined extremes and counts of two states, shape (5, slots).
+    """Return the combined extremes and counts of two states, int64 of shape (5, slots).
 
-    Of equal values the cell with the lower number, first in the grid, is taken.
+    Rows are key and cell of the largest value, the same of the least, and the number of cells, for
+    each point of the result; a key is an integer that sorts like the float. Of equal values the
+    cell that is first in the grid is taken.
     """
     higher = (yours[0] > mine[0]) | ((yours[0] == mine[0]) & (yours[1] < mine[1]))
     lower = (yours[2] < mine[2]) | ((yours[2] == mine[2]) & (yours[3] < mine[3]))

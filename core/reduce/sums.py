@@ -16,9 +16,10 @@ Integers = NDArray[np.int64]
 
 
 def propagate_carries(sums: Integers) -> Integers:
-    """Return exact sums with carries propagated, shape (levels, slots), from level 0 up.
+    """Return exact sums of floats with carries propagated from each digit to the next.
 
-    A level has digits of 40 bits, with sign; each is brought back into that range.
+    An exact sum is an integer in digits of 40 bits with sign, an array of shape (levels, slots),
+    least digit first. Adding leaves digits too large; each is brought back into its range.
     """
     sums = sums.copy()
     half = 1 << (DIGIT - 1)
@@ -30,7 +31,12 @@ def propagate_carries(sums: Integers) -> Integers:
 
 
 def add_sums(first: tuple[int, Integers], second: tuple[int, Integers]) -> tuple[int, Integers]:
-    """Return the sum of two exact sums, each with its lowest level."""
+    """Return the sum of two exact sums of floats, each with its lowest level.
+
+    An exact sum is an integer in digits of 40 bits, an array of shape (levels, slots), so that its
+    result does not depend on the order of adding. The lowest level says which power of 2^40 its
+    first digit counts.
+    """
     low = min(first[0], second[0])
     high = max(level + len(sums) for level, sums in (first, second))
     total = np.zeros((high - low, first[1].shape[1]), np.int64)
@@ -40,9 +46,10 @@ def add_sums(first: tuple[int, Integers], second: tuple[int, Integers]) -> tuple
 
 
 def means(low: int, sums: Integers, counts: Integers) -> NDArray[np.float64]:
-    """Return exact sums over counts, rounded once, shape (slots,); NaN where the count is 0.
+    """Return means from exact sums and counts, rounded once, shape (slots,); NaN for a count of 0.
 
-    `low` is the lowest level of `sums`, whose digits have the shape (levels, slots).
+    An exact sum is an integer in digits of 40 bits; `sums` has them, shape (levels, slots), and
+    `low` says which power of 2^40 the first digit counts. `counts` has the shape (slots,).
     """
     result = np.full(counts.shape, np.nan)
     unit = LOWEST + DIGIT * low

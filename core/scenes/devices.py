@@ -24,7 +24,11 @@ class Device:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """The quantities that the device needs besides the shares."""
+        """The names of the quantities that a device of an orienting line needs, without the shares.
+
+        They are its own numbers, such as a wiper's height, with its place in the line behind the
+        name, and sizes of the parts with which these are compared.
+        """
         needs = {
             "wiper_height": ("aspect_sizes",), "gap_length": ("aspect_sizes",),
             "ledge_width": ("aspect_sizes", "centre_heights", "delta"),
@@ -46,9 +50,12 @@ class Device:
         return value
 
     def matrix(self, aspects: int, parameters: dict[str, Any]) -> Matrix:
-        """Return the device's matrix: row i has the share of parts of aspect i that go on in each.
+        """Return the effect of an orienting device on parts, as a matrix over their aspects.
 
-        `parameters` are those of the study and its bundles, by name.
+        An aspect is a way in which a part lies. Entry j of row i is the share of the parts that
+        arrive in aspect i and go on in aspect j, an array over cells; the others fall back.
+        `aspects` is the number of aspects, `parameters` has the study's parameters and bundles by
+        name, SI units.
         """
         tests = [self._kept(number, aspects, parameters) for number in self.numbers]
         tests = [kept for kept in tests if kept]
@@ -63,9 +70,11 @@ class Device:
         return matrix
 
     def _kept(self, number: str, aspects: int, parameters: dict[str, Any]) -> list[Array]:
-        """Return the share of each aspect that a test of the device passes; empty if it is no test.
+        """Return the share of each aspect that a test of the device passes; empty if it is none.
 
-        `number` is the kind of the device's number, such as `wiper_height`.
+        An aspect is a way in which a part lies. `number` is the kind of the device's number, such
+        as `wiper_height`, `aspects` is how many aspects there are, and `parameters` has sizes of
+        parts and devices by name, SI units.
         """
         sizes: Sequence[orienting.Aspect] = parameters.get("aspect_sizes", ())
         if number == "wiper_height":
@@ -84,9 +93,12 @@ class Device:
         return []
 
     def _rail(self, parameters: dict[str, Any]) -> Matrix:
-        """Return the matrix of two rails, for a turned part: upright, on its side, inverted.
+        """Return the effect of two rails on turned parts, as a matrix over their aspects.
 
-        Parts on their side or inverted go on inverted if they hang by their head; all others fall.
+        The aspects are upright, on its side, inverted; entry j of row i is the share that goes from
+        i to j. Parts on their side or inverted go on inverted if they hang by their head; all
+        others fall. `parameters` has the width of the rails and the diameters of head and shank, SI
+        units.
         """
         width = self.number("rail_width", parameters)
         hangs = orienting.hangs_on_rail(width, parameters["shank_diameter"], parameters["diameter"])
@@ -149,10 +161,20 @@ class DeviceLine:
     ) -> tuple[list[Matrix], list[Array | None]]:
         """Return matrices and outlet capacities of the devices, rearranged for each cell.
 
-        `order` holds for each cell the number, from 1 on, of a permutation of the devices as
-        `orienting.devices_in_order` counts them. `outlets` are the capacities of the outlets
-        [1/s]; None, a device without outlet, counts as infinite. The second list is of None where
-        no device has an outlet.
+        Parameters
+        ----------
+        matrices : list of Matrix
+            What each device does to parts: shares over cells, by aspect before and after.
+        outlets : list of ndarray or None
+            The capacities of the outlets [1/s]; None, a device without outlet, counts as infinite.
+        order : ndarray
+            For each cell the number, from 1, of a permutation of the devices, as
+            `orienting.devices_in_order` counts them.
+
+        Returns
+        -------
+        tuple of list
+            The same lists, rearranged; a capacity is None where no device has an outlet.
         """
         capacities = [np.asarray(np.inf) if one is None else one for one in outlets]
         chosen: list[Matrix] = []
@@ -170,9 +192,10 @@ class DeviceLine:
 
 
 def _pick(pick: list[Any], values: list[Array]) -> Array:
-    """Return, for each cell, the value whose mask is true; the first if no other mask is.
+    """Return, in each cell, the one of several values whose mask is true there.
 
-    `pick` has a mask for each of the `values`.
+    `pick` has a mask for each of the `values`, arrays over cells that broadcast. Where no mask is
+    true it is the first value.
     """
     picked = values[0]
     for mask, value in zip(pick[1:], values[1:], strict=True):

@@ -43,9 +43,10 @@ LIMITS = (
 
 
 def tuning(*outputs: str) -> tuple[Condition, ...]:
-    """Return the conditions for a unit at resonance, tuned stiff or tuned soft.
+    """Return the conditions for a drive unit at resonance, tuned stiff or tuned soft.
 
-    They concern the strokes and the given `outputs`.
+    A unit is tuned stiff if its natural frequency is above that of the drive. The regime is looked
+    at if a study asks for a stroke or one of the given `outputs`.
     """
     concerned = STROKES | frozenset(outputs)
     return (

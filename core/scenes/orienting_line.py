@@ -55,7 +55,13 @@ def numbers_of(shape: str) -> tuple[str, ...]:
 
 
 def shares_of(shape: str) -> tuple[Equation, ...]:
-    """Return the equations for the shares of each aspect: resting, passing, leaving."""
+    """Return the equations for the shares of parts by aspect, the way in which a part lies.
+
+    They give the share of all parts that leave the line, and for each aspect of a `shape` (a key of
+    `ASPECTS`) the share that comes to rest in it, the share of these that passes the line, and the
+    share that leaves so. Each equation picks a number out of a quantity that has them all:
+    `bundle`, at `path`.
+    """
     rows: list[tuple[str, tuple[Any, ...], str, str]] = [
         ("yield", ("total",), "line", "the share of the arriving parts that leave [1]")
     ]
@@ -75,7 +81,10 @@ def shares_of(shape: str) -> tuple[Equation, ...]:
 
 
 def equations(shape: str) -> tuple[Equation, ...]:
-    """Return the equations of a shape that do not depend on the devices."""
+    """Return the equations of an orienting line for a shape of parts, without those of the devices.
+
+    `shape` is a key of `ASPECTS`.
+    """
     count, posterior = (
         Counts(function, len(ASPECTS[shape]))
         for function in (drop_test.posterior_count, drop_test.posterior_shares)
@@ -91,7 +100,10 @@ def equations(shape: str) -> tuple[Equation, ...]:
 
 
 def any_line(shape: str) -> tuple[Equation, ...]:
-    """Return the equations of a shape with any devices, for listing parameters."""
+    """Return the equations of an orienting line with devices of all kinds at all places.
+
+    They serve to list the parameters that a study of parts of this shape may give.
+    """
     every = tuple(Device(place, numbers_of(shape)) for place in POSITIONS)
     names = (name for device in every for name in device.inputs)
     return (
@@ -115,10 +127,11 @@ def fit_to_study(scene: Scene, parameters: Collection[str]) -> Scene:
 
 @lru_cache(maxsize=64)
 def _fitted(_: str, numbers: tuple[str, ...], ordered: bool, tested: bool) -> Scene:
-    """Return the scene with some devices, cached by its arguments.
+    """Return the scene of an orienting line with the devices of a study; cached by its arguments.
 
-    `numbers` are the names of the devices' parameters, `ordered` is true if the study gives the
-    order of the devices, `tested` if it gives a drop test.
+    `numbers` are the names of the devices' parameters, which end in the place of a device, such as
+    ``wiper_height_1``; `ordered` is true if the study gives the order of the devices as a number,
+    `tested` if it gives a drop test. The first argument is only part of the cache's key.
     """
     devices: dict[int, list[str]] = {}
     for number, place in (match.groups() for match in map(_NUMBER.fullmatch, numbers) if match):
@@ -142,10 +155,11 @@ def _fitted(_: str, numbers: tuple[str, ...], ordered: bool, tested: bool) -> Sc
 def _equations_with_devices(
     shape: str, numbers: dict[int, list[str]], ordered: bool, tested: bool
 ) -> tuple[Equation, ...]:
-    """Return the equations of a shape with some devices, and a drop test if given.
+    """Return the equations of an orienting line for a shape of parts, with the devices of a study.
 
-    `numbers` has the kinds of numbers of the device at each place of the line; `ordered` is true if
-    the study gives their order.
+    `numbers` has for each place of the line, from 1, the names of what the study gives of the
+    device there, such as ``wiper_height``; `ordered` is true if the study gives the order of the
+    devices, `tested` if it gives a drop test, from which the resting shares are then taken.
     """
     known, aspects = numbers_of(shape), len(ASPECTS[shape])
     devices = [

@@ -60,8 +60,22 @@ def printed_gap_tangential_acceleration(
 ) -> Array:
     """Return the acceleration of slip as printed in (3.6b), with +mu: 2 mu n too large [m s-2].
 
-    It is that of the corner along the plane, n being the normal force per mass. The source knows
-    slip to the right only; to the left, its mirror image.
+    It is that of the touching corner. The source prints +mu, which makes it 2 mu n too large, and
+    knows slip to the right only; to the left its mirror image is taken. It is 0 if the corner
+    sticks.
+
+    Parameters
+    ----------
+    contact_case : ndarray
+        Number of what the contact does: separates, sticks, slides.
+    slip_direction : ndarray
+        1 to the right, -1 to the left.
+    floor_acceleration, free_tangential_acceleration : ndarray
+        Normal force per mass, n, and the acceleration of the corner without contact force [m/s2].
+    diagonal_direction : tuple of ndarray
+        Sine and cosine of the angle between the line from corner to centre and the plane.
+    friction_kinetic : ndarray
+        The friction coefficient.
     """
     s, c = diagonal_direction
     sigma_mu = slip_direction * friction_kinetic

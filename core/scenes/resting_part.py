@@ -60,7 +60,11 @@ STANDS = (
 
 
 def equations(shape: str) -> tuple[Equation, ...]:
-    """Return all equations of a shape at rest."""
+    """Return the equations of a scene in which a part of a shape is tipped out and comes to rest.
+
+    They give sizes and the shares that rest in each aspect (way of lying), each picked out of a
+    quantity that has all. `shape` is a key of `ASPECTS`.
+    """
     rows = [
         Equation(
             f"{kind}_{name}", Field(bundle, (place,), f"Return {says} {WORDS[name]} [1]."), SOURCE

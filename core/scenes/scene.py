@@ -126,10 +126,11 @@ class Field:
 
 
 def fields(bundle: str, source: str, variant: str = "all", **rows: Any) -> tuple[Equation, ...]:
-    """Return the equations that take quantities out of a bundle, such as a `Motion`.
+    """Return equations that take quantities out of a bundle, one quantity that has several results.
 
-    For each quantity by name, a row has the names of the fields that lead to it, and last its
-    description, as one says after "Return". `source` and `variant` are those of all.
+    `bundle` is its name, such as ``"motion"``. For each quantity by name, a row has the names of
+    the fields that lead to it, and last its description, as one says after "Return". `source` (of
+    the theory) and `variant` are those of all.
     """
     return tuple(
         Equation(gives, Field(bundle, row[:-1], f"Return {row[-1]}."), source, variant)
@@ -297,7 +298,10 @@ class Scene:
         return found.pop() if len(found) == 1 else variant
 
     def _check(self, variant: str) -> None:
-        """Raise `SceneError` for ambiguous, undeclared or cyclic quantities."""
+        """Raise `SceneError` if quantities of a variant are ambiguous, undeclared or cyclic.
+
+        It guards against mistakes in the declaration of a scene.
+        """
         where = f"{self.name} ({variant})"
         for names, wrong in self._misplaced_names(variant):
             if names:
@@ -309,7 +313,12 @@ class Scene:
             raise SceneError(f"{where}: {error}") from None
 
     def _misplaced_names(self, variant: str) -> Iterator[tuple[set[str], str]]:
-        """Yield names that are used in the wrong place, with the reason."""
+        """Yield names that equations and conditions of a variant use wrongly, with the reason.
+
+        Each reason is a text with ``{}`` for the names; the set of names is empty where all is
+        well. Found are quantities that two equations give, names that are not declared, inputs that
+        nothing gives, and outputs that a condition names but no variant gives.
+        """
         equations, conditions = self.variants[variant], self.conditions[variant]
         gives = [equation.gives for equation in equations]
         yield {name for name in gives if gives.count(name) > 1}, "two equations give {}"

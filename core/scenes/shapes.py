@@ -51,9 +51,10 @@ WORDS = {
 
 
 def lying(shape: str, outputs: frozenset[str]) -> tuple[Condition, ...]:
-    """Return the conditions under which a shape cannot lie as assumed, for some outputs.
+    """Return the conditions under which parts of a shape cannot lie as assumed, for some outputs.
 
-    Only turned parts have any: a centre of mass outside, and a side on which they do not rest.
+    Only turned parts, such as screws, have any: a centre of mass outside of the part, and a side on
+    which they do not rest. `outputs` are the quantities whose meaning that touches.
     """
     if ASPECTS[shape][0] != "upright":
         return ()

@@ -95,7 +95,13 @@ class Budget:
 
     @cached_property
     def _points(self) -> Array:
-        """Every evaluated point, shape (parameters, points); the nominal one first."""
+        """The points to evaluate, shape (parameters, points), in the units of studies.
+
+        In this order: the nominal point; each parameter alone at its lower, then its upper end; for
+        derivatives, each parameter alone near its nominal value and four small steps around that;
+        the corners of the box of tolerances, or some of them if they are many; quasi-random points
+        inside.
+        """
         count = len(self.middle)
         unit = np.eye(count)
         lower, upper, middle = self.ends[0], self.ends[1], self.middle
@@ -118,17 +124,23 @@ class Budget:
         return int(self._points.shape[1])
 
     def values(self) -> dict[str, Array]:
-        """Return the parameters at every point of the budget, in SI units, shape (points,)."""
+        """Return the parameters at every point of a tolerance budget, SI units, (points,) each.
+
+        They are by name of the parameter; outputs are computed there.
+        """
         return {
             name: parameter_to_si(name, values)
             for name, values in zip(self.distributions, self._points, strict=True)
         }
 
     def budget_of(self, values: Array) -> BudgetValues:
-        """Return the tolerance budget of an output from its values, shape (cells, points).
+        """Return the tolerance budget of an output from its values at the points of the budget.
 
-        The points are those of `values`, in their order. The derivative is NaN where differences at
-        two steps tell of a kink or a jump.
+        `values` has the shape (cells, points), in the order of the method `values`. The budget has
+        the output at both ends of each tolerance, linear changes and shares of the variance, shape
+        (parameters, cells), and nominal, least and largest values, shape (cells,). A linear change
+        is the derivative times half the tolerance, NaN where differences at two steps tell of a
+        kink or a jump.
         """
         count = len(self.middle)
         values = values.T

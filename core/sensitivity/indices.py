@@ -47,10 +47,18 @@ class Indices(NamedTuple):
 
 
 def design(inputs: int, count: int, seed: int, replicates: int = REPLICATES) -> Array:
-    """Return the sample points for Sobol indices.
+    """Return the points in the unit box at which outputs are evaluated for Sobol indices.
 
-    There are `count` of each kind in every one of the `replicates` scramblings; equal seeds give
-    equal points.
+    Parameters
+    ----------
+    inputs : int
+        Number of uncertain parameters.
+    count : int
+        Points of each kind in a set, a power of two.
+    seed : int
+        Equal seeds give equal points.
+    replicates : int
+        Number of independent sets, whose scatter gives the errors of the indices.
 
     Returns
     -------
@@ -68,12 +76,22 @@ def design(inputs: int, count: int, seed: int, replicates: int = REPLICATES) -> 
 
 
 def indices_of(values: Array) -> Indices:
-    """Return the Sobol indices of functions from their values at the points of `design`.
+    """Return the Sobol indices of outputs from their values at the points of `design`, with errors.
+
+    The first index of an input is the share of the variance due to it alone, the total one its
+    share with all interactions. Errors come from leaving out one set of points after the other
+    (jackknife).
 
     Parameters
     ----------
-    values : ndarray, shape (..., inputs + 2, replicates, count)
-        NaN where there is none: then the point is left out with all that belong to it.
+    values : ndarray, shape (..., inputs + 2, sets, points of a set)
+        The outputs at two independent samples and at those with one input of the first taken from
+        the second; NaN where there is none: then the point is left out with all that belong to it.
+
+    Returns
+    -------
+    Indices
+        Arrays of shape (..., inputs); NaN where the output does not vary.
     """
     known = np.asarray(np.isfinite(values).all(axis=-3, keepdims=True))
     values = np.where(known, values, 0.0)

@@ -18,7 +18,11 @@ from core.watch import Watch
 
 
 def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
-    """Return the results of a sensitivity study, labelled."""
+    """Return the results of a study with uncertain parameters as a table.
+
+    The table has coordinates and attributes. `computed` has the bare arrays by name. The watch is
+    not used; kinds of studies are called alike.
+    """
     arrays, dims = computed.arrays, prepared.dims
     variables = {
         name: TableVariable(dims[name], arrays[name], one.attributes)
@@ -42,7 +46,11 @@ def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
 
 
 def _coordinates(prepared: Sensitivity) -> dict[str, TableVariable]:
-    """Return the dimensions of a result besides the grid's axes: parameters, quantiles, levels."""
+    """Return the coordinates of a study with uncertain parameters besides the axes of its grid.
+
+    These are the uncertain parameters, the quantiles and the levels of the distribution, shares
+    from 0 to 1 at which a value is given; only those that some variable has as a dimension.
+    """
     names = [*prepared.uncertain]
     ends = np.linspace(0.0, 1.0, LEVELS)
     uncertain = {

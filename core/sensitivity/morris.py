@@ -57,9 +57,12 @@ class Paths(NamedTuple):
 
 
 def paths(inputs: int, count: int, seed: int) -> Paths:
-    """Return `count` random paths for Morris's screening; equal seeds give equal paths.
+    """Return `count` random paths through the unit box for Morris's screening of inputs.
 
-    Each begins at a random point and changes one of the inputs at each step.
+    Each begins at a random point of a grid and changes one of the inputs, by a fixed step, at each
+    of its steps; the changes of the outputs are the effects of that input. Equal seeds give equal
+    paths. `seed` is that of the random numbers. The result has the points, shape (inputs, paths,
+    inputs + 1), the input that each step changes, and the sign of the step, shape (paths, inputs).
     """
     random = np.random.default_rng((seed, 1991))
     level = random.integers(LEVELS, size=(count, inputs))
@@ -76,14 +79,23 @@ def paths(inputs: int, count: int, seed: int) -> Paths:
 
 
 def effects_of(values: Array, along: Paths) -> Effects:
-    """Return the elementary effects of each input from values at the points of paths.
+    """Return size and deviation of the effect of each input on outputs, by Morris's screening.
+
+    Each step of a path changes one input; the change of the output over the step is its effect.
+    Size is the mean of its absolute value, deviation its standard deviation over the paths.
 
     Parameters
     ----------
     values : ndarray, shape (..., paths, inputs + 1)
-        NaN where there is none: then the steps from and to that point are left out.
+        The outputs at the points of the paths; NaN where there is none: then the steps from and to
+        that point are left out.
     along : Paths
         The paths, as `paths` gives them.
+
+    Returns
+    -------
+    Effects
+        Arrays of shape (..., inputs).
     """
     steps = np.diff(values, axis=-1) * along.signs / STEP
     order = np.broadcast_to(np.argsort(along.changed, axis=-1), steps.shape)

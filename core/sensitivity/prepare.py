@@ -71,7 +71,11 @@ class Sensitivity(Prepared):
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
-        """The dimensions of each variable: the grid's axes, perhaps with one more in front."""
+        """The names of the dimensions of each variable of the result, by the variable's name.
+
+        They are the axes of the grid, in some with one more in front: uncertain parameters,
+        quantiles or levels.
+        """
         axes = tuple(self.grid.axes)
         found = {
             n: (one.over, *axes) if one.over else axes for n, one in self.result_variables.items()
@@ -122,7 +126,7 @@ class Sensitivity(Prepared):
 
     @cached_property
     def _price(self) -> tuple[float, float]:
-        """The likely and the largest time of one evaluation [s]."""
+        """The likely and the largest time of one evaluation of the outputs, on one core [s]."""
         if not any(equation.takes_long for equation in self.plan.equations):
             seconds = self.plan.scene.seconds_a_cell * pace()
             return seconds, seconds
@@ -134,7 +138,10 @@ class Sensitivity(Prepared):
 
     @property
     def _ends(self) -> dict[str, tuple[float, float]]:
-        """The ends of the uncertain parameters, SI units."""
+        """The ends of the uncertain parameters' tolerances by name, SI units.
+
+        The price of motions is estimated between them.
+        """
         ends = {}
         for name, uncertain in self.uncertain.items():
             low, high = to_si(name, np.array(tolerance(name, uncertain))).tolist()
@@ -143,7 +150,10 @@ class Sensitivity(Prepared):
 
     @cached_property
     def tried_seconds_a_cell(self) -> float:
-        """The likely time of a design or row on one core, after a trial of some motions [s]."""
+        """The likely time of one design on one core [s], after a trial of some evaluations.
+
+        For motions it is more exact than the estimate without a trial; closed forms need none.
+        """
         if not any(equation.takes_long for equation in self.plan.equations):
             return self.seconds_a_cell
         cells = self.cells * self.evaluations
@@ -171,7 +181,11 @@ class Sensitivity(Prepared):
 
 
 def evaluations_of(study: SensitivityStudy, budget: Budget) -> int:
-    """Return the number of evaluations per design that the analyses of a study need."""
+    """Return the number of evaluations of one design that the analyses of a study need.
+
+    Each analysis (distribution, Sobol, Morris, tolerance budget) has points of its own, besides the
+    nominal one; `budget` has those of the last.
+    """
     count, total = len(study.distributions()), 1
     if {"distribution", "sobol"} & set(study.analyses) or study.demands:
         total += study.samples * (count + 2 if "sobol" in study.analyses else 1)
@@ -181,7 +195,7 @@ def evaluations_of(study: SensitivityStudy, budget: Budget) -> int:
 
 
 def prepare(study: SensitivityStudy) -> Sensitivity:
-    """Return the sensitivity study that a user's study describes, ready to be computed.
+    """Return a study with uncertain parameters as checked and planned, ready to be computed.
 
     Raises
     ------
@@ -218,9 +232,11 @@ def prepare(study: SensitivityStudy) -> Sensitivity:
 
 
 def choose(sketch: Sketch) -> Chosen:
-    """Return scene, variant or method, and problems of their names.
+    """Return the scene of a study, its variant or method, and the problems of their names.
 
-    It is the closed-form scene, or the system of motion if a method or an output asks for motion.
+    It is the closed-form scene, or that of the motion in time if a method or an output asks for
+    motion. `sketch` has what the user wrote: scene, variant, method, outputs and names of
+    parameters.
     """
     if sketch.method is None:
         return choose_problem_scene(sketch.scene, sketch.variant, sketch.outputs, sketch.names)
@@ -241,7 +257,11 @@ def _span(name: str, distribution: Distribution) -> Values:
 
 
 def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
-    """Yield problems between the sections of a study, before its scene is looked at."""
+    """Yield the problems between the sections of a study with uncertain parameters.
+
+    They can be told before its scene is looked at: names in two sections, too many uncertain
+    parameters, codes as outputs, verification, demands.
+    """
     values, uncertain = study.values(), study.distributions()
     for name in uncertain:
         if name in values:
@@ -265,7 +285,10 @@ def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
 
 
 def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
-    """Yield problems of each demand, and of equal names of demands."""
+    """Yield the problems of the demands of a study: unclear ones, codes as outputs, repetitions.
+
+    A demand is a bound on an output or a regime, whose probability is computed.
+    """
     seen: set[str] = set()
     for number, demand in enumerate(demands):
         path = f"demands.{number}"
@@ -287,7 +310,10 @@ def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
 
 
 def _unclear(demand: Demand) -> tuple[str, str] | None:
-    """Return message and fix for a demand without bounds or regime; None if it is clear."""
+    """Return message and fix for a demand that does not say what is asked; None if it is clear.
+
+    A demand is a regime, or an output with one or two bounds.
+    """
     is_bounded = demand.at_least is not None or demand.at_most is not None
     if (demand.output is None) == (demand.regime is None):
         return "it names neither or both", "Name an output, or a regime"
@@ -302,7 +328,11 @@ def _unclear(demand: Demand) -> tuple[str, str] | None:
 
 
 def _problems_of_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Problem]:
-    """Yield problems of demanded regimes that no cell of the study can be in."""
+    """Yield a problem for each demand of a study on a regime that no cell of the study can have.
+
+    A demand says what parts should do, for example that they hop; the share of the uncertain cases
+    that meet it is computed. `plan` knows the regimes that belong to the study's outputs.
+    """
     for number, demand in enumerate(study.demands):
         if demand.regime is not None and demand.regime not in plan.regimes:
             if demand.regime in REGIMES:
@@ -317,7 +347,11 @@ def _problems_of_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Proble
 
 
 def _check_size(prepared: Sensitivity) -> None:
-    """Raise `StudyError` if a study needs too much memory or time."""
+    """Raise `StudyError` if a study with uncertain parameters needs too much memory or time.
+
+    What counts is the number of evaluations of one design times its outputs, and that of all
+    designs.
+    """
     outputs, each = len(prepared.plan.outputs), prepared.evaluations
     if each * outputs > MAX_VALUES:
         message = f"each design takes {each:,} evaluations of {outputs} outputs"

@@ -28,14 +28,15 @@ def student_factor(replicates: int = REPLICATES) -> float:
 
 
 def jackknife(sums: Array, estimate: Callable[[Array], Array]) -> tuple[Array, Array]:
-    """Return an estimate from sums over all replicates, and half its 95 % interval.
+    """Return an estimate from sums over independent sets of points, and half its 95 % interval.
 
-    The error comes from leaving out one replicate after the other.
+    The error comes from leaving out one set after the other. It fits estimates, such as variances,
+    that are no means themselves.
 
     Parameters
     ----------
-    sums : ndarray, shape (m, replicates, ...)
-        Sums over the points of each replicate.
+    sums : ndarray, shape (m, sets, ...)
+        m sums over the points of each set.
     estimate : callable
         Takes sums (m, ...), returns estimates (...); NaN where there is none.
     """

@@ -49,7 +49,10 @@ class SampledOutputs:
     regime: NDArray[np.int8]
 
     def shaped(self, *shape: int) -> SampledOutputs:
-        """Return the outputs with their points in another shape; designs stay the first axis."""
+        """Return the sampled outputs with points in another shape; designs stay first.
+
+        `shape` is that of the points, without the axis of designs.
+        """
         return SampledOutputs(
             {name: one.reshape(-1, *shape) for name, one in self.outputs.items()},
             self.regime.reshape(-1, *shape),
@@ -57,12 +60,16 @@ class SampledOutputs:
 
 
 def compute(prepared: Sensitivity, watch: Watch) -> Computed:
-    """Return the arrays of every variable of a study, in the units of studies.
+    """Return all variables of a study with uncertain parameters, in the units of studies.
+
+    Every design, a cell of the grid, is evaluated at many points of the uncertain parameters, and
+    the statistics over them are variables over the grid; some have a dimension of their own before
+    it. Designs are taken in blocks that fit the memory.
 
     Raises
     ------
     StoppedError
-        If `watch` stops it: half of the points are no answer.
+        If `watch` stops it; there is no result of some points only.
     """
     shape = tuple(prepared.grid.shape.values())
     designs = {
@@ -101,9 +108,10 @@ class _Evaluator:
         return self.of(drawn).shaped(*shares.shape[1:])
 
     def of(self, samples: Mapping[str, Array]) -> SampledOutputs:
-        """Return the outputs for values of the uncertain parameters, each of shape (n,), SI units.
+        """Return outputs and regimes of all designs at values of the uncertain parameters.
 
-        Raises `StoppedError` if the watch stops it.
+        `samples` has the values, SI units, each of shape (n,); the results have the shape (designs,
+        n), in the units of studies. Raises `StoppedError` if the watch stops it.
         """
         number = next(iter(samples.values())).size
         step = max(1, BLOCK // self.count)
@@ -120,7 +128,12 @@ class _Evaluator:
         )
 
     def _some(self, samples: Mapping[str, Array]) -> SampledOutputs:
-        """Return the outputs at a piece of the points."""
+        """Return outputs and regimes of all designs at some points of the uncertain parameters.
+
+        `samples` has the values of these parameters, SI units, shape (points,); the results have
+        the shape (designs, points), in the units of studies, NaN where an output has no valid
+        value.
+        """
         plan, number = self.prepared.plan, next(iter(samples.values())).size
         shape = (self.count, number)
         with np.errstate(all="ignore"):
@@ -140,7 +153,8 @@ class _Evaluator:
     def _valid(self, known: Mapping[str, Any], shape: tuple[int, ...]) -> dict[str, Mask]:
         """Return, for each output, a mask of the cells whose regime describes a real part.
 
-        Only regimes that concern the output count; `known` has every quantity of the plan.
+        Only regimes that concern the output count; `known` has every quantity of the plan, `shape`
+        is that of the masks.
         """
         plan, valid, masks = self.prepared.plan, {}, {}
         for name in plan.outputs:
@@ -154,7 +168,12 @@ class _Evaluator:
 
 
 def _variables(evaluator: _Evaluator) -> Arrays:
-    """Return the arrays of every variable of the result, for some designs: their last axis."""
+    """Return all variables of a study with uncertain parameters for some designs, by name.
+
+    Designs are the last axis of each array. `evaluator` computes the outputs of these designs at
+    points of the uncertain parameters; the variables are statistics over the points, in the units
+    of studies.
+    """
     prepared = evaluator.prepared
     study = prepared.study
     statistics_of: Arrays = {
@@ -183,10 +202,11 @@ def _first(values: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Yield name and values of each statistic of points sampled from the distributions.
+    """Yield name and values of each statistic of points that are sampled from the distributions.
 
-    They are probabilities of demands, then for each output the share left out, distribution and
-    Sobol indices.
+    They are probabilities of demands, then for each output the share of points without a value,
+    distribution and Sobol indices. `evaluator` computes outputs of some designs, the last axis of
+    each array.
     """
     prepared, study = evaluator.prepared, evaluator.prepared.study
     drawn = {"distribution", "sobol"} & set(study.analyses) or study.demands
@@ -223,7 +243,12 @@ def _of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
 
 
 def _met(demand: Demand, values: SampledOutputs) -> Mask:
-    """True where a demand is met at a sampled point, shape (designs, replicates, count)."""
+    """True where a demand of a study is met, shape (designs, sets, points of a set).
+
+    A demand is a regime, or bounds of an output in the unit of studies. `values` has outputs and
+    regimes at the points, with an axis for Sobol's samples after that of the designs, of which the
+    first counts. A missing value does not meet a demand.
+    """
     if demand.regime is not None:
         return np.asarray(values.regime[:, 0] == REGIMES[demand.regime].value)
     output = values.outputs[str(demand.output)][:, 0]

@@ -22,15 +22,19 @@ class Estimate(NamedTuple):
 
 
 def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
-    """Return mean and standard deviation with errors, ignoring NaN.
+    """Return mean and standard deviation of random points with their errors, ignoring NaN.
 
-    `values` have the shape (..., replicates, count). Where all are NaN, so is the mean.
+    `values` are an output at independent sets of points, shape (..., sets, points of a set); the
+    results have the shape (...). The errors come from leaving out one set after the other
+    (jackknife), half the width of a 95 % interval. Where all values are NaN, so is the mean. Both
+    results have a value and its error.
     """
     known = np.isfinite(values)
     number = known.sum(axis=(-2, -1), keepdims=True)
     values = np.where(known, values, 0.0)
     with np.errstate(invalid="ignore", divide="ignore"):
         centre = values.sum(axis=(-2, -1), keepdims=True) / number
+        # Sums about the mean of all: those about 0 would lose digits.
         away = np.where(known, values - centre, 0.0)
         sums = np.stack([known.sum(axis=-1, dtype=np.float64), away.sum(-1), (away**2).sum(-1)])
         sums = np.moveaxis(sums, -1, 1)
@@ -48,10 +52,16 @@ def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
 
 
 def quantiles(values: Array, shares: Array) -> Estimate:
-    """Return quantiles with errors, ignoring NaN; values have the shape (..., replicates, count).
+    """Return quantiles of random points with errors, ignoring NaN.
 
-    `shares` are the shares of the values below. The error comes from the scatter of the replicates'
-    quantiles.
+    The error, half a 95 % interval, comes from the scatter of the quantiles of independent sets.
+
+    Parameters
+    ----------
+    values : ndarray, shape (..., sets, points of a set)
+        The values of an output.
+    shares : ndarray
+        The shares of the values below, 0 to 1.
 
     Returns
     -------
@@ -67,10 +77,10 @@ def quantiles(values: Array, shares: Array) -> Estimate:
 
 
 def quantile(values: Array, shares: Array) -> Array:
-    """Return quantiles along the last axis, ignoring NaN, shape (shares, ...).
+    """Return quantiles of the values along the last axis, ignoring NaN, shape (shares, ...).
 
-    `shares` are the shares of the values below. Between two neighbours it is linear, as numpy does
-    by default.
+    `shares` are those of the values below the quantile, 0 to 1. Between two neighbouring values it
+    is linear, as numpy does by default; NaN where there are no values.
     """
     values = np.sort(values, axis=-1)  # NaN come last
     number = np.isfinite(values).sum(axis=-1)
@@ -84,10 +94,11 @@ def quantile(values: Array, shares: Array) -> Array:
 
 
 def probability(met: Mask) -> Estimate:
-    """Return the probability of an event, with its error, from the points where it occurred.
+    """Return the probability of an event with its error, shape (...), from random points.
 
-    `met` has the shape (..., replicates, count). Where all points agree, chance may have left out
-    one: the error then is at least one point's share.
+    `met` is True at the points where it occurred, shape (..., sets, points of a set); the scatter
+    of independent sets gives the error, half a 95 % interval. Where all points agree, chance may
+    have left out one: the error then is at least one point's share.
     """
     replicates, count = met.shape[-2:]
     each = met.mean(axis=-1)

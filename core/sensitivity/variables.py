@@ -52,7 +52,10 @@ class ResultVariable:
 
 
 def result_variables(study: SensitivityStudy, outputs: tuple[str, ...]) -> Iterator[ResultVariable]:
-    """Yield every variable of a study's result except `regime`, in order."""
+    """Yield every variable of the result of a study with uncertain parameters, except `regime`.
+
+    Those of demands come first, then those of each output, with name, unit and description.
+    """
     for demand in study.demands:
         yield from _of_demand(demand)
     for name in outputs:
@@ -60,7 +63,10 @@ def result_variables(study: SensitivityStudy, outputs: tuple[str, ...]) -> Itera
 
 
 def _of_demand(demand: Demand) -> Iterator[ResultVariable]:
-    """Yield the probability of a demand, and its error."""
+    """Yield the variables of a demand: the probability that it is met, and the error of that.
+
+    They have names, units and comments, without values.
+    """
     name = f"probability_{demand.name}"
     comment = "Points without a valid value count as not meeting it."
     yield ResultVariable(name, "", "1", f"Probability of {in_words(demand)}", comment,
@@ -70,7 +76,10 @@ def _of_demand(demand: Demand) -> Iterator[ResultVariable]:
 
 
 def in_words(demand: Demand) -> str:
-    """Return a demand in words, such as ``acceleration along x at least 1 m s-2``."""
+    """Return a demand in words, such as ``acceleration along x at least 1 m s-2``.
+
+    A demand is a regime, or an output with one or two bounds; these are in the unit of the output.
+    """
     if demand.regime is not None:
         return f"the regime {demand.regime}"
     output = QUANTITIES[str(demand.output)]
@@ -84,7 +93,10 @@ def in_words(demand: Demand) -> str:
 
 
 def _of_output(study: SensitivityStudy, name: str) -> Iterator[ResultVariable]:
-    """Yield the variables of one output, as the analyses of the study ask for."""
+    """Yield the variables of one output, with units and comments, by the study's analyses.
+
+    `name` is the output. They are without values.
+    """
     quantity = QUANTITIES[name]
     unit, what = quantity.unit, in_sentence(quantity.label)
 

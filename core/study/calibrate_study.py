@@ -42,10 +42,11 @@ _PRIOR_SCHEMA = {
 
 
 def quantity_of(table: str, parameter: str) -> Quantity:
-    """Return the quantity of an unknown, with its unit and bounds.
+    """Return the declaration of an unknown of a calibration, with its unit and bounds.
 
-    `table` is "unknowns" for the parameter itself, "offsets" for an offset of it, in the same unit,
-    or "factors" for a factor, without unit.
+    `table` is "unknowns" for the parameter itself, "offsets" for what is added to it, in the same
+    unit and of any sign, or "factors" for what it is multiplied by, without unit. `parameter` is
+    its name.
     """
     quantity = QUANTITIES[parameter]
     if table == "unknowns":
@@ -55,9 +56,10 @@ def quantity_of(table: str, parameter: str) -> Quantity:
 
 
 def _read_prior(table: str, parameter: str, raw: object) -> Prior:
-    """Return the prior that a user wrote: a range or a normal distribution.
+    """Return the prior that a user wrote of an unknown: a range or a normal distribution.
 
-    Raises `UnitError` for anything else.
+    The prior is what is known before a calibration. `table` is "unknowns", "offsets" or "factors",
+    and `parameter` the name in it. Raises `UnitError` for anything else.
     """
     of = {"offsets": "the offset of ", "factors": "the factor of "}.get(table, "")
     prior = read_distribution(of + parameter, raw, quantity_of(table, parameter))
@@ -70,9 +72,10 @@ def _read_prior(table: str, parameter: str, raw: object) -> Prior:
 
 
 def _prior_field(table: str, name: str) -> Any:
-    """Return type and default of the pydantic field for a parameter's prior.
+    """Return type and default of the pydantic field for what is known of an unknown, its prior.
 
-    `table` is that of the unknown: unknowns, offsets or factors.
+    `table` is that of the unknown: unknowns, offsets or factors, and `name` the parameter. The
+    field is None if left out.
     """
 
     def read(raw: object) -> Prior:
@@ -124,7 +127,10 @@ else:
 
 
 def _read_probability(raw: object) -> object:
-    """Return a probability below 0.5; raise a refusal for anything else."""
+    """Return a probability below 0.5; raise a refusal for anything else.
+
+    It is that of an observed regime being wrong, as a user wrote it.
+    """
     if isinstance(raw, int | float) and not isinstance(raw, bool) and 0 < raw < 0.5:
         return float(raw)
     fix = "Write a number above 0 and below 0.5, such as 0.01"
@@ -187,7 +193,10 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
     )
 
     def priors(self) -> dict[str, Prior]:
-        """Return the priors of all unknowns by name, such as ``friction`` or ``offset_beta``."""
+        """Return the priors of all unknowns by name, such as ``friction`` or ``offset_beta``.
+
+        A prior is what is known of an unknown before the calibration.
+        """
         priors_of: dict[str, Prior] = {}
         for table in STEMS:
             given = getattr(self, table)
@@ -197,16 +206,21 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
         return priors_of
 
     def asked_next(self) -> dict[str, Values]:
-        """Return the parameters of candidate runs with their values; none without candidates."""
+        """Return the parameters of candidate runs, among which the next one to measure is chosen.
+
+        Empty if the study has no candidates.
+        """
         if self.candidates is None:
             return {}
         given = self.candidates.model_fields_set
         return {name: getattr(self.candidates, name) for name in PARAMETERS if name in given}
 
     def places(self) -> dict[str, str]:
-        """Return the paths of parameters that stand in runs or among the unknowns, by parameter.
+        """Return the paths of parameters that stand in measured runs or among the unknowns.
 
-        They serve messages; a parameter in both has the path in the runs.
+        They serve messages about a parameter.
+
+        A parameter in both has the path in the runs.
         """
         origins: dict[str, str] = {}
         for run in self.observations:
@@ -219,7 +233,7 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
         return origins
 
     def content(self) -> dict[str, Any]:
-        """Return the study as plain values, with ranges and units in canonical form."""
+        """Return the study as plain data, with ranges and units in canonical form."""
         content = super().content()
         if self.candidates is not None:
             told = self.asked_next().items()

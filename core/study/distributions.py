@@ -112,12 +112,13 @@ BOUNDED: Final = frozenset(Normal.keys) | frozenset(FORMS["uniform"])
 def read_distribution(name: str, raw: object, quantity: Quantity | None = None) -> Distribution:
     """Return the distribution that a user wrote for a parameter, by the keys of the table `raw`.
 
-    `quantity` gives unit and bounds where it is that of an offset or a factor.
+    `name` is the parameter; `quantity` gives unit and bounds where it is that of an offset or a
+    factor.
 
     Raises
     ------
     UnitError
-        If it is none, or holds values that are none of that quantity.
+        If it is none, or has values that are none of that quantity.
     """
     if isinstance(raw, Distribution):
         return raw
@@ -143,7 +144,11 @@ def read_distribution(name: str, raw: object, quantity: Quantity | None = None) 
 
 
 def _triangular(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Triangular:
-    """Return a triangular distribution from its three keys."""
+    """Return a triangular distribution from its three keys: lower, most_likely and upper.
+
+    `name` and `quantity` are the parameter and its declaration with a unit, `raw` is what the user
+    wrote. Raises `UnitError` unless the values ascend.
+    """
     lower, likely, upper = (read_number(name, quantity, raw[key]) for key in Triangular.keys)
     if not (lower <= likely <= upper and lower < upper):
         message = f"{name} has {lower:g}, {likely:g} and {upper:g} as lower, most_likely and upper"
@@ -159,7 +164,10 @@ def _no_width(value: str, width: str) -> tuple[str, str]:
 
 
 def _no_form(name: str, keys: frozenset[str]) -> tuple[str, str]:
-    """Return message and fix for keys that fit no distribution."""
+    """Return message and fix for a distribution whose keys belong to no known kind of distribution.
+
+    `name` is the parameter, `keys` are what the user wrote, such as mean and deviation.
+    """
     forms = [f"{{ {', '.join(f'{key} = ...' for key in form)} }}" for form in FORMS.values()]
     known = {key for form in FORMS.values() for key in form}
     unknown = sorted(keys - known)
@@ -171,9 +179,10 @@ def _no_form(name: str, keys: frozenset[str]) -> tuple[str, str]:
 
 
 def _normal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Normal:
-    """Return a normal distribution from the keys mean, deviation, lower and upper.
+    """Return a normal distribution from the keys mean, deviation, lower and upper of a study.
 
-    The deviation may be a share of the mean, as in ``"5 %"``. Raises `UnitError` if bounds and mean
+    `name` and `quantity` are the parameter and its declaration, `raw` is what the user wrote. The
+    deviation may be a share of the mean, as in ``"5 %"``. Raises `UnitError` if bounds and mean
     contradict each other.
     """
     mean = read_number(name, quantity, raw["mean"])
@@ -193,9 +202,19 @@ def _normal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Normal:
 
 
 def _lognormal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Lognormal:
-    """Return a lognormal distribution from the keys median and factor.
+    """Return a lognormal distribution from the keys median and factor of a study.
 
-    Raises `UnitError` unless the median is above 0 and the factor above 1.
+    Raises `UnitError` unless the median is above 0 and the factor above 1, at most 1000.
+
+    Parameters
+    ----------
+    name : str
+        The parameter, whose value it is.
+    quantity : Quantity
+        Its declaration, with its unit.
+    raw : mapping
+        What the user wrote: ``median``, a number or text with a unit, and ``factor``, a number; two
+        thirds of the values lie between median/factor and median times factor.
     """
     median, factor = read_number(name, quantity, raw["median"]), raw["factor"]
     if median <= 0:
@@ -209,10 +228,11 @@ def _lognormal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Lognorm
 
 
 def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulated:
-    """Return a tabulated distribution from the keys values and densities.
+    """Return a tabulated distribution from the keys values and densities of a study.
 
-    Raises `UnitError` unless they are lists of one length, values ascending and densities not all
-    0.
+    `name` and `quantity` are the parameter and its declaration with a unit; `raw` is what the user
+    wrote. The density is linear between the values. Raises `UnitError` unless these are two lists
+    of one length, values ascending and densities not all 0.
     """
     columns = [raw["values"], raw["densities"]]
     if not all(isinstance(value, list | tuple) for value in columns):
@@ -238,7 +258,7 @@ def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulat
 
 
 def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArray[Any]:
-    """Return quantiles of a parameter's distribution.
+    """Return quantiles of a parameter's distribution, to sample it or to state its range.
 
     Parameters
     ----------
@@ -247,7 +267,7 @@ def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArr
     distribution : Distribution
         Its distribution.
     shares : array_like
-        Between 0 and 1; 0 and 1 give the ends, infinite where there are none.
+        Shares of the values below, 0 to 1; 0 and 1 give the ends, infinite where there are none.
 
     Returns
     -------
@@ -270,7 +290,10 @@ def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArr
 
 
 def _law(distribution: Normal | Triangular | Lognormal) -> Any:
-    """Return scipy's distribution for one of ours, without regard to bounds."""
+    """Return scipy's distribution for one of a study, without bounds of the parameter.
+
+    It has scipy's methods for quantiles and shares.
+    """
     import scipy  # who draws no numbers does not load it
 
     if isinstance(distribution, Normal):
@@ -284,7 +307,8 @@ def _law(distribution: Normal | Triangular | Lognormal) -> Any:
 def _quantiles_of_table(table: Tabulated, shares: NDArray[Any]) -> NDArray[Any]:
     """Return quantiles of a density that is linear between listed values.
 
-    `shares` are the shares of the mass below, of any shape.
+    `shares` are the shares of the mass below, of any shape. `table` has the values and densities;
+    the result has the shape of `shares`, in the unit of the values.
     """
     x, density = np.array(table.values), np.array(table.densities)
     width = np.diff(x)
@@ -301,7 +325,10 @@ def _quantiles_of_table(table: Tabulated, shares: NDArray[Any]) -> NDArray[Any]:
 
 
 def nominal(distribution: Distribution) -> float:
-    """Return the nominal value in the unit of studies: middle, mean, most likely, or median."""
+    """Return the nominal value of a parameter with a distribution, in the unit of studies.
+
+    It is the middle of an interval, the mean, the most likely value or the median.
+    """
     match distribution:
         case Between(lower, upper):
             return (lower + upper) / 2
@@ -319,7 +346,8 @@ def tolerance(name: str, distribution: Distribution) -> tuple[float, float]:
     """Return both ends of a parameter's tolerance, in the unit of studies.
 
     They are the ends of the distribution; for one without ends those between which 99.73 % lie, as
-    three standard deviations are on either side of a mean.
+    three standard deviations are on either side of a mean. `name` is the parameter, at whose bounds
+    a distribution is cut.
     """
     if isinstance(distribution, Between | Triangular):
         return distribution.lower, distribution.upper

@@ -105,7 +105,11 @@ def names_recording(content: object) -> bool:
 
 
 def _fitted(raw: object) -> object:
-    """Return a drive whose recording has been fitted; refuse any other."""
+    """Return the section `drive` of a study if its recording has been fitted; refuse any other.
+
+    Such a drive has the digest of its recording. It is a validator of pydantic: `raw` is what the
+    user wrote or the fitted drive.
+    """
     problem = None
     if isinstance(raw, Mapping) and "sha256" not in raw:
         fix = "Carry the study out, or load it by vibrafeed.load_study"
@@ -119,7 +123,10 @@ def _fitted(raw: object) -> object:
 
 
 def _schema() -> dict[str, Any]:
-    """Return the JSON Schema of a measured drive."""
+    """Return the JSON Schema of a study's `drive`: a recording, a fitted drive, or null.
+
+    Editors check studies by it.
+    """
     source = {"oneOf": [{"required": ["file"]}, {"required": ["data"]}]}
     either = [
         RecordedDrive.model_json_schema() | source,

@@ -31,7 +31,8 @@ PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.par
 def _without_echoes(schema: dict[str, Any]) -> None:
     """Remove entries from a JSON Schema that say nothing new and repeat for every parameter.
 
-    They are titles that repeat their key, and the default null of what may be left out.
+    They are titles that repeat their key, and the default null of what may be left out. `schema` is
+    changed itself.
     """
     required = schema.get("required", ())
     for name, field in schema.get("properties", {}).items():
@@ -54,7 +55,10 @@ class Frozen(BaseModel):
 
 
 def _values_schema(name: str, quantity: Quantity) -> dict[str, Any]:
-    """Return the JSON Schema of a parameter's values."""
+    """Return the JSON Schema of what a user may write for a parameter: number, text, list or range.
+
+    `name` is not used; `quantity` has the bounds and the unit.
+    """
     number: dict[str, Any] = {"type": "number"}
     if quantity.lower > -float("inf"):
         number["exclusiveMinimum" if quantity.strict else "minimum"] = quantity.lower
@@ -94,7 +98,11 @@ def _canonical(values: Values | None) -> Any:
 
 
 def _parameter_field(name: str, quantity: Quantity) -> Any:
-    """Return type and default of the pydantic field for a parameter's values."""
+    """Return type and default of the pydantic field for a parameter of a study.
+
+    `name` and `quantity` are the parameter and its declaration. The field reads numbers and texts
+    with units, and is None if left out.
+    """
 
     def read(raw: object) -> Values:
         """Return the values; raise a refusal for wrong ones."""
@@ -129,7 +137,11 @@ else:
 
 
 def _between_field(name: str, quantity: Quantity) -> Any:
-    """Return type and default of the pydantic field for a variable's bounds."""
+    """Return type and default of the pydantic field for a variable of an optimisation: its bounds.
+
+    `name` and `quantity` are the parameter and its declaration. The field reads numbers and texts
+    with units, and is None if left out.
+    """
 
     def read(raw: object) -> Between:
         """Return the bounds; raise a refusal for wrong ones."""
@@ -176,7 +188,7 @@ MAX_SHOWN = 8  # units that a study may name: looking one up takes long
 
 
 def _read_units(raw: object) -> tuple[str, ...] | None:
-    """Return the texts that say in which units values are shown; None for the usual units.
+    """Return the texts by which a study names units to show values in; None for the usual.
 
     Raises a refusal for an unknown unit, or for more than eight.
     """
@@ -266,7 +278,11 @@ class Study(Frozen):
         return content
 
     def said(self) -> dict[str, Any]:
-        """Return the content of the study without the fields that have their default values."""
+        """Return the content of the study without the fields that have their default values.
+
+        It is what a user has to write for the same study, and what its printed form shows. The name
+        of the kind is always in it.
+        """
         fields = type(self).model_fields
         return {
             name: value
@@ -282,7 +298,10 @@ class Study(Frozen):
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        """Return the study as an HTML table for notebooks."""
+        """Return the study as an HTML table for notebooks.
+
+        It has a row for each field that is not a default.
+        """
         rows: list[tuple[str, object]] = []
         for name, value in self.said().items():
             inner = value.items() if isinstance(value, dict) else None

@@ -22,9 +22,9 @@ def refusal(message: str, fix: str | Callable[[], str]) -> PydanticCustomError:
 
 
 def at_most(count: int) -> BeforeValidator:
-    """Return a validator that refuses lists of more than `count` entries.
+    """Return a pydantic validator that refuses lists of more than `count` entries.
 
-    It does so before pydantic checks each entry, which takes long.
+    It runs before pydantic checks each entry, which takes long for a list of millions.
     """
 
     def check(raw: object) -> object:
@@ -40,7 +40,8 @@ def read_level(name: str, raw: object) -> float:
     """Return a level of a quantity as a number in its unit, from a number or a text with a unit.
 
     It may lie outside the bounds of the quantity. Raises `UnitError` if it is no value of that
-    kind.
+    kind. `name` is the quantity, `raw` what the user wrote. A level is a value to compare an output
+    with.
     """
     quantity = QUANTITIES[name]
     # What is compared with a parameter may lie outside the parameter's own bounds.
@@ -52,9 +53,11 @@ def read_level(name: str, raw: object) -> float:
 
 
 def _read_level(raw: object, info: ValidationInfo) -> object:
-    """Return a level of the output that an earlier field names, in that output's unit.
+    """Return a field of a study, a value of the output that an earlier field names, in its unit.
 
-    Raises a refusal for a text that is no such value.
+    `raw` is what the user wrote, a number or a text with a unit, and may be None; `info` has the
+    fields before it. Raises a refusal for a text that is no such value. Where the output is not
+    known the number is kept as it is, or 0 for a text: the unknown name is reported elsewhere.
     """
     output = info.data.get("against") or info.data.get("output")
     if raw is None or str(output) not in QUANTITIES:  # an unknown output is told of elsewhere

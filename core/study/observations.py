@@ -67,7 +67,12 @@ def read_error(output: str, raw: object, value: float) -> float:
 
 
 def _single(name: str, quantity: Quantity) -> Any:
-    """Return type and default of the pydantic field for a single value of a parameter."""
+    """Return type and default of the pydantic field for a single value of a parameter in a run.
+
+    In a study of kind calibrate each measured run may have parameters of its own, written as
+    numbers or as texts with a unit; the field has the number in the quantity's unit, and is None if
+    left out. `name` and `quantity` are the parameter and its declaration.
+    """
 
     def read(raw: object) -> float | None:
         """Return the value; raise a refusal for a wrong one."""
@@ -80,7 +85,12 @@ def _single(name: str, quantity: Quantity) -> Any:
 
 
 def _observed(name: str) -> Any:
-    """Return type and default of the pydantic field for a measured output."""
+    """Return type and default of the pydantic field for a measured output, such as a velocity.
+
+    In a study of kind calibrate the user writes measured values as numbers or as texts with a unit;
+    the field has the number in the output's own unit, and is None if left out. `name` is the
+    output.
+    """
 
     def read(raw: object) -> float | None:
         """Return the value; raise a refusal for a wrong one."""
@@ -94,9 +104,10 @@ def _observed(name: str) -> Any:
 
 
 def _read_row_error(raw: object, info: ValidationInfo) -> object:
-    """Return the standard deviation of a run's measured value, in the output's unit.
+    """Return the standard deviation of a run's measured value, in the output's unit, or None.
 
-    None without a valid value or error; raises a refusal for a text that is no error.
+    `raw` is what the user wrote, `info` has the measured value. None without a valid value or
+    error; raises a refusal for a text that is no error.
     """
     given = {name: info.data.get(name) for name in OBSERVED}
     output, value = next(((n, v) for n, v in given.items() if v is not None), (None, None))
@@ -109,7 +120,10 @@ def _read_row_error(raw: object, info: ValidationInfo) -> object:
 
 
 def _read_regime(raw: object) -> str | None:
-    """Return the observed regime in small letters; raise a refusal for an unknown one."""
+    """Return an observed regime that a user wrote, in small letters; raise a refusal if unknown.
+
+    Regimes that can be seen are those of `REGIMES_SEEN`, such as "hopping"; None stands for none.
+    """
     if raw is None:
         return None
     text = " ".join(str(raw).replace("_", " ").split()).lower()
@@ -163,15 +177,15 @@ def parameters_of(run: Run) -> dict[str, float]:
 
 
 def spread_rows(raw: object) -> object:
-    """Return the rows of observations, each a run with single values.
+    """Return the measured runs of a study as rows, each with single values.
 
-    `raw` is what the study holds: a table whose lists become one row per value, or a list of
-    such tables.
+    `raw` is what the user wrote: a table whose lists become one row per value, or a list of such
+    tables.
 
     Raises
     ------
     PydanticCustomError
-        If its lists have different lengths, or there are too many runs.
+        If lists have different lengths, if there are too many runs, or if it is no table.
     """
     if isinstance(raw, str):
         fix = "Run the study, or load it by vibrafeed.load_study"
@@ -190,9 +204,10 @@ def spread_rows(raw: object) -> object:
 
 
 def _rows_of(entry: Mapping[str, Any], number: int) -> Iterator[dict[str, Any]]:
-    """Yield the rows of one entry, which may have lists of values: one row for each.
+    """Yield the runs of one entry of a study's observations: one for each value of its lists.
 
-    `number` is that of the entry, for messages.
+    Other values are repeated. `number` is that of the entry, for messages. Raises a refusal if
+    lists differ in length.
     """
     lengths = {name: len(value) for name, value in entry.items() if isinstance(value, list | tuple)}
     if not lengths:

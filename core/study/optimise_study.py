@@ -83,7 +83,10 @@ class OutputLimit(Frozen):
     )
 
     def ends(self) -> Iterable[tuple[str, float]]:
-        """Yield name and value of each bound that the limit contains: lower, upper or both."""
+        """Yield name and value of each bound of the constraint: lower, upper or both.
+
+        Names are ``<output>_lower`` and ``<output>_upper``; values are in the unit of studies.
+        """
         name = f"{self.output}_absolute" if self.absolute else self.output
         if self.lower is not None:
             yield f"{name}_lower", self.lower
@@ -160,7 +163,7 @@ class OptimiseStudy(DrivenStudy):
         return distributions_of(self.uncertain)
 
     def bounds(self) -> dict[str, Between]:
-        """Return the variables with their bounds, in the order of the declaration."""
+        """Return the variables of the optimisation with their bounds, in the parameters' order."""
         if self.variables is None:
             return {}
         given = self.variables.model_fields_set
@@ -176,7 +179,10 @@ class OptimiseStudy(DrivenStudy):
         return {name: f"variables.{name}" for name in self.bounds()}
 
     def output_places(self) -> dict[str, str]:
-        """Return the paths of outputs that stand in constraints or the criterion, by output."""
+        """Return the paths at which outputs stand in constraints or the criterion, by output.
+
+        A path is such as ``constraints.0.output``; messages about an output name it.
+        """
         origins: dict[str, str] = {}
         for number, one in enumerate(self.constraints):
             origins.setdefault(one.output, f"constraints.{number}.output")

@@ -63,7 +63,9 @@ class ShareCondition:
 def _read_condition(raw: object) -> ShareCondition:
     """Return the condition in a text such as ``regime == stick`` or ``throw_number < 1``.
 
-    Raises a refusal for a text that is none.
+    Raises a refusal for a text that is none. `raw` is what the user wrote. The condition has a
+    name, a comparison and a value in the unit of the output: shares of cells that meet conditions
+    are statistics of a reduction.
     """
     if isinstance(raw, ShareCondition):
         return raw
@@ -91,7 +93,10 @@ def _read_condition(raw: object) -> ShareCondition:
 
 
 def _read_statistic(raw: object) -> str:
-    """Return the name of a statistic; raise a refusal for an unknown one."""
+    """Return the name of a statistic that a user wrote; raise a refusal for an unknown one.
+
+    The refusal suggests the name that was meant; a median is a quantile here.
+    """
     if raw not in STATISTICS:
         text = str(raw)[:60]
         message = f"'{text}' is not a statistic"
@@ -102,7 +107,7 @@ def _read_statistic(raw: object) -> str:
 
 
 def _read_quantile(raw: object) -> float:
-    """Return a quantile from 0 to 1; raise a refusal for anything else."""
+    """Return a quantile that a user wrote, 0 to 1; raise a refusal for anything else."""
     if isinstance(raw, bool) or not isinstance(raw, int | float) or not 0 <= raw <= 1:
         raise refusal(
             f"{str(raw)[:40]!r} is not a quantile",
@@ -112,7 +117,10 @@ def _read_quantile(raw: object) -> float:
 
 
 def _read_name(raw: object) -> str:
-    """Return a valid variable name; raise a refusal for anything else."""
+    """Return the name that a user gives to a share or level; raise a refusal for a wrong one.
+
+    It becomes the name of a variable.
+    """
     if not isinstance(raw, str) or not _NAME.fullmatch(raw):
         raise refusal(
             f"{str(raw)[:60]!r} is not a valid name of a variable",
@@ -122,9 +130,9 @@ def _read_name(raw: object) -> str:
 
 
 def _ordered(order: Iterable[str]) -> Any:
-    """Return a validator that sorts names by `order` and removes repetitions.
+    """Return a pydantic validator that sorts a list of names by `order` and removes repetitions.
 
-    So equal studies have equal texts.
+    Studies that ask for the same then have equal texts. Names that are not in `order` come last.
     """
     place = {name: k for k, name in enumerate(order)}
 

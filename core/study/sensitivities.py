@@ -13,7 +13,7 @@ MAX_PARAMETERS = 30
 
 
 def _read(raw: object) -> bool | tuple[str, ...] | None:
-    """Return the names of parameters to derive by, True for all, or None for none.
+    """Return the parameters by which a user wants derivatives: names, True for all, None for none.
 
     Raises a refusal for anything else, and for more than 30 names.
     """

@@ -31,7 +31,7 @@ class Demand(Frozen):
 
     @property
     def name(self) -> str:
-        """The name of the demand's probability in the result."""
+        """The name of the demand's probability in the result: its regime, or output and bound."""
         if self.regime is not None:
             return self.regime
         ends = [end for end in ("at_least", "at_most") if getattr(self, end) is not None]
@@ -92,7 +92,10 @@ class SensitivityStudy(DrivenStudy):
     @field_validator("samples")
     @classmethod
     def _power_of_two(cls, value: int) -> int:
-        """Refuse a number that is not a power of two."""
+        """Return the number of samples of a study; refuse one that is not a power of two.
+
+        Sobol points fill the box evenly for such numbers only.
+        """
         if value & (value - 1):
             below = 1 << (value.bit_length() - 1)
             raise refusal(
@@ -110,7 +113,11 @@ class SensitivityStudy(DrivenStudy):
     @field_validator("quantiles")
     @classmethod
     def _ascending(cls, value: tuple[float, ...]) -> tuple[float, ...]:
-        """Refuse quantiles outside 0 to 1 or out of order."""
+        """Refuse quantiles outside 0 to 1 or out of order.
+
+        `value` are the quantiles that a study asks for, shares of the points below; it is returned
+        if they are right.
+        """
         wrong = [one for one in value if not 0 < one < 1]
         if wrong:
             raise refusal(
@@ -138,7 +145,7 @@ class SensitivityStudy(DrivenStudy):
         return {name: f"uncertain.{name}" for name in self.distributions()}
 
     def output_places(self) -> dict[str, str]:
-        """Return the paths of outputs outside `outputs`."""
+        """Return the paths of outputs that stand in demands, by output, for messages."""
         paths: dict[str, str] = {}
         for number, one in enumerate(self.demands):
             if one.output is not None and one.output not in self.outputs:

@@ -101,9 +101,11 @@ class ShownUnits:
     wanted: Mapping[str, Shown] = field(default_factory=dict)
 
     def of(self, unit: str, largest: float) -> Shown:
-        """Return the unit in which to show values that are in `unit`.
+        """Return the unit in which a reader sees values, and the factor to it.
 
-        `largest` is their largest size: small forces and times are shown in smaller units.
+        `unit` is the unit of the values, as in files, such as ``"m s-1"``. `largest` is the largest
+        size among the values: small forces and times are shown in smaller units. What the reader
+        asked for comes first.
         """
         if unit in self.wanted:
             return self.wanted[unit]
@@ -115,9 +117,10 @@ class ShownUnits:
 
 
 def read_shown(words: Iterable[str]) -> ShownUnits:
-    """Return the units to show, from words such as ``trade``, ``si`` or ``m/min``.
+    """Return the units in which a reader wants to see values, from words.
 
-    A unit stands for all quantities of its kind.
+    A word is a system, ``trade`` or ``si``, or a unit such as ``m/min``, which then stands for all
+    quantities of its kind.
 
     Raises
     ------

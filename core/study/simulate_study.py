@@ -31,7 +31,7 @@ _TRAJECTORY_SCHEMA = {
 
 
 def _are_times(raw: Sequence[object]) -> bool:
-    """True if values are ascending times from 0 to `LATEST`, in seconds."""
+    """True if values that a user wrote are ascending times from 0 to `LATEST`, in seconds."""
     numbers = [x for x in raw if isinstance(x, int | float) and not isinstance(x, bool)]
     if not 0 < len(raw) <= MAX_SAMPLES or len(numbers) < len(raw):
         return False
@@ -40,9 +40,9 @@ def _are_times(raw: Sequence[object]) -> bool:
 
 
 def _read_trajectory(raw: object) -> int | tuple[float, ...] | None:
-    """Return the number of steps of a trajectory, or its times in seconds; None for none.
+    """Return a trajectory's number of steps, or its times in seconds; None for none.
 
-    Raises a validation error for anything else.
+    Raises a validation error for anything else, or for times that do not rise.
     """
     whole = isinstance(raw, int) and not isinstance(raw, bool)
     if raw is None or (whole and 2 <= raw <= MAX_SAMPLES):  # type: ignore[operator]

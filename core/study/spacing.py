@@ -92,9 +92,10 @@ def geometrically(
 
 @functools.lru_cache(maxsize=256)
 def _steps(first: float, last: float, size: int) -> tuple[int, int, int]:
-    """Return integers a, b, c such that value k of an even axis is exactly (a + b k)/c.
+    """Return integers a, b, c such that value k of an evenly spaced axis is exactly (a + b k)/c.
 
-    `first` and `last` are the ends, `size` is the number of values.
+    So the values are those that a user means: 0.1, 0.2, 0.3, without errors that add up. `first`
+    and `last` are the ends, `size` is the number of values.
     """
     begin = as_typed(first)
     step = (as_typed(last) - begin) / (size - 1)
@@ -107,7 +108,10 @@ def _steps(first: float, last: float, size: int) -> tuple[int, int, int]:
 def _approximately(
     first: float, last: float, size: int, start: int, stop: int
 ) -> NDArray[np.float64]:
-    """Return the values from `start` to before `stop` of numpy's linspace, without the others."""
+    """Return the values from `start` to before `stop` of numpy's linspace, bit by bit, shape (n,).
+
+    The whole has `size` values from `first` to `last`; those that are not wanted are not computed.
+    """
     values = np.arange(start, stop, dtype=np.float64)
     step = (last - first) / (size - 1)
     values = values * step if step else values / (size - 1) * (last - first)

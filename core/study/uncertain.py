@@ -19,7 +19,10 @@ from core.study.units import UnitError
 
 
 def _schema(quantity: Quantity) -> dict[str, Any]:
-    """Return the JSON Schema of a parameter's distribution."""
+    """Return the JSON Schema of a parameter's distribution: an object with keys of any kind.
+
+    `quantity` is the declaration of the parameter.
+    """
     # Short, since there is one for each of many parameters: docs/sensitivity.md says the rest.
     value: dict[str, Any] = {"type": ["number", "string"]}
     many = {"type": "array", "items": value, "minItems": 2, "maxItems": MAX_TABULATED}
@@ -34,7 +37,10 @@ def _schema(quantity: Quantity) -> dict[str, Any]:
 
 
 def _field(name: str, quantity: Quantity) -> Any:
-    """Return type and default of the pydantic field for a parameter's distribution."""
+    """Return type and default of the pydantic field for the distribution of an uncertain parameter.
+
+    `name` and `quantity` are the parameter and its declaration; the field is None if left out.
+    """
 
     def read(raw: object) -> Distribution:
         """Return the distribution; raise a refusal for a wrong one."""
@@ -69,7 +75,12 @@ else:
 
 
 def distributions_of(uncertain: Uncertain | None) -> dict[str, Distribution]:
-    """Return the uncertain parameters of a study with their distributions; none for None."""
+    """Return the uncertain parameters of a study: names and the distributions of their values.
+
+    `uncertain` is the section of that name in the study, one optional field per parameter. The
+    mapping has only the parameters that the study gives, in the order of all parameters, and is
+    empty if the study has no such section.
+    """
     if uncertain is None:
         return {}
     given = uncertain.model_fields_set

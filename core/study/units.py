@@ -55,10 +55,11 @@ def read_number(name: str, quantity: Quantity, raw: object) -> float:
 
 
 def _read_value(name: str, quantity: Quantity, raw: object, factors: dict[str, Fraction]) -> float:
-    """Return a number, or a text with a unit, as a number in the unit of a quantity.
+    """Return a number or a text with a unit, as a user wrote it, as a number in a quantity's unit.
 
-    `factors` caches the factors of units between the values of a list. Raises `UnitError` for
-    anything else, and beyond the bounds of the quantity.
+    `name` is the parameter, for messages, and `factors` caches the factors of units between the
+    values of a list. Raises `UnitError` for anything else, and for a value beyond the bounds of the
+    quantity.
     """
     if isinstance(raw, bool) or not isinstance(raw, (int, float, str)):
         raise UnitError(f"{_shown(raw)} is not a number", _how_to_write(name, quantity))
@@ -76,9 +77,9 @@ def _read_value(name: str, quantity: Quantity, raw: object, factors: dict[str, F
 
 
 def read_numbers(name: str, quantity: Quantity, raw: Sequence[object]) -> tuple[float, ...]:
-    """Return many values as numbers in the unit of a quantity, fast if none has a unit.
+    """Return values that a user wrote as numbers in the unit of a quantity.
 
-    `name` is the parameter's, for messages.
+    It is fast if none has a unit. `name` is the parameter, for messages.
 
     Raises
     ------
@@ -99,7 +100,9 @@ def read_numbers(name: str, quantity: Quantity, raw: Sequence[object]) -> tuple[
 
 
 def share_of(value: float, raw: object, example: str) -> float | None:
-    """Return the number that a text such as ``"5 %"`` makes of a value; None for other texts.
+    """Return a share of a value that a user wrote as text, such as ``"5 %"``; else None.
+
+    It serves errors and deviations, and is in the unit of the value, above 0.
 
     Raises
     ------
@@ -122,9 +125,10 @@ def problem(path: str, error: UnitError) -> Problem:
 
 
 def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Fraction]) -> float:
-    """Return the value of a text with a number and perhaps a unit, rounded once.
+    """Return the value of a text with a number and perhaps a unit, in a quantity's unit.
 
-    `factors` caches the factors of units. Raises `UnitError` for a text that is none.
+    It is rounded once. `name` is the parameter, for messages; `factors` caches the factors of
+    units. Raises `UnitError` for a text that is none.
     """
     match = _TEXT.fullmatch(text[:200])
     if match is None:
@@ -199,7 +203,10 @@ def _registry() -> pint.UnitRegistry[Fraction]:
 
 
 def _check_bounds(name: str, quantity: Quantity, number: float) -> None:
-    """Raise `UnitError` if a number is outside the bounds of its quantity."""
+    """Raise `UnitError` if a number is outside the bounds of its quantity.
+
+    `name` is the parameter, for the message, and `number` is in the unit of the quantity.
+    """
     low, high = quantity.lower, quantity.upper
     if number < low or (quantity.strict and number == low):
         least = f"greater than {low:g}" if quantity.strict else f"at least {low:g}"
@@ -214,7 +221,11 @@ def _suffix(quantity: Quantity) -> str:
 
 
 def _how_to_write(name: str, quantity: Quantity) -> str:
-    """Return a sentence on how to write a value of a quantity, with examples."""
+    """Return a sentence on how to write a value of a quantity in a study, with examples.
+
+    It is the fix in messages about a wrong value. `name` is the parameter, `quantity` its
+    declaration.
+    """
     bare = "a plain number" if quantity.unit == "1" else f"a bare number is in {quantity.unit}"
     if quantity.unit == "1":
         return f"Write {name} = {quantity.examples[0]} ({bare})"
@@ -223,7 +234,10 @@ def _how_to_write(name: str, quantity: Quantity) -> str:
 
 
 def _shown(raw: object) -> str:
-    """Return a value as shown in messages, cut to 60 characters."""
+    """Return a value as shown in messages, cut to 60 characters.
+
+    `raw` is what a user wrote, of any type.
+    """
     if isinstance(raw, bool):
         return str(raw).lower()  # as TOML and JSON have it
     text = reprlib.repr(raw) if isinstance(raw, list | tuple | dict) else repr(raw)

@@ -27,8 +27,9 @@ ENDS: Final = ("start", "stop", "lower", "upper", "mean", "most_likely", "median
 def questions(content: object) -> list[str]:
     """Return a question for each parameter value of a study that is allowed but unusual.
 
-    Such are half a metre of amplitude, or radians taken for degrees. A number that is written with
-    its unit is not asked about for being small.
+    Such are half a metre of amplitude, or radians taken for degrees. `content` is the study as the
+    user wrote it, a mapping or anything else. A number that is written with its unit is not asked
+    about for being small.
     """
     asked = []
     for part in PARTS:
@@ -42,7 +43,10 @@ def questions(content: object) -> list[str]:
 
 
 def _leaves(raw: object) -> Iterator[Any]:
-    """Yield the single values in a parameter's value, list, range or distribution."""
+    """Yield the single values that a user wrote for a parameter, to look at each.
+
+    `raw` may be a value, a list, or a mapping: a range or a distribution, with its ends and values.
+    """
     if isinstance(raw, Mapping):
         yield from (raw[end] for end in ENDS if end in raw)
         yield from raw.get("values", ())
@@ -57,7 +61,8 @@ def _question(
 ) -> str | None:
     """Return the question about a parameter's unusual value; None if all are usual.
 
-    `usual` are the least and the largest usual value, `leaves` the values as written.
+    `usual` are the least and the largest usual value in the quantity's unit, `leaves` the values as
+    the user wrote them. If a slip is likely, such as radians for degrees, the question names it.
     """
     if not leaves:  # what is uncertain may come from a file
         return None
@@ -81,7 +86,9 @@ def _question(
 def _slip(name: str, quantity: Quantity, usual: tuple[float, float], typed: Any) -> str | None:
     """Return the value as it was probably meant, such as ``"5 mm"`` for 5; None without one.
 
-    That is the number in another common unit, if it would be usual then.
+    That is the number in another common unit, if it would be usual then. `usual` are the least and
+    the largest usual value of the parameter `name`, and `typed` is the number that the user wrote
+    without a unit.
     """
     unit = SLIPS.get(quantity.unit)
     if unit is None:  # of a share, per cent

@@ -79,7 +79,10 @@ class Span:
         return spaced(self.start, self.stop, self.size, start, stop)
 
     def canonical(self) -> Any:
-        """Return the range as plain JSON, in the quantity's unit."""
+        """Return the range of a parameter as plain JSON in the quantity's unit, to store it.
+
+        A study with equal values has an equal text, however the user wrote the range.
+        """
         return {
             "start": self.start,
             "stop": self.stop,
@@ -104,9 +107,10 @@ class Between:
 
 
 def read_between(name: str, raw: object, quantity: Quantity | None = None) -> Between:
-    """Return the bounds that a user wrote for a variable.
+    """Return the bounds that a user wrote for a variable, as numbers in its unit.
 
-    `quantity` gives unit and limits where they are not those of a parameter.
+    `raw` has the keys lower and upper; `quantity` gives unit and limits where they are not those of
+    the parameter `name`.
 
     Raises
     ------
@@ -135,7 +139,8 @@ def read_between(name: str, raw: object, quantity: Quantity | None = None) -> Be
 def read_values(name: str, raw: object) -> Values:
     """Return the values that a user wrote for a parameter: one, a list, or a range.
 
-    Numbers without a unit are in the quantity's own.
+    Numbers without a unit are in the quantity's own. `name` is the parameter, `raw` what the user
+    wrote.
 
     Raises
     ------
@@ -158,7 +163,8 @@ def position_on_axis(
     """Return the index of a value on an axis, with a tolerance for texts such as 33.33333333.
 
     It may be missed by 1e-9 of the value or of the gap to its neighbour. `values` are those of the
-    axis; `system` says in which units of `core.study.shown` the error speaks.
+    axis; `system` says in which units of `core.study.shown` the error speaks. `wanted` is the
+    value, in the unit of studies as the axis; `name` is the parameter.
 
     Raises
     ------
@@ -186,9 +192,10 @@ def position_on_axis(
 
 
 def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object, ...]) -> Points:
-    """Return the values of a list, in the quantity's unit.
+    """Return the values of a parameter that a study gives as a list, in the quantity's unit.
 
-    Raises `UnitError` if there are none, or they neither ascend nor descend.
+    `raw` has numbers or texts with a unit. Raises `UnitError` if there are none, or they neither
+    ascend nor descend. `name` and `quantity` are the parameter and its declaration.
     """
     if not raw:
         raise UnitError(f"the list of values of {name} is empty", "Give at least one value")
@@ -203,9 +210,10 @@ def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object
 
 
 def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span:
-    """Return the range that a mapping with start, stop, and num or step describes.
+    """Return the range of a parameter that a user wrote as a mapping: start, stop, and num or step.
 
-    Raises `UnitError` for other keys, ends that do not ascend, and more than `MAX_POINTS` values.
+    `name` and `quantity` are the parameter and its declaration with a unit. Raises `UnitError` for
+    other keys, ends that do not ascend, and more than `MAX_POINTS` values.
     """
     unknown = [key for key in raw if key not in RANGE_KEYS]
     if unknown:
@@ -251,7 +259,10 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
 
 
 def _num(name: str, raw: object) -> int:
-    """Return the number of values of a range; raise `UnitError` unless it is 2 or more."""
+    """Return the number of values of a range that a user wrote; raise `UnitError` unless 2 or more.
+
+    `name` is the parameter.
+    """
     if isinstance(raw, bool) or not isinstance(raw, int) or raw < 2:
         raise UnitError(
             f"num of {name} is {str(raw)[:40]!r}, not a number of values",
@@ -265,7 +276,9 @@ def _step(
 ) -> tuple[float, int]:
     """Return the last value of a range with a step, and the number of its values.
 
-    The last value is `stop` if steps reach it, else the last one before.
+    The last value is `stop` if steps from `start` reach it, else the last one before; `raw` is the
+    step as the user wrote it. Raises `UnitError` if it is no step of the parameter `name`, or
+    larger than the range.
     """
     # A step is a difference: it may be smaller than a strict lower bound allows a value to be.
     step = read_number(f"step of {name}", as_difference(quantity), raw)
@@ -283,7 +296,11 @@ def _step(
 
 
 def as_difference(quantity: Quantity) -> Quantity:
-    """Return the quantity of a difference of two values: the same unit, always above 0."""
+    """Return the declaration of the difference of two values of a quantity: same unit, above 0.
+
+    It is used to read a step of a range or a standard deviation, whose bounds are not the
+    quantity's own.
+    """
     return Quantity(
         quantity.unit, quantity.symbol, quantity.label, quantity.description, 0.0, strict=True,
         examples=quantity.examples,

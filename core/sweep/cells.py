@@ -16,9 +16,9 @@ from core.watch import Watch
 
 
 def compute(prepared: Prepared, watch: Watch) -> Computed:
-    """Return the outputs and `regime` of a sweep in SI units, with derivatives if asked for.
+    """Return the outputs and `regime` of a sweep in SI units, with derivatives if the study asks.
 
-    `watch` has the number of threads and is told of progress.
+    `watch` has the number of threads and takes the progress.
     """
     plan, grid, asked = prepared.plan, prepared.grid, prepared.derived
     arrays = evaluate(plan, grid, threads=watch.threads, progress=watch.advance)
@@ -30,7 +30,10 @@ def compute(prepared: Prepared, watch: Watch) -> Computed:
 
 
 def label(prepared: Prepared, computed: Computed, watch: Watch) -> Table:
-    """Return the results of a sweep as a table, verified if asked for; `watch` may stop that."""
+    """Return the results of a sweep as a table, verified if the study asks for it.
+
+    `computed` has the bare arrays by name; `watch` may stop the verification.
+    """
     plan, arrays, dims = prepared.plan, computed.arrays, prepared.dims
 
     def values_at(sample: Sample) -> dict[str, Array]:
@@ -48,7 +51,7 @@ def label(prepared: Prepared, computed: Computed, watch: Watch) -> Table:
 
 
 def attributes_of(prepared: Prepared) -> dict[str, str]:
-    """Return the attributes of a sweep's result that are known before computing."""
+    """Return attributes of a sweep's result known before computing: study, source and accuracy."""
     told = accuracy(prepared.plan.scene)
     if getattr(prepared.study, "precision", None) == "single":
         told += "; then rounded to 32-bit floats, by at most 6e-8 of each value"

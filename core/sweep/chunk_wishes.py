@@ -17,7 +17,10 @@ _FIX = "Write AXIS:all or AXIS:NUMBER, with commas between, as in frequency:all,
 
 
 def read_wishes(text: str, sizes: Mapping[str, int], most: int) -> dict[str, int | None]:
-    """Return the chunk sizes that a text asks for; raise `StudyError` with every problem.
+    """Return the sizes of chunks that a user asks for in a text; raise `StudyError` for problems.
+
+    A chunk is the piece of an array that is read at once. The length along an axis is None for
+    ``all``.
 
     Parameters
     ----------
@@ -61,11 +64,12 @@ def read_wishes(text: str, sizes: Mapping[str, int], most: int) -> dict[str, int
 def wished_shape(
     dims: Sequence[str], shape: Sequence[int], wishes: Wishes, most: int
 ) -> tuple[int, ...]:
-    """Return the chunk shape of an array as a reader wishes it, with at most `most` values.
+    """Return the shape of the chunks of an array as a reader wants them, at most `most` values.
 
-    `dims` and `shape` are the axes of the array and their lengths. Wished lengths come first, then
-    the axes that are wanted whole: if they do not fit, all of them are cut alike. The other axes
-    share what room is left.
+    A chunk is the piece of an array that is read at once. `dims` and `shape` are the axes of the
+    array and their lengths; `wishes` has lengths by axis, None for the whole axis. Lengths come
+    first, then whole axes: if they do not fit, all of them are cut alike. The other axes share what
+    room is left.
     """
     sizes = dict(zip(dims, shape, strict=True))
     lengths = {dim: n for dim, n in wishes.items() if dim in sizes and n is not None}

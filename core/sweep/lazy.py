@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def open_lazily(sweep: Prepared) -> xarray.Dataset:
-    """Return a sweep's dataset whose values are computed when they are read.
+    """Return a sweep's dataset whose values are computed when they are read; nothing is stored.
 
     Raises
     ------

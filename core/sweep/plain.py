@@ -45,7 +45,11 @@ class Sweep(Prepared):
         return min(super().width(name), 4) if self.is_single else super().width(name)
 
     def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
-        """Return values of an output in the units of files, in 32 bits if the study asks."""
+        """Return values of an output in the units of files, in 32 bits if the study asks.
+
+        `name` is the output, `values` are in SI units and radians. What is too large for 32 bits is
+        infinite.
+        """
         values = super().in_files(name, values)
         if not self.is_single or values.dtype != np.float64:
             return values

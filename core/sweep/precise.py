@@ -52,9 +52,10 @@ class NotPreciseError(VibrafeedError):
 
 
 def _mpf(value: Any) -> Any:
-    """Return a value as an mpmath number; NaN if it is complex.
+    """Return a value as an mpmath number of 50 digits; NaN if it is complex.
 
-    Floats that stand for pi, 2 pi, 1/3 or 2/3 in an equation become these numbers.
+    Floats that stand for pi, 2 pi, 1/3 or 2/3 in an equation become these numbers exactly; others
+    are taken as they are.
     """
     if isinstance(value, Number):
         return value.value
@@ -126,7 +127,10 @@ def _apply_operation(operation: Operation, inputs: Sequence[Any]) -> Any:
 
 @cache
 def _of_elements(operation: Operation, count: int) -> Any:
-    """Return a numpy function that applies an operation to each element of `count` arrays."""
+    """Return a numpy function that applies an operation with 50 digits to each element of arrays.
+
+    `operation` has the function for mpmath numbers, `count` is the number of its arguments.
+    """
     digits, truth = operation.digits, operation.gives_truth
     assert digits is not None
 
@@ -139,7 +143,10 @@ def _of_elements(operation: Operation, count: int) -> Any:
 
 
 def _numbers(values: Any) -> Any:
-    """Return arguments with floats replaced by 50-digit numbers."""
+    """Return an array with floats replaced by numbers of 50 digits; others stay as they are.
+
+    `values` are arguments of an equation that is computed with 50 digits.
+    """
     array = np.asarray(values)
     if array.dtype.kind == "b" or array.dtype.kind in "iu":
         return array
@@ -155,7 +162,11 @@ _AS_NUMBERS = np.frompyfunc(_as_number, 1, 1)
 
 
 def _labelled(result: Any) -> Any:
-    """Return object arrays as `Precise` arrays, also inside lists and tuples."""
+    """Return object arrays as `Precise` arrays, also inside lists and tuples.
+
+    An object array has mpmath numbers; the type `Precise` tells numpy's functions to compute with
+    these. Other results are returned as they are.
+    """
     if isinstance(result, np.ndarray):
         return result.view(Precise) if result.dtype == object else result
     if isinstance(result, tuple):
@@ -201,10 +212,21 @@ def sensitivities(
 ) -> dict[str, NDArray[np.object_]]:
     """Return the sum |x dF/dx| over the parameters x, for each output F, to 50 digits.
 
-    `cells` has the parameters in SI units, shape (n,); `partial` leaves out outputs that an
-    equation rounds, instead of an error. Over |F| the sum is the condition number: if every
-    parameter changes by a share h, the output changes by at most h times that number of itself.
-    Central differences.
+    Over |F| the sum is the condition number: if every parameter changes by a share h, the output
+    changes by at most h times that number of itself. It is found by central differences.
+
+    Parameters
+    ----------
+    cells : mapping of str to ndarray, shape (n,)
+        The parameters, SI units.
+    partial : bool
+        True to leave out outputs that an equation rounds to floats, instead of an error.
+    watch : Watch, optional
+        Takes the progress, and may stop the work.
+
+    Returns
+    -------
+    dict of str to ndarray of mpmath numbers, shape (n,)
     """
     watch = watch or Watch()
     columns, size = _columns(cells)
@@ -246,10 +268,17 @@ _AS_NUMBER = np.frompyfunc(lambda value: Number(CONTEXT.mpf(float(value))), 1, 1
 def _outputs(
     plan: Plan, columns: Mapping[str, Any], size: int, partial: bool, watch: Watch
 ) -> dict[str, NDArray[np.object_]]:
-    """Return the outputs of a plan at cells to 50 digits, shape (size,).
+    """Return the outputs of a plan at cells to 50 digits, as mpmath numbers, shape (size,).
 
-    `columns` has a number for each parameter and cell. An output that an equation rounds to floats
-    is left out with `partial`; else `NotPreciseError` is raised.
+    Parameters
+    ----------
+    columns : mapping of str to ndarray of mpmath numbers, shape (size,)
+        The parameters, SI units.
+    partial : bool
+        True to leave out outputs that an equation rounds to floats; else `NotPreciseError` is
+        raised.
+    watch : Watch
+        Takes the progress, and may stop the work.
     """
     rounds: dict[str, str] = {}
     outputs = {name: np.empty(size, dtype=object) for name in plan.outputs}
@@ -277,10 +306,10 @@ def _outputs(
 
 
 def _run(plan: Plan, known: dict[str, Any], rounds: dict[str, str]) -> None:
-    """Add the results of a plan's equations to `known`, in numbers of 50 digits.
+    """Add the results of a plan's equations to `known`, as arrays of numbers of 50 digits.
 
-    A quantity that an equation rounds to floats goes to `rounds` instead, with the reason, as do
-    those that need it.
+    `known` has the parameters and defaults. A quantity that an equation rounds to floats goes to
+    `rounds` instead, with the reason, as do those that need it.
     """
     for equation in plan.equations:
         lost = [name for name in equation.inputs if name in rounds]
@@ -334,6 +363,12 @@ def errors_of(
         Sum of |x dF/dx| over the parameters x, numbers of mpmath, for the condition number.
     dtype : type
         The floating-point type, by whose last place errors are counted.
+
+    Returns
+    -------
+    Errors
+        Errors over the value, in units in the last place, and these over the condition number;
+        condition numbers. All of shape (n,), NaN where the exact value is 0 and the float is not.
     """
     count = len(exact)
     relative, ulps, conditioned, condition = (np.full(count, np.nan) for _ in range(4))

@@ -12,9 +12,10 @@ from core.sweep.reduced import ReducedSweep
 
 
 def prepare(study: SweepStudy) -> Sweep | DerivedSweep | ReducedSweep:
-    """Return the sweep that a study describes, ready to be computed.
+    """Return the sweep that a study describes, checked and planned, ready to be computed.
 
-    It holds every cell, derivatives too, or reductions of them, as the study asks.
+    Its result has every cell, with derivatives if the study asks for them, or statistics over some
+    axes.
 
     Raises
     ------

@@ -34,7 +34,10 @@ class ReducedSweep(Reduced):
         return attributes_of(self)
 
     def verified(self, watch: Watch) -> dict[str, str | int]:
-        """Return the verification result as attributes; random cells are computed one by one."""
+        """Return the result of verifying some cells as attributes; they are computed one by one.
+
+        The result of a reduced sweep does not have its cells. `watch` may stop it.
+        """
         whole = Sweep(self.study, self.plan, self.grid)
         tiled = Tiled(whole)
 

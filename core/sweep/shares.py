@@ -24,9 +24,10 @@ TRIED = 3  # tiles that are computed to estimate the time of all
 
 
 def seconds_in_shards(sweep: Prepared) -> float:
-    """Return the time to compute and pack all tiles on one core [s], from trying three.
+    """Return the time to compute and pack all tiles of a sweep on one core [s], by a trial.
 
-    Packing is taken to last as long as computing.
+    Three tiles are tried; packing is taken to last as long as computing. A tile is a piece of all
+    arrays.
     """
     tiled = Tiled(sweep)
     count = len(tiled.tiles)
@@ -54,7 +55,7 @@ class Shards(Shares):
     sweep: Prepared
 
     def begin(self) -> None:
-        """Write the metadata of the Zarr group, so that readers can open it while it grows."""
+        """Write the metadata of a sweep's Zarr group, so that readers can open it as it grows."""
         growing = self._growing(outline_table(self.sweep.unverified()))
         try:
             growing.show()
@@ -69,9 +70,11 @@ class Shards(Shares):
     def _computed(
         self, start: int, stop: int, watch: Watch
     ) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
-        """Compute and write the tiles from `start` to `stop`; return the digests of their shards.
+        """Compute and write the tiles from `start` to `stop` of a sweep that is done in parts.
 
-        Raises `StoppedError` if `watch` stops it before all are written.
+        A tile is a piece of all arrays. No arrays are returned, but the digests of the files
+        (shards) that were written, by path, for later checks. Raises `StoppedError` if `watch`
+        stops it before all are written.
         """
         sweep = self.sweep.unverified()
         growing = self._growing(outline_table(sweep))
@@ -88,7 +91,11 @@ class Shards(Shares):
         return {}, growing.digests
 
     def _joined(self, watch: Watch, history: str | None) -> Table:
-        """Verify the sweep, check all shards, finish the Zarr group and return its table."""
+        """Finish the Zarr group of a sweep whose parts are all written, and return its table.
+
+        The sweep is verified and all files (shards) are checked first; `watch` may stop that.
+        `history` is the CF attribute.
+        """
         table = outline_table(self.sweep, watch)
         growing = self._growing(table, history)
         try:

@@ -15,9 +15,11 @@ CHUNKS = 12  # chunks that are packed for the estimate
 
 
 def bytes_in_file(sweep: Prepared, *, compressed: bool) -> int:
-    """Return the bytes of a sweep in a file; an estimate if compressed.
+    """Return the bytes that the result of a sweep will take in a file, before it is computed.
 
-    The estimate packs a few random chunks, which are the same for equal studies.
+    Without compression the number is exact. With it, a few random chunks are computed and packed,
+    and their ratio is taken for all; the chunks are the same for equal studies. `sweep` is a
+    checked study with its grid. `compressed` is true for a file whose arrays are packed.
     """
     tiled = Tiled(sweep)
     if not compressed or not len(tiled.tiles):

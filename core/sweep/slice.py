@@ -81,10 +81,23 @@ def cut(
 def prepare_cut(
     sweep: Prepared, *, output: str, axes: Sequence[str], at: Mapping[str, str], most: int
 ) -> SliceCut:
-    """Return the slice of a sweep that a request names, not computed yet.
+    """Return the slice of a sweep that a request names, checked and planned but not computed.
 
-    Arguments and errors are those of `cut`: `StudyError` with every problem, `LimitError` if it has
-    more than `most` values.
+    Parameters
+    ----------
+    output : str
+        The output to show.
+    axes : sequence of str
+        The one or two axes that stay.
+    at : mapping of str to str
+        Values of the other axes, as a user writes them.
+    most : int
+        The largest number of values.
+
+    Raises
+    ------
+    StudyError, LimitError
+        With every problem of the names; if the slice has more values.
     """
     problems = list(_problems(sweep, output, axes, at))
     if problems:
@@ -144,9 +157,10 @@ def compute_slice(prepared: SliceCut, threads: int | None = None) -> dict[str, A
 
 
 def table_of(sweep: Prepared, piece: Mapping[str, Any]) -> Table:
-    """Return a slice as a table, with the attributes of its sweep.
+    """Return a slice of a sweep as a table with the sweep's attributes, to write a file.
 
-    `piece` is the document that `cut` returns.
+    `piece` is the document that `cut` returns: axes, fixed parameters, values of an output,
+    regimes.
     """
     output = piece["output"]
     axes = {axis["name"]: (axis["values"], (axis["name"],)) for axis in piece["axes"]}
@@ -168,7 +182,11 @@ def table_of(sweep: Prepared, piece: Mapping[str, Any]) -> Table:
 def _problems(
     sweep: Prepared, output: str, axes: Sequence[str], at: Mapping[str, str]
 ) -> Iterator[Problem]:
-    """Yield the problems of the names in a request for a slice: output, axes, fixed axes."""
+    """Yield the problems of the names in a request for a slice of a sweep.
+
+    `output` and `axes` are to be shown; `at` has values of the other axes by name, as a user writes
+    them.
+    """
     known, suggest = sweep.grid.axes, Suggestions()
     if output not in sweep.dims:
         fix = suggest(output, sweep.dims)

@@ -56,10 +56,11 @@ class Target(Protocol):
 
 
 def outline_table(sweep: Prepared, watch: Watch | None = None) -> Table:
-    """Return the table of a sweep of any size without the values of its arrays.
+    """Return the table of a sweep's result without the values of its arrays, to begin a file.
 
     Shapes, types and attributes are those of the finished result, but for its cost, which is not
-    known yet. The cells to verify are evaluated and verified here; `watch` may stop that.
+    known yet; the sweep may be larger than the memory. The cells to verify are evaluated and
+    verified here; `watch` may stop that.
     """
     corner = sweep.within(dict.fromkeys(sweep.grid.axes, (0, 1))).unverified()
     first = carry_out(corner, compute, label)
@@ -100,9 +101,10 @@ class Passed:
     cells: int = 0
 
     def add(self, tile: Tile, arrays: Mapping[str, NDArray[Any]], flags: tuple[int, ...]) -> None:
-        """Add the extremes and the counts of regimes of a tile.
+        """Add a tile to the statistics of a sweep: cells, extremes and counts of regimes.
 
-        `arrays` are its outputs and `regime`, `flags` the numbers of the possible regimes.
+        `arrays` has the outputs of the tile and `regime`, arrays over its cells; values that are
+        not finite are left out. `flags` are the numbers of the regimes that can occur.
         """
         self.cells += tile.cells
         for name, values in arrays.items():
@@ -122,23 +124,25 @@ class Passed:
 
 
 def stream(sweep: Prepared, target: Target, watch: Watch | None = None) -> tuple[Passed, bool]:
-    """Compute the missing tiles of a target and write them.
+    """Compute the missing tiles of a sweep's result and write them to a file or store.
+
+    A tile is a piece of all arrays that fits the memory; the sweep may be larger.
 
     Parameters
     ----------
     sweep : Prepared
         A sweep whose cells are evaluated one by one.
     target : Target
-        Where its tiles go; it is finished if all of them are there.
+        The file or store; it is finished if all of its tiles are there.
     watch : Watch, optional
-        May stop it between two tiles.
+        Takes the progress, and may stop it between two tiles.
 
     Returns
     -------
     passed : Passed
-        What was computed.
+        Extremes, counts of regimes and number of the cells that were computed now.
     whole : bool
-        Whether all tiles are there.
+        True if all tiles are there.
     """
     watch, tiled, passed = watch or Watch(), Tiled(sweep), Passed()
     flags = tuple(int(REGIMES[name].value) for name in sweep.plan.regimes)
@@ -194,7 +198,11 @@ class _Expected:
             self._values = tiled.at(self._sample.positions, self._sample.count)
 
     def check(self, tile: Tile, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Raise `VibrafeedError` if a tile differs from a verified value of one of its cells."""
+        """Raise `VibrafeedError` if a tile differs from a verified value of one of its cells.
+
+        The cells that are verified were computed one by one; `arrays` has the values of the tile,
+        in the units of files.
+        """
         if self._sample is None:
             return
         positions = [self._sample.positions[dim] for dim in tile.field.dims]

@@ -30,9 +30,9 @@ def attributes_there(where: str) -> Mapping[str, object]:
 
 
 def is_complete(where: str, prepared: Prepared) -> bool:
-    """True if there is a result at a path that this version made of the same study.
+    """True if at a path lies the result that this version of the program made of the same study.
 
-    It is complete then, since results appear only when they are.
+    Results appear only when they are complete. `prepared` is the study.
     """
     attributes = attributes_there(where)
     made = str(attributes.get("source")).partition(",")[0]
@@ -51,7 +51,7 @@ def open_target(
     resume: bool = False,
     history: str | None = None,
 ) -> GrowingNetcdf | GrowingZarr:
-    """Return the file or Zarr group that takes the tiles of a sweep.
+    """Return the file or Zarr group under way into which the tiles of a sweep are written.
 
     Parameters
     ----------
@@ -60,18 +60,15 @@ def open_target(
     sweep : Prepared
         The sweep.
     table : Table
-        Its `outline_table`.
+        Its `outline_table`: names, shapes and attributes of all arrays.
     compression : bool
         Of a NetCDF file; the chunks of a Zarr group are compressed in any case.
     resume : bool
         Go on with what an equal run has begun there.
     history : str, optional
-        The CF history attribute; brings the price along. A run that goes on keeps that of a file.
+        The CF history attribute; a run that goes on keeps that of a file.
 
-    Raises
-    ------
-    OSError
-        If it cannot be written, or something else is there.
+    Raises `OSError` if it cannot be written, or something else is there.
     """
     where, tiles, made = os.fspath(where), Tiled(sweep).tiles, identity(sweep.study)
     if is_zarr(where):

@@ -27,7 +27,10 @@ MAX_SECONDS_OF_A_PIECE = 1.0  # a piece that would take longer is one cell
 
 
 def accuracy(scene: Scene) -> str:
-    """Return the known accuracy of a scene's closed forms in words."""
+    """Return the known accuracy of a scene's closed forms in words.
+
+    It is an attribute of results: the largest error by rounding, if a bound is known.
+    """
     if scene.rounding_bound is None:
         return "rounding of 64-bit floats; how much it amounts to, the study's key verify says"
     return (
@@ -106,7 +109,11 @@ class Rounding:
         return self.evaluated
 
     def in_words(self, where: str) -> str:
-        """Return a sentence on the worst value; `where` is the position of its cell in words."""
+        """Return a sentence on the worst error among the verified cells, for a file's attribute.
+
+        It has the error in the unit of the output, in ulp (units in the last place) and over the
+        condition number. `where` is the position of its cell in words.
+        """
         if self.worst is None:
             text = "no value that is not 0 is known to 50 digits"
         else:
@@ -134,7 +141,7 @@ def rounding_of(
     got: Mapping[str, Array],
     watch: Watch | None = None,
 ) -> Rounding:
-    """Return the effect of rounding on a plan's outputs at cells.
+    """Return the effect of rounding on a plan's outputs at cells, by values of 50 digits.
 
     Parameters
     ----------
@@ -146,6 +153,12 @@ def rounding_of(
         The outputs as they were computed, SI units.
     watch : Watch, optional
         Asked before each piece of the cells and each output; a piece that it stops is left out.
+
+    Returns
+    -------
+    Rounding
+        The worst value with its error, what is left where the exact value is 0, outputs without
+        exact values, and a mask of the cells that were compared before a stop.
     """
     watch = watch or Watch()
     size = next(iter(got.values())).size
@@ -173,11 +186,24 @@ def _judged(
     worst: Value | None,
     watch: Watch,
 ) -> tuple[Value | None, float, tuple[str, ...]] | None:
-    """Return the results of verifying some cells by 50 digits; None if `watch` stopped it.
+    """Compare some computed cells with exact values of 50 digits; None if `watch` stopped it.
 
-    A triple: the value with the largest error over its condition number, given that of earlier
-    cells (`worst`); the largest float whose exact value is 0; the outputs that are not known to 50
-    digits. `got` are the outputs as computed, `piece` the numbers of the cells.
+    Parameters
+    ----------
+    cells : mapping of str to ndarray, shape (n,)
+        Parameters at all cells that are verified, SI units.
+    got : mapping of str to ndarray, shape (n,)
+        The outputs as computed in floats.
+    piece : ndarray of int
+        Numbers of the cells to compare now.
+    worst : Value or None
+        The worst value of earlier cells.
+
+    Returns
+    -------
+    tuple
+        The value with the largest error over its condition number; the largest float whose exact
+        value is 0; the names of outputs that cannot be computed to 50 digits.
     """
     from core.sweep.precise import VANISHES, exact_values  # mpmath, for those who verify
 
@@ -203,11 +229,23 @@ def _worst(
     piece: NDArray[np.intp],
     worst: Value | None,
 ) -> Value | None:
-    """Return the value of an output with the largest error over its condition number.
+    """Return the worst of some verified values: the largest error over its condition number.
 
-    `plan` has this one output, `exact` are its exact values at the cells numbered `piece`, `got`
-    the computed ones at all cells, `worst` the largest error found before. Condition numbers take
-    long, and are at least 1: those of errors that cannot exceed the worst are not computed.
+    The condition number says how much the rounding of parameters alone may change the value; it is
+    at least 1 and takes long: it is not computed for errors that cannot exceed the worst.
+
+    Parameters
+    ----------
+    plan : Plan
+        The equations of this one output.
+    cells : mapping of str to ndarray, shape (n,)
+        Parameters at all cells that are verified.
+    exact : ndarray of mpmath numbers, shape (m,)
+        The exact values at the cells numbered `piece`.
+    got : ndarray, shape (n,)
+        The values computed in floats.
+    worst : Value or None
+        The worst of earlier cells and outputs, which is returned if none here is worse.
     """
     from core.sweep.precise import CONTEXT, errors_of, sensitivities
 
@@ -237,16 +275,18 @@ def _worst(
 def verified(
     prepared: Prepared, values_at: Callable[[Sample], Mapping[str, Array]], watch: Watch
 ) -> dict[str, str | int]:
-    """Return the verification result of a sweep as attributes; empty if not asked for.
+    """Return the result of verifying some cells of a sweep, as attributes; empty if not asked for.
+
+    The cells are computed again with 50 digits, and the worst error is told.
 
     Parameters
     ----------
     prepared : Prepared
-        The sweep.
+        The sweep, which says how many cells.
     values_at : callable
         Returns the outputs at the cells of a sample, as they were computed, SI units.
     watch : Watch
-        May stop it.
+        May stop it; the cells compared until then count.
     """
     if prepared.study.verify is None:
         return {}

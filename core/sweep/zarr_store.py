@@ -43,7 +43,10 @@ class ViewStore(Store):
         prototype: BufferPrototype | None = None,
         byte_range: ByteRequest | None = None,
     ) -> Buffer | None:
-        """Return the bytes of a key, or a range of them; None if there is no such key."""
+        """Return the bytes of a key, or a range of them; None if there is no such key.
+
+        It is part of zarr's interface of a store; the bytes are computed in a thread.
+        """
         try:
             content = await asyncio.to_thread(self._view.read, key)
         except KeyError:
@@ -60,7 +63,7 @@ class ViewStore(Store):
         return [await self.get(key, prototype, part) for key, part in key_ranges]
 
     async def exists(self, key: str) -> bool:
-        """True if the group has a key."""
+        """True if the Zarr group has a key; part of zarr's interface of a store."""
         try:
             self._view.length(key)
         except KeyError:
@@ -89,7 +92,10 @@ class ViewStore(Store):
 
 
 def _part(wanted: ByteRequest | None) -> slice:
-    """Return the slice of a key's bytes that zarr's request for a range means."""
+    """Return the slice of the bytes of a key that zarr's request for a range of bytes means.
+
+    Without a request it is all of them.
+    """
     if isinstance(wanted, RangeByteRequest):
         return slice(wanted.start, wanted.end)
     if isinstance(wanted, OffsetByteRequest):

@@ -84,7 +84,10 @@ class ZarrView:
         self._arrays = self._lay_out(sweep, chunk_cells, wishes)
 
     def read(self, key: str) -> bytes:
-        """Return the bytes of a key; raise `KeyError` if the group does not have it."""
+        """Return the bytes of a key of the Zarr group; raise `KeyError` if there is no such key.
+
+        A chunk is computed when it is asked for.
+        """
         name, index = self._find(key)
         if index is None:
             return self._documents[name]
@@ -103,7 +106,11 @@ class ZarrView:
         return {name: array.chunks for name, array in self._arrays.items()}
 
     def _lay_out(self, sweep: Prepared, chunk_cells: int, wishes: Wishes) -> dict[str, _Array]:
-        """Return shape, chunks and plan of every array."""
+        """Return shape, chunks, type and plan of every array of a Zarr group that shows a sweep.
+
+        A chunk is the piece of an array that is computed when it is read. It has at most
+        `chunk_cells` values; `wishes` are lengths of chunks along some axes that the user asks for.
+        """
         arrays = {}
         labels = self._labels
         for name, variable in (*labels.coordinates.items(), *labels.variables.items()):
@@ -126,7 +133,7 @@ class ZarrView:
 
     @cached_property
     def _documents(self) -> dict[str, bytes]:
-        """The metadata documents of the group and of each array."""
+        """The metadata documents, JSON as bytes, of the Zarr group (key ``""``) and its arrays."""
         documents = {
             name: array_document(self._labels, name, array.shape, array.chunk_shape)
             for name, array in self._arrays.items()
@@ -138,10 +145,11 @@ class ZarrView:
         }
 
     def _find(self, key: str) -> tuple[str, tuple[int, ...] | None]:
-        """Return the name of the array and the chunk position that a key names.
+        """Return the name of the array and the position of the chunk that a key of the group means.
 
-        The position is None for a metadata document, the name empty for that of the group. Raises
-        `KeyError` for other keys.
+        Keys are ``zarr.json``, ``<array>/zarr.json`` and ``<array>/c/0/1``. The position is None
+        for a metadata document, the name empty for that of the group. Raises `KeyError` for other
+        keys.
         """
         if key == "zarr.json":
             return "", None
@@ -157,7 +165,11 @@ class ZarrView:
         raise KeyError(key)
 
     def _chunk(self, name: str, index: tuple[int, ...]) -> bytes:
-        """Compute a chunk of an array; return its bytes, filled up at the end of an axis."""
+        """Compute a chunk of an array; return its bytes, filled up at the end of an axis.
+
+        A chunk is the piece of an array that is read at once. `name` is an output, ``regime`` or a
+        coordinate, `index` the position of the chunk on each axis.
+        """
         array = self._arrays[name]
         box = {
             dim: (i * c, min((i + 1) * c, n))
@@ -171,9 +183,10 @@ class ZarrView:
         return filled.tobytes()
 
     def _values(self, name: str, box: Mapping[str, tuple[int, int]]) -> NDArray[Any]:
-        """Return the values of an array in a box, in the units of files.
+        """Return the values of an array of a Zarr group in a box of cells, in the units of files.
 
-        `box` has start and stop of each axis of the array.
+        The values are computed for each request, not stored: `name` is an output, ``regime`` or a
+        coordinate. `box` has start and stop on each axis of the array.
         """
         axes, plan = self._grid.axes, self._arrays[name].plan
         if plan is None:

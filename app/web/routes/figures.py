@@ -42,7 +42,10 @@ def list_figures() -> Response:
 
 @functools.cache
 def _figures() -> list[dict[str, Any]]:
-    """Return name, title, notes and study of each figure of the thesis, in its order."""
+    """Return name, title, notes and study of each figure of the thesis, in the thesis's order.
+
+    They are read from the studies that come with the program, once.
+    """
     figures = []
     for path in sorted(FOLDER.glob("fig-*.toml"), key=_figure_number):
         content = load_study(path).content()

@@ -91,7 +91,10 @@ def metrics(request: Request) -> Response:
 
 
 def _written(directory: Path) -> str | None:
-    """Return the reason why no file can be written in a directory; None if one can."""
+    """Return the reason why no file can be written in a directory, as a text; None if one can.
+
+    A file is written there to find out; a missing directory is created.
+    """
     try:
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=directory) as file:

@@ -159,9 +159,18 @@ async def execute(
 async def _reply_or_job(
     request: Request, name: str, body: bytes, settings: Settings, admission: Admission, who: Key
 ) -> Response | Job:
-    """Return the dataset of a short study, or the job that the study has become.
+    """Return the reply with the dataset of a short study, or the job that the study has become.
 
-    Arguments as in `execute`.
+    The request waits for a computing slot of its owner before its study is read.
+
+    Parameters
+    ----------
+    request, name, body : Request, str, bytes
+        The request, the process, such as `sweep`, and the study or execute request as JSON.
+    settings, admission : Settings, Admission
+        The service's.
+    who : Key
+        The API key of the request.
 
     Raises
     ------
@@ -190,10 +199,32 @@ async def _dismiss_if_left(request: Request, admission: Admission, job: Job, who
 async def _dataset_in_time(
     request: Request, name: str, body: bytes, settings: Settings, who: Key
 ) -> bytes | None:
-    """Return the dataset of a study as JSON; None if it takes too long for one request.
+    """Compute a study for the reply to its request; None if that takes too long.
 
-    `name` is the process, `who` the API key, whose limit of cells holds. Raises `StudyError` or
-    `LimitError` if the study cannot be carried out.
+    It is computed in a process that is ended after `max_execution_seconds` and some grace.
+
+    Parameters
+    ----------
+    request : Request
+        The request; nothing is computed further for a client that has left.
+    name : str
+        The process of the service, such as `sweep`.
+    body : bytes
+        The execute request as JSON.
+    settings : Settings
+        Limits and times of the service.
+    who : Key
+        The API key, whose limit of cells holds.
+
+    Returns
+    -------
+    bytes or None
+        The result as a JSON document.
+
+    Raises
+    ------
+    StudyError, LimitError
+        If the study is invalid or too large.
     """
     seconds = settings.max_execution_seconds + settings.grace_seconds
     try:
@@ -219,9 +250,21 @@ def _post(name: str, body: bytes, settings: Settings, admission: Admission, who:
 
 
 async def _wait_for_job(request: Request, admission: Admission, job: Job, seconds: float) -> Job:
-    """Wait until a job ends; return the job as it is.
+    """Wait until a job ends, and return it with the state that it has then.
 
-    The wait ends earlier once `seconds` have passed, the client leaves, or the service stops.
+    The ledger of jobs is read at growing intervals; if it cannot be read, the last known state
+    counts.
+
+    Parameters
+    ----------
+    request : Request
+        The request; the wait ends when its client leaves, or the service stops.
+    admission : Admission
+        The object that holds the ledger.
+    job : Job
+        The job.
+    seconds : float
+        Time after which the wait ends in any case [s].
     """
     stopping: Callable[[], bool] = request.app.state.stopping.is_set
     until, look = time.monotonic() + seconds, LOOK
@@ -238,7 +281,10 @@ async def _wait_for_job(request: Request, admission: Admission, job: Job, second
 
 
 def _applied_preferences(wishes: Preferences) -> str:
-    """Return the Preference-Applied header of the preferences that were honoured."""
+    """Return the text of the Preference-Applied header: which wishes of Prefer were honoured.
+
+    `wishes` has the time of waiting as it was applied; the text is empty without wishes.
+    """
     words = ["respond-async"] if wishes.respond_async else []
     if wishes.wait is not None:
         words.append(f"wait={wishes.wait}")
@@ -264,7 +310,10 @@ def _body(process: Process) -> dict[str, Any]:
 
 
 def _route(name: str) -> Callable[..., Awaitable[Response]]:
-    """Return the function of the route that executes a process."""
+    """Return the function of the route that executes a process; `name` is that of the process.
+
+    Each process, such as `sweep`, has a route of its own, with its own schema.
+    """
 
     async def execution(
         request: Request, body: Body, settings: SettingsOf, admission: AdmissionOf, who: WhoOf

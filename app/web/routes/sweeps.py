@@ -362,7 +362,7 @@ def _not_made(key: str) -> Response:
 
 
 def _check_size(sweep: Prepared, settings: Settings) -> None:
-    """Raise `LimitError` if a sweep has too many cells, or too many values on one axis."""
+    """Raise `LimitError` if a sweep has too many cells or values on one axis to be stored."""
     sweep.check_limits(cells=settings.max_sweep_cells, bytes_=sweep.bytes)
     for name, size in sweep.grid.shape.items():
         if size > settings.max_axis_values:

@@ -32,9 +32,18 @@ def sample_size(grid: Grid, count: int) -> int:
 def median_seconds(
     run: Callable[[], object], repeats: int = REPEATS, least: float = LEAST_SECONDS
 ) -> float:
-    """Return the median wall time of a call, after a warm-up call [s].
+    """Return the median wall time of one call of a function [s].
 
-    A repeat is as many calls as take `least` seconds.
+    Two calls before the first measurement warm up and give the length of a repeat.
+
+    Parameters
+    ----------
+    run : callable
+        The function, called without arguments.
+    repeats : int
+        Number of repeats, over which the median is taken; each gives the mean of its calls.
+    least : float
+        Time that a repeat takes at least [s], as the clock cannot measure a short call by itself.
     """
     started = time.perf_counter()
     run()

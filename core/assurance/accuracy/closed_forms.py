@@ -25,9 +25,24 @@ TYPES: dict[str, Any] = {"float32": np.float32, "float64": np.float64}
 
 
 def measure(sweep: Sweep, watch: Watch, cells: int = CELLS) -> Measured:
-    """Return error and time of every output of a sweep in each floating-point type.
+    """Measure error and time of the closed forms of a sweep in 32-bit and 64-bit floats.
 
-    Cells are added, some at a time, until there are so many or the watch stops it.
+    This is a benchmark of rounding: each output is compared with the same equations computed to 50
+    digits, at random cells of the sweep's grid.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The prepared study.
+    watch : Watch
+        May end the measurement early, after at least one piece of cells; the notes then say so.
+    cells : int
+        Number of cells wanted.
+
+    Returns
+    -------
+    Measured
+        A curve for each output with errors, with a point for each type of float.
     """
     plan = sweep.plan
     cells = sample_size(sweep.grid, cells)
@@ -89,7 +104,24 @@ class _Known:
 
 
 def _known(plan: Plan, cells: Mapping[str, Array], watch: Watch) -> _Known:
-    """Return the outputs at cells to 50 digits, and the effect of rounding the parameters."""
+    """Return outputs at some cells to 50 digits, and the effect of rounding the parameters.
+
+    They are the reference of the rounding benchmark.
+
+    Parameters
+    ----------
+    plan : Plan
+        The equations.
+    cells : mapping of str to ndarray, shape (n,)
+        Parameters in SI units. Each type of float has a reference at its own rounded parameters.
+    watch : Watch
+        Progress counts the cells.
+
+    Returns
+    -------
+    _Known
+        Exact outputs by type of float and name, and the sensitivities to the parameters by name.
+    """
     count = max((values.size for values in cells.values()), default=1)
     share = watch.part(count / (len(TYPES) + 1))
     exact = {
@@ -111,7 +143,22 @@ def _joined(pieces: Sequence[_Known], name: str) -> _Known:
 
 
 def _curve(plan: Plan, name: str, sample: Mapping[str, Array], known: _Known) -> Curve:
-    """Return errors and times of one output; without points where it has no value."""
+    """Return error and time of one output as a curve with a point for each type of float.
+
+    The curve has no points where all cells are 0 or without a value, as relative errors are
+    undefined there.
+
+    Parameters
+    ----------
+    plan : Plan
+        The equations, of which only those that `name` needs are run.
+    name : str
+        The output.
+    sample : mapping of str to ndarray, shape (cells,)
+        Parameters of the cells in SI units.
+    known : _Known
+        Exact values of the output at these cells.
+    """
     plan = plan.only(name)
     sample = {key: sample[key] for key in plan.parameters}
     points = []
@@ -144,7 +191,20 @@ def _curve(plan: Plan, name: str, sample: Mapping[str, Array], known: _Known) ->
 def _point(
     title: str, dtype: Any, errors: Errors, judged: NDArray[np.bool_], seconds: float
 ) -> Point:
-    """Return a measured point: median and largest error with the time."""
+    """Return a point of the rounding benchmark: errors and time of an output in a type of float.
+
+    Parameters
+    ----------
+    title, dtype : str, type
+        Name and type of the float, such as "float32" and `np.float32`.
+    errors : Errors
+        Of each cell, relative, in ulps (units in the last place), in ulps over the condition
+        number, and this number; arrays of shape (cells,).
+    judged : ndarray of bool, shape (cells,)
+        Cells that count; at least one.
+    seconds : float
+        Computing time of one cell [s].
+    """
     return Point(
         title,
         float(np.finfo(dtype).bits),
@@ -168,7 +228,12 @@ def _held(cells: Mapping[str, Array], dtype: Any) -> dict[str, NDArray[Any]]:
 
 
 def _fits(cells: Mapping[str, Array], dtype: Any) -> NDArray[np.bool_]:
-    """True where a floating-point type represents every parameter without overflow or underflow."""
+    """Return a mask, shape (n,): True for cells whose parameters a type of float can represent.
+
+    Others would over- or underflow, and are left out of the benchmark of rounding errors. `cells`
+    holds the parameters by name, arrays of shape (n,) in SI units; `dtype` is the type, such as
+    `float32`.
+    """
     fits = np.ones(max((values.size for values in cells.values()), default=1), dtype=np.bool_)
     for name, held in _held(cells, dtype).items():
         fits &= np.isfinite(held) & ((held != 0) | (cells[name] == 0))
@@ -181,7 +246,11 @@ def _with_defaults(plan: Plan, dtype: Any) -> Plan:
 
 
 def _evaluate(plan: Plan, cells: Mapping[str, Any], dtype: Any) -> dict[str, Any]:
-    """Return every quantity at cells, computed in a floating-point type."""
+    """Return the outputs of a plan at some cells, computed throughout in one type of float.
+
+    `cells` has the parameters by name, arrays of shape (n,) of type `dtype` in SI units; the
+    defaults of the plan are converted to it. The result has an array of shape (n,) for each output.
+    """
     defaults = {name: np.asarray(value, dtype=dtype) for name, value in plan.defaults.items()}
     size = max((values.size for values in cells.values()), default=1)
     with np.errstate(all="ignore"):  # what overflows in a short float is told as an error

@@ -111,10 +111,21 @@ def numbers_of(point: Point, name: str) -> float:
 
 
 def fitted_slope(pairs: Sequence[tuple[float, float]], floor: float = 0.0) -> float:
-    """Return the slope of log error over log cost, by least squares.
+    """Return the slope of log error over log cost of a benchmark curve, by least squares.
 
-    `STEEP` where the error falls at what is one cost but for noise; NaN from fewer than two points
-    above the floor, or where neither changes.
+    Parameters
+    ----------
+    pairs : sequence of (float, float)
+        Cost, such as seconds or steps, and error of each point.
+    floor : float
+        Errors up to this are not fitted: they are those of the reference.
+
+    Returns
+    -------
+    float
+        `STEEP` (minus infinity) where the error falls by more than the tenth power of the ratio of
+        the costs, which is then noise; NaN from fewer than two points above the floor, or for equal
+        costs.
     """
     used = [(cost, error) for cost, error in pairs if cost > 0 and error > floor]
     used = [pair for pair in used if all(map(math.isfinite, pair))]
@@ -194,9 +205,18 @@ CURVE_NUMBERS = {
 
 
 def tabulate_curves(measured: Sequence[Measured], attributes: Mapping[str, str]) -> Table:
-    """Return the dataset of curves with one dimension, ``point``, labelled by flags.
+    """Return the benchmark curves of several families as one table over the dimension ``point``.
 
-    Words stand as CF flags (`flag_values` and `flag_meanings`), so that any client reads them.
+    Each row is a measurement: numbers as variables, and method, subject and setting as CF flags
+    (`flag_values` with `flag_meanings`), which any NetCDF client reads. Values of single cells go
+    over the dimension ``cell``.
+
+    Parameters
+    ----------
+    measured : sequence of Measured
+        The families of curves.
+    attributes : mapping of str to str
+        Global attributes of the table.
     """
     every = list(chain.from_iterable(family.curves for family in measured))
     curves = [curve for curve in every for _ in curve.points]
@@ -229,7 +249,15 @@ def tabulate_curves(measured: Sequence[Measured], attributes: Mapping[str, str])
 def _columns(
     rows: Sequence[Any], names: Mapping[str, tuple[str, str, str]]
 ) -> dict[str, TableVariable]:
-    """Return the values of points or curves as columns by name."""
+    """Return numbers of benchmark points, or of the curves they lie on, as table columns by name.
+
+    Parameters
+    ----------
+    rows : sequence of Point or Curve
+        One for each row of the table.
+    names : mapping of str to (str, str, str)
+        By name of the column: attribute of the row that is read, label and unit.
+    """
     return {
         name: _floats([getattr(row, attribute) for row in rows], label, unit)
         for name, (attribute, label, unit) in names.items()
@@ -237,9 +265,11 @@ def _columns(
 
 
 def _further(points: Sequence[Point]) -> dict[str, TableVariable]:
-    """Return a table column for each optional measurement (`MORE`) of the benchmark's points.
+    """Return the optional measurements of a benchmark as table columns, by name.
 
-    It is NaN where a point lacks the measurement, and left out where all points lack it.
+    `points` are the rows of the table: one method with one setting each. A column, such as the
+    number of evaluations, holds NaN for points without this measurement; one that is NaN everywhere
+    is left out.
     """
     values = {name: [point.more.get(name, math.nan) for point in points] for name in MORE}
     return {
@@ -267,7 +297,17 @@ def _floats(values: Sequence[float], label: str, unit: str) -> TableVariable:
 def _flags(
     words: Sequence[str], label: str, known: Mapping[str, str] | None = None
 ) -> TableVariable:
-    """Return words as a flag variable over points."""
+    """Return a word for each row of the benchmark table as a CF flag column.
+
+    Parameters
+    ----------
+    words : sequence of str
+        The words, whose spaces become underscores.
+    label : str
+        Label of the column.
+    known : mapping of str to str, optional
+        All words that may occur, with explanations that become a comment; else those that do occur.
+    """
     plain = [_joined(word) for word in words]
     meanings = list(known or dict.fromkeys(plain))
     attributes = {

@@ -14,12 +14,14 @@ SECONDS = 60.0
 
 
 def families_of(prepared: Prepared, only: Collection[str] = ()) -> tuple[str, ...]:
-    """Return the families of measurements that apply to a study, in order.
+    """Return the families of accuracy measurements that a study's kind has, in order.
+
+    `only` restricts them to those that it names; all if it is empty.
 
     Raises
     ------
     StudyError
-        If `only` names one that there is not, or that this kind of study has not.
+        If the kind of study has none, or `only` names one that does not exist or that it has not.
     """
     kind = prepared.study.kind
     known = KINDS[kind].measures

@@ -19,7 +19,17 @@ OF = ":"  # between a variable and its attribute that is an array
 
 
 def keep(measured: Measured | None, machine: Mapping[str, str]) -> Computed:
-    """Return measurements and machine as arrays and attributes for a file."""
+    """Return a family of measurements, and facts on the machine, as arrays and texts to store.
+
+    A job measures families apart, and its report joins them later (`kept` reads them back).
+
+    Parameters
+    ----------
+    measured : Measured or None
+        Curves, notes and values of single cells; None if the family does not apply.
+    machine : mapping of str to str
+        Machine, date and versions.
+    """
     arrays: dict[str, NDArray[Any]] = {}
     content = None
     if measured is not None:
@@ -44,7 +54,10 @@ def keep(measured: Measured | None, machine: Mapping[str, str]) -> Computed:
 
 
 def kept(computed: Computed) -> tuple[Measured | None, dict[str, str]]:
-    """Return the measurements from the arrays that `keep` made."""
+    """Return the measurements and the facts on the machine that `keep` has stored.
+
+    `computed` has arrays and texts; the measurements are None if the family did not apply.
+    """
     content = json.loads(computed.notes[MEASURED])
     machine: dict[str, str] = json.loads(computed.notes[MACHINE])
     if content is None:

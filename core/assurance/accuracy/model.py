@@ -49,7 +49,13 @@ OUTPUTS = (
 
 
 def motion_of_sweep(sweep: Sweep) -> Simulation | None:
-    """Return the motion that corresponds to a sweep's scene and parameters; None without one."""
+    """Return a prepared simulation with the scene and parameters of a sweep; None if there is none.
+
+    With it, the closed forms of a sweep, which take one instant, are compared with the mean
+    velocity of the simulated motion. There is none for a scene that cannot be simulated or has no
+    conveying velocity, or where the parameters of the sweep do not suffice (no friction, for
+    example). Parameters that no method of simulation uses are left out.
+    """
     content = sweep.study.content()
     scene = SYSTEMS.get(sweep.plan.scene.name)
     if scene is None or not is_point_part(scene):
@@ -66,7 +72,26 @@ def motion_of_sweep(sweep: Sweep) -> Simulation | None:
 
 
 def measure(sweep: Sweep, motion: Simulation, watch: Watch, cells: int = CELLS) -> Measured:
-    """Return the deviation of a sweep's outputs from the true mean velocity, by regime."""
+    """Measure how far closed forms of a sweep are from the mean velocity of simulated motion.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The study of closed forms, whose velocities and accelerations are judged.
+    motion : Simulation
+        The simulation of the same scene and parameters (`motion_of_sweep`), taken as the truth.
+    watch : Watch
+        May stop the simulation; cells that were not reached are left out, and a note says so.
+    cells : int
+        Number of random cells of the sweep's grid.
+
+    Returns
+    -------
+    Measured
+        A curve for each output, with a point for all travelling cells and one for each regime;
+        notes; and throw number, true velocity [m/s], regime and formulas of each travelling cell,
+        for plots.
+    """
     names = {*sweep.plan.parameters, *motion.grid.axes, *motion.grid.fixed}
     cells = sample_size(sweep.grid, cells)
     sample = random_cells(sweep.grid, cells, names)
@@ -127,7 +152,22 @@ def _curve(
     moves: NDArray[np.bool_],
     kind: NDArray[np.int8],
 ) -> Curve:
-    """Return the deviations of one output, over all cells and in each regime."""
+    """Return the deviations of one closed form from the simulated velocity, in all and by regime.
+
+    For a velocity, the error is |formula/true - 1|. An acceleration has no such error (NaN): only
+    the correlation of its ranks with those of the true velocity is measured.
+
+    Parameters
+    ----------
+    output : str
+        Name of the output.
+    formula, true : ndarray, shape (cells,)
+        Its values by the closed form, and the simulated mean velocity [m/s].
+    moves : ndarray of bool, shape (cells,)
+        Cells in which the part travels.
+    kind : ndarray of int8, shape (cells,)
+        Number of the simulated regime.
+    """
     points = []
     is_velocity = output in VELOCITIES
     groups = {"all that travel": moves}
@@ -155,7 +195,10 @@ def _curve(
 
 
 def rank_correlation(first: Array, second: Array) -> float:
-    """Return the rank correlation of two rows of values; NaN where one is constant."""
+    """Return Spearman's rank correlation of two samples, -1 to 1; NaN where one is constant.
+
+    Both have the shape (n,). It judges whether a formula orders drives as the true motion does.
+    """
     ranks = [_ranks(values) for values in (first, second)]
     if min(np.ptp(values) for values in ranks) == 0:
         return float("nan")
@@ -163,7 +206,7 @@ def rank_correlation(first: Array, second: Array) -> float:
 
 
 def _ranks(values: Array) -> Array:
-    """Return ranks, equal values sharing their mean rank."""
+    """Return the rank of each value from 0 on, as floats; equal values share their mean rank."""
     _, where, counts = np.unique(values, return_inverse=True, return_counts=True)
     last = np.cumsum(counts)
     ranks = np.asarray((2 * last - counts - 1) / 2)

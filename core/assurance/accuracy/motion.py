@@ -77,7 +77,26 @@ def run_method(
     settings: Mapping[str, float],
     watch: Watch,
 ) -> Means:
-    """Return the results of a method with settings at cells of shape (n,), SI units."""
+    """Run a method of simulation at some cells, on one thread, and time it.
+
+    Parameters
+    ----------
+    scene : Scene
+        The system that moves.
+    method : str
+        One of its methods, such as "events" or "time-stepping".
+    cells : mapping of str to ndarray, shape (n,)
+        Parameters in SI units.
+    settings : mapping of str to float
+        Settings of the method, such as `tolerance`, in place of its defaults.
+    watch : Watch
+        Progress, and when to stop.
+
+    Returns
+    -------
+    Means
+        Mean velocities as shares of the drive's speed A0 w, with error estimates and time per cell.
+    """
     plan = plan_scene(scene, method, OUTPUTS, tuple(cells))
     plan = replace(plan, defaults={**plan.defaults, **settings})
     inputs = {name: cells[name] for name in plan.parameters}
@@ -101,20 +120,46 @@ def run_method(
 
 
 def _parts(scene: Scene) -> float:
-    """Return the share of the time for each method of a scene."""
+    """Return the sum of the shares of progress (`SHARES`) of what is measured for a scene, 0 to 1.
+
+    Progress is scaled by it, so that it ends at 1 for a scene without methods such as "events".
+    """
     named = [name for name in ("events", "regularised") if name in scene.variants]
     return SHARES["both"] + sum(SHARES[name] for name in named)
 
 
 def _nothing_moves(count: int, watch: Watch) -> str:
-    """Return the note for a study without measurable motions."""
+    """Return the note of a motion benchmark that found no cell to measure, as one sentence.
+
+    `count` is the number of random cells tried. The sentence says whether `watch` ended the search.
+    """
     if watch.stopped():
         return "The time given ran out before a cell was found whose motion repeats."
     return f"No cell of {count} random ones moves and repeats its motion: nothing is measured."
 
 
 def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measured:
-    """Return errors and times of all methods that simulate a study's motion."""
+    """Measure error against time of every method that simulates a study's motion.
+
+    Random cells of the grid that move and repeat their motion are simulated by each method with a
+    series of settings, such as tolerances or steps per period. The reference is the method
+    `reference`, and for all but "events" the method "events" at a tolerance of 1e-12 where the
+    scene has it. Cells on which the two disagree are left out.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        The prepared study.
+    watch : Watch
+        May end the measurement early: settings that were not reached are left out.
+    cells : int
+        Number of cells wanted.
+
+    Returns
+    -------
+    Measured
+        A curve for each method and kind of motion; none, with a note, if no cell can be measured.
+    """
     scene, grid = simulation.plan.scene, simulation.grid
     settings = {
         name: value for name, value in simulation.study.settings().items() if name == "max_periods"
@@ -189,7 +234,11 @@ def _is_used(scene: Scene, name: str) -> bool:
 
 
 def _first_of_its_kind(cells: Mapping[str, Array]) -> NDArray[np.bool_]:
-    """True where a cell occurs for the first time, as small grids repeat cells."""
+    """Return a mask, shape (cells,), True where a cell's parameters occur for the first time.
+
+    Cells drawn at random from a small grid repeat; each should be measured only once. `cells` holds
+    the parameters, shape (cells,) each, by name.
+    """
     rows = np.stack(list(cells.values()), axis=-1)
     first = np.zeros(len(rows), dtype=np.bool_)
     first[np.unique(rows, axis=0, return_index=True)[1]] = True
@@ -197,7 +246,11 @@ def _first_of_its_kind(cells: Mapping[str, Array]) -> NDArray[np.bool_]:
 
 
 def _both_kinds(chosen: NDArray[np.intp], hops: NDArray[np.bool_], count: int) -> NDArray[np.intp]:
-    """Return the first cells, half of them hopping if there are enough."""
+    """Return up to `count` of the chosen cells in order, half of them hopping if there are enough.
+
+    `chosen` are indices of candidate cells, `hops` is true for hopping cells, by index. Where one
+    kind is short of cells the other fills up.
+    """
     air, floor = chosen[hops[chosen]], chosen[~hops[chosen]]
     half = count // 2
     more = max(0, half - floor.size), max(0, half - air.size)
@@ -211,7 +264,11 @@ def _warm(
     settings: Mapping[str, float],
     watch: Watch,
 ) -> Means:
-    """Run a method on one cell, to load and compile it, then on all."""
+    """Run a method on one cell, so that it is loaded and compiled, then on all; return the latter.
+
+    Arguments and result are those of `run_method`: the times that it measures then hold no
+    compilation.
+    """
     cell = {name: values[:1] for name, values in cells.items()}
     run_method(scene, method, cell, settings, Watch(stop=watch.stop))
     return run_method(scene, method, cells, settings, watch)
@@ -224,7 +281,27 @@ def _repeated(
     settings: Mapping[str, float],
     watch: Watch,
 ) -> Means:
-    """Return the results and median time of three runs, or one run if it is slow."""
+    """Run a method of simulation; return its results with the median time of three runs.
+
+    A run of half a second or more is not repeated, nor is any once the watch has stopped. The first
+    run is preceded by one that warms up.
+
+    Parameters
+    ----------
+    scene, method : Scene, str
+        The system that moves, and one of its methods of simulation.
+    cells : mapping of str to ndarray, shape (n,)
+        Parameters in SI units.
+    settings : mapping of str to float
+        Settings of the method, such as `tolerance`, in place of its defaults.
+    watch : Watch
+        Progress, and when to stop.
+
+    Returns
+    -------
+    Means
+        Mean velocities as shares of the drive's speed, error estimates, and time per cell [s].
+    """
     first = _warm(scene, method, cells, settings, watch)
     times = [first.seconds]
     while len(times) < 3 and times[0] * first.velocity.size < 0.5 and not watch.stopped():
@@ -235,7 +312,19 @@ def _repeated(
 def _groups(
     cells: Mapping[str, Array], truth: Array, hops: NDArray[np.bool_]
 ) -> Iterator[tuple[str, dict[str, Array], Array]]:
-    """Yield the sliding and the hopping cells, with their true velocities."""
+    """Yield the sliding cells and then the hopping ones, each with the name of the kind of motion.
+
+    Both kinds are measured apart, as errors differ; a kind without cells is left out.
+
+    Parameters
+    ----------
+    cells : mapping of str to ndarray, shape (cells,)
+        Parameters in SI units.
+    truth : ndarray, shape (cells,)
+        True mean velocities, as shares of the drive's speed.
+    hops : ndarray of bool, shape (cells,)
+        Where the part hops.
+    """
     for name, where in (("sliding", ~hops), ("hopping", hops)):
         if where.any():
             yield name, {key: values[where] for key, values in cells.items()}, truth[where]
@@ -244,7 +333,19 @@ def _groups(
 def point_of(
     setting: str, value: float, run: Means, truth: Array, floor: float = ROUNDING
 ) -> Point | None:
-    """Return the measured point of a run; None if a cell has no value."""
+    """Return a point of a benchmark curve: errors and time of one run; None if a cell has no value.
+
+    Parameters
+    ----------
+    setting, value : str, float
+        What was set, in words such as "800 steps", and as a number.
+    run : Means
+        Mean velocities of the run with the method's own error estimates, shape (cells,).
+    truth : ndarray, shape (cells,)
+        True velocities, as shares of the drive's speed.
+    floor : float
+        Error of the truth, by which an estimate may be exceeded and still count as kept.
+    """
     error = np.abs(run.velocity - truth)
     if np.isnan(error).any():
         return None
@@ -259,7 +360,19 @@ def point_of(
 def _curve(
     method: str, group: str, points: Sequence[Point | None], says: str, slope: float, floor: float
 ) -> Curve:
-    """Return a curve of the measured points."""
+    """Return the benchmark curve of a method and kind of motion, by the largest errors.
+
+    Parameters
+    ----------
+    method, group : str
+        The method, and "sliding" or "hopping".
+    points : sequence of Point or None
+        In the order of the setting; None, where a run had no value, is left out.
+    says, slope : str, float
+        The slope of log error over log cost that theory expects, in words and as a number.
+    floor : float
+        Errors up to this are those of the reference, and are not fitted.
+    """
     kept = tuple(point for point in points if point)
     return Curve("motion", f"{group} cells", method, kept, says, slope, floor, of="largest")
 
@@ -267,7 +380,10 @@ def _curve(
 def _by_steps(
     method: str, group: str, points: Sequence[Point | None], says: str, slope: float, floor: float
 ) -> Curve:
-    """Return a curve whose slope is over the number of steps, not over time."""
+    """Return a benchmark curve whose slope relates the error to the number of steps, not to time.
+
+    Arguments are those of `_curve`; the value of each point is its number of steps per period.
+    """
     kept = [replace(p, more={**p.more, "steps": p.value}) for p in points if p]
     return replace(_curve(method, group, kept, says, slope, floor), cost="steps")
 
@@ -280,7 +396,21 @@ def _events(
     floor: float,
     watch: Watch,
 ) -> Iterator[Curve]:
-    """Yield the curves of event-driven simulation over its tolerance."""
+    """Yield the benchmark curves of event-driven simulation over its tolerance: sliding, hopping.
+
+    Parameters
+    ----------
+    scene : Scene
+        The system that moves.
+    cells : mapping of str to ndarray, shape (cells,)
+        Parameters in SI units.
+    truth, hops : ndarray, shape (cells,)
+        True mean velocities as shares of the drive's speed; where the part hops.
+    floor : float
+        Error of the truth.
+    watch : Watch
+        Progress, and when to stop.
+    """
     each = watch.part(1 / (len(TOLERANCES) * len(set(hops.tolist()))))
     for group, here, true in _groups(cells, truth, hops):
         points = [
@@ -304,7 +434,22 @@ def _stepping(
     floor: float,
     watch: Watch,
 ) -> Iterator[Curve]:
-    """Yield the curves of time stepping over its steps, with extrapolation."""
+    """Yield the benchmark curves of time stepping over its steps, plain and with extrapolation.
+
+    There is a pair of curves for the sliding and one for the hopping cells. The second of a pair is
+    Richardson's extrapolation from n/2 and n steps per period to infinitely many.
+
+    Parameters
+    ----------
+    scene, watch : Scene, Watch
+        The system that moves; progress, and when to stop.
+    cells : mapping of str to ndarray, shape (cells,)
+        Parameters in SI units.
+    truth, hops : ndarray, shape (cells,)
+        True mean velocities as shares of the drive's speed; True where the part hops.
+    floor : float
+        Error of the truth, in the same unit.
+    """
     each = watch.part(1 / (len(STEPS) * len(set(hops.tolist()))))
     is_planar = "alpha" not in cells or not np.any(cells["alpha"])
     is_planar &= "radius" not in cells and "delta" not in cells
@@ -328,7 +473,12 @@ def _stepping(
 
 
 def _extrapolated(coarse: Means, fine: Means, steps: int, order: int) -> Means:
-    """Return two runs extrapolated to step 0, for an error that is a power of the step."""
+    """Return two runs of time stepping extrapolated to step 0 (Richardson).
+
+    The error is assumed to be a power of the step. `coarse` and `fine` are runs with n/2 and n
+    steps per period, n being `steps`, and `order` is the power; the time is that of both runs, and
+    there is no error estimate (NaN).
+    """
     # A run with n steps tells what its finer part gave, with 2n + 1.
     factor = ((2 * steps + 1) / (steps + 1)) ** order - 1
     return replace(
@@ -346,7 +496,21 @@ def _regularised(
     hops: NDArray[np.bool_],
     watch: Watch,
 ) -> Iterator[Curve]:
-    """Yield the curves of stiff integrators over slip speed, with matching stiffness."""
+    """Yield a benchmark curve over slip speed for each integrator of regularised friction.
+
+    Friction there is a smooth function of the slip speed v [m/s], so that the error falls with a
+    smaller v; the contact stiffness is set to 1/v^2. These methods are slow: they simulate one or
+    two cells.
+
+    Parameters
+    ----------
+    scene, watch : Scene, Watch
+        The system that moves; progress, and when to stop.
+    cells : mapping of str to ndarray, shape (cells,)
+        Parameters in SI units.
+    truth, hops : ndarray, shape (cells,)
+        True mean velocities as shares of the drive's speed; True where the part hops.
+    """
     first = representatives(hops)
     each = watch.part(1 / (len(SLIP_SPEEDS) * len(STIFF)))
     few = {name: values[first] for name, values in cells.items()}

@@ -66,9 +66,24 @@ def run_optimiser(
     watch: Watch,
     seconds: float = math.inf,
 ) -> OptimiserResult:
-    """Return the result of a method within some seconds, after one design for compiling.
+    """Run a method of optimisation on some designs; return results and the time of a design.
 
-    scipy's methods, which take long for each design, have nothing to compile.
+    A method that solves all designs at once is run on the first one before, so that no compilation
+    is timed. Fast runs are repeated, and the median time counts.
+
+    Parameters
+    ----------
+    name : str
+        The method, a key of `METHODS`.
+    problem : OptimisationProblem
+        Variables with bounds, criterion and constraints.
+    design, scales : mapping of str to ndarray
+        Fixed parameters of the designs in SI units, shape (designs,), and the largest size of each
+        output over the bounds.
+    watch : Watch
+        May stop it; designs that were not reached are not `done`.
+    seconds : float
+        Time after which it is stopped [s].
     """
     solve, first = METHODS[name].solve, slice(0, 1)
     if METHODS[name].at_once:
@@ -98,9 +113,21 @@ def run_optimiser(
 def measure(
     optimisation: Optimisation, watch: Watch, seconds: float, methods: Collection[str] = METHODS
 ) -> Measured:
-    """Return gap, errors of the variables and time of each method for a study's problem.
+    """Measure error against time of the methods of optimisation on a study's problem.
 
-    They share the seconds.
+    Each method solves the same random designs. The reference is an exact method where there is one,
+    else the best that any method found; of a Pareto front one point is compared.
+
+    Parameters
+    ----------
+    optimisation : Optimisation
+        The prepared study.
+    watch : Watch
+        May stop it: what was measured by then is kept.
+    seconds : float
+        Time that all methods share [s].
+    methods : collection of str
+        Names of the methods to compare; those that cannot solve the problem are left out.
     """
     problem = optimisation.problem
     notes = []
@@ -161,7 +188,28 @@ def _results_of(
     watch: Watch,
     seconds: float,
 ) -> tuple[dict[str, OptimiserResult], list[str]]:
-    """Return the results of methods, and those that were left out for lack of time."""
+    """Run methods of optimisation one after another, for a comparison of their gaps and times.
+
+    The time that is left is shared equally among the methods that are still to run.
+
+    Parameters
+    ----------
+    names : collection of str
+        The methods.
+    problem : OptimisationProblem
+        Variables with bounds, criterion and constraints.
+    design, scales : mapping of str to ndarray, shape (designs,)
+        Fixed parameters of the designs in SI units; largest size of each output over the bounds.
+    watch : Watch
+        May stop it.
+    seconds : float
+        Time for all methods [s].
+
+    Returns
+    -------
+    tuple of (dict, list)
+        Results by method; methods that did not finish all designs.
+    """
     results: dict[str, OptimiserResult] = {}
     ends = time.monotonic() + seconds
     for position, name in enumerate(names):
@@ -178,7 +226,12 @@ def _results_of(
 def _reference(
     results: Mapping[str, OptimiserResult], problem: OptimisationProblem
 ) -> tuple[Array, Array, str]:
-    """Return the best known objective of each design with its variables and its method."""
+    """Return the reference of an optimiser benchmark: best objective and variables of each design.
+
+    It is the result of the exact method, or of `newton`, where it has one; else the best of all
+    methods in `results`. The third member is a sentence for the report on what the reference is.
+    Shapes (designs,) and (variables, designs), variables in SI units.
+    """
     values = np.stack([result.value for result in results.values()])
     winner = np.asarray(values.argmax(axis=0))
     best = values.max(axis=0)
@@ -203,12 +256,24 @@ def _point(
     apart: Array,
     used: NDArray[np.bool_],
 ) -> Point:
-    """Summarise an optimiser over the designs `used` for the comparison.
+    """Return the accuracy of an optimiser over several designs, as one point of a comparison.
 
-    The gap of a design is the distance of its value from the `best` known one over the typical
-    `size` of values; `apart` is the distance of its variables from the best ones, 0 to 1. Where the
-    method found nothing, the gap is infinite and the distance 1. The result holds medians, the
-    largest gap, the share of designs missed, evaluations and time.
+    The gap is |best - value|/size; where no value was found, it is infinite. The point has the
+    median and largest gap, the time of one design [s], the median of `apart` (1 where no value was
+    found), the share of designs with a gap above `MISSED`, and the median number of evaluations.
+
+    Parameters
+    ----------
+    name : str
+        Name of the optimiser.
+    result : OptimiserResult
+        Its optimum of every design.
+    best, size : ndarray, shape (designs,)
+        Best known value of the objective and its typical size, in one unit.
+    apart : ndarray, shape (designs,)
+        Largest distance of a variable from the best one, as a share of its range; may be NaN.
+    used : ndarray of bool, shape (designs,)
+        True for the designs that count.
     """
     lost = ~np.isfinite(result.value[used])
     value = np.where(lost, best[used], result.value[used])
@@ -224,7 +289,11 @@ def _point(
 
 
 def _kind(name: str, problem: OptimisationProblem) -> str:
-    """Return the description of a reference method for a problem."""
+    """Return the name of the reference method in words, for a note below the comparison.
+
+    `name` is `exact` or `newton`, the method whose optimum the others are compared with. For a
+    problem without a closed form, or without a batch solver, it is returned as it is.
+    """
     tests: dict[str, tuple[Callable[[OptimisationProblem], bool], str]] = {
         "exact": (is_closed, "the closed form (method exact)"),
         "newton": (is_compiled, "the batch solver (method newton), at its own tolerance of 1e-10"),

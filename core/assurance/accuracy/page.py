@@ -36,7 +36,17 @@ class PageSection:
 
 
 def write_page(title: str, head: Sequence[str], sections: Sequence[PageSection]) -> str:
-    """Return the page in Markdown: head, then sections."""
+    """Return a report on accuracy as a Markdown page.
+
+    Parameters
+    ----------
+    title : str
+        The heading of the page.
+    head : sequence of str
+        Paragraphs below the heading.
+    sections : sequence of PageSection
+        Title and Markdown body of each section, in order.
+    """
     parts = [f"# {title}", *head]
     for section in sections:
         parts += [f"## {section.title}", section.body]
@@ -44,7 +54,11 @@ def write_page(title: str, head: Sequence[str], sections: Sequence[PageSection])
 
 
 def head_of(attributes: Mapping[str, str], command: str) -> list[str]:
-    """Return the first paragraphs: the page's purpose, and the conditions of measurement."""
+    """Return the first paragraphs of the accuracy report: purpose and conditions of measurement.
+
+    `attributes` has the texts "machine", "date" and "versions"; `command` is the shell command that
+    makes the report. Paragraphs are Markdown.
+    """
     return [
         "Error against run time, measured by the program itself. The whole page is made by the "
         "command",
@@ -61,9 +75,16 @@ def head_of(attributes: Mapping[str, str], command: str) -> list[str]:
 def sections_of(
     part: ReportPart, pictures: Mapping[str, str], seconds: float = SECONDS
 ) -> Iterator[PageSection]:
-    """Yield the section of each family of a study.
+    """Yield a section of the accuracy report for each family of measurements of a study.
 
-    `pictures` holds the file of each family's picture, relative to the page.
+    Parameters
+    ----------
+    part : ReportPart
+        The measurements of the study.
+    pictures : mapping of str to str
+        File of each family's picture, relative to the page; a family may have none.
+    seconds : float
+        Time that each family was given [s], for the command that repeats the measurement.
     """
     for measured in part.measured:
         title = f"{TITLES[measured.family]} ({Path(part.name).stem})"
@@ -78,7 +99,18 @@ def command_of(name: str, family: str, seconds: float = SECONDS) -> str:
 
 
 def _body(part: ReportPart, measured: Measured, command: str, picture: str | None) -> str:
-    """Return the text of a family's section: notes, table, slopes, picture."""
+    """Return the text of one family's section of the accuracy report, as Markdown.
+
+    It has the command that repeats the measurement, notes, a table of all points, a table of slopes
+    where theory expects any, and the picture.
+
+    Parameters
+    ----------
+    part, measured : ReportPart, Measured
+        The study, and the measurements of the family.
+    command, picture : str, str or None
+        The shell command, and the picture's file relative to the page.
+    """
     family = measured.family
     lines = [
         f"*{part.title}* ({part.scene}). Compared: {FAMILIES[family]}.",
@@ -104,7 +136,10 @@ def _table(columns: Sequence[Column], rows: Iterable[tuple[Curve, Point]]) -> st
 
 
 def _number(value: float) -> str:
-    """Return a number with two digits."""
+    """Return a number with two digits as text; "-" for NaN, "infinite" for infinity.
+
+    Numbers from 10 to 100,000 are rounded to whole ones.
+    """
     if math.isnan(value):
         return NO_NUMBER
     if math.isinf(value):
@@ -120,7 +155,10 @@ def _gap(value: float) -> str:
 
 
 def _time(seconds: float) -> str:
-    """Return a time with its unit."""
+    """Return a time [s] in words with three digits, in s, ms, us or ns, such as 1.23 ms.
+
+    NaN, a time that was not measured, gives the dash of an empty table cell (`NO_NUMBER`).
+    """
     if math.isnan(seconds):
         return NO_NUMBER
     for unit, factor in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
@@ -142,7 +180,11 @@ def _slope(value: float) -> str:
 
 
 def _fitted(curve: Curve, _: Point) -> str:
-    """Return the fitted slope of a curve as text."""
+    """Return the fitted slope of a benchmark curve as text, for a cell of the table of slopes.
+
+    The second argument, a point, is not used: all cells of these tables take curve and point. Where
+    all errors are within that of the reference, a phrase says so.
+    """
     if all(numbers_of(point, curve.of) <= curve.floor for point in curve.points):
         return "all at the reference's error"
     return _slope(curve.slope)

@@ -62,25 +62,25 @@ def measure_study(
     seconds: float = SECONDS,
     only: Collection[str] = (),
 ) -> ReportPart:
-    """Return the accuracy measurements of a study.
+    """Measure the accuracy and time of the methods that a study could use, for a report.
 
     Parameters
     ----------
     prepared : Prepared
         The study.
     name : str
-        What to call it; the page prints it within commands.
+        Name of the study, which the report prints within commands.
     watch : Watch, optional
-        Told of progress; may stop it early: what is measured by then is kept.
+        Takes the progress and may stop the measurement; families that are done are kept.
     seconds : float
-        After which a family starts nothing new.
+        Time after which a family of measurements starts nothing new [s].
     only : collection of str
-        The families to measure; all that the study has if empty.
+        Names of the families to measure, such as `optimisers`; by default all that the study has.
 
     Raises
     ------
     StudyError
-        If `only` names a family that the study has not.
+        If `only` names a family that the study does not have.
     """
     watch = watch or Watch()
     families = families_of(prepared, only)
@@ -98,9 +98,18 @@ def measure_study(
 def measure_family(
     prepared: Prepared, family: str, watch: Watch, seconds: float = SECONDS
 ) -> Measured | None:
-    """Return the measurements of one family for a study; None if it does not apply.
+    """Measure one family of a study's accuracy, such as "storage"; None if it does not apply.
 
-    After so many seconds it starts nothing new.
+    Parameters
+    ----------
+    prepared : Prepared
+        The study.
+    family : str
+        A key of `FAMILIES`.
+    watch : Watch
+        May stop it; what was measured by then is kept.
+    seconds : float
+        Time after which nothing new is started [s].
     """
     ends = min(time.monotonic() + seconds, watch.deadline or math.inf)
     return _measure(family, prepared, replace(watch, deadline=ends), seconds)
@@ -109,7 +118,17 @@ def measure_family(
 def part_of(
     prepared: Prepared, name: str, measured: Sequence[Measured], facts: Mapping[str, str]
 ) -> ReportPart:
-    """Return measurements of a study with the facts about machine and versions."""
+    """Return the accuracy measurements of a study with the facts they depend on.
+
+    Parameters
+    ----------
+    prepared, name : Prepared, str
+        The study, and what it is called in commands: the path of its file.
+    measured : sequence of Measured
+        The families of measurements.
+    facts : mapping of str to str
+        Machine, date and versions, stored as attributes of the table of all points.
+    """
     plan = prepared.plan
     return ReportPart(
         name,
@@ -121,7 +140,11 @@ def part_of(
 
 
 def machine() -> dict[str, str]:
-    """Return the facts that measurements depend on: machine, date, versions."""
+    """Return facts on the environment of measurements, which the report on accuracy prints.
+
+    The keys are `machine` (processor, cores, operating system, load), `date` (ISO, UTC) and
+    `versions` (of vibrafeed, Python and libraries); times depend on them.
+    """
     libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
     return {
         "machine": f"{_processor()}, {os.cpu_count()} cores, {platform.system()}{_load()}",
@@ -132,7 +155,10 @@ def machine() -> dict[str, str]:
 
 
 def _processor() -> str:
-    """Return the name of the processor."""
+    """Return the name of this computer's processor, for the report on accuracy.
+
+    Linux lists it in /proc/cpuinfo; elsewhere it is what Python finds.
+    """
     try:
         for line in Path("/proc/cpuinfo").read_text().splitlines():
             if line.startswith("model name"):
@@ -150,7 +176,11 @@ def _load() -> str:
 
 
 def _measure(family: str, prepared: Any, watch: Watch, seconds: float) -> Measured | None:
-    """Return the measurements of a family."""
+    """Measure one family of a study's accuracy by the function for it; None if it does not apply.
+
+    `seconds` is the time that methods of optimisation share [s]; all others end by the deadline of
+    `watch`. `prepared` is a study of a kind that has the family.
+    """
     measures: dict[str, Callable[[], Measured | None]] = {
         "closed_forms": lambda: closed_forms.measure(prepared, watch),
         "model": lambda: _model(prepared, watch),
@@ -162,7 +192,11 @@ def _measure(family: str, prepared: Any, watch: Watch, seconds: float) -> Measur
 
 
 def _model(prepared: Sweep, watch: Watch) -> Measured | None:
-    """Return the deviations of closed forms from the motion; a note if there is no motion."""
+    """Return the deviations of a sweep's closed forms from the simulated motion of the same cells.
+
+    `prepared` is the sweep; `watch` may stop the measurement and takes its progress. The result has
+    a note and no measurements if scene and parameters do not define a motion in time.
+    """
     moving = model.motion_of_sweep(prepared)
     if moving is None:
         note = "Scene and parameters of this sweep do not define a motion in time."
@@ -171,7 +205,12 @@ def _model(prepared: Sweep, watch: Watch) -> Measured | None:
 
 
 def _motion(prepared: Prepared, watch: Watch) -> Measured | None:
-    """Return the measurements of simulation methods; a note for tumbling parts."""
+    """Measure error and time of the methods that simulate the motion of a study.
+
+    A sweep of closed forms is simulated with its scene and parameters; the result is None if these
+    define no motion. For tumbling parts, which have no mean velocity, there is only a note.
+    `prepared` is the study; `watch` may stop the measurement.
+    """
     moving: Any = prepared
     if prepared.plan.scene.choice == "method":  # it is a motion itself
         if not motion.is_point_part(prepared.plan.scene):
@@ -183,7 +222,12 @@ def _motion(prepared: Prepared, watch: Watch) -> Measured | None:
 
 
 def _storage(prepared: Prepared, watch: Watch) -> Measured:
-    """Return the measurements of storage formats for a study's result."""
+    """Measure error, size and time of storage formats for the result of a study.
+
+    Half of the time until the deadline of `watch` is for computing the result, half for writing it.
+    Axes of the study (`prepared`) are thinned to a size that can be computed in that time; cells
+    that are missing by then are NaN, and notes say so.
+    """
     is_fast = prepared.not_lazy is None or prepared.plan.variant == "events"
     most = MAX_CELLS if is_fast else MAX_CELLS_MOTION
     half = watch.part(0.5)
@@ -207,7 +251,10 @@ def _storage(prepared: Prepared, watch: Watch) -> Measured:
 
 
 def thinned(grid: Grid, most: int) -> Grid:
-    """Return a grid of at most `most` cells, with fewer values on its longest axes."""
+    """Return a grid with fewer values on its longest axes, so that it has at most `most` cells.
+
+    The values that are kept lie evenly along an axis, both ends among them.
+    """
     sizes = dict(grid.shape)
     while math.prod(sizes.values()) > most:
         longest = max(sizes, key=lambda name: sizes[name])

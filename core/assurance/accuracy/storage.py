@@ -68,7 +68,22 @@ SERIES: dict[str, tuple[StorageFormat, ...]] = {
 
 
 def measure(table: Table, watch: Watch) -> Measured:
-    """Return error, size and writing time of each storage format for a result."""
+    """Measure error, size and writing time of storage formats for a result, as a benchmark.
+
+    The table is written in each format of `SERIES` to a temporary NetCDF file and read back.
+
+    Parameters
+    ----------
+    table : Table
+        The result that is stored.
+    watch : Watch
+        Formats that are not reached before it stops are left out, and a note says so.
+
+    Returns
+    -------
+    Measured
+        A curve for each series of formats.
+    """
     values = {n: v.values for n, v in table.variables.items() if v.values.dtype.kind == "f"}
     count = sum(variable.values.size for variable in table.variables.values())
     everything = sum(len(formats) for formats in SERIES.values())
@@ -105,7 +120,11 @@ def measure(table: Table, watch: Watch) -> Measured:
 
 
 def write_as(table: Table, path: Path, storage_format: StorageFormat) -> None:
-    """Write a table in a storage format."""
+    """Write a table to a NetCDF file in a storage format: type of float, compression, digits kept.
+
+    `path` is the file, which is replaced. In the format "float32" variables are converted to 32
+    bits, and coordinates stay in 64, so that cells are found again by their parameters.
+    """
     if storage_format.dtype == "float32":
         # Coordinates stay as they are: a cell is to be found again.
         table = replace(
@@ -131,7 +150,11 @@ def _short(values: NDArray[np.float64]) -> NDArray[np.float32]:
 
 
 def errors_of_file(path: Path, values: Mapping[str, NDArray[Any]]) -> NDArray[np.float64]:
-    """Return the relative error of each finite, nonzero value in a file."""
+    """Return the relative error of each finite, nonzero value that a NetCDF file stores, one array.
+
+    `values` has the true arrays by the name of the variable; the errors of all variables are
+    joined.
+    """
     errors = []
     with netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
@@ -149,7 +172,21 @@ def _point(
     path: Path,
     count: int,
 ) -> Point:
-    """Return a measured point of a storage format: error, size, time."""
+    """Write a table in a storage format, read it back; return error, size and time as a point.
+
+    Parameters
+    ----------
+    table : Table
+        What is written.
+    values : mapping of str to ndarray
+        Its variables of floats, against which the file is compared.
+    storage_format : StorageFormat
+        Type of float, level of compression and digits kept.
+    path : Path
+        The file, which is replaced.
+    count : int
+        Number of all values in the table, by which size and time are divided.
+    """
     write: Callable[[], None] = lambda: write_as(table, path, storage_format)  # noqa: E731
     seconds = median_seconds(write, REPEATS, least=0.0) / count
     errors = errors_of_file(path, values)

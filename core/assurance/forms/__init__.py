@@ -74,7 +74,10 @@ class Form:
         return FORMULAS[self.name]
 
     def cases(self) -> Iterator[Case]:
-        """Yield the listed cases of the form."""
+        """Yield the problems of the form that its file lists, with the digits of their sources.
+
+        The tolerance is half a unit of the last digit, unless the problem has one of its own.
+        """
         for number, row in enumerate(self.listed, 1):
             digits = row["expected"]
             yield Case(
@@ -96,7 +99,10 @@ class Form:
             )
 
     def random(self, count: int, seed: int) -> Iterator[Case]:
-        """Yield random cases of the form; the first ones do not depend on the count."""
+        """Yield `count` problems of the form with random inputs, expected values from its formula.
+
+        Equal seeds give equal problems, and the first ones do not depend on `count`.
+        """
         draw = np.random.default_rng([seed, zlib.crc32(self.name.encode())])
         for number in range(1, count + 1):
             inputs = self.formula.random(draw)
@@ -118,7 +124,10 @@ class Form:
 
 @cache
 def forms() -> Mapping[str, Form]:
-    """Return all forms by name, in file order."""
+    """Return all forms of validation problems by name, such as "Q-two-levels", sorted.
+
+    A form is a formula with listed and random problems; each has a TOML file in this package.
+    """
     names = sorted(
         file.name.removesuffix(".toml")
         for file in files(__name__).iterdir()
@@ -128,7 +137,7 @@ def forms() -> Mapping[str, Form]:
 
 
 def _form(name: str) -> Form:
-    """Return the form in a TOML file."""
+    """Return the form of validation problems that the TOML file of this name describes."""
     content = tomllib.loads((files(__name__) / f"{name}.toml").read_text(encoding="utf-8"))
     relative = "relative" in content
     same = ("family", "title", "source", "truth", "relation", "unit", "why", "inputs")

@@ -21,7 +21,12 @@ The wave is a knife edge: the part is caught at the instant at which the track t
 
 
 def value(inputs: Inputs) -> float:
-    """Return the largest mean velocity, T a_s^2 (a_m^2 - a_k^2)/(4 a_m (a_s + a_k)^2) [mm/s]."""
+    """Return the largest mean velocity of a part on a level track that any drive reaches [mm/s].
+
+    It is T a_s^2 (a_m^2 - a_k^2)/(4 a_m (a_s + a_k)^2), with the period T, the largest acceleration
+    a_m of the track, and a_s = mu_s g, a_k = mu_k g (Umbanhowar and Lynch). `inputs` are
+    `frequency` [Hz], `most` (a_m in g), `friction_static` and `friction_kinetic`.
+    """
     most = inputs["most"]
     holding, braking = inputs["friction_static"], inputs["friction_kinetic"]
     share = holding**2 * (most**2 - braking**2) / (4 * most * (holding + braking) ** 2)
@@ -29,10 +34,13 @@ def value(inputs: Inputs) -> float:
 
 
 def wave(inputs: Inputs) -> dict[str, float]:
-    """Return the fastest drive in its three phases: carry, away, catch.
+    """Return the parameters of the drive that conveys fastest under a largest acceleration.
 
-    It carries the part for `EDGE` longer, less a tenth of that in strength, so that the part is
-    caught just after the track has turned.
+    It has three phases: carry the part forwards at the limit of sticking, turn away from under it,
+    and catch it. The carrying is longer by the share `EDGE`, and weaker by a tenth of that, so that
+    the part is caught just after the track has turned. `inputs` are `frequency` [Hz], `most` (the
+    largest acceleration in g), `friction_static` and `friction_kinetic`. The result has
+    accelerations in m/s2 and durations as shares of the period.
     """
     most = inputs["most"]
     holding, braking = inputs["friction_static"], inputs["friction_kinetic"]
@@ -55,7 +63,11 @@ def reached_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def stated_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the terms of the largest velocity that the program states for the acceleration."""
+    """Return the study of the output `fastest_velocity`, as the only term of an answer in mm/s.
+
+    It checks the velocity that the program states for a largest acceleration. `inputs` are
+    `frequency` [Hz], `most` (that acceleration in g), `friction_static` and `friction_kinetic`.
+    """
     drive = {
         **{name: inputs[name] for name in ("frequency", "friction_static", "friction_kinetic")},
         "acceleration_along_1": inputs["most"] * GRAVITY,
@@ -65,7 +77,10 @@ def stated_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def random_limits(random: Generator) -> dict[str, float]:
-    """Return random inputs whose largest acceleration makes the part slip."""
+    """Return random inputs of a fastest wave: the largest acceleration makes the part slip.
+
+    They are `frequency` [Hz], `most` (that acceleration in g) and both frictions.
+    """
     kinetic = float(random.uniform(0.05, 0.6))
     static = kinetic * float(random.choice([1.0, random.uniform(1.0, 1.6)]))
     return {
@@ -77,7 +92,13 @@ def random_limits(random: Generator) -> dict[str, float]:
 
 
 def random_steps(random: Generator) -> dict[str, float]:
-    """Return random inputs of a wave with two to six steps; the largest is the limit."""
+    """Return random inputs of a wave of two to six steps of acceleration along the track.
+
+    Under it the part may not be faster than under the fastest wave, which a problem checks. Inputs
+    are `frequency` [Hz], `most` (largest acceleration in g), `friction_static`, `friction_kinetic`,
+    and for each step n `level_n` (its acceleration as a share of `most`, -1 to 1, with mean 0 over
+    the period) and `duration_n` in any unit. `random` is numpy's generator.
+    """
     inputs = random_limits(random)
     count = int(random.integers(2, 7))
     levels = random.uniform(-1, 1, count)
@@ -91,7 +112,13 @@ def random_steps(random: Generator) -> dict[str, float]:
 
 
 def steps_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the terms of the mean velocity under a wave of steps."""
+    """Return the simulation of a part under a wave of steps: mean velocity [mm/s] as a term.
+
+    `inputs` are `frequency` [Hz], `most` (largest acceleration along the track in g),
+    `friction_static`, `friction_kinetic`, and for each step n `level_n` (its acceleration as a
+    share of `most`, -1 to 1) and `duration_n` in any unit. The last level is left out, as it
+    follows from the others.
+    """
     drive = {name: inputs[name] for name in ("frequency", "friction_static", "friction_kinetic")}
     count = sum(name.startswith("level_") for name in inputs)
     for number in range(1, count + 1):

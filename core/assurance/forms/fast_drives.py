@@ -21,7 +21,10 @@ FAST = 1e-5
 
 
 def _along(inputs: Inputs) -> float:
-    """Return the amplitude along the track [m]."""
+    """Return the amplitude of the track along itself [m], from the inputs `friction` and `weak`.
+
+    `weak` is mu g/(A w^2): friction over the largest force along the track.
+    """
     return inputs["friction"] * GRAVITY / (inputs["weak"] * CIRCULAR**2)
 
 
@@ -35,7 +38,12 @@ def _share(inputs: Inputs, drive: dict[str, float]) -> tuple[Term, ...]:
 
 
 def ellipse_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the terms of the mean velocity under an elliptic drive, over A_x w."""
+    """Return the simulation of a part under an elliptic drive as a term: mean velocity over A_x w.
+
+    A_x w is the largest speed of the track along itself. Inputs are `weak` (mu g/(A_x w^2)),
+    `throw` (normal acceleration over g cos(gamma)), `phase` of the normal motion and `gamma`
+    [degree], and `friction`.
+    """
     normal = inputs["throw"] * GRAVITY * sine_cosine(inputs["gamma"])[1] / CIRCULAR**2
     return _share(
         inputs,
@@ -49,9 +57,11 @@ def ellipse_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def ellipse(inputs: Inputs) -> float:
-    """Return the velocity over A_x w under an ellipse: the root c of its balance of friction.
+    """Return the mean velocity over A_x w under a fast elliptic drive, c = cos(psi), by bisection.
 
-    By bisection: the left side falls as c rises.
+    psi is the root of psi - Gamma sin(phi) sin(psi) = pi/2 (1 + tan(gamma)/mu), where friction
+    weighted by the load balances over a period; Gamma is the input `throw`, phi the `phase`, mu the
+    `friction`.
     """
     turned = inputs["throw"] * sine_cosine(inputs["phase"])[0]
     climb = math.tan(math.radians(inputs["gamma"])) / inputs["friction"]
@@ -67,7 +77,12 @@ def ellipse(inputs: Inputs) -> float:
 
 
 def random_ellipse(random: Generator) -> dict[str, float]:
-    """Return random inputs on slopes less steep than the steepest climb."""
+    """Return random inputs of a fast elliptic drive, on slopes less steep than the steepest climb.
+
+    They are `weak` (mu g/(A_x w^2), with the amplitude A_x along the track), `throw` (normal
+    acceleration over g cos(gamma)), `phase` of the normal motion [degree], `friction` (mu) and
+    `gamma` [degree]. `random` is numpy's generator.
+    """
     throw, phase = float(random.uniform(0.1, 1)), float(random.uniform(-180, 180))
     friction = float(random.uniform(0.1, 0.9))
     steepest = climb({"throw": throw, "phase": phase, "friction": friction})
@@ -102,7 +117,11 @@ def at_rest(inputs: Inputs) -> float:
 
 
 def line_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the terms of the mean velocity under a straight drive, over Gamma mu g/w."""
+    """Return the simulation of a part under a straight drive as a term: velocity over Gamma mu g/w.
+
+    Inputs are `weak` (mu g/(A w^2) along the track), `throw` (Gamma, normal acceleration over g)
+    and `friction` mu.
+    """
     drive = {
         "frequency": FREQUENCY,
         "friction": inputs["friction"],
@@ -119,7 +138,11 @@ def line(inputs: Inputs) -> float:
 
 
 def random_line(random: Generator) -> dict[str, float]:
-    """Return inputs with a normal acceleration below gravity."""
+    """Return random inputs of a straight drive whose normal acceleration is below gravity.
+
+    They are `weak` (mu g/(A w^2), with the amplitude A along the track), `throw` (normal
+    acceleration over g) and `friction` (mu). `random` is numpy's generator.
+    """
     return {
         "weak": 1e-4,
         "throw": float(random.uniform(0.1, 1)),
@@ -131,7 +154,11 @@ def random_line(random: Generator) -> dict[str, float]:
 
 
 def second_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the terms of the mean velocity under track speed cos(t) + e cos(2 t), over A w."""
+    """Return the simulation of a part under two harmonics as a term: mean velocity over A w.
+
+    The speed of the track is A w (cos(wt) + e cos(2 wt)). Inputs are `weak` (mu g/(A w^2)),
+    `second` (e) and `friction`.
+    """
     along = _along(inputs)
     return _share(
         inputs,
@@ -145,7 +172,12 @@ def second(inputs: Inputs) -> float:
 
 
 def random_second(random: Generator) -> dict[str, float]:
-    """Return inputs with e <= 1/4."""
+    """Return random inputs of a drive along the track with a weak second harmonic.
+
+    They are `weak` (mu g/(A w^2), with the amplitude A of the first harmonic), `second` (speed of
+    the second harmonic over that of the first, at most 1/4) and `friction` (mu). `random` is
+    numpy's generator.
+    """
     return {
         "weak": FAST,
         "second": float(random.uniform(0.01, 0.25)),

@@ -39,7 +39,11 @@ class Formula(NamedTuple):
 
 
 def simulation(output: str, parameters: Mapping[str, Any], **more: Any) -> Content:
-    """Return the study of a part on a plane."""
+    """Return the content of a study that simulates a part on a plane, with one output.
+
+    `parameters` are in the units of studies, and g is 9.81 m/s2 unless given; `more` are further
+    keys of the study, such as `trajectory`.
+    """
     return {
         "kind": "simulate",
         "scene": "rectangle-on-plane",
@@ -65,7 +69,12 @@ def sine_cosine(degrees: float) -> tuple[float, float]:
 
 
 def two_level_drive(inputs: Inputs) -> dict[str, float]:
-    """Return the drive with a long gentle and a short sharp level of acceleration."""
+    """Return the parameters of a drive along the track with two levels of acceleration.
+
+    A long gentle one carries the part; a short sharp one, in the middle of the period, slips under
+    it. `inputs` has `frequency` [Hz] and the levels `gentle` and `sharp` in g; the result is in
+    m/s2, and durations are shares of the period for which the speed of the track repeats.
+    """
     slow, fast = inputs["gentle"], inputs["sharp"]
     first = fast / (2 * (slow + fast))
     return {
@@ -80,7 +89,13 @@ def two_level_drive(inputs: Inputs) -> dict[str, float]:
 
 
 def two_levels_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the terms of the mean velocity under two levels of acceleration."""
+    """Return the simulation of a part under two levels of acceleration, as the only term [mm/s].
+
+    A term is an output of a study; this is the mean velocity, to be compared with a formula.
+    `inputs` are `frequency` [Hz], the accelerations `gentle` and `sharp` along the track in g,
+    `friction_static` and `friction_kinetic`, and optionally `gamma` [degree] and `hold_down` (force
+    per weight).
+    """
     drive = two_level_drive(inputs)
     drive |= {name: inputs[name] for name in ("friction_static", "friction_kinetic")}
     drive |= {"gamma": inputs["gamma"]} if inputs.get("gamma") else {}
@@ -89,9 +104,12 @@ def two_levels_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def two_levels(inputs: Inputs) -> float:
-    """Return the mean velocity, (T/2) a_s^2 (a_m - a_k)/((a_s + a_m)(a_s + a_k)) [mm/s].
+    """Return the mean velocity of a part under two levels of acceleration along the track [mm/s].
 
-    a_k is what brakes a part that slides forward: mu_k (g cos(gamma) + F/m) + g sin(gamma).
+    It is (T/2) a_s^2 (a_m - a_k)/((a_s + a_m)(a_s + a_k)) with the period T, the gentle level a_s,
+    the sharp level a_m, and the deceleration of a part that slides forwards, a_k = mu_k (g
+    cos(gamma) + F/m) + g sin(gamma). `inputs` are `frequency` [Hz], `gentle`, `sharp` and
+    `hold_down` (F/m) in g, `gamma` [degree] and `friction_kinetic`.
     """
     slow, fast = inputs["gentle"], inputs["sharp"]
     down, onto = sine_cosine(inputs.get("gamma", 0.0))
@@ -103,7 +121,10 @@ def two_levels(inputs: Inputs) -> float:
 def random_two_levels(random: Generator) -> dict[str, float]:
     """Return random inputs of a part that sticks at the gentle level and slips at the sharp one.
 
-    A third on the level, a third on a slope, a third held down on a slope or an upright rail.
+    The levels are accelerations along the track, one after the other: `gentle` and `sharp` in g.
+    Further inputs are `frequency` [Hz], `friction_static`, `friction_kinetic`, `gamma` [degree] and
+    `hold_down` (force per weight). A third of the problems are on a level track, a third on a
+    slope, a third held down on a slope or an upright rail. `random` is numpy's generator.
     """
     kinetic = float(random.uniform(0.05, 0.6))
     static = kinetic * float(random.choice([1.0, random.uniform(1.0, 1.6)]))
@@ -130,7 +151,12 @@ def random_two_levels(random: Generator) -> dict[str, float]:
 
 
 def winkler_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the terms of the mean velocity under Winkler's wave."""
+    """Return the simulation of a part under Winkler's wave: mean velocity [mm/s] as the only term.
+
+    The track accelerates forwards and upwards for half a period, then backwards and downwards.
+    `inputs` are `frequency` [Hz], `along` and `normal`, the accelerations in g, `friction_static`
+    and `friction_kinetic`. The term, an output of a study, is compared with a formula.
+    """
     along, normal = inputs["along"] * GRAVITY, inputs["normal"] * GRAVITY
     return speed(
         {
@@ -146,7 +172,12 @@ def winkler_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def winkler(inputs: Inputs) -> float:
-    """Return the mean velocity, (T/8)(u - a_1)(2 u + a_2 - a_1)/(u + a_2) [mm/s]."""
+    """Return the mean velocity of a part under Winkler's wave [mm/s].
+
+    It is (T/8)(u - a_1)(2 u + a_2 - a_1)/(u + a_2), with the period T, the acceleration u along the
+    track and a_1 = mu_k (g - q), a_2 = mu_k (g + q), q being that normal to it. `inputs` are
+    `frequency` [Hz], `along` (u) and `normal` (q) in g, and `friction_kinetic`.
+    """
     u, q, mu = inputs["along"], inputs["normal"], inputs["friction_kinetic"]
     less, more = mu * (1 - q), mu * (1 + q)
     share = (u - less) * (2 * u + more - less) / (u + more)
@@ -154,7 +185,12 @@ def winkler(inputs: Inputs) -> float:
 
 
 def random_winkler(random: Generator) -> dict[str, float]:
-    """Return random inputs with mu_s (g - q) < u <= mu_s (g + q), q < g."""
+    """Return random inputs of Winkler's wave for a part that sticks in one half of the period only.
+
+    They are `frequency` [Hz], the accelerations `along` (u) and `normal` (q) of the track in g,
+    `friction_static` (mu_s) and `friction_kinetic`, with mu_s (1 - q) < u <= mu_s (1 + q) and q <
+    1. `random` is numpy's generator.
+    """
     kinetic = float(random.uniform(0.05, 0.8))
     static = kinetic * float(random.choice([1.0, random.uniform(1.0, 1.3)]))
     q = float(random.uniform(0.15, 0.95))

@@ -26,9 +26,11 @@ LATER = 0.1
 
 
 def random_harmonics(random: Generator) -> dict[str, float]:
-    """Return random inputs of a part in contact, under up to three harmonics on each axis.
+    """Return random inputs of a part in contact, under up to three harmonics along and normal.
 
-    One coefficient of friction: then all starts lead to one motion.
+    There is one coefficient of friction, so that all starts lead to one motion. They are
+    `frequency` [Hz], `friction`, `gamma` [degree], and `amplitude_along_1` [m], `phase_along_1`
+    [degree] and so on.
     """
     inputs = {
         "frequency": float(random.uniform(10, 120)),
@@ -47,7 +49,11 @@ def random_harmonics(random: Generator) -> dict[str, float]:
 
 
 def _pace(inputs: Inputs) -> float:
-    """Return an upper bound of the track's speed along itself [m s-1]."""
+    """Return an upper bound of the track's speed along itself [m s-1]: the sum of k w A_k.
+
+    k is the order of a harmonic, A_k its amplitude along the track (`amplitude_along_k` of the
+    inputs) and w the circular frequency. Velocities are compared as shares of it.
+    """
     w = 2 * math.pi * inputs["frequency"]
     amplitudes = [
         int(name[-1]) * w * value
@@ -69,7 +75,13 @@ def nothing(inputs: Inputs) -> float:
 
 
 def shifted_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the terms of the speed under a drive less that under the time-shifted drive."""
+    """Return the velocity under a drive less that under the same drive started later, as two terms.
+
+    A validation problem: the answer is 0, as the start of a wave does not matter. `inputs` describe
+    the drive: `frequency` [Hz], `friction`, `gamma` [degree], and for each harmonic n along and
+    normal to the track `amplitude_along_n` [m], `phase_along_n` [degree] and so on. Velocities are
+    shares of the largest possible speed of the track.
+    """
     later = {
         name: value + math.degrees(int(name[-1]) * SHIFT) if name.startswith("phase_") else value
         for name, value in inputs.items()
@@ -78,7 +90,14 @@ def shifted_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def mirrored_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the terms of the speed plus that of the mirror image on the mirrored slope."""
+    """Return the velocity under a drive plus that under its mirror image, as two terms.
+
+    A validation problem: the image moves backwards where the drive moves forwards, on a slope of
+    the opposite sign, so that the answer is 0. `inputs` describe the drive: `frequency` [Hz],
+    `friction`, `gamma` [degree], and for each harmonic n along and normal to the track
+    `amplitude_along_n` [m], `phase_along_n` [degree] and so on. Velocities are shares of the
+    largest possible speed of the track.
+    """
     image = {
         name: value + 180.0 if name.startswith("phase_along_") else value
         for name, value in inputs.items()
@@ -94,7 +113,11 @@ def reversed_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def random_reversed(random: Generator) -> dict[str, float]:
-    """Return random inputs of two harmonics along a level track with constant load."""
+    """Return random inputs of two harmonics along a level track with constant load.
+
+    They are `frequency` [Hz], `friction`, `amplitude_along_1`, `amplitude_along_2` [m] and
+    `phase_along_2` [degree]. Shifting the second by half a turn reverses the velocity.
+    """
     inputs = random_harmonics(random)
     first, second = sorted(random.uniform(0.5, 3, 2), reverse=True)
     unit = GRAVITY / (2 * math.pi * inputs["frequency"]) ** 2
@@ -113,7 +136,11 @@ def doubled_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def random_doubled(random: Generator) -> dict[str, float]:
-    """Return random inputs of a part in contact with a level floor."""
+    """Return random inputs of a part in contact, on a track moving along at w, normal at 2 w.
+
+    Its mean velocity is 0 by symmetry. They are `frequency` [Hz], `friction`, `amplitude_along_1`
+    and `amplitude_normal_2` [m], and `phase_normal_2` [degree].
+    """
     inputs = random_harmonics(random)
     unit = GRAVITY / (2 * math.pi * inputs["frequency"]) ** 2
     return {
@@ -126,7 +153,7 @@ def random_doubled(random: Generator) -> dict[str, float]:
 
 
 def _turned(inputs: Mapping[str, float]) -> dict[str, float]:
-    """Return a drive with phases reduced to -180 to 180 degrees."""
+    """Return the inputs of a drive with all phases (`phase_...`) reduced to -180 to 180 degrees."""
     return {
         name: math.remainder(value, 360.0) if name.startswith("phase_") else value
         for name, value in inputs.items()
@@ -137,7 +164,13 @@ def _turned(inputs: Mapping[str, float]) -> dict[str, float]:
 
 
 def work_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the terms of the energy balance: work of the track less heat, impacts and lift."""
+    """Return the energy balance of a part over a cycle as terms, which add up to 0.
+
+    They are the power of the drive less that of friction, of impacts and of lifting the part, per
+    mass, over g times the track's largest speed along itself. `inputs` describe a straight drive:
+    `frequency` [Hz], `friction`, `gamma` [degree], `amplitude_along_1`, `amplitude_normal_1` [m]
+    and `phase_normal_1` [degree].
+    """
     scale = 1 / (GRAVITY * _pace(inputs))
     lift = GRAVITY * sine_cosine(inputs["gamma"])[0]
     signs = {"drive_power": 1.0, "friction_power": -1.0, "impact_power": -1.0}
@@ -149,7 +182,11 @@ def work_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def random_hopping(random: Generator) -> dict[str, float]:
-    """Return random inputs of a sliding or hopping part without rebound, under a straight drive."""
+    """Return random inputs of a sliding or hopping part without rebound, under a straight drive.
+
+    One harmonic along and normal: `frequency` [Hz], `friction`, `gamma` [degree],
+    `amplitude_along_1`, `amplitude_normal_1` [m] and `phase_normal_1` [degree].
+    """
     inputs = random_harmonics(random)
     unit = GRAVITY / (2 * math.pi * inputs["frequency"]) ** 2
     return {
@@ -163,7 +200,12 @@ def random_hopping(random: Generator) -> dict[str, float]:
 
 
 def velocity_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the terms of the part's displacement over a cycle."""
+    """Return the change of a part's relative velocity over a cycle of its motion as two terms.
+
+    The velocity is relative to the track, as a share of the track's largest speed; the answer is 0,
+    as the motion repeats. `inputs` describe a straight drive: `frequency` [Hz], `friction`, `gamma`
+    [degree], `amplitude_along_1`, `amplitude_normal_1` [m] and `phase_normal_1` [degree].
+    """
     output, scale = "relative_velocity_along", 1 / _pace(inputs)
     study = simulation("conveying_velocity", inputs, trajectory=2)
     return (
@@ -191,7 +233,11 @@ def turning_phase(inputs: Inputs) -> float:
 
 
 def turn_terms(inputs: Inputs) -> tuple[Term, ...]:
-    """Return the terms of the slip velocity shortly after it reverses, over A w."""
+    """Return the slip velocity shortly after it reverses, over A w, as the only term of an answer.
+
+    The track is level under a sine along itself; it is asked for `LATER` (0.1 rad) after the slip
+    is 0. Inputs are `frequency` [Hz], `push` (A w^2/g) and both frictions.
+    """
     w = 2 * math.pi * inputs["frequency"]
     later = (turning_phase(inputs) + LATER) / w
     study = simulation("conveying_velocity", _sine(inputs), trajectory=[later])
@@ -200,14 +246,22 @@ def turn_terms(inputs: Inputs) -> tuple[Term, ...]:
 
 
 def turned(inputs: Inputs) -> float:
-    """Return the slip velocity shortly after reversal: braked by mu g from the track's speed."""
+    """Return the slip velocity 0.1 rad after it reverses, over A w, on a level track under a sine.
+
+    It is cos(theta) - mu_k g/(A w^2) d - cos(theta + d), with d = `LATER` and the phase theta at
+    which the part has the track's speed; friction brakes the part from there. Inputs as of
+    `turn_terms`.
+    """
     theta = turning_phase(inputs)
     braked = math.cos(theta) - inputs["friction_kinetic"] / inputs["push"] * LATER
     return braked - math.cos(theta + LATER)
 
 
 def _sine(inputs: Inputs) -> dict[str, float]:
-    """Return the parameters of a sine drive along the track."""
+    """Return the parameters of a sine drive along a level track, from its largest acceleration.
+
+    Inputs are `frequency` [Hz], `push` (that acceleration in g) and both frictions.
+    """
     frictions = {name: inputs[name] for name in ("friction_static", "friction_kinetic")}
     amplitude = inputs["push"] * GRAVITY / (2 * math.pi * inputs["frequency"]) ** 2
     return {"frequency": inputs["frequency"], "amplitude": amplitude, "beta": 0.0, **frictions}
@@ -219,7 +273,11 @@ def sticks(inputs: Inputs) -> float:
 
 
 def random_above(random: Generator, times: float = 1 + 1e-6) -> dict[str, float]:
-    """Return random inputs whose largest acceleration is `times` the threshold."""
+    """Return random inputs of a level sine drive near the threshold above which no part sticks.
+
+    Its largest acceleration, `push` in g, is `times` the threshold sqrt(mu_s^2 + (pi mu_k/2)^2);
+    `frequency` is in Hz.
+    """
     kinetic = float(random.uniform(0.05, 0.8))
     inputs = {
         "frequency": float(random.uniform(10, 120)),

@@ -21,7 +21,11 @@ from core.assurance.textbook import exact
 
 
 def regime_borders() -> list[Case]:
-    """Return hard cases at regime borders: throw number 1, hop after hop, period doubling."""
+    """Return hard cases at borders of regimes, where a rounding may change the kind of motion.
+
+    The borders are throw number 1 (lift-off), the start of hop after hop, and the first period
+    doubling.
+    """
     family = "throw number 1, and regime borders"
     cases = []
     upright = {"frequency": 50.0, "amplitude": 1e-4, "beta": 90.0}
@@ -65,7 +69,11 @@ def regime_borders() -> list[Case]:
 
 
 def painleve() -> list[Case]:
-    """Return hard cases of a corner whose response to a force vanishes (Painleve)."""
+    """Return hard cases of a corner in contact whose response to a force vanishes (Painleve).
+
+    There m tau = 0 at the friction mu_c (theory 2.2, 2.5): the contact force grows without bound,
+    and beyond it has no solution or two.
+    """
     family = "m tau to 0 (Painleve)"
     s = math.atan2(0.03, 0.02) + math.radians(5.0)
     limit = (4 + math.tan(s) ** 2) / (3 * math.tan(s))

@@ -24,7 +24,10 @@ from core.assurance.textbook import EPSILON
 
 
 def slow_and_fast_drives() -> list[Case]:
-    """Return hard cases with frequencies from 1e-9 to 1e12 Hz."""
+    """Return hard cases with drive frequencies from 1e-9 to 1e12 Hz, and some beyond the limits.
+
+    Motions are compared with the same dimensionless motion at 50 Hz.
+    """
     family = "frequencies of 1e-3 and 1e5 Hz"
     cases = []
     for frequency in (1e-9, 1e-3, 1e5, 1e12):
@@ -56,7 +59,7 @@ def slow_and_fast_drives() -> list[Case]:
 
 
 def subnormal_amplitudes() -> list[Case]:
-    """Return hard cases with subnormal amplitudes."""
+    """Return hard cases with amplitudes so small that floats lose digits (subnormal), or 0."""
     family = "subnormal amplitudes"
     cases = []
     for amplitude in (5e-324, 1e-310, 2.3e-308):
@@ -113,7 +116,10 @@ def subnormal_amplitudes() -> list[Case]:
 
 
 def angles() -> list[Case]:
-    """Return hard cases with angles at their limits and one rounding beyond."""
+    """Return hard cases with angles of drive and track at their limits, and a rounding beyond.
+
+    Beyond a limit the study has to be refused.
+    """
     family = "angles at and beyond their limits"
     P = 4e-4 * W * W
     cases = []

@@ -27,7 +27,10 @@ from core.motion.methods.regularised.laws import Cell, laws
 
 
 def little_and_much_friction() -> list[Case]:
-    """Return hard cases without friction and with friction far above 1."""
+    """Return hard cases without friction and with friction far above 1, up to 1e100.
+
+    They test the closed forms of travel along a curved track, and simulated motions.
+    """
     family = "friction from 0 to far above 1"
     cases = [
         hard_case(
@@ -87,10 +90,11 @@ def little_and_much_friction() -> list[Case]:
 
 
 def _sliding_on_both_sides(mu: float) -> Truth:
-    """Return the mean velocity of a part that never sticks, in the limit mu -> 0.
+    """Return the true mean velocity of a part that never sticks, in the limit mu -> 0: it is 0.
 
-    At the mean velocity 0 it slides forward as long as backward, -cos(tau) being positive, and the
-    normal force is even about pi/2, as friction's sign is odd: friction has no mean there.
+    At the mean velocity 0 the part slides forwards as long as backwards, and the load is the same
+    in both halves of the period, so that friction has no mean. The tolerance is 10 mu times the
+    drive's speed along the track, at throw number 0.8 and 30 degrees.
     """
     drive = 0.8 * G / W / math.tan(math.radians(30))
     return Truth(
@@ -99,7 +103,11 @@ def _sliding_on_both_sides(mu: float) -> Truth:
 
 
 def met_thresholds() -> list[Case]:
-    """Return hard cases in which friction is exactly as large as the force it holds."""
+    """Return hard cases in which friction is exactly as large as the force that it has to hold.
+
+    A rounding then decides between stick and slip: both are right, and outputs have to be
+    continuous.
+    """
     family = "stick thresholds met with equality"
     P = 1e-4 * W * W
     level = {"frequency": 50.0, "amplitude": 1e-4, "beta": 0.0}
@@ -151,7 +159,12 @@ def met_thresholds() -> list[Case]:
 
 
 def stiff_friction() -> list[Case]:
-    """Return hard cases of regularised friction, with slip speeds down to 1e-12."""
+    """Return hard cases of regularised friction, with slip speeds down to 1e-12.
+
+    Friction is a smooth function that rises over this speed. The smaller it is, the stiffer the
+    equations: implicit integrators have to keep to the mean velocity of Coulomb's law, and an
+    explicit one is shown to need a thousand times the evaluations.
+    """
     family = "regularised friction down to 1e-12"
     slides = {"frequency": 60.0, "amplitude": 24e-6, "beta": 20.0, "gravity": 9.8,
               "friction_static": 0.35, "friction_kinetic": 0.25}  # fmt: skip
@@ -188,7 +201,12 @@ def stiff_friction() -> list[Case]:
 
 
 def _explicit_crawls() -> CaseValues:
-    """Return the evaluations per period of RK45 for each one of Radau."""
+    """Measure how many more evaluations an explicit integrator needs than an implicit one.
+
+    The value is the ratio of evaluations per period of RK45 to those of Radau, for regularised
+    friction with a slip speed of 1e-9 (dimensionless); RK45 runs over a small part of a period
+    only.
+    """
     slip, span = 1e-9, 1e-5
     drive = 24e-6 * (2 * math.pi * 60) ** 2 / 9.8
     angle = math.radians(20)

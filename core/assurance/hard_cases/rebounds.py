@@ -22,7 +22,10 @@ from core.assurance.textbook import EPSILON
 
 
 def full_rebound() -> list[Case]:
-    """Return hard cases of impacts that lose almost no energy."""
+    """Return hard cases of impacts that lose almost no energy: restitution 0.999 and 1.
+
+    Parts fall and bounce, hop on a vibrating track, or hit each other.
+    """
     family = "restitution 0.999 and 1"
     drop = {"length": 0.02, "height": 0.01, "friction": 0.3, "gravity": G, "drop_height": 1e-3}
     first = math.sqrt(2 * 1e-3 / G)
@@ -90,10 +93,12 @@ def full_rebound() -> list[Case]:
 
 
 def _fall_of_the_highest_hop(parameters: Content) -> Callable[[], Truth]:
-    """Return a function for the largest landing speed, from the height of the highest hop.
+    """Return a function that computes the largest landing speed from the height of the highest hop.
 
-    The floor moves by +-a, so the apex of that hop is within H +- 2a of where the part lands, and
-    the floor comes to meet it or flees at up to a w; no other hop falls further than H + 2a.
+    `parameters` are those of a simulated drive, in the units of studies. The speed lies between
+    sqrt(2 g (H - 2a)) - a w and sqrt(2 g (H + 2a)) + a w, with the simulated height H and the
+    normal amplitude a of the track: the truth is the middle, with half the width as tolerance
+    [m/s].
     """
 
     def truth() -> Truth:
@@ -112,7 +117,10 @@ def _fall_of_the_highest_hop(parameters: Content) -> Callable[[], Truth]:
 
 
 def _other_phase(parameters: Content) -> Callable[[], Truth]:
-    """Return a function for the mean velocity by time stepping, with its own error."""
+    """Return a function that computes the mean velocity by time stepping, with its own error [m/s].
+
+    It is the truth for cases simulated by the method "events"; `parameters` are those of the study.
+    """
 
     def truth() -> Truth:
         """Return the mean velocity by time stepping."""
@@ -127,7 +135,7 @@ def _other_phase(parameters: Content) -> Callable[[], Truth]:
 
 
 def chatter() -> list[Case]:
-    """Return hard cases in which impacts follow each other ever faster."""
+    """Return hard cases of chatter: infinitely many impacts in a finite time."""
     family = "chatter"
     cases = []
     for restitution in (0.5, 0.9, 0.99, 0.999):
@@ -168,7 +176,7 @@ def chatter() -> list[Case]:
 
 
 def stiff_floor() -> list[Case]:
-    """Return hard cases of a sprung floor, with stiffness up to 1e14."""
+    """Return hard cases of a sprung floor (regularised contact), with stiffness up to 1e14."""
     family = "contact stiffness to 1e14"
     hop = {"frequency": 60.0, "amplitude": 4e-4, "beta": 25.0, "gravity": 9.8, "friction": 0.4}
     cases = [

@@ -24,7 +24,11 @@ from core.assurance.textbook import EPSILON, exact
 
 
 def masses_and_sizes() -> list[Case]:
-    """Return hard cases with masses and lengths over twelve decades."""
+    """Return hard cases with masses and lengths over twelve decades.
+
+    They are floor forces, impacts of two bodies, and tumbling parts, whose results follow those at
+    1 kg and 1 m by scaling.
+    """
     family = "masses and sizes over twelve decades"
     cases = []
     for mass in (1e-9, 1e-3, 1e3):
@@ -99,7 +103,7 @@ def masses_and_sizes() -> list[Case]:
 
 
 def grids() -> list[Case]:
-    """Return hard cases with one value on an axis, very many, or the same twice."""
+    """Return hard cases of grids: one value on an axis, ten million, or the same value twice."""
     family = "grids: one point, 10^7 on an axis, repeated values"
     parameters = {**DRIVE, "amplitude": 5e-5, "gravity": G}
     axes = {name: [value] for name, value in parameters.items()}

@@ -39,10 +39,15 @@ def hard_case(
     ----------
     name, family, why : str
         What it is called, what it is hard for, and why.
-    content, output
-        The study, and the output that is judged.
-    known, status, more
-        As those of `Case`.
+    content, output : mapping, str
+        The content of the study, and the output that is judged.
+    known : Truth or callable, optional
+        The right value with its tolerance, or a function that computes it; None to judge the
+        status.
+    status : tuple of str
+        Statuses or regimes that are right; any if empty.
+    **more
+        Further fields of `Case`.
     """
     return Case(name, family, why, (Term(content, output),), known, status=status, **more)
 
@@ -53,7 +58,11 @@ def sweep(scene: str, output: str, **parameters: Any) -> Content:
 
 
 def track(output: str, formula: textbook.Formula, **changes: float) -> dict[str, Any]:
-    """Return study, output and truth of a velocity formula on the track."""
+    """Return study, output and truth of a closed form on the track, as keywords of `hard_case`.
+
+    `formula` gives the true value from the parameters, which are those of `TRACK` with `changes`,
+    in the units of studies. A `time` among the changes takes the place of the distance.
+    """
     parameters = {**TRACK, **changes}
     if "time" in parameters:
         del parameters["distance"]
@@ -67,7 +76,11 @@ def track(output: str, formula: textbook.Formula, **changes: float) -> dict[str,
 def plane(
     output: str, formula: textbook.Formula | None = None, **parameters: float
 ) -> dict[str, Any]:
-    """Return study, output and truth on the plane, by a formula of all parameters."""
+    """Return study, output and truth of a closed form on a plane, as keywords of `hard_case`.
+
+    `formula` gives the true value from all `parameters`, in the units of studies; without it there
+    is no truth.
+    """
     content = sweep("rectangle-on-plane", output, **parameters)
     return {
         "content": content,
@@ -77,7 +90,11 @@ def plane(
 
 
 def corner(output: str, formula: textbook.Formula, **changes: float) -> dict[str, Any]:
-    """Return study, output and truth of a corner that slips to the right."""
+    """Return study, output and truth of a corner slipping right, as keywords of `hard_case`.
+
+    `formula` gives the true value from the parameters: a part of 20 x 30 mm at 5 degrees, turning
+    at 2 rad/s, with `changes` in the units of studies.
+    """
     parameters = {"height": 0.03, "length": 0.02, "pitch": 5.0, "pitch_rate": 2.0, "gravity": G}
     parameters |= changes
     if output == "normal_response_right":
@@ -91,7 +108,12 @@ def corner(output: str, formula: textbook.Formula, **changes: float) -> dict[str
 def motion(
     method: str = "events", output: str = "conveying_velocity", /, **parameters: Any
 ) -> Content:
-    """Return a simulation of a block on a plane, settings among the parameters."""
+    """Return the content of a study that simulates a block on a plane, with one output.
+
+    `method` is that of simulation. Settings of the method, such as `tolerance`, are taken from
+    among `parameters`; the others are parameters in the units of studies. The error of the mean
+    velocity is an output besides.
+    """
     settings: Content = {
         name: parameters.pop(name)
         for name in ("slip_speed", "contact_stiffness", "tolerance", "max_periods",
@@ -106,7 +128,11 @@ def motion(
 
 
 def hopping(throw: float, **changes: Any) -> dict[str, Any]:
-    """Return the parameters of a 50 Hz drive at 30 degrees with a throw number."""
+    """Return the parameters of a drive that reaches a throw number, with the amplitude for it.
+
+    The drive has 50 Hz and 30 degrees, friction 0.5, unless `changes` say otherwise. The amplitude
+    is A0 = `throw` g cos(gamma)/(w^2 sin(beta)) [m]; all are in the units of studies.
+    """
     parameters = {"frequency": 50.0, "beta": 30.0, "gravity": G, "friction": 0.5} | changes
     w, beta = 2 * math.pi * parameters["frequency"], math.radians(parameters["beta"])
     gamma = math.radians(parameters.get("gamma", 0.0))
@@ -117,7 +143,19 @@ def hopping(throw: float, **changes: Any) -> dict[str, Any]:
 def from_study(
     content: Content, output: str, relative: float, source: str, factor: float = 1.0
 ) -> Callable[[], Truth]:
-    """Return a function for another study's output times a factor, with a relative error."""
+    """Return a function that computes a true value by another study, known to be right.
+
+    Parameters
+    ----------
+    content, output : mapping, str
+        The other study, and the output with a single value.
+    relative : float
+        Tolerance, as a share of the value.
+    source : str
+        Why the value is right.
+    factor : float
+        By which the output is multiplied.
+    """
 
     def truth() -> Truth:
         """Return the other study's output times the factor."""
@@ -128,7 +166,10 @@ def from_study(
 
 
 def near(truth: Callable[[], Truth], relative: float) -> Callable[[], Truth]:
-    """Return a function for a limiting value, which is approached within a relative error."""
+    """Return a function for a value that the case only approaches: the limit with a tolerance.
+
+    `truth` computes the limit, and `relative` is the tolerance as a share of it.
+    """
 
     def near() -> Truth:
         """Return the limiting value with its relative error."""
@@ -139,9 +180,10 @@ def near(truth: Callable[[], Truth], relative: float) -> Callable[[], Truth]:
 
 
 def by_reference(parameters: Content) -> Callable[[], Truth]:
-    """Return a function for the mean velocity without rebound, by the reference method.
+    """Return a function for the true mean velocity [m/s]: without rebound, reference method.
 
-    Hops that die out while the part slides leave the mean as it is (theory 13.5).
+    `parameters` are those of the study. It is the truth also for rebounds that die out while the
+    part slides: they leave the mean as it is (theory 13.5).
     """
 
     def truth() -> Truth:

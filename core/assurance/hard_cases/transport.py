@@ -25,7 +25,10 @@ from core.assurance.textbook import EPSILON, exact, exact_of_floats
 
 
 def large_and_small_bowls() -> list[Case]:
-    """Return hard cases with bowl radii up to infinity and down to half the part's length."""
+    """Return hard cases with bowl radii up to infinity and down to half the part's length.
+
+    At the latter the part no longer fits into the bowl.
+    """
     family = "radius to infinity, and just above h/2"
     h = 0.05
     cases = [
@@ -75,7 +78,12 @@ def large_and_small_bowls() -> list[Case]:
 
 
 def _corner_force(parameters: Mapping[str, float]) -> Callable[[], Truth]:
-    """Return a function for lambda2 of theory 4.4 at rest: m s (h + mu a)/(2 h c)."""
+    """Return a function for the true force of the wall on the front corner of a part at rest [N].
+
+    lambda2 = S (h + mu a)/(2 h c), with S = m max(0, g_y - W), length h and width a of the part, c
+    the cosine of half the angle of its chord, and W and g_y drive and gravity across the track
+    (theory 4.4). `parameters` are those of the study.
+    """
     names = ("mass", "length", "width", "radius", *K_INPUTS)
 
     def force(*, mass: Any, length: Any, width: Any, radius: Any, friction: Any, **p: Any) -> Any:
@@ -92,7 +100,10 @@ def _corner_force(parameters: Mapping[str, float]) -> Callable[[], Truth]:
 
 
 def start_within_ulps() -> list[Case]:
-    """Return hard cases whose starting acceleration is one rounding away from 0."""
+    """Return hard cases whose starting acceleration K is 0 or a few roundings away from 0.
+
+    Its sign decides between motion and none (theory 4.5).
+    """
     family = "K within ulps of 0"
     amplitude = 1e-4
     P = amplitude * W * W
@@ -152,7 +163,10 @@ def start_within_ulps() -> list[Case]:
 
 
 def long_and_short_ways() -> list[Case]:
-    """Return hard cases with distances and times from 1e-30 to 1e9."""
+    """Return hard cases with distances and times of travel from 1e-30 to 1e9 m or s.
+
+    There the exponential and hyperbolic functions of the closed forms cancel or overflow.
+    """
     family = "distance and time from 1e-30 to 1e9"
     lengths = [
         hard_case(

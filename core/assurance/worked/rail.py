@@ -46,7 +46,11 @@ def runs() -> tuple[Mapping[str, float], ...]:
 
 
 def cases() -> Iterator[Case]:
-    """Yield a case for each run, and one for the scatter of all."""
+    """Yield a case for each measured run of the rail, and one for the scatter of all.
+
+    A run is shown beside the formula of two-level waves, and not judged alone. The last case judges
+    the root mean square of what the formula leaves in the runs with enough contact force [mm/s].
+    """
     judged = []
     for number, run in enumerate(runs(), 1):
         (term,) = two_levels_terms(_inputs_of(run))
@@ -88,7 +92,11 @@ def _title(run: Mapping[str, float]) -> str:
 
 
 def _inputs_of(run: Mapping[str, float]) -> dict[str, float]:
-    """Return the formula's inputs for a run with a part of 1 kg."""
+    """Return the inputs of the two-level formula for a run of the rail, with a part of 1 kg.
+
+    `run` has `frequency` [Hz], the levels `a_s` and `a_m` in g and the clamping `force` [N].
+    Frictions stand for mu/m, as the moving mass is not known.
+    """
     return {
         "frequency": run["frequency"],
         "gentle": run["a_s"],

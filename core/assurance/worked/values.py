@@ -31,7 +31,10 @@ def worked_values() -> Mapping[str, Any]:
 
 
 def _motion(output: str, parameters: Mapping[str, Any]) -> Term:
-    """Return a term with the output of a simulation."""
+    """Return a term of an answer: one output of a simulated part on a plane.
+
+    `parameters` are those of the study, in its units.
+    """
     study = {"kind": "simulate", "scene": "rectangle-on-plane", "outputs": [output],
              "parameters": parameters}  # fmt: skip
     return Term(study, output)
@@ -39,7 +42,17 @@ def _motion(output: str, parameters: Mapping[str, Any]) -> Term:
 
 def _sweep(scene: str, output: str, parameters: Mapping[str, Any], pick: str = "value",
            variant: str = "derived") -> Term:  # fmt: skip
-    """Return a term with the output of a sweep."""
+    """Return a term of an answer: one output of a sweep of closed forms.
+
+    Parameters
+    ----------
+    scene, output, variant : str
+        As in the study.
+    parameters : mapping
+        Values or ranges, in the units of studies.
+    pick : str
+        What is taken of several cells: their `value`, or the `least` or `largest`.
+    """
     study = {"kind": "sweep", "scene": scene, "variant": variant, "outputs": [output],
              "parameters": parameters}  # fmt: skip
     return Term(study, output, pick)
@@ -56,7 +69,21 @@ def _case(
     why: str = "13 digits: rounding of both",
     **more: Any,
 ) -> Case:
-    """Return a case of one number, by default with a tolerance of 13 digits."""
+    """Return a validation case of one number, by default with a tolerance of 13 digits.
+
+    Parameters
+    ----------
+    name, title, source : str
+        Its id, whose first letter is the family, what it is, and where the number is from.
+    terms : tuple of Term
+        The studies that compute it.
+    value : float
+        The right value, in the unit of the first output or in `more["unit"]`.
+    tolerance, why : float, str
+        The largest error that is right, and why it is so large.
+    **more
+        Further fields of `Case`.
+    """
     allowed = EXACT * abs(value) if tolerance is None else tolerance
     unit = more.pop("unit", QUANTITIES[terms[0].output].unit)
     known = Truth(value, allowed, source)
@@ -67,7 +94,11 @@ def _case(
 
 
 def mean_velocities() -> Iterator[Case]:
-    """Yield mean velocities that were computed independently of this program."""
+    """Yield a case for each tabulated mean velocity, computed independently of this program.
+
+    Rows of the table have drive, friction and restitution of a part on a plane, and the velocity
+    [m/s].
+    """
     for number, row in enumerate(worked_values()["mean_velocities"], 1):
         parameters = {name: row[name] for name in INPUTS} | {"gravity": WORKED_GRAVITY}
         rebounds = row["restitution"] > 0
@@ -83,7 +114,11 @@ def mean_velocities() -> Iterator[Case]:
 
 
 def reference_speeds() -> Iterator[Case]:
-    """Yield mean velocities as functions of the throw number."""
+    """Yield a case for each tabulated mean velocity over throw number and restitution [mm/s].
+
+    The amplitude of the drive follows from the throw number Gamma: A0 = Gamma g cos(gamma)/(w^2
+    sin(beta)).
+    """
     number = 0
     for row in worked_values()["reference_speeds"]:
         w, beta = 2 * math.pi * row["frequency"], math.radians(row["beta"])
@@ -110,7 +145,11 @@ def reference_speeds() -> Iterator[Case]:
 
 
 def hops() -> Iterator[Case]:
-    """Yield flight times on a level track, and landing speeds."""
+    """Yield two cases for each tabulated throw number: length of a hop and speed of landing.
+
+    The track is level and the part does not rebound; the length is in rad of the drive, the speed
+    in g/w.
+    """
     frequency, beta = 50.0, math.radians(30.0)
     w = 2 * math.pi * frequency
     for number, row in enumerate(worked_values()["hops"], 1):
@@ -138,7 +177,7 @@ def hops() -> Iterator[Case]:
 
 
 def closed_forms() -> Iterator[Case]:
-    """Yield outputs of closed forms: as printed, corrected, and with real contacts."""
+    """Yield a case for each tabulated output of closed forms, as printed or corrected."""
     for number, row in enumerate(worked_values()["closed_forms"], 1):
         few = row.get("half_unit")
         term = _sweep(row["scene"], row["output"], row["given"], variant=row["variant"])
@@ -156,7 +195,11 @@ def closed_forms() -> Iterator[Case]:
 
 
 def limiting_friction() -> Iterator[Case]:
-    """Yield the friction up to which a corner's contact is unique, and figures 3.3, 3.15."""
+    """Yield cases of the friction up to which a corner's contact force is unique (Painleve).
+
+    They are two worked values (family V), and what figures 3.3 and 3.15 of the thesis are said to
+    show (family F).
+    """
     worked = {row["name"]: row for row in worked_values()["limiting_friction"]}
     square = {"height": 0.01, "length": 0.01}
     half = {"why": "half a unit of the last digit"}
@@ -216,7 +259,11 @@ def hard_cases() -> tuple[Case, ...]:
 
 
 def of_hard_case(case: Case) -> Case | None:
-    """Return a hard case as a case of family H; None without a single closed-form number."""
+    """Return a hard case as a validation case of family H; None if it is not one number.
+
+    Left out are cases that are judged by status, over an axis of values, against the error that a
+    method states, or by stiff integrators: another program could not answer them.
+    """
     if case.known is None or case.compute or case.states_error:
         return None
     study = case.terms[0].study

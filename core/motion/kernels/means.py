@@ -35,9 +35,9 @@ Random numbers that do not depend on each other give 2 on the mean; a straight l
 def batch_means(values: Floats) -> Floats:
     """Return the means of 16 successive batches of the values after their first quarter.
 
-    `values` holds one number a period of the drive, shape (n,); the result has shape (16,). All
-    batches hold s = floor((n - floor(n/4))/16) values, and the last ends with the values. NaN if s
-    = 0.
+    Their scatter shows the error of the mean. `values` holds one number a period of the drive,
+    shape (n,); the result has shape (16,). All batches hold s = floor((n - floor(n/4))/16) values,
+    and the last ends with the values. NaN if s = 0.
     """
     means = np.full(BATCHES, math.nan)
     size = (values.size - int(SETTLING * values.size)) // BATCHES
@@ -53,7 +53,10 @@ def batch_means(values: Floats) -> Floats:
 
 @compiled
 def scatter(means: Floats) -> float:
-    """Return the sample standard deviation of n means m, s = sqrt(sum (m - mean)^2/(n - 1))."""
+    """Return the sample standard deviation of n mean values m, s = sqrt(sum (m - mean)^2/(n - 1)).
+
+    In the unit of `means`, of which there must be two or more.
+    """
     centre, square = np.mean(means), 0.0
     for mean in means:
         square += (mean - centre) ** 2
@@ -113,10 +116,11 @@ def mean_velocity(travel: Floats, first: int, last: int, period: float) -> float
 
 @compiled
 def gains(travel: Floats, done: int, period: float) -> tuple[float, float]:
-    """Return two growths of the mean velocity: last less third quarter, third less second.
+    """Return two growths of a mean velocity in g/w: last less third quarter, third less second.
 
-    Quarters of the first `done` periods; `travel` holds the distance covered in each period,
-    `period` is the duration of one period in rad. A motion that runs away keeps gaining speed.
+    Quarters of the first `done` periods. A motion that runs away keeps gaining speed. `travel`
+    holds the distance covered in each period in g/w^2 (w = 2 pi f), `period` is the duration of one
+    period in rad.
     """
     quarter = done // 4
     first = mean_velocity(travel, quarter, 2 * quarter, period)
@@ -189,12 +193,12 @@ def ended(
 
 @compiled
 def wall_gap(tallies: Floats, first: int, last: int, drift: float) -> float:
-    """Return the change of the distance from the wall as far as it keeps a motion from repeating.
+    """Return the change of the distance from the wall that keeps a motion from repeating.
 
-    `drift` is the change of the distance in g/w^2 (w = 2 pi f), outwards positive. The result is
+    In g/w^2 (w = 2 pi f), as `drift`, the change of the distance over a cycle, outwards positive.
     |drift| if the part touched the wall in the periods from index `first` to before `last` of
     `tallies` (columns of `TALLY`), and max(0, -drift) if not: a part that never touches the wall
-    may move away.
+    may move away from it.
     """
     for k in range(first, last):
         if tallies[k, TALLY.at_wall] > 0.0:

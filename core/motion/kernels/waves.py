@@ -48,7 +48,11 @@ class WaveColumns(NamedTuple):
 
 @borrowing
 def wave_columns(row: Floats, start: int) -> WaveColumns:
-    """Return the columns of the wave that stands in a row from a column on."""
+    """Return the columns of the coefficients of a wave in a kernel's row of numbers.
+
+    The wave begins at column `start` with the numbers of its orders and steps; both are 0 if the
+    row ends before.
+    """
     orders, steps = 0, 0
     if row.size > start:
         orders, steps = int(row[start]), int(row[start + 1])
@@ -91,9 +95,9 @@ def value_and_slope(wave: SineSum, tau: float) -> tuple[float, float]:
 
 @borrowing
 def bend_bound(wave: SineSum) -> float:
-    """Return an upper bound of |S''| of a sum of sines, sum of k^2 sqrt(a_k^2 + b_k^2).
+    """Return an upper bound of |S''| of a sum S of sines, for a search that misses no zero.
 
-    S = sum of a_k sin(k tau) + b_k cos(k tau).
+    S = sum of a_k sin(k tau) + b_k cos(k tau); the bound is the sum of k^2 sqrt(a_k^2 + b_k^2).
     """
     table, sines, cosines = wave.table, wave.sines, wave.cosines
     total = 0.0
@@ -104,9 +108,10 @@ def bend_bound(wave: SineSum) -> float:
 
 @borrowing
 def at_point(wave: SineSum, point: int) -> tuple[float, float]:
-    """Return value and derivative of a sum of sines at the phase 2 pi `point`/128.
+    """Return value and derivative of a sum of sines at one of 128 phases, 2 pi `point`/128.
 
-    From a table of sines, without calls of sine and cosine; the derivative is by the phase.
+    From a table of sines, without calls of sine and cosine; the derivative is by the phase. The
+    first search for zeros looks at these phases.
     """
     table, sines, cosines = wave.table, wave.sines, wave.cosines
     value, slope = 0.0, 0.0
@@ -123,11 +128,12 @@ def at_point(wave: SineSum, point: int) -> tuple[float, float]:
 def passages(wave: SineSum, level: float, row: int, capacity: int) -> int:
     """Write the phases at which a sum S of sines passes `level` into a row; return their number.
 
-    They stand from column 1 of row `row` of the sum's own table on, ascending in [0, 2 pi); those
-    beyond `capacity` are left out (there are 2 `orders` at most). On each of some equal pieces,
-    with half width h and the bound M of |S''|: if |S - level| > |S'| h + M h^2/2 at the middle,
-    there is none; if |S'| > M h, S is monotonic and the signs at both ends decide; otherwise the
-    piece is halved. Only a pair nearer together than `FINEST` can be missed (theory 13.14).
+    So the phases are found at which an acceleration changes sign. They stand from column 1 of row
+    `row` of the sum's own table on, ascending in [0, 2 pi); those beyond `capacity` are left out
+    (there are 2 `orders` at most). On each of some equal pieces, with half width h and the bound M
+    of |S''|: if |S - level| > |S'| h + M h^2/2 at the middle, there is none; if |S'| > M h, S is
+    monotonic and the signs at both ends decide; otherwise the piece is halved. Only a pair nearer
+    together than `FINEST` can be missed (theory 13.14).
     """
     table, orders = wave.table, wave.orders
     if orders == 1:
@@ -186,12 +192,12 @@ def in_piece(
     wave: SineSum, level: float, low: float, high: float, bend: float, first: float, row: int,
     count: int, capacity: int,
 ) -> tuple[int, float]:  # fmt: skip
-    """Find the phases in [low, high] at which a sum of sines S passes `level`, by halving.
+    """Write the phases in [low, high] at which a sum of sines S passes a level, by halving.
 
-    `bend` bounds |S''|, `first` is S - level at `low`, `count` the number of phases written so far
-    into row `row` of the sum's table, `capacity` the largest number. Return the new number and S -
-    level at `high`. The step is halved where S may turn, and doubled after each piece (see
-    `passages`).
+    `bend` bounds |S''|, `first` is S - `level` at `low`, `count` the number of phases written so
+    far into row `row` of the sum's table, `capacity` their largest number. Return the new number,
+    and S - level at `high`. A step is halved where S may turn inside, and doubled after each piece:
+    so only a pair nearer together than `FINEST` is missed.
     """
     tau, step = low, 0.5 * (high - low)
     while tau < high:
@@ -220,9 +226,9 @@ def passage(
 ) -> float:
     """Return the phase in [low, high] at which a sum S of sines, monotonic there, passes `level`.
 
-    `first` and `last` are S - level at `low` and `high`, of opposite signs. Halley's iteration in
-    this bracket, with S' and S'' = -sum of k^2 (a_k sin(k tau) + b_k cos(k tau)); halving where it
-    leaves it.
+    `first` and `last` are S - level at `low` and `high`, of opposite signs. With S = sum of a_k
+    sin(k tau) + b_k cos(k tau): Halley's iteration in this bracket, with S' and S'' = -sum of k^2
+    (a_k sin(k tau) + b_k cos(k tau)); halving where it leaves it.
     """
     table, sines, cosines = wave.table, wave.sines, wave.cosines
     piece, at = high - low, low + (high - low) * first / (first - last)

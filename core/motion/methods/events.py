@@ -55,14 +55,15 @@ class EventPath(NamedTuple):
 def planar_motion(
     groups: Groups, *, tolerance: ArrayLike, max_periods: ArrayLike, watch: Watch | None = None
 ) -> Motion:
-    """Return the planar motion of parts that start at rest on the floor (theory 13.2 to 13.8).
+    """Return the motion of parts in the plane that start at rest on the floor, event by event.
 
-    Exact but for rounding where the motion repeats: every flow is closed, every event is isolated.
-    `tolerance` bounds the error of the sliding velocity at the start of the cycle, as a share of
-    the drive; `max_periods` bounds how long an aperiodic motion is followed. Equal cells are
-    computed once; restitution plays no part in a cell that never lifts off. Where it falls with
-    speed, hops that never end pass for a stay on the floor once they are small; `error` holds what
-    that leaves out.
+    Exact but for rounding where the motion repeats: every flow is closed, every event is isolated
+    (theory 13.2 to 13.8). `groups` are the dimensionless groups of the cells. `tolerance` bounds
+    the error of the sliding velocity at the start of the cycle, as a share of the drive;
+    `max_periods` bounds how long an aperiodic motion is followed; `watch` may stop the work. Equal
+    cells are computed once; restitution does not count in a cell that never lifts off. Where it
+    falls with speed, hops that never end pass for a stay on the floor once they are small; `error`
+    holds what that leaves out.
     """
     lifts = np.abs(groups.drive_number_normal) > groups.gravity_number_normal
     plain = groups.flat()._replace(restitution=np.where(lifts, groups.restitution, 0.0))
@@ -80,20 +81,22 @@ def planar_path(
     phases: Array,
     watch: Watch | None = None,
 ) -> EventPath:
-    """Return the exact motion of one part at phases counted from the start of its cycle.
+    """Return the exact motion of one part in the plane at phases from the start of its cycle.
+
+    Positions and velocities along and normal, in g/w^2 and g/w (w = 2 pi f), and modes.
 
     Parameters
     ----------
     groups : Groups
-        Of one part.
+        Dimensionless groups of one part.
     tolerance, max_periods : float
         As in `planar_motion`.
     phases : ndarray, shape (n,)
-        Phases from the start of a period of the drive, at least 0; beyond the cycle's end it goes
-        on with the next one. An aperiodic motion is shown over the last stretch that was followed,
-        some periods long; beyond it all is NaN, and the mode is unknown.
+        Phases in rad from the start of a period of the drive, at least 0; beyond the cycle's end
+        the motion goes on with the next one. An aperiodic motion is shown over the last stretch
+        that was followed, some periods long; beyond it all is NaN, and the mode is unknown.
     watch : Watch, optional
-        May stop it; all is NaN then.
+        May stop the work; all is NaN then.
     """
     (cell,), _ = cells_of(groups, tolerance=tolerance, max_periods=max_periods)
     with (watch or Watch()).flag() as stop:
@@ -112,7 +115,8 @@ def planar_path(
 def _modes(values: Array, way: float) -> NDArray[np.int8]:
     """Return motion modes as integers, forward and backward exchanged if `way` is -1 (mirrored).
 
-    `values` holds modes as floats, shape (n,), from a drive that the kernel may have mirrored.
+    `values` holds modes as floats, shape (n,). The kernel mirrors a sine so that its amplitudes
+    along and normal are positive, and then `way` is -1 if the direction of the track is mirrored.
     """
     modes = values.astype(np.int8)
     forward, backward = MOTION_MODES["forward"].value, MOTION_MODES["backward"].value
@@ -130,20 +134,20 @@ def motion_by_events(
     max_periods: ArrayLike,
     watch: Watch | None = None,
 ) -> Motion:
-    """Return the motion from rest: in closed form in the plane, by Taylor series in space.
+    """Return the motion of parts from rest: in closed form in the plane, by power series in space.
 
     Parameters
     ----------
     groups, contacts
-        Dimensionless numbers of the cells, and what a part can touch. A cylinder that slides along
-        its axis moves as a block does. In space there is no solution if restitution falls with
-        speed.
+        Dimensionless groups of the cells, and the surfaces that a part can touch. A cylinder that
+        slides along its axis moves as a block does. In space there is no solution if restitution
+        falls with speed.
     tolerance
         Error of the state at which a motion counts as repeating, as a share of the drive.
     max_periods
         Periods after which a motion counts as aperiodic.
     watch
-        May stop it.
+        May stop the work; cells not computed have the status `not_computed`.
     """
     settings = {"tolerance": tolerance, "max_periods": max_periods}
     plane = in_plane(groups, contacts)
@@ -179,9 +183,10 @@ def _in_space(
     max_periods: ArrayLike,
     watch: Watch | None = None,
 ) -> Motion:
-    """Return the motion in space; cells with speed-dependent restitution have status `no_solution`.
+    """Return the motion of parts in space; `no_solution` where restitution depends on speed.
 
-    The settings are those of `motion_by_events`.
+    `groups`, `contacts` and the settings are those of `motion_by_events`; the kernel in space knows
+    one constant restitution only.
     """
     settings = {"tolerance": tolerance, "max_periods": max_periods}
     motion = spatial_motion(groups, contacts, **settings, watch=watch)
@@ -203,11 +208,24 @@ def energy_by_events(
     watch: Watch | None = None,
     averages: bool = False,
 ) -> Energy:
-    """Return the mean powers of friction, impacts and drive over a cycle; NaN without a cycle.
+    """Return the mean powers of friction, impacts and drive over a cycle of motion, per mass.
 
-    `motion` is that of the same groups and settings; its cycle is followed once more, in the plane
-    exactly, in space to some 1e-10 of the drive's work. With `averages`, planar motions that do not
-    repeat have means over a long stretch, which scatter by some per cent (theory 13.15).
+    NaN for motions that do not repeat. In units of g^2/w, w = 2 pi f (theory 13.15).
+
+    Parameters
+    ----------
+    groups, contacts
+        Dimensionless groups of the cells, and the surfaces that a part can touch.
+    motion
+        Motion of the same groups and settings; its cycle is followed once more, in the plane
+        exactly, in space to some 1e-10 of the drive's work.
+    tolerance, max_periods
+        Settings of the method.
+    watch
+        May stop the work.
+    averages
+        True for means over a long stretch of planar motions that do not repeat, which scatter by
+        some per cent.
     """
 
     def in_space(
@@ -245,7 +263,11 @@ def energy_by_events(
 
 
 def _follow(contacts: Contacts) -> Follow:
-    """Return the function of the motion equation for parts with these contacts."""
+    """Return the function of the motion equation that follows parts from event to event.
+
+    `contacts` are the surfaces that the part can touch. The function is part of the method
+    `events`; it takes dimensionless groups and the settings of the method.
+    """
 
     def motion(
         *, groups: Groups, tolerance: Array, max_periods: Array, watch: Watch | None = None
@@ -259,7 +281,11 @@ def _follow(contacts: Contacts) -> Follow:
 
 
 def _energy(contacts: Contacts) -> Follow:
-    """Return the function of the energy equation for parts with these contacts."""
+    """Return the function of the energy equation for parts that are followed by events.
+
+    `contacts` are the surfaces that a part can touch. The function takes groups, motion and
+    settings, and returns the mean powers over a cycle.
+    """
 
     def energy(
         *,
@@ -279,7 +305,11 @@ def _energy(contacts: Contacts) -> Follow:
 
 
 def _trajectory(contacts: Contacts) -> FollowCourse:
-    """Return the function that computes a part's trajectory over a cycle, with these contacts."""
+    """Return the function that computes the trajectory of a part at asked times, by events.
+
+    `contacts` are the surfaces that the part can touch. In the plane the pieces of motion are known
+    in closed form, in space they are power series.
+    """
 
     def trajectory(asked: TrajectoryRequest) -> TrajectoryValues:
         """Return the trajectory of the part at the asked times."""
@@ -297,10 +327,10 @@ def _trajectory(contacts: Contacts) -> FollowCourse:
 
 
 def _price(cells: Priced) -> Price:
-    """Return the seconds to simulate a cell: next to nothing in the plane, more by series in space.
+    """Return the likely and the largest time to simulate a cell from event to event [s].
 
-    `cells` tells settings, harmonics and contacts of the cells; the result holds likely and largest
-    times.
+    Next to nothing in the plane, more by series in space. `cells` tells settings, harmonics and
+    contacts of the cells.
     """
     waves = 0.0 if cells.steps else cells.orders * (1.0 + cells.orders)
     flat = 1.2e-5 + 7e-5 * waves + cells.restless * 2e-3

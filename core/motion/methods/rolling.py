@@ -34,10 +34,11 @@ ROUNDING = 1e-12
 def block_groups(contact: RollingContact) -> Groups:
     """Return the dimensionless numbers of a sliding block that moves like a given rolling part.
 
-    Its friction is the rolling resistance c; its load is the part's, and w/c for the friction w of
-    the wall. Without rolling resistance its friction is the wall's alone, on a floor under the
-    part's load. A block at rest stands for parts whose motion is known without it (theory 18.2).
-    `contact` holds the dimensionless numbers of the rolling part.
+    So the methods for blocks serve for round parts, too. Its friction is the rolling resistance c;
+    its load is the part's, and w/c for the friction w of the wall. Without rolling resistance its
+    friction is the wall's alone, on a floor under the part's load. A part whose motion is known
+    without it is replaced by a block at rest (theory 18.2). `contact` holds the dimensionless
+    numbers of the rolling part.
     """
     known = contact.free | contact.lifts | contact.runs_away
     rubs = contact.resistance > 0
@@ -54,10 +55,12 @@ def block_groups(contact: RollingContact) -> Groups:
 
 
 def always_rolls(contact: RollingContact, watch: Watch | None) -> Mask:
-    """True where the floor's friction suffices for rolling over the whole cycle.
+    """True where a round part never slips: the floor's friction suffices over the whole cycle.
 
-    Bounds tell nearly all cells of `contact`; the motion of the others is followed once more,
-    unless `watch` stops it.
+    `contact` holds the dimensionless numbers of the rolling part, arrays over the cells. Bounds
+    decide nearly all cells; the motion of each other cell is followed, and the largest ratio of the
+    force of rolling to the load is compared with static friction. Cells that `watch` leaves undone
+    are False.
     """
     rolls = contact.surely_rolls
     open_cells = ~(rolls | contact.surely_slips | contact.free | contact.runs_away)
@@ -81,12 +84,13 @@ def always_rolls(contact: RollingContact, watch: Watch | None) -> Mask:
 
 
 def most_traction(contact: RollingContact, pieces: Array) -> float:
-    """Return the largest ratio of friction to load that rolling needs over a cycle.
+    """Return the largest ratio of friction to load that a round part needs to roll over a cycle.
 
-    |D - w sgn(u) + kap c n sgn(u)|/((1 + kap) n) while it rolls, (|D| - w)/n at rest, with the push
-    D along less gravity, the wall's friction w, the inertia factor kap, the rolling resistance c
-    and the load n. `pieces` are the motion pieces of the cycle of its block (columns of `PIECE`).
-    Infinite if the drive lifts the part. `contact` holds the numbers of one part.
+    It slips nowhere if this is within static friction. |D - w sgn(u) + kap c n sgn(u)|/((1 + kap)
+    n) while it rolls, (|D| - w)/n at rest, with the push D along less gravity, the wall's friction
+    w, the inertia factor kap = m r^2/I, the rolling resistance c, the load n and the velocity u.
+    Infinite if the drive lifts the part. `contact` holds the dimensionless numbers of one part,
+    `pieces` the motion pieces of the cycle of its equivalent block (columns of `PIECE`).
     """
     # The pieces are those of a drive that points up and forwards: the mirror image, else.
     normal = abs(float(contact.normal))
@@ -114,8 +118,9 @@ def most_traction(contact: RollingContact, pieces: Array) -> float:
 def as_rolling(contact: RollingContact, block: Motion, watch: Watch | None) -> Motion:
     """Return a round part's motion, converted from `block`, that of its equivalent block.
 
-    Velocities are the share kap/(1 + kap) of the block's. No means where the part runs away or
-    slips at times (`rolls_and_slips`). `contact` holds the dimensionless numbers of the part.
+    Velocities are the share kap/(1 + kap) of the block's, with kap = m r^2/I. No means where the
+    part runs away or slips at times (`rolls_and_slips`). `contact` holds the dimensionless numbers
+    of the part; `watch` may stop the work.
     """
     rolls = always_rolls(contact, watch)
     status = np.where(
@@ -138,7 +143,11 @@ def as_rolling(contact: RollingContact, block: Motion, watch: Watch | None) -> M
 
 
 def _rolled(method: Method) -> Method:
-    """Return the method for round parts that follows equivalent blocks by another method."""
+    """Return the method for round parts that follows equivalent blocks by another method.
+
+    A ball or roller moves as a block of other friction. `method` is the one for blocks; the new one
+    gives neither trajectories nor energies.
+    """
 
     def follow(contacts: Contacts) -> Follow:
         """Return the motion equation's function for round parts."""
@@ -159,9 +168,10 @@ def _rolled(method: Method) -> Method:
 
 
 def of_slip(block: Follow) -> Follow:
-    """Return the function of the equation for the slip at a round part's contact.
+    """Return the function of an equation that follows the slip at the contact of a round part.
 
-    `block` is that of the motion of a block, whose groups are those of the slip.
+    The slip moves as a block whose friction is larger. `block` is the function of the motion of a
+    block; the new one takes the argument `slip_groups` in place of `groups`.
     """
 
     def slip_motion(*, slip_groups: Groups, watch: Watch | None = None, **inputs: Any) -> Motion:

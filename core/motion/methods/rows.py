@@ -145,20 +145,20 @@ def row_motion(
     groups: Groups, parts: RowParts, max_periods: Array, watch: Watch | None = None,
     *, steps: int | None = None,
 ) -> RowMotion:  # fmt: skip
-    """Return the motion of rows of parts that start at rest on the track.
+    """Return the motion of rows of parts that start at rest on the track, once it repeats.
 
     Parameters
     ----------
     groups, parts
-        Dimensionless numbers of the cells, and the parts of their rows. Parts that rebound from the
+        Dimensionless groups of the cells, and the parts of their rows. Parts that rebound from the
         floor hop each by itself: their rows are not followed, and have NaN.
     max_periods
         Periods after which a motion counts as aperiodic.
     watch
-        May stop it.
+        May stop the work; cells not computed have the status `not_computed`.
     steps
-        Time steps a period; without it rows are followed from event to event, and rows of one
-        friction as one part.
+        Time steps a period; None to follow rows from event to event, and rows of one friction as
+        one part.
     """
     periods = np.where(np.equal(groups.restitution, 0.0), max_periods, 0.0)
     rows, shape = _cells(groups, parts, periods)
@@ -190,9 +190,10 @@ def row_motion(
 
 
 def _waved(rows: Array) -> NDArray[np.bool_]:
-    """Return a mask of the rows whose drive is a wave beyond steps along the track.
+    """Return a mask of the rows whose drive is a wave that the kernel for sines cannot follow.
 
-    `rows` are those of the kernel, with the wave's columns last; such rows need another kernel.
+    That is any but a sine or steps along the track. `rows` is the kernel's input, a row of numbers
+    for each row of parts, with the columns of the wave last.
     """
     tables = compiled.rows
     columns = rows[:, tables.HEAD + len(tables.OWN) * int(rows[0, tables.AT.room]) :]
@@ -211,10 +212,11 @@ def _own(rows: Array, room: int, number: int) -> Array:
 def _by_events(
     cells: Array, table_: Array, status: NDArray[np.int8], stop: NDArray[np.int8]
 ) -> None:
-    """Fill results and statuses of rows from event to event, by the kernel that suits each drive.
+    """Fill results and statuses of rows of parts from event to event, by the kernel for each drive.
 
-    `cells` are rows of the kernel, `table_` a row of results for each, `stop` a flag that ends it.
-    `status` gets one value a row.
+    Drives that are waves need another kernel than sines and steps along the track. `cells` has a
+    row of numbers for each row of parts, `table_` a row of results, `status` one value; `stop` is a
+    flag that ends the work.
     """
     waved = _waved(cells)
     for some, kernel in ((~waved, "row_cells"), (waved, "waved_row_cells")):
@@ -225,7 +227,7 @@ def _by_events(
 
 
 def _stepped(steps: int) -> Kernel:
-    """Return the kernel for time stepping with this number of steps a period."""
+    """Return the kernel for rows of parts by time stepping, with `steps` steps a period."""
 
     def kernel(
         cells: Array, table_: Array, status: NDArray[np.int8], stop: NDArray[np.int8]
@@ -237,9 +239,10 @@ def _stepped(steps: int) -> Kernel:
 
 
 def _alike(rows: Array, room: int) -> NDArray[np.bool_]:
-    """Return a mask of the rows whose parts all have one static and one kinetic friction.
+    """Return a mask of the rows of parts in which all have one static and one kinetic friction.
 
-    `rows` are those of the kernel, with `room` columns for each quantity of the parts.
+    Such parts move as one. `rows` is the kernel's input, a row of numbers for each row of parts,
+    with `room` columns for each number of the parts.
     """
     inside = _inside(rows, room)
     alike = np.ones(len(rows), dtype=bool)
@@ -256,7 +259,12 @@ def _inside(rows: Array, room: int) -> NDArray[np.bool_]:
 
 
 def _merge_equal_parts(rows: Array, alike: NDArray[np.bool_], room: int) -> Array:
-    """Return rows in which touching parts of one friction are replaced by a single part."""
+    """Return the kernel's input with rows of touching parts of one friction replaced by one part.
+
+    Such parts move as one, of their total mass. `rows` has a row of numbers for each row of parts,
+    with `room` columns for each number of the parts; `alike` is the mask of those with one
+    friction.
+    """
     own = compiled.rows.OWN
     masses, gaps = _own(rows, room, own.mass), _own(rows, room, own.gap)
     inside = _inside(rows, room)
@@ -271,10 +279,13 @@ def _merge_equal_parts(rows: Array, alike: NDArray[np.bool_], room: int) -> Arra
 def _spread_to_parts(
     table_: Array, rows: Array, alike: NDArray[np.bool_], room: int, columns: int
 ) -> None:
-    """Fill the columns of each part in rows that were followed as a single part.
+    """Fill the columns of each part in the results of rows that were followed as a single part.
 
-    `table_` holds the results, `alike` the rows of one friction, `room` the columns for parts,
-    `columns` the number of columns before them.
+    Each part gets the velocity of that one and the first platoon; neighbours touch all the time.
+
+    `table_` holds the results, a row of numbers for each row of parts, `rows` the kernel's input;
+    `alike` is the mask of the rows of one friction, `room` the number of columns for each number of
+    the parts, `columns` that of the columns before them.
     """
     as_one = alike & np.isnan(table_[:, columns + 1]) & ~np.isnan(table_[:, columns])
     inside = _inside(rows, room)[as_one]
@@ -289,10 +300,26 @@ def _as_one(
     groups: Groups, rows: Array, shape: tuple[int, ...], alike: NDArray[np.bool_], room: int,
     watch: Watch | None,
 ) -> tuple[list[Array], list[Array], NDArray[np.int8]]:  # fmt: skip
-    """Return means, columns of each part, and statuses of rows in which all parts move as one.
+    """Return means, columns of each part, and statuses of rows of parts that all move as one.
 
-    The means are a list of the columns of `RowMotion`, those of each part have shape (rows, room).
-    The rows are those of the mask `alike`, of parts of one friction; `shape` is that of the cells.
+    Parts of one friction without a stop do so: the motion of a single part is followed, and spread
+    over them.
+
+    Parameters
+    ----------
+    groups, shape
+        Dimensionless groups of all cells, and their shape.
+    rows, room
+        The kernel's input, a row a cell, with `room` columns for each number of the parts.
+    alike
+        Mask of the rows that are taken.
+    watch
+        May stop the work.
+
+    Returns
+    -------
+    A list of arrays of the means of `RowMotion`, of shape (rows,); velocity and platoon of each
+    part, shape (rows, room), NaN behind the last part; and statuses.
     """
     own = compiled.rows.OWN
     static, kinetic = (_own(rows, room, n)[:, 0].reshape(shape) for n in (own.static, own.kinetic))
@@ -323,10 +350,11 @@ def _as_one(
 
 
 def _cells(groups: Groups, parts: RowParts, max_periods: Array) -> tuple[Array, tuple[int, ...]]:
-    """Return the kernel's rows for these groups and parts, and the shape of the cells.
+    """Return the kernel's input for rows of parts, one row of numbers a cell, and cells' shape.
 
-    A row has the fields of `Head`, frictions, masses and gaps of the parts, and the wave's columns.
-    `max_periods` is a setting of the method.
+    `groups` are the dimensionless groups of drive and floor, `parts` the numbers of the parts,
+    `max_periods` is a setting of the method. The columns are the fields of `Head`, static and
+    kinetic frictions, masses and gaps of the parts, and those of a wave, if there is one.
     """
     room = len(parts.friction)
     own = [np.isnan(one) for one in parts.friction]
@@ -354,7 +382,10 @@ def _cells(groups: Groups, parts: RowParts, max_periods: Array) -> tuple[Array, 
 
 
 def _follow(contacts: Contacts) -> Follow:
-    """Return the function of the motion equation for rows; contacts do not matter."""
+    """Return the function of the motion equation that follows rows of parts from event to event.
+
+    Methods are built by such functions from the `contacts` of a system, which a row does not need.
+    """
     del contacts
 
     def motion(
@@ -367,7 +398,12 @@ def _follow(contacts: Contacts) -> Follow:
 
 
 def _course(contacts: Contacts) -> FollowCourse:
-    """Return the function that computes the positions of a row's parts over time."""
+    """Return the function that computes the positions of a row's parts at asked times, by events.
+
+    Methods are built by such functions from the `contacts` of a system, which a row does not need.
+    Positions are counted from the place in which the rear part starts, with the lengths of parts
+    between them if the study gives these [m].
+    """
     del contacts
 
     def course(asked: TrajectoryRequest) -> TrajectoryValues:
@@ -400,10 +436,10 @@ def _course(contacts: Contacts) -> FollowCourse:
 
 
 def _price(cells: Priced) -> Price:
-    """Return the seconds to simulate a row: it grows with the parts, squared where they collide.
+    """Return the likely and the largest time to simulate each row of parts from event to event [s].
 
-    Parts of one friction take what one part takes. `cells` tells settings and rows; the result
-    holds likely and largest times.
+    It grows with the number of parts, squared where they collide; rows of one friction take what
+    one part takes. `cells` describes settings, drive and rows of the cells.
     """
     row: RowParts = cells.known["row"]
     if row.stop == "none" and not row.shift and all(np.isnan(one).all() for one in row.friction):
@@ -418,7 +454,10 @@ def _price(cells: Priced) -> Price:
 
 
 def _follow_steps(contacts: Contacts) -> Follow:
-    """Return the function of the motion equation for rows by time stepping."""
+    """Return the function of the motion equation that follows rows of parts by time stepping.
+
+    Methods are built by such functions from the `contacts` of a system, which a row does not need.
+    """
     del contacts
 
     def motion(
@@ -432,9 +471,9 @@ def _follow_steps(contacts: Contacts) -> Follow:
 
 
 def _price_steps(cells: Priced) -> Price:
-    """Return the seconds to simulate a row by time stepping: two runs with 3 times the steps.
+    """Return the likely and the largest time to simulate each row by time stepping [s].
 
-    `cells` tells settings and rows; the result holds likely and largest times.
+    `cells` describes settings and rows of the cells: steps, periods and the number of parts.
     """
     row: RowParts = cells.known["row"]
     steps = 3.0 * cells.setting("steps_per_period") * cells.setting("max_periods")

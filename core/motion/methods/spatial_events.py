@@ -33,21 +33,22 @@ def spatial_motion(
 ) -> Motion:
     """Return the motion of parts in space that start at rest on the floor, touching the wall.
 
-    `error` is the difference to a run of lower order, what the transient has left, and 1e-10 of the
-    drive's speed.
+    From event to event, by power series of each contact mode, until the state comes back (theory
+    13.13). The field `error` is twice the difference to other runs (shorter series; with rebounds a
+    slightly smaller restitution), plus the rest of the transient and 2e-10 of the drive's speed.
 
     Parameters
     ----------
     groups : Groups
-        What concerns the wall does nothing without one.
+        Dimensionless groups of the cells; those of the wall have no effect without a wall.
     contacts : Contacts
-        A part that rolls has no wall here.
+        What the part can touch, and m r^2/I of a cylinder.
     tolerance : array_like
         Of the state's return after a cycle, as a share of the drive's speed.
     max_periods : array_like
         Periods after which a motion counts as aperiodic.
     watch : Watch, optional
-        May stop it.
+        May stop the work; cells not computed have the status `not_computed`.
     """
     cells, shape = cells_of(groups, tolerance=tolerance, max_periods=max_periods)
 
@@ -79,6 +80,21 @@ def spatial_path(
     A motion that does not repeat is shown after as many periods as it is followed for. What the
     watch did not let it reach is NaN.
 
+    Parameters
+    ----------
+    groups : Groups
+        Dimensionless numbers of the part.
+    contacts : Contacts
+        What the part can touch, and if it rolls.
+    tolerance : float
+        Largest error of a periodic state, as a share of the drive.
+    max_periods : float
+        Most periods to follow.
+    phases : ndarray
+        Phases in rad.
+    watch : Watch, optional
+        May stop the work.
+
     Raises
     ------
     ValueError
@@ -99,7 +115,8 @@ def spatial_trajectory(
 ) -> TrajectoryValues:
     """Return the trajectory of one part over a cycle, or at the times of the request.
 
-    `contacts`, `tolerance` and `max_periods` are those of `spatial_path`.
+    `asked` is the request, `contacts` what the part can touch, `tolerance` and `max_periods` are
+    those of `spatial_path`.
     """
     settings = {"tolerance": tolerance, "max_periods": max_periods}
     _, phases = asked.times()

@@ -65,16 +65,16 @@ def stepped_motion(
     `steps_per_period` steps and with 2n + 1. `velocity` and all else are those of the finer run,
     not extrapolated over the step: landings fall within steps at places that differ from run to
     run, so that the error, though of first order, is no smooth function of the step, and an
-    extrapolation would amplify its irregular part. For the same reason there is a third run, with
-    n steps from half a step earlier. `error` is three times the largest of the differences of the
-    velocity to both coarser runs, the doubt about the transient's end, and `spread`; with hops a
+    extrapolation would amplify its irregular part. For the same reason there is a third run, with n
+    steps from half a step earlier. `error` is three times the largest of the differences of the
+    velocity to both coarser runs, the uncertainty of the transient's end, and `spread`; with hops a
     seventh of what a step changes is added, since all runs may agree by chance (theory 13.9).
 
     The motion is `periodic` if it comes back exactly, or over 16 periods to within a small part of
     what one step changes, or, after four times as many, to within what one step changes. A
     transient without hops that dies out slowly is extrapolated to its end. If it does not come
     back, means are over the last three quarters of the periods run, and `spread` is the standard
-    deviation of the means of eight batches of them.
+    deviation of the means of 16 batches of them.
 
     Without hops the planar method is of second order: slips start and stop within a step. With
     hops, in space and in a curve, it is of first order. Where static friction exceeds kinetic, a
@@ -83,31 +83,32 @@ def stepped_motion(
     Parameters
     ----------
     groups : Groups
-        Static friction holds what sticks and what stops; what concerns the wall does nothing
-        without one.
+        Dimensionless groups of the cells. Static friction holds what sticks and what stops; those
+        of the wall have no effect without one.
     contacts : Contacts
-        Without a wall the position across is not carried. The contact of a cylinder slips across
-        with the speed of the centre less that of the surface.
+        The surfaces that a part can touch. Without a wall the position across is not carried. The
+        contact of a cylinder slips across with the speed of the centre less that of the surface.
     planar : bool
-        Whether nothing across the track is carried at all: for a drive along it (alpha = 0), no
+        True if nothing across the track is carried at all: for a drive along it (alpha = 0), no
         wall and no lean. With these values either way finds the same numbers.
     absolute_speed : bool
-        Whether the centripetal acceleration is that of the speed in space; else of the speed
+        True if the centripetal acceleration is that of the speed in space; else of the speed
         relative to the track.
     steps_per_period : int
         Steps of the coarser run, at least 8.
     max_periods : int
         Periods after which a motion counts as aperiodic, at least 8.
     tolerance : float
-        What counts as coming back, in terms of the largest change of velocity in one step.
+        Largest difference of states that counts as coming back, over the largest change of velocity
+        in one step.
     watch : Watch, optional
-        May stop it.
+        May stop the work; cells not computed have the status `not_computed`.
 
     Returns
     -------
     Motion
-        Arrays of the shape of the groups broadcast. `stick` is the share in which the floor
-        contact does not move along the track; `flight` that in which the floor carries nothing.
+        Arrays of the shape of the groups broadcast. `stick` is the share in which the floor contact
+        does not move along the track; `flight` that in which the floor carries nothing.
 
     Raises
     ------
@@ -151,7 +152,7 @@ def stepped_motion(
 
 
 def without_landing_steps(motion: Motion, steps: int) -> Motion:
-    """Return the motion without the floor time of steps in which the part only lands.
+    """Return a motion by time stepping without the floor time of steps in which a part only lands.
 
     A landing takes one step of the `steps` a period, in which the floor pushes; in truth it takes
     no time. If no step of a period is on the floor but those of its impacts, the part hops after
@@ -179,25 +180,23 @@ def stepped_path(
     spin: float = 0.0,
     watch: Watch | None = None,
 ) -> Path:
-    """Return one part's positions at given phases, from a given state at the first phase.
+    """Return one part's positions at given phases, by time stepping from a given state.
 
     Parameters
     ----------
+    groups, contacts
+        Dimensionless groups of the part, and the surfaces that it can touch; the latter and
+        `absolute_speed` (the speed in space, not that on the track, counts in a curve) as in
+        `stepped_motion`.
     phases : array_like, shape (n,)
-        Ascending; the steps, 2 pi/`steps_per_period` long, are counted from the first.
+        Ascending, in rad; the steps, 2 pi/`steps_per_period` long, are counted from the first.
     position, velocity : sequence of 3 floats
-        At the first phase: along, across and normal.
+        At the first phase, along, across and normal, in g/w^2 and g/w (w = 2 pi f).
     spin : float
         Velocity across that the spin of a cylinder gives its lowest point; rolling has minus the
         velocity across. Of a block 0.
     watch : Watch, optional
-        May stop it; what was not reached is NaN.
-
-    Other parameters are those of `stepped_motion`.
-
-    Returns
-    -------
-    Path
+        May stop the work; positions that were not reached are NaN.
 
     Raises
     ------
@@ -236,7 +235,12 @@ def stepped_path(
 
 
 def _check(steps_per_period: int, max_periods: int, tolerance: float, contacts: Contacts) -> None:
-    """Raise ValueError if a count or a setting of time stepping is out of its range."""
+    """Raise ValueError if a setting of time stepping is out of range, or a cell takes too long.
+
+    The counts must be at least `FEWEST`, 4 steps_per_period max_periods at most `MAX_STEPS`, and
+    the other numbers finite and not negative. `tolerance` is the relative one of the state's
+    return, `contacts.rolling` is m r^2/I of a cylinder.
+    """
     if steps_per_period < FEWEST or max_periods < FEWEST:
         raise ValueError(f"steps_per_period and max_periods have to be at least {FEWEST}")
     if 4 * steps_per_period * max_periods > MAX_STEPS:
@@ -250,7 +254,11 @@ def _check(steps_per_period: int, max_periods: int, tolerance: float, contacts: 
 
 
 def _follow(contacts: Contacts) -> Follow:
-    """Return the function of the motion equation: planar if no drive acts across."""
+    """Return the function of the motion equation by time steps, for parts with these contacts.
+
+    It follows the motion in the plane if there is no wall, and neither drive nor gravity acts
+    across.
+    """
 
     def motion(
         *, groups: Groups, steps_per_period: Array, max_periods: Array, watch: Watch | None = None
@@ -269,10 +277,10 @@ def _follow(contacts: Contacts) -> Follow:
 
 
 def _trajectory(contacts: Contacts) -> FollowCourse:
-    """Return the function that computes a part's trajectory from rest.
+    """Return the function that computes a part's trajectory by time steps, for these contacts.
 
-    It is shown after as many periods as the study follows it for; the steps are those of the finest
-    run that gave its mean.
+    The trajectory is shown after as many periods from rest as the study follows the part for; the
+    steps are those of the finest run that gave its mean.
     """
 
     def trajectory(asked: TrajectoryRequest) -> TrajectoryValues:
@@ -299,8 +307,10 @@ def _trajectory(contacts: Contacts) -> FollowCourse:
 def _modes(groups: Groups, position: Array, velocity: Array, steps: int) -> NDArray[np.int8]:
     """Return the motion mode of a part at each of n points of its path, shape (n,).
 
-    `position` and `velocity`, shape (n, 3), in g/w^2 (w = 2 pi f) and g/w; `steps` is the number of
-    steps a period. `unknown` where the position is NaN.
+    Codes of stick, forward, backward and flight, judged by velocity and height; `unknown` where the
+    position is NaN. `position` and `velocity`, shape (n, 3), along, across and normal, are in g/w^2
+    and g/w (w = 2 pi f); `steps` is the number of time steps a period, whose length sets the height
+    that counts as contact.
     """
     # On the floor the normal velocity is 0; gaps below what the drive covers in a step are the
     # method's own.
@@ -314,9 +324,10 @@ def _modes(groups: Groups, position: Array, velocity: Array, steps: int) -> NDAr
 
 
 def _price(cells: Priced) -> Price:
-    """Return the seconds to simulate a cell: three runs with 4 times the steps in total.
+    """Return the likely and the largest time to simulate each cell by time stepping [s].
 
-    `cells` tells settings and contacts of the cells; the result holds likely and largest times.
+    Three runs, with 4 times the steps in total. `cells` describes settings, drive and contacts of
+    the cells.
     """
     steps = 4.0 * cells.setting("steps_per_period")
     spatial = cells.contacts.wall or not cells.groups.planar

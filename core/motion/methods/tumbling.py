@@ -193,12 +193,12 @@ def tumbling_motion(throw: Throw, *, method: Way = "events", watch: Watch | None
     Parameters
     ----------
     throw : Throw
-        The parts, the plane and the start.
+        The parts, the plane, the start and the law of impact.
     method : {"events", "stepping"}
         From event to event, or the midpoint rule of Moreau and Jean, which has only Moreau's law of
         impact.
     watch : Watch, optional
-        May stop it.
+        Shows progress, and may stop the work.
     """
     cells, shape = _cells(throw)
     _check(method, throw.law)
@@ -218,12 +218,13 @@ def tumbling_motion(throw: Throw, *, method: Way = "events", watch: Watch | None
 def tumbling_path(
     throw: Throw, *, times: ArrayLike, method: Way = "events", watch: Watch | None = None
 ) -> TumblePath:
-    """Return the motion of one part at given ascending times, from 0 on [s].
+    """Return the motion of one tumbling part at given ascending times, from 0 on [s].
 
-    Every field of the throw is a single value; its duration is not looked at. After the part has
-    come to rest for good its state stays. ``"events"`` gives the states at the very times,
-    ``"stepping"`` those of the first step that reaches each. What a watch did not let it reach is
-    NaN.
+    Every field of `throw`, the record of part, plane and start, is a single value; its duration
+    does not matter. After the part has come to rest for good its state stays. ``"events"`` gives
+    the states at the very times, ``"stepping"`` those of the first step that reaches each. NaN
+    where `watch` stopped the work before. Raises ValueError if times do not ascend or a field is an
+    array.
     """
     moments = np.atleast_1d(np.asarray(times, dtype=float))
     if moments.ndim != 1 or not moments.size or moments[0] < 0 or np.any(np.diff(moments) < 0):
@@ -246,9 +247,10 @@ def tumbling_path(
 
 
 def _step_of(throw: Throw) -> ArrayLike:
-    """Return the largest time step of the parts in s: the given one, or the default.
+    """Return the largest time step of a simulation of tumbling parts [s].
 
-    By default 1/50 of sqrt(half diagonal/gravity), and at most 1/64 of a period of the drive.
+    The step given in `throw`, the record of part, plane and start; by default 1/50 of sqrt(half
+    diagonal/gravity), and at most 1/64 of a period of the drive.
     """
     if throw.time_step is not None:
         return throw.time_step
@@ -264,9 +266,10 @@ def _step_of(throw: Throw) -> ArrayLike:
 
 
 def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
-    """Return the kernel's rows (columns of `Cell`, SI), and the shape of the broadcast fields.
+    """Return the kernel's input for tumbling parts, a row of numbers a cell, and the cells' shape.
 
-    Raises ValueError if a field is out of its range.
+    `throw` is the record of part, plane and start, whose fields are broadcast; the rows have the
+    columns of `Cell`, SI. Raises ValueError if a field is out of its range.
     """
     for name, values in {"duration": throw.duration, "gravity": throw.gravity}.items():
         if not np.all(np.asarray(values) > 0):
@@ -309,9 +312,10 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
 
 
 def _can_be_followed(rows: NDArray[np.float64]) -> Mask:
-    """Return a mask of the rows without overflow or underflow in the computed numbers.
+    """Return a mask of the cells of tumbling parts that can be simulated.
 
-    `rows` have the columns of the kernel's `Cell`.
+    False where a computed number overflowed, or the size, gravity onto the plane or time step is 0.
+    `rows` has a row of numbers for each cell, with the columns of the kernel's `Cell`.
     """
     named = dict(zip(compiled.tumbling.Cell._fields, rows.T, strict=True))
     valid: Mask = np.asarray(np.isfinite(rows).all(axis=1))
@@ -321,7 +325,10 @@ def _can_be_followed(rows: NDArray[np.float64]) -> Mask:
 
 
 def _check(method: Way, law: Law) -> None:
-    """Raise ValueError if the method is unknown or does not support the impact law."""
+    """Raise ValueError if a way of simulating tumbling parts is unknown or lacks the impact law.
+
+    `method` is "events" or "stepping"; the latter has `law` "moreau" only.
+    """
     if method not in ("events", "stepping"):
         raise ValueError("method has to be 'events' or 'stepping'")
     if method == "stepping" and law != "moreau":
@@ -329,9 +336,9 @@ def _check(method: Way, law: Law) -> None:
 
 
 def _by(name: str, way: Way, law: Law, **known: Any) -> Method:
-    """Return the simulation method with this way of stepping and this impact law.
+    """Return the simulation method of a tumbling part with this way of stepping and impact law.
 
-    `known` holds the other fields of `Method`.
+    `name` is the method's name in studies; `known` holds the other fields of `Method`.
     """
 
     def follow(contacts: Contacts) -> Follow:
@@ -348,7 +355,11 @@ def _by(name: str, way: Way, law: Law, **known: Any) -> Method:
 
 
 def _trajectory(contacts: Contacts) -> FollowCourse:
-    """Return the function that computes a tumbling part's trajectory from its start."""
+    """Return the function that computes a tumbling part's trajectory at asked times.
+
+    Methods are built by such functions from the `contacts` of a system, which a tumbling part does
+    not need.
+    """
     del contacts
 
     def trajectory(asked: TrajectoryRequest) -> TrajectoryValues:
@@ -373,11 +384,11 @@ def _trajectory(contacts: Contacts) -> FollowCourse:
 
 
 def _pricing(step: float, settles: float, rebounds: float) -> Pricing:
-    """Return the function that estimates the time of a cell in s.
+    """Return the function that estimates the computing time of cells of tumbling parts.
 
-    `step` is the time of one step in s. A part that the plane does not shake off comes to rest
-    after `settles` exp(`rebounds` times restitution) seconds of computing, so that the rest costs
-    nothing.
+    `step` is the time to compute one step in s. A part that the plane does not shake off comes to
+    rest after `settles` exp(`rebounds` times restitution) seconds of computing, and the rest of its
+    duration costs nothing.
     """
 
     def price(cells: Priced) -> Price:

@@ -29,14 +29,18 @@ def cylinder_physical_fastest(
     friction_kinetic: ArrayLike,
     friction_static: ArrayLike,
 ) -> Optimum:
-    """Return the angles of the largest a_x of a cylinder on the floor (theory 7.3, 12.2).
+    """Return the drive angles of the largest a_x of a cylinder on the floor (theory 7.3, 12.2).
 
-    As for the block alpha = 0, beta = min(atan(mu_k), asin(G/P)), and a_y = 0, with the drive's
-    acceleration amplitude P and gravity G onto the floor. A drive from the side does better only on
-    tracks much steeper than friction (c > 8 mu n at the limit of motion; c is gravity along the
-    track, n the normal force per mass). For a contact slip along (cos psi, sin psi) the best a_x is
-    again a closed form of psi; its maximum is sampled and then bisected to rounding, and on the
-    edge of stick by golden sections, to 1e-7 rad.
+    As for a block alpha = 0, beta = min(atan(mu_k), asin(G/P)), and a_y = 0. A drive from the side
+    does better only on tracks much steeper than friction (c > 8 mu n at the limit of motion, with
+    the normal force n per mass). For a contact slip along (cos psi, sin psi) the best a_x is again
+    a closed form of psi; its maximum is sampled and then bisected to rounding, and on the edge of
+    stick by golden sections, to 1e-7 rad.
+
+    `vibration_acceleration` is P, `gravity_along` and `gravity_normal` are gravity along -x, c, and
+    onto the floor, G [m/s2], `friction_kinetic` is mu and `friction_static` at least that; they
+    broadcast. The result has the angles [rad], a_x and a_y [m/s2], binding constraints and a
+    status.
     """
     return fastest_slide(
         vibration_acceleration,
@@ -51,15 +55,28 @@ def cylinder_physical_fastest(
 
 
 def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
-    """Return the best point with slip at an angle to x, by sampling and bisection.
+    """Return the best drive of a cylinder whose contact slips at an angle to the track.
 
-    All in units of the drive acceleration P: k is gravity along the track, g that onto the floor;
-    mu and mu_s are the friction coefficients. The results are those of `Candidate`.
+    The direction of slip is sampled and then bisected to rounding. On steep tracks such a drive may
+    beat one along the track.
+
+    Parameters
+    ----------
+    k, g, mu, mu_s : ndarray, of one shape
+        Gravity along the track (backwards) and onto the floor, in units of the drive acceleration
+        P; kinetic and static friction.
+
+    Returns
+    -------
+    tuple of ndarray, of that shape
+        Azimuth alpha and elevation beta [rad], a mark that is 0 here (1 at the limit of static
+        friction), and True where there is such a drive.
     """
     zero = np.zeros_like(k)
     exists = k > 0
     if not np.any(exists):
         return zero, zero, zero, np.asarray(exists)
+    # Sampled first, since the value may have more than one maximum.
     samples = np.linspace(0.0, np.pi / 2, DIRECTIONS)
     best, best_number = np.full(k.shape, -np.inf), np.zeros(k.shape, dtype=np.int64)
     for number, psi in enumerate(samples):
@@ -93,9 +110,21 @@ def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 
 
 def _held(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
-    """Return the best point at the limit of static friction, by sampling and golden sections.
+    """Return the best drive of a cylinder at the limit of static friction.
 
-    Arguments and results as in `_turned`.
+    Its direction is sampled and then closed in on by golden sections.
+
+    Parameters
+    ----------
+    k, g, mu, mu_s : ndarray, of one shape
+        Gravity along the track (backwards) and onto the floor, in units of the drive acceleration
+        P; kinetic and static friction.
+
+    Returns
+    -------
+    tuple of ndarray, of that shape
+        Azimuth alpha and elevation beta [rad], the mark 1 for the limit of static friction, and
+        True where there is such a drive.
     """
     zero = np.zeros_like(k)
     exists = (k > 0) & (mu_s > mu)
@@ -127,11 +156,19 @@ def _held(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 def _value(
     psi: NDArray[np.complexfloating], k: Array, g: Array, mu: Array
 ) -> tuple[NDArray[np.complexfloating], NDArray[np.complexfloating]]:
-    """Return the best a_x for slip in the direction psi, and the drive's component d_z there.
+    """Return the largest a_x of a cylinder that slips in the direction psi, and the drive's d_z.
 
-    All in units of P: k is gravity along the track, g that onto the floor; d_z is normal to the
-    floor. psi [rad] is complex, so that an imaginary step gives the derivative; a_x is -inf where
-    no drive slips so.
+    The best elevation of the drive for a direction of slip (cos psi, sin psi) is a closed form;
+    d_z, the component of the drive normal to the floor, gives it. All accelerations are in units of
+    the drive acceleration P. a_x is -inf where no drive makes the contact slip so.
+
+    Parameters
+    ----------
+    psi : ndarray of complex
+        Direction of slip in the floor plane, from the track [rad]; an imaginary step gives the
+        derivative.
+    k, g, mu : ndarray
+        Gravity along the track (backwards) and onto the floor, and kinetic friction.
     """
     s, x = np.sin(psi), np.cos(psi)
     w = s * (2 * mu * g * x - k)
@@ -150,11 +187,15 @@ def _value(
 def _held_point(
     eta: Array, k: Array, g: Array, mu: Array, mu_s: Array
 ) -> tuple[Array, Array, Array, Array]:
-    """Return a_x, D_x, D_y and n at the limit of static friction in the direction eta [rad].
+    """Return a_x, D_x, D_y and n of a cylinder at the limit of static friction in a direction.
 
-    D is the drive in the plane less gravity, n the normal force per mass, all in units of P. The
-    drive's unit length leaves a quadratic in n; a_x is a multiple of n, so the larger root counts.
-    a_x is -inf where no drive gets there.
+    D is the drive in the plane less gravity, n the normal force per mass. The drive's unit length
+    leaves a quadratic in n; a_x is a multiple of n, so the larger root counts. a_x is -inf where no
+    drive gets there.
+
+    All are arrays of one shape, accelerations in units of the drive acceleration P: `eta` is the
+    direction [rad], `k` gravity along the track, `g` that onto the floor, `mu` and `mu_s` kinetic
+    and static friction.
     """
     along, across = mu_s * np.cos(eta), 3 * mu_s * np.sin(eta)
     a, b = 1 + along**2 + across**2, g - k * along
@@ -168,9 +209,18 @@ def _held_point(
 
 
 def _acceleration(D: tuple[Array, Array], floor: Array, mu: Array) -> tuple[Array, Array]:
-    """Return a_x and a_y of a cylinder whose contact slips from rest (theory 7.3).
+    """Return a_x and a_y of a cylinder on the floor whose contact slips from rest (theory 7.3).
 
-    `D` is the drive in the plane less gravity, `floor` the normal force per mass, in one unit.
+    All are in one unit of acceleration, arrays of one shape.
+
+    Parameters
+    ----------
+    D : tuple of ndarray
+        The drive along and across the track, less gravity.
+    floor : ndarray
+        The normal force of the floor per mass.
+    mu : ndarray
+        The friction coefficient, static and kinetic.
     """
     friction: dict[str, Array] = {"friction_kinetic": mu, "floor_acceleration": floor}
     z = rolling.roll_root(

@@ -48,9 +48,10 @@ class Family:
     def closed_optimum(
         self, criterion: Criterion, values: Mapping[str, Any]
     ) -> Optimum | ParetoSet:
-        """Return the closed-form optimum, or front, for a criterion.
+        """Return the closed-form optimum of drive angles, or trade-off front, for a criterion.
 
-        `values` holds all quantities of the designs by name; the form takes those it needs.
+        `values` has all inputs of the designs by name, arrays (cells,) in SI units; the formula
+        takes those it needs.
         """
         form = self.closed[type(criterion)]
         parameters = inspect.signature(form).parameters.values()

@@ -33,10 +33,18 @@ Turned = Callable[[Array, Array, Array, Array], Candidate]
 
 
 def _straight(k: Array, g: Array, mu: Array, mu_s: Array) -> tuple[Candidate, Candidate]:
-    """Return two candidates with alpha = 0: the best angle of slip, and the edge of sticking.
+    """Return two drives along the track: the best one that slips, and the edge of stick.
 
-    All in units of the drive acceleration P: k is gravity along the track, g that onto the floor;
-    mu and mu_s are the friction coefficients.
+    Each is azimuth alpha, 0, and elevation beta [rad], a mark that is 1 where static friction still
+    holds, and True where it is a candidate.
+
+    Parameters
+    ----------
+    k, g : ndarray
+        Gravity along the track (backwards) and onto the floor, in units of the drive acceleration
+        P.
+    mu, mu_s : ndarray
+        Kinetic and static friction coefficients.
     """
     zero = np.zeros_like(k)
     lift_off = np.arcsin(np.minimum(g, 1.0))
@@ -60,9 +68,11 @@ def fastest_slide(
     held: Turned,
     accelerate: Accelerate,
 ) -> Optimum:
-    """Return the angles of the largest a_x: straight along x, or turned to the side.
+    """Return the drive angles of the largest a_x on a plane: straight along x, or to the side.
 
-    Arguments broadcast; values out of range get the status `invalid`.
+    Arguments broadcast; values out of range get the status `invalid`. The result has the angles
+    [rad], a_x and a_y [m/s2], binding constraints and a status. All candidates are closed forms or
+    iterations of few steps; the best in each cell is taken.
 
     Parameters
     ----------
@@ -71,7 +81,8 @@ def fastest_slide(
     friction_kinetic, friction_static : array_like
         Friction coefficients.
     turned, held : callable
-        Return the best drive from the side for a sliding part, and at the edge of stick.
+        Return the best drive from the side for a sliding part, and at the edge of stick, from k, g,
+        mu and mu_s: gravity in units of P, and friction.
     accelerate : callable
         Returns a_x and a_y of a sliding part.
     """

@@ -63,10 +63,11 @@ def valid_inputs(within: Mask, drive: Array, *parts: Array) -> tuple[Mask, Mask,
 
 
 def statuses(valid: Mask, infeasible: Mask, driven: Mask, gain: Array) -> Statuses:
-    """Return the status of each optimum from masks of the designs.
+    """Return the status of each optimum of the drive's angles, int8, from masks of the designs.
 
-    `driven` is True where there is a drive; without one all angles are equal (flat). `gain` is
-    positive where the part moves forwards.
+    All arrays have one shape: `valid` is True for inputs in range, `infeasible` where no angles
+    keep the limits, `driven` where there is a drive; without one all angles are equal (flat).
+    `gain` is positive where the part moves forwards.
     """
     status = np.where(gain > 0, STATUS["optimal"], STATUS["no_motion"])
     status = np.where(driven, status, STATUS["flat"])
@@ -80,7 +81,11 @@ def tight(bit: int, margin: Array, scale: Array) -> Flags:
 
 
 def bounds_active(alpha: Array, beta: Array) -> Flags:
-    """Return the bits of the bounds, 0 and 90 degrees, that the angles reach."""
+    """Return the bounds that the best angles of a drive reach, as a sum of bits of `ACTIVE`.
+
+    `alpha` and `beta` are azimuth and elevation [rad], whose bounds are 0 and 90 degrees. The
+    result is an integer array of their shape; a bound counts as reached within rounding.
+    """
     unit, right = np.ones_like(alpha), np.pi / 2
     return np.asarray(
         tight(ACTIVE["alpha_lower"], alpha, unit)

@@ -24,23 +24,23 @@ def plane_physical_fastest(
     friction_kinetic: ArrayLike,
     friction_static: ArrayLike,
 ) -> Optimum:
-    """Return the angles of the largest a_x of a block on the floor, friction disc (theory 12.2).
+    """Return the drive angles of the largest a_x of a block on a plane with the friction disc.
 
-    P is the drive's acceleration amplitude, c = g sin(gamma) and G gravity along -x and onto the
-    floor. On a horizontal or falling track: alpha = 0, a_y = 0, beta = min(atan(mu_k), asin(G/P));
+    On a horizontal or falling track: alpha = 0, a_y = 0, beta = min(atan(mu_k), asin(G/P)), and
     there is no trade-off. On a climbing track a drive close to the limit of motion does better from
-    the side: it turns friction away from x. For a friction along -(cos psi, sin psi) the best a_x
-    is
+    the side: it turns friction away from x (theory 12.2). For a friction along -(cos psi, sin psi)
+    the best a_x is
 
         V = cos psi [sqrt(1 + mu^2) sqrt(P^2 - c^2 sin^2 psi) - mu G - c cos psi],
 
     whose derivative by cos(psi) is convex, so that Newton's method from cos(psi) = 0 climbs to the
-    one interior maximum; it is compared with alpha = 0. Motion is possible from P^2 > c^2 + mu_s^2
-    G^2/(1 + mu_s^2) on if c > 0 (alone along x only from P sqrt(1 + mu_s^2) > c + mu_s G on, which
-    is later), else `no_motion`, with NaN.
+    one interior maximum; it is compared with alpha = 0.
 
-    Where mu_s > mu_k and the best angles lie in stick, the best is at the edge of stick, as a limit
-    (`not_attained`). `friction_static` is at least `friction_kinetic`.
+    `vibration_acceleration` is P, `gravity_along` and `gravity_normal` are gravity along -x, c, and
+    onto the floor, G [m/s2], `friction_kinetic` is mu and `friction_static` mu_s >= mu; all
+    broadcast. The status is `no_motion` with NaN where no drive moves the part, `not_attained` at
+    the edge of stick. The result has the angles [rad], a_x and a_y [m/s2], binding constraints and
+    a status.
     """
     return fastest_slide(
         vibration_acceleration,
@@ -55,11 +55,22 @@ def plane_physical_fastest(
 
 
 def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
-    """Return the best point with a drive from the side, by Newton's method in x = cos(psi).
+    """Return the best drive of a block from the side, which turns friction away from the track.
 
-    psi is the direction of friction; k and g are gravity along -x and onto the floor in units of
-    the drive acceleration P, mu and mu_s the friction coefficients. The results are those of
-    `Candidate`.
+    On a climbing track it may beat one along the track (theory 12.2). The direction of friction, x
+    = cos(psi), is found by Newton's method.
+
+    Parameters
+    ----------
+    k, g, mu, mu_s : ndarray, of one shape
+        Gravity along -x and onto the floor, in units of the drive acceleration P; kinetic and
+        static friction.
+
+    Returns
+    -------
+    tuple of ndarray, of that shape
+        Azimuth alpha and elevation beta [rad], the mark 0 (1 would be the limit of static
+        friction), and True where there is such a drive.
     """
     A = np.hypot(1.0, mu)
     p2 = (1 - k) * (1 + k)
@@ -94,11 +105,23 @@ def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 
 
 def _held(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
-    """Return the best point with |D| = mu_s n and alpha > 0, where a_x = D_x (1 - mu_k/mu_s).
+    """Return the best drive of a block from the side at the edge of stick, where |D| = mu_s n.
 
-    D is the drive in the plane less gravity, n the normal force per mass, q = cos(beta). As |D|^2 =
-    q^2 - k^2 - 2 k D_x, D_x is largest where q^2 - (mu_s n)^2 is. Arguments and results as in
-    `_turned`.
+    There a_x = D_x (1 - mu_k/mu_s), with D the drive in the plane less gravity and n the normal
+    force per mass. As |D|^2 = q^2 - k^2 - 2 k D_x with q = cos(beta), D_x is largest where q^2 -
+    (mu_s n)^2 is.
+
+    Parameters
+    ----------
+    k, g, mu, mu_s : ndarray, of one shape
+        Gravity along -x and onto the floor, in units of the drive acceleration P; kinetic and
+        static friction.
+
+    Returns
+    -------
+    tuple of ndarray, of that shape
+        Azimuth alpha and elevation beta [rad], the mark 1 for the limit of static friction, and
+        True where there is such a drive.
     """
     dz = g * (mu_s / np.hypot(1.0, mu_s)) ** 2
     q2 = (1 - dz) * (1 + dz)

@@ -32,16 +32,19 @@ def plane_thesis_limited(
     limit: ArrayLike,
     floor_contact: bool,
 ) -> Optimum:
-    """Return the angles of the largest a_x with |a_y| <= limit, printed friction (theory 12.1).
+    """Return the drive angles of the largest a_x with |a_y| <= limit on a plane, printed friction.
 
-    P is the drive's acceleration amplitude, G gravity onto the floor, n0 the floor's normal force
-    per mass. Without a limit alpha = 0 and beta = atan(mu), or with `floor_contact` (n0 >= 0) the
-    smaller of that and the lift-off angle asin(G/P), which is the smaller from P = G sqrt(1 +
-    mu^2)/mu on. With asin(G/P) <= atan(mu) (case A): alpha = 0; beta is the lift-off angle, where
-    a_y = 0, or without `floor_contact` sin(beta) = min((G + limit/mu)/P, sin(atan mu)). Else (case
-    B): alpha = 0, beta = atan(mu) while a_y >= -limit there, then the point of a_y = -limit on the
-    curve tan(beta) = mu (cos(alpha) + sin(alpha)), which has a closed form (`_on_curve`). It lies
-    within 90 deg while P sqrt(1 + mu^2) >= mu G - limit; below that the status is `infeasible`.
+    The source's friction acts along x and y at once (theory 12.1). Without a limit alpha = 0, beta
+    = atan(mu), or with `floor_contact` (the part stays on the floor) at most the lift-off angle
+    asin(G/P). If asin(G/P) <= atan(mu): alpha = 0; beta is the lift-off angle, where a_y = 0, or
+    without `floor_contact` sin(beta) = min((G + limit/mu)/P, sin(atan mu)). Else alpha = 0, beta =
+    atan(mu) while a_y >= -limit there, then the point of a_y = -limit on the curve tan(beta) = mu
+    (cos(alpha) + sin(alpha)). It lies within 90 deg while P sqrt(1 + mu^2) >= mu G - limit; else
+    `infeasible`.
+
+    `vibration_acceleration` is P, `gravity_along` and `gravity_normal` are gravity along -x and
+    onto the floor, G, and `limit` is in m/s2, too; `friction_kinetic` is mu; they broadcast. The
+    result has the angles [rad], a_x and a_y [m/s2], binding constraints and a status.
     """
     P, c, G, mu, E = broadcast(
         vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, limit
@@ -80,15 +83,18 @@ def plane_thesis_weighted(
     weight: ArrayLike,
     floor_contact: bool,
 ) -> Optimum:
-    """Return the angles of the largest a_x - weight |a_y|, printed friction (theory 12.1).
+    """Return the drive angles of the largest a_x - w |a_y| on a plane with the printed friction.
 
-    With the drive direction d and the weight w the sum is linear in d where a_y < 0, with the
-    gradient (1, w, mu (1 + w)), so that its top has tan(alpha) = w and tan(beta) = mu (cos(alpha) +
-    sin(alpha)): a point of the Pareto set. Case B (asin(G/P) > atan(mu), with the drive
-    acceleration P and gravity G onto the floor): alpha = min(atan(w), alpha_max); every w >=
-    tan(alpha_max) ends in the kink a_y = 0. Case A: alpha = 0 and beta = max(asin(G/P), atan(mu (1
-    - w))); the kink is the lift-off angle, reached from w = 1 - tan(asin(G/P))/mu on, and with
-    `floor_contact` for every w.
+    The source's friction acts along x and y at once (theory 12.1); the best angles are then a
+    closed form. The objective is linear in the direction of the drive where a_y < 0, with the
+    gradient (1, w, mu (1 + w)). If asin(G/P) > atan(mu), the best is tan(alpha) = w, tan(beta) = mu
+    (cos(alpha) + sin(alpha)), up to the alpha at which a_y = 0. Else alpha = 0 and beta =
+    max(asin(G/P), atan(mu (1 - w))).
+
+    `vibration_acceleration` is P, `gravity_along` and `gravity_normal` are gravity along -x and
+    onto the floor, G [m/s2], `friction_kinetic` is mu and `weight` w; they broadcast. With
+    `floor_contact` the part has to stay on the floor, beta <= asin(G/P). The result has the angles
+    [rad], a_x and a_y [m/s2], binding constraints and a status.
     """
     P, c, G, mu, w = broadcast(
         vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, weight
@@ -119,13 +125,17 @@ def plane_thesis_pareto(
     floor_contact: bool,
     points: int,
 ) -> ParetoSet:
-    """Return points of the trade-off between a_x and |a_y|, printed friction (theory 12.1).
+    """Return `points` points of the trade-off between a_x and |a_y| on a plane, printed friction.
 
-    They go from the largest a_x to the least |a_y|. Case A, asin(G/P) <= atan(mu) with the drive
-    acceleration P and gravity G onto the floor: with `floor_contact` one point, repeated; without,
-    alpha = 0 and beta from atan(mu) down to asin(G/P), evenly spaced. Case B: the curve tan(beta) =
-    mu (cos(alpha) + sin(alpha)), alpha evenly spaced from 0 to where a_y = 0, or to 90 deg where P
-    sqrt(1 + mu^2) < mu G and a_y stays negative. `points` is their number.
+    The source's friction acts along x and y at once (theory 12.1). Points go from the largest a_x
+    to the least |a_y|. If asin(G/P) <= atan(mu), alpha = 0 and beta goes from atan(mu) down to
+    asin(G/P), or with `floor_contact`, where a part must not lift off, is asin(G/P) in all points.
+    Else they lie on the curve tan(beta) = mu (cos(alpha) + sin(alpha)), alpha evenly spaced from 0
+    to where a_y = 0, or to 90 deg.
+
+    `vibration_acceleration` is P, `gravity_along` and `gravity_normal` are gravity along -x and
+    onto the floor, G [m/s2], `friction_kinetic` is mu; they broadcast. The result has the angles
+    [rad], a_x and a_y [m/s2], the points along a last axis, and a status.
     """
     P, c, G, mu = (
         part[..., np.newaxis]
@@ -173,11 +183,15 @@ def _curve_beta(alpha: Array, mu: Array) -> Array:
 
 
 def _on_curve(level: Array, mu: Array) -> tuple[Array, Array]:
-    """Return alpha and beta of the point of tan(beta) = mu (cos(alpha) + sin(alpha)) at a level.
+    """Return the best drive angles at which a_y just reaches its limit, with the printed friction.
 
-    The level is that of d_y + mu d_z, with the drive direction d. The point is the highest over d_x
-    + mu d_z of the circle that the plane of the level cuts from the unit sphere: the foot of the
-    plane plus a step along the projected gradient.
+    The limit of a_y is a level of d_y + mu d_z, with the drive direction d. The point is the
+    highest over d_x + mu d_z of the circle that the plane of the level cuts from the unit sphere:
+    the foot of the plane plus a step along the projected gradient. It lies on tan(beta) = mu
+    (cos(alpha) + sin(alpha)).
+
+    `level` and `mu`, the friction coefficient, are arrays of one shape; so are alpha and beta
+    [rad].
     """
     A2 = 1.0 + mu * mu
     A = np.hypot(1.0, mu)

@@ -30,18 +30,18 @@ def track_physical_fastest(
     friction_kinetic: ArrayLike,
     friction_static: ArrayLike,
 ) -> Optimum:
-    """Return the angles of the largest a_x at rest with floor and wall kept (theory 4.4, 12).
+    """Return the drive angles of the largest a_x at rest on the track, with floor and wall kept.
 
-    K_0 = P cb ca - c - mu (g_z - P sb + g_y - P cb sa), where ca, sa, cb, sb are cosines and sines
-    of alpha and beta, P is the drive's acceleration amplitude, and c, g_y, g_z are gravity along
-    -x, towards the wall and onto the floor. Without bounds tan(alpha) = mu and tan(beta) =
-    mu/sqrt(1 + mu^2); where that lifts the part off the wall, P cb sa = g_y and sin(beta) = mu
-    sqrt((1 - g_y^2/P^2)/(1 + mu^2)); sin(beta) at most g_z/P in both.
+    a_x = P cb ca - c - mu (g_z - P sb + g_y - P cb sa), where ca, sa, cb, sb are cosines and sines
+    of azimuth alpha and elevation beta (theory 4.4, 12). Without bounds tan(alpha) = mu and
+    tan(beta) = mu/sqrt(1 + mu^2); where that lifts the part off the wall, P cb sa = g_y and
+    sin(beta) = mu sqrt((1 - g_y^2/P^2)/(1 + mu^2)); sin(beta) at most g_z/P in both.
 
-    The part starts if the same maximum with mu_s for mu is positive, else `no_motion`, with NaN.
-    Where mu_s > mu_k and the best angles lie in stick, the optimum is at the edge of stick
-    (`not_attained`), a point of the same geometry with one more plane: `core.optimise.newton` finds
-    it; here its angles are NaN. `friction_static` is at least `friction_kinetic`.
+    `vibration_acceleration` is P; `gravity_along`, `gravity_across` and `gravity_normal` are
+    gravity along -x, c, towards the wall, g_y, and onto the floor, g_z [m/s2]; `friction_kinetic`
+    is mu and `friction_static` mu_s >= mu; all broadcast. The status is `no_motion` if the same
+    maximum with mu_s is not positive, `not_attained` if the best angles let the part stick: then
+    angles are NaN. The result has the angles [rad], a_x [m/s2], binding constraints and a status.
     """
     P, c, gy, gz, mu, mu_s = broadcast(
         vibration_acceleration,
@@ -76,10 +76,11 @@ def track_physical_fastest(
 
 
 def _both_contacts(y: Array, z: Array, mu: Array) -> tuple[Array, Array]:
-    """Return the angles of the largest d_x + mu (d_y + d_z) with d_y <= y, d_z <= z.
+    """Return the drive angles of the largest d_x + mu (d_y + d_z) with d_y <= y and d_z <= z.
 
-    d is the unit direction of the drive; y and z are gravity towards the wall and onto the floor
-    over the drive's acceleration.
+    It is largest where a part on floor and wall accelerates most. d is the unit direction of the
+    drive; y and z are gravity towards the wall and onto the floor over the drive's acceleration, mu
+    is friction. All are arrays of one shape, as are azimuth and elevation [rad].
     """
     kept = np.minimum(y, 1.0)
     wall = np.minimum(mu * np.sqrt((1 - kept) * (1 + kept)) / np.hypot(1.0, mu), z)

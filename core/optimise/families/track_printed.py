@@ -35,13 +35,17 @@ def track_fastest(
     friction_kinetic: ArrayLike,
     wall_contact: bool,
 ) -> Optimum:
-    """Return the angles of the largest K of the track's printed forces (theory 4.2, 12).
+    """Return the drive angles of the largest K on the track, with the source's printed forces.
 
-    tan(alpha) = mu, beta = 0: K = P sqrt(1 + mu^2) - c -+ mu g_y, with the drive's acceleration
-    amplitude P and gravity c along -x and g_y towards the wall. There the wall has to pull unless
-    g_y is large. With `wall_contact` (at rest the drive across, W = P cos(beta) sin(alpha), is at
-    most g_y): alpha = min(atan(mu), asin(g_y/P)). The `thesis` variant prints the balance with the
-    other sign, W <= -g_y, which no lean onto the wall allows: `infeasible`.
+    K is the acceleration along the track at rest. tan(alpha) = mu, beta = 0: K = P sqrt(1 + mu^2) -
+    c -+ mu g_y. There the wall has to pull unless g_y is large (theory 4.2, 12). With
+    `wall_contact` it may not, W = P cos(beta) sin(alpha) <= g_y at rest, and alpha = min(atan(mu),
+    asin(g_y/P)). The `thesis` variant prints the balance with the other sign, W <= -g_y, which no
+    lean onto the wall allows: `infeasible`.
+
+    `vibration_acceleration` is P, `gravity_along` is c, along -x, `gravity_across` g_y, towards the
+    wall [m/s2], `friction_kinetic` is mu; they broadcast. The result has the angles [rad], K
+    [m/s2], binding constraints and a status.
     """
     P, c, gy, mu = broadcast(
         vibration_acceleration, gravity_along, gravity_across, friction_kinetic

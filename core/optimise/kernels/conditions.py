@@ -40,11 +40,11 @@ def bounds(
     slopes: Numbers,
     margins: Numbers,
 ) -> None:
-    """Fill margins and gradients of the bounds of angles, of floor and wall contact.
+    """Fill margins and gradients of the bounds of drive angles, and of floor and wall contact.
 
-    All in units of the drive acceleration P. n0 = g - sin(beta) on the floor, with g gravity onto
-    it; wall_margin - cos(beta) sin(alpha) at the wall. There is no limit on a_y and on the start
-    until a family sets one.
+    All are in units of the drive acceleration P. n0 = g - sin(beta) on the floor, with g gravity
+    onto it; wall_margin - cos(beta) sin(alpha) at the wall. Margins of the other constraints are
+    set to infinity.
 
     Parameters
     ----------
@@ -76,10 +76,20 @@ def bounds(
 def across(
     p: Numbers, F: Numbers, by_alpha: float, by_beta: float, slopes: Numbers, margins: Numbers
 ) -> None:
-    """Fill the margins of |a_y| <= limit and their gradients.
+    """Fill the margins of |a_y| <= limit and their gradients over the drive angles.
 
-    `by_alpha` and `by_beta` are the derivatives of a_y, `F[1]`; all in units of the drive
-    acceleration P, and the other arguments as in `bounds`.
+    All are in units of the drive acceleration P.
+
+    Parameters
+    ----------
+    p : ndarray
+        Inputs of a design in the columns `P_` to `BETA_HI`.
+    F : ndarray, shape (4,)
+        a_y is `F[1]`.
+    by_alpha, by_beta : float
+        Derivatives of a_y.
+    slopes, margins : ndarray, shape (CONSTRAINTS, 2) and (CONSTRAINTS,)
+        Filled in the two rows of this limit.
     """
     e = p[LIMIT] / p[P_]
     margins[ACROSS_LOWER], margins[ACROSS_UPPER] = F[1] + e, e - F[1]
@@ -89,11 +99,21 @@ def across(
 
 @compiled
 def least_prices(slopes: Numbers, active: NDArray[np.int64], count: int, prices: Numbers) -> float:
-    """Return the residual of the optimality conditions, and fill the multipliers `prices`.
+    """Fill in the Lagrange multipliers at a point; return the residual, 0 at an optimum.
 
-    The negative gradient of the objective must be a combination, without negative weights, of at
-    most two of the active constraints' gradients; the combination with the least remainder is
-    taken. `active` are the rows of `slopes` of the constraints that bind, `count` of them.
+    At an optimum the gradient of the objective is balanced by those of the constraints that bind: a
+    combination of at most two of them, as there are two variables, without negative weights. The
+    one with the least remainder is taken; a second constraint is used only if it reduces the
+    remainder.
+
+    Parameters
+    ----------
+    slopes : ndarray, shape (rows, 2)
+        Gradients of the objective (row `OBJECTIVE`) and of the constraints over the two variables.
+    active : ndarray of int
+        The rows of the constraints that bind; the first `count` entries count.
+    prices : ndarray
+        The multipliers, by row; all are overwritten.
     """
     fx, fy = slopes[OBJECTIVE, 0], slopes[OBJECTIVE, 1]
     least = math.hypot(fx, fy)

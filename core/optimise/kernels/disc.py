@@ -108,7 +108,12 @@ class Level(NamedTuple):
 
 @compiled
 def _level(beta: float, block: Block) -> Level:
-    """Return q = cos(beta) and the friction mu n and mu_s n at one beta, with their slopes."""
+    """Return q = cos(beta) and the friction mu_k n and mu_s n at one elevation, with slopes.
+
+    beta is the elevation of the drive [rad], n the normal force per mass. All forces are in units
+    of the drive acceleration P, and slopes are derivatives by beta. `block` has gravity onto the
+    floor and the friction coefficients.
+    """
     q, dq = math.cos(beta), -math.sin(beta)
     n = block.g - math.sin(beta)
     m, ms = block.mu * n, block.mu_s * n
@@ -119,9 +124,11 @@ def _level(beta: float, block: Block) -> Level:
 
 @compiled
 def _across(X: float, k: float, at: Level) -> float:
-    """Return |a_y| for a drive along the track less gravity D_x = X, in units of P.
+    """Return |a_y| of a part for a drive along the track less gravity D_x = X.
 
-    `k` is gravity along -x; `at` holds drive and friction at one beta.
+    `k` is gravity along -x; `at` has the drive's q = cos(beta) and friction at one elevation beta.
+    All are in units of the drive acceleration P. |a_y| = Y (1 - m/R), with Y the drive across and
+    R^2 = X^2 + Y^2.
     """
     q = at.q
     R = math.sqrt(max(q * q - k * k - 2 * k * X, 0.0))
@@ -131,11 +138,16 @@ def _across(X: float, k: float, at: Level) -> float:
 
 @compiled
 def _top_across(high: float, held: int, least: float, k: float, at: Level) -> tuple[float, int]:
-    """Return D_x of the largest a_x between `least` (or 0) and `high`, and what limits it.
+    """Return the D_x at which a part accelerates most along the track, and what keeps D_x there.
 
-    D_x is the drive along x less gravity, in units of P, and k gravity along -x. a_x is concave in
-    D_x and its slope too: Newton's steps from the right fall to the root. `held` is what limits D_x
-    at `high`.
+    D_x is the drive along the track less gravity, in units of the drive acceleration P; it stands
+    for the azimuth of the drive at one elevation beta. The acceleration is a_x = D_x (1 - m/R),
+    with m the friction and R^2 = q^2 - k^2 - 2 k D_x. It is concave in D_x and so is its slope:
+    Newton's steps from the right fall to the root of the slope.
+
+    `high` is the largest D_x, `held` the code of what limits it there, `least` the smallest (0 if
+    it is negative). `k` is gravity along -x; `at` has q = cos(beta) and m. The code returned is
+    `held` where `high` is best, `FREE` for a maximum inside or at 0, `FARTHEST` for one at `least`.
     """
     q, m = at.q, at.m
     X, low = high, max(least, 0.0)
@@ -160,7 +172,9 @@ def _top_across(high: float, held: int, least: float, k: float, at: Level) -> tu
 def _retreat(X: float, low: float, k: float, at: Level, e: float) -> tuple[float, float]:
     """Return D_x before and after the first step down from X with |a_y| <= e; -1 if there is none.
 
-    16 equal steps lead to `low`; where the block would stick they end. All in units of P.
+    D_x is the drive along the track less gravity. 16 equal steps lead to `low`; they end where the
+    part would stick. `k` is gravity along -x, `at` has drive and friction at one elevation beta,
+    `e` is the limit of |a_y|. All are in units of the drive acceleration P.
     """
     for i in range(1, RETREATS + 1):
         trial = X + (low - X) * i / RETREATS
@@ -173,9 +187,12 @@ def _retreat(X: float, low: float, k: float, at: Level, e: float) -> tuple[float
 
 @compiled
 def _last_within(start: float, end: float, k: float, at: Level, e: float) -> float:
-    """Return the last D_x from `end` towards `start` with |a_y| <= e; `end` fulfils it.
+    """Return the D_x nearest to `start` at which |a_y| keeps its limit `e`, found from `end`.
 
-    It is found by secants with halved weights, every third step a halving; in units of P.
+    D_x is the drive along the track less gravity; `start` is a D_x beyond the limit and `end` one
+    within. Secants with halved weights close in, every third step a halving. `k` is gravity along
+    -x, `at` has drive and friction at one elevation beta. All are in units of the drive
+    acceleration P.
     """
     over, under = _across(start, k, at) - e, _across(end, k, at) - e
     for step in range(MAX_OUTER):
@@ -197,11 +214,12 @@ def _last_within(start: float, end: float, k: float, at: Level, e: float) -> flo
 
 @compiled
 def _within_limit(X: float, low: float, high: float, k: float, at: Level, e: float) -> float:
-    """Return the D_x nearest to X with |a_y| within the limit e; -1 if there is none.
+    """Return the D_x nearest to X with |a_y| within its limit `e`; -1 if there is none.
 
-    On a climbing track (gravity k > 0 along -x) a_y falls as D_x grows towards `high`. On a falling
-    one a_x is largest at X, and only beyond a maximum of a_y can a smaller D_x, down to `low`, keep
-    the limit. All in units of P.
+    D_x is the drive along the track less gravity. On a climbing track (gravity `k` > 0 along -x)
+    a_y falls as D_x grows towards `high`. On a falling one a_x is largest at X, and only beyond a
+    maximum of a_y can a smaller D_x, down to `low`, keep the limit. `at` has drive and friction at
+    one elevation beta. All are in units of the drive acceleration P.
     """
     start, end = X, high
     if k <= 0:
@@ -215,9 +233,12 @@ def _within_limit(X: float, low: float, high: float, k: float, at: Level, e: flo
 
 @compiled
 def _slope_along(X: float, held: int, at: Level, block: Block) -> float:
-    """Return the derivative of the best a_x over beta, with D_x = X, in units of P.
+    """Return the derivative of the best a_x over the elevation beta, in units of P per rad.
 
-    `held` says what limits D_x, which moves with beta.
+    P is the drive acceleration; D_x = X is the drive along the track less gravity that gives the
+    best a_x. `held` is the code of what limits D_x, such as a bound of the azimuth, and so how D_x
+    moves with beta. `at` has drive and friction at this beta with their slopes, `block` gravity and
+    bounds.
     """
     k, q, dq, m, dm = block.k, at.q, at.dq, at.m, at.dm
     R2 = q * q - k * k - 2 * k * X
@@ -241,11 +262,15 @@ def _slope_along(X: float, held: int, at: Level, block: Block) -> float:
 
 @compiled
 def _most_along(most: float, k: float, at: Level) -> tuple[float, int]:
-    """Return the largest D_x of a sliding block and what limits it; -1 if none slides.
+    """Return the largest D_x with which a part slides, and its limit; -1 if there is none.
 
-    The block slides where R^2 = q^2 - k^2 - 2 k D_x exceeds (mu_s n)^2, with q = cos(beta): R falls
-    with D_x on a climbing track, and grows on a falling one. `most` is the D_x at the smallest
-    |alpha|.
+    D_x is the drive along the track less gravity, in units of the drive acceleration P. The part
+    slides where R^2 = q^2 - k^2 - 2 k D_x exceeds (mu_s n)^2, with q = cos(beta), k gravity along
+    -x and n the normal force per mass; both are in units of P. R falls with D_x on a climbing
+    track, and grows on a falling one.
+
+    `most` is D_x at the smallest azimuth, `at` has q and mu_s n at one beta. The limit is a code:
+    `STICK_EDGE` if a larger D_x would let the part stick, else `NEAREST`, the bound of the azimuth.
     """
     free = at.q * at.q - k * k - at.ms * at.ms
     if k > 0 and free < 2 * k * most:
@@ -257,9 +282,12 @@ def _most_along(most: float, k: float, at: Level) -> tuple[float, int]:
 
 @compiled
 def best_across(beta: float, block: Block) -> BestAcross:
-    """Return the best a_x of the block at one beta [rad], its slope, and the D_x that gives it.
+    """Return the best a_x at one elevation beta [rad], its slope over beta, and its D_x.
 
-    D_x is the drive along x less gravity, in units of P.
+    D_x is the drive along the track less gravity, which stands for the azimuth; the best one keeps
+    the bounds of the azimuth, the limit of |a_y|, and lets the part slide. `block` has gravity,
+    friction and limits. All accelerations are in units of the drive acceleration P; the result says
+    if the part slides at all, and what limits D_x. No D_x is given where the part does not slide.
     """
     k, e = block.k, block.e
     at = _level(beta, block)
@@ -289,10 +317,12 @@ def best_across(beta: float, block: Block) -> BestAcross:
 
 @compiled
 def _turned_top(k: float, g: float, mu: float) -> float:
-    """Return beta of the best turned drive without limits [rad]; 0 if there is none (theory 12.2).
+    """Return the elevation beta of the best drive from the side, without limits [rad]; 0 if none.
 
-    Newton's method for the direction of friction, x = cos(psi), from 0: the slope is convex. k and
-    g are gravity along -x and onto the floor over the drive acceleration.
+    On a climbing track such a drive may beat one along the track, as it turns friction away (theory
+    12.2). The direction of friction, x = cos(psi), is found by Newton's method from 0: the slope of
+    a_x is convex. `k` and `g` are gravity along -x and onto the floor over the drive acceleration,
+    `mu` is kinetic friction.
     """
     A = math.hypot(1.0, mu)
     p2 = (1.0 - k) * (1.0 + k)
@@ -314,9 +344,10 @@ def _turned_top(k: float, g: float, mu: float) -> float:
 
 @compiled
 def _azimuths(lower: float, upper: float) -> tuple[float, float, float]:
-    """Return the bounds of |alpha|, which alone matters for a_x, and the sign of alpha.
+    """Return the least and the largest |alpha| within bounds, and the sign of alpha (1 or -1).
 
-    `lower` and `upper` are the bounds of alpha [rad].
+    `lower` and `upper` are the bounds of alpha, the azimuth of the drive [rad]. On a plane a_x of a
+    part depends on |alpha| alone. Of bounds on both sides of 0, the wider side is taken.
     """
     if lower > 0:
         return lower, upper, 1.0
@@ -329,10 +360,11 @@ def _azimuths(lower: float, upper: float) -> tuple[float, float, float]:
 def _sampled(
     first: float, last: float, steps: int, sideways: float, block: Block, betas: Numbers
 ) -> int:
-    """Fill `betas` with the angles to try in ascending order [rad], and return their number.
+    """Fill `betas` with the elevations to try in ascending order [rad], and return their number.
 
-    They are equal steps from `first` to `last`, and the angles of friction, of the first turned
-    drive, and `sideways`, that of the best one.
+    They are `steps` equal steps from `first` to `last`, and between these angles at which the best
+    drive may lie: those of friction, of the first drive from the side that moves the part, and
+    `sideways`, that of the best such drive. `block` has gravity and friction.
     """
     mu, mu_s = block.mu, block.mu_s
     count = steps + 1
@@ -355,10 +387,14 @@ def _sampled(
 def _past_minimum(
     inner: float, slope: float, value: float, outer: float, outer_slope: float, block: Block
 ) -> tuple[float, float]:
-    """Return an outer bracket end without a minimum in between, and the slope there.
+    """Return an elevation beyond a maximum, with no minimum in between, and the slope of a_x there.
 
-    Both ends, `inner` and `outer`, rise in the same direction: a maximum and a minimum lie between.
-    The interval is halved until the minimum is outside. `slope` and `value` are those at `inner`.
+    a_x rises in the same direction at both ends, `inner` and `outer` [rad]: a maximum and a minimum
+    lie between. The interval is halved until the minimum is outside, so that the maximum can be
+    closed in on.
+
+    `slope` and `value` are those of a_x at `inner`, `outer_slope` is that at `outer`; `block` has
+    gravity, friction and limits.
     """
     start, height = inner, value
     for _ in range(HALVINGS):
@@ -377,11 +413,14 @@ def _past_minimum(
 
 @compiled
 def _sign_change(a: float, fa: float, b: float, fb: float, block: Block) -> tuple[float, bool]:
-    """Return the beta where the slope over beta is 0, and True if the last digit was reached.
+    """Return the elevation beta where the slope of a_x is 0, and True if it is exact.
 
-    `fa` and `fb` are the slopes at a and b, of different signs. Secants with halved weights
-    (Illinois); every third step halves, for slopes that jump. Where the block does not slide within
-    its limits counts as past the change: it ends at the last beta at which it slides.
+    Secants with halved weights (Illinois) close in; every third step halves, for slopes that jump.
+    Where the part does not slide within its limits counts as past the change: the search then ends
+    at the last beta at which it slides.
+
+    `a` and `b` are elevations [rad] with slopes `fa` and `fb` of different signs, `block` has
+    gravity, friction and limits.
     """
     t = a
     for step in range(MAX_OUTER):
@@ -411,9 +450,18 @@ def _sign_change(a: float, fa: float, b: float, fb: float, block: Block) -> tupl
 def _climbed(
     i: int, count: int, betas: Numbers, values: Numbers, rises: Numbers, block: Block
 ) -> tuple[float, bool]:
-    """Return beta of the local maximum near sample i, and True if the last digit was reached.
+    """Return the elevation beta of the local maximum of a_x near a sample, and True if it is exact.
 
-    `betas`, `values` and `rises` are the `count` samples: angles, a_x and its slope.
+    The maximum lies between sample `i` and the neighbour towards which a_x rises, where the slope
+    changes its sign; it is closed in on to the last digit.
+
+    Parameters
+    ----------
+    betas, values, rises : ndarray, `count` samples
+        Elevations of the drive [rad], the largest a_x there in units of the drive acceleration P,
+        and its slope over beta; -inf where the part does not slide.
+    block : Block
+        Gravity, friction and limits.
     """
     inner, slope = betas[i], rises[i]
     j = i + 1 if slope > 0 else i - 1
@@ -430,7 +478,11 @@ def _climbed(
 
 @compiled
 def _azimuth(beta: float, at: BestAcross, block: Block) -> float:
-    """Return |alpha| of the best drive at one beta [rad]."""
+    """Return the azimuth |alpha| of the best drive at one elevation beta [rad].
+
+    `at` has its D_x, the drive along the track less gravity, and the code of what limits it;
+    `block` has gravity and bounds.
+    """
     if at.held == NEAREST:
         return block.a0
     if at.held == FARTHEST:
@@ -455,22 +507,25 @@ def _highest(
     count: int, betas: Numbers, values: Numbers, rises: Numbers, lift_off: float, side: float,
     block: Block, best: Numbers,
 ) -> int:  # fmt: skip
-    """Return the status, and fill `best` with alpha and beta of the highest maximum.
+    """Return the status of a problem, and fill `best` with alpha and beta of its highest maximum.
+
+    Each sample that is not below its neighbours is followed to the maximum near it.
 
     Parameters
     ----------
     count : int
         Number of samples.
     betas, values, rises : ndarray
-        Samples of beta, the largest a_x there, and its slope.
+        Samples: elevation beta of the drive [rad], the largest a_x there in units of the drive
+        acceleration P (-inf where the part does not slide), and its slope over beta.
     lift_off : float
-        The beta at which the block lifts off [rad].
+        The beta at which the part lifts off [rad].
     side : float
-        Sign of alpha.
+        Sign of the azimuth alpha.
     block : Block
-        The design.
+        Gravity, friction and limits.
     best : ndarray, shape (2,) or more
-        Filled with alpha and beta.
+        Filled with alpha and beta [rad].
     """
     top = -math.inf
     status = NO_MOTION
@@ -518,9 +573,18 @@ def _fill(count: int, betas: Numbers, values: Numbers, rises: Numbers, block: Bl
 def best_along(p: Numbers, betas: Numbers, values: Numbers, rises: Numbers, best: Numbers) -> int:
     """Return the status, and fill `best` with the best alpha and beta under the friction disc.
 
-    `p` are the inputs of a design: drive, gravity, friction, limit and bounds, in the columns `P_`
-    to `BETA_HI`. `betas`, `values` and `rises`, of shape (SAMPLES,), are working arrays for the
-    samples.
+    It is for the largest a_x of a part on a plane (theory 12.2): elevations beta are sampled, and
+    the maxima near the samples closed in on.
+
+    Parameters
+    ----------
+    p : ndarray
+        Inputs of a design in the columns `P_` to `BETA_HI`: drive, gravity, friction, limit and
+        bounds, SI units and radians.
+    betas, values, rises : ndarray, shape (SAMPLES,)
+        Working arrays for the samples.
+    best : ndarray, shape (2,) or more
+        Filled with azimuth and elevation [rad].
     """
     k, g = p[ALONG] / p[P_], p[NORMAL] / p[P_]
     mu, mu_s = p[MU_K], p[MU_S]

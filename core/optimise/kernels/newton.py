@@ -116,7 +116,10 @@ def gradients(kept: Kept, p: Numbers, alpha: float, beta: float, work: Work) -> 
 
 @compiled
 def _is_valid(p: Numbers) -> bool:
-    """True if all inputs of a design are finite and in range; only the limit may be infinite."""
+    """True if all inputs of a design are finite and in range; only the limit may be infinite.
+
+    `p` has them in the columns `P_` to `BETA_HI`, SI units and radians.
+    """
     for i in range(GROUPS):
         if not math.isfinite(p[i]) and not (i == LIMIT and p[i] == math.inf):
             return False
@@ -133,9 +136,11 @@ def _is_valid(p: Numbers) -> bool:
 
 @compiled
 def _without_drive(kept: Kept, p: Numbers, row: Numbers) -> int:
-    """Return the status of a design without drive, where all angles are equal; fill its row.
+    """Return the status of a design without drive, where all angles are equal; fill its results.
 
-    `row` is that of the design in the table of results.
+    `kept` has the contacts to keep, `p` are the inputs of the design in the columns `P_` to
+    `BETA_HI`, and `row` is its row in the table of results. The status is `FLAT`, or `INFEASIBLE`
+    if gravity alone breaks a limit.
     """
     value, across, wall_margin = idle(kept, p)
     lost = (kept.floor and p[NORMAL] < 0) or (kept.wall and wall_margin < 0)
@@ -150,9 +155,12 @@ def _without_drive(kept: Kept, p: Numbers, row: Numbers) -> int:
 
 @compiled
 def _at_best(kept: Kept, p: Numbers, alpha: float, beta: float, work: Work, row: Numbers) -> int:
-    """Return the bits of the constraints that bind at the best angles; fill the design's row.
+    """Return the bits of the constraints that bind at a design's best angles; fill its results.
 
-    alpha and beta are the best angles [rad]; `row` is that of the table of results.
+    `kept` has the contacts to keep, `p` are the inputs of the design in the columns `P_` to
+    `BETA_HI`; `alpha` and `beta` are the best angles [rad]. `row` is the design's row in the table
+    of results, filled with angles, a_x, a_y, margins, multipliers and the residual of optimality;
+    `work` has arrays that are overwritten.
     """
     gradients(kept, p, alpha, beta, work)
     bits, count, prices = 0, 0, work.prices
@@ -182,11 +190,11 @@ def solve(
     Parameters
     ----------
     kept : Kept
-        The family, by its type, and the contacts to keep.
+        Which formulas of which scene, by its type, and the contacts to keep.
     groups : ndarray, shape (n, GROUPS)
-        The inputs of each design.
+        The inputs of each design, SI units and radians: columns `P_` to `BETA_HI`.
     table : ndarray, shape (n, COLUMNS)
-        Filled with the results.
+        Filled with the results: columns `ALPHA` to `RESIDUAL`; NaN where there are none.
     active, status : ndarray, shape (n,)
         Filled with bits of `ACTIVE` and values of `STATUS`.
     """

@@ -42,9 +42,12 @@ def idle(kept: PlanePhysical, p: Numbers) -> tuple[float, float, float]:
 
 @compiled
 def best(kept: PlanePhysical, p: Numbers, work: Work) -> Best:
-    """Return status, alpha and beta of the largest a_x = D_x (1 - mu n/R) of a design.
+    """Return status, alpha and beta of the drive with the largest a_x of a part on a plane.
 
-    D is the drive in the plane less gravity, R its length, and n the normal force per mass.
+    a_x = D_x (1 - mu n/R), where D is the drive in the plane less gravity, R its length, and n the
+    normal force per mass; the part has to stay on the floor. `kept` chooses these formulas by its
+    type; `p` are the inputs of one design, in the columns `P_` to `BETA_HI`, SI units and radians;
+    the arrays of `work` are overwritten. The result says, too, if there are such angles [rad].
     """
     status = best_along(p, work.betas, work.heights, work.rises, work.direction)
     if status in (INFEASIBLE, NO_MOTION):
@@ -54,12 +57,16 @@ def best(kept: PlanePhysical, p: Numbers, work: Work) -> Best:
 
 @compiled
 def gradients(kept: PlanePhysical, p: Numbers, alpha: float, beta: float, work: Work) -> None:
-    """Fill a_x and a_y with their gradients over alpha and beta, and the margins, in `work`.
+    """Fill `work` with a_x, a_y, their gradients over the drive angles, and margins.
 
-    In units of P: a = (X, Y) (1 - m/R) with m = mu n, n the normal force per mass; X = q ca - k, Y
-    = q sa, q = cb, R = |(X, Y)|; ca, sa, cb, sb are cosines and sines of the angles, k gravity
-    along -x. dR/dalpha = k Y/R, dR/dbeta = -sb (q - k ca)/R. Static friction just holds where R =
-    mu_s n.
+    It is for a part on a plane with the friction disc: a = (X, Y) (1 - m/R) with m = mu n, n the
+    normal force per mass; X = q ca - k, Y = q sa, q = cb, R = |(X, Y)|; ca, sa, cb, sb are cosines
+    and sines of azimuth and elevation, k gravity along -x, all in units of the drive acceleration
+    P. dR/dalpha = k Y/R, dR/dbeta = -sb (q - k ca)/R. Static friction just holds where R = mu_s n.
+    A margin is the distance to a limit, negative beyond.
+
+    `kept` chooses these formulas by its type; `p` are the inputs of one design, in the columns `P_`
+    to `BETA_HI`; `alpha` and `beta` are the angles [rad].
     """
     F, slopes, margins = work.values, work.slopes, work.margins
     k, mu, mu_s = p[ALONG] / p[P_], p[MU_K], p[MU_S]

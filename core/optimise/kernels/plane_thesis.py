@@ -37,9 +37,15 @@ def idle(kept: PlaneThesis, p: Numbers) -> tuple[float, float, float]:
 
 @compiled
 def best(kept: PlaneThesis, p: Numbers, work: Work) -> Best:
-    """Return status, alpha and beta of the largest d_x + mu d_z with |d_y + mu d_z - mu g| <= e.
+    """Return status, alpha and beta of the drive with the largest a_x on a plane, printed friction.
 
-    d is the drive direction, e the limit of |a_y| in units of P.
+    a_x grows with d_x + mu d_z for the drive direction d, and |d_y + mu d_z - mu g| <= e keeps
+    |a_y| within its limit: g is gravity onto the floor and e the limit, in units of the drive
+    acceleration P.
+
+    `kept` has the contacts to keep; `p` are the inputs of one design, in the columns `P_` to
+    `BETA_HI`, SI units and radians; the arrays of `work` are overwritten. The result says, too, if
+    there are such angles [rad].
     """
     k, g, mu, e = p[ALONG] / p[P_], p[NORMAL] / p[P_], p[MU_K], p[LIMIT] / p[P_]
     A, b, u = work.planes, work.levels, work.upwards
@@ -53,10 +59,14 @@ def best(kept: PlaneThesis, p: Numbers, work: Work) -> Best:
 
 @compiled
 def gradients(kept: PlaneThesis, p: Numbers, alpha: float, beta: float, work: Work) -> None:
-    """Fill a_x and a_y with their gradients over alpha and beta, and the margins, in `work`.
+    """Fill `work` with a_x, a_y, their gradients over the drive angles, and margins.
 
-    `p` are the inputs of the design, in the columns `P_` to `BETA_HI`; all in units of the drive
-    acceleration P.
+    It is for a part on a plane with the printed friction: a_x = d_x - k - mu n, a_y = d_y - mu n,
+    where d is the drive, k gravity along -x and n the normal force; all in units of the drive
+    acceleration P. A margin is the distance to a limit, negative beyond.
+
+    `kept` chooses these formulas by its type; `p` are the inputs of one design, in the columns `P_`
+    to `BETA_HI`; `alpha` and `beta` are azimuth and elevation [rad].
     """
     F, slopes, k, mu = work.values, work.slopes, p[ALONG] / p[P_], p[MU_K]
     bounds(p, alpha, beta, math.nan, F, slopes, work.margins)

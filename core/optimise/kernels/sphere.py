@@ -32,7 +32,11 @@ NEAR_PARALLEL = 1e-20  # squared sine below which two planes have no corner
 
 @compiled
 def _kept(A: Numbers, b: Numbers, rows: int, x: float, y: float, z: float) -> bool:
-    """True if a direction (x, y, z) fulfils all planes a.d <= b, the first `rows` of A and b."""
+    """True if a direction of the drive keeps all limits, which are planes that cut the unit sphere.
+
+    A limit is a.d <= b, up to rounding, for the direction d = (x, y, z); the first `rows` rows of
+    A, shape (rows, 3), and of b count.
+    """
     for i in range(rows):  # noqa: SIM110 - a generator would not compile
         if A[i, 0] * x + A[i, 1] * y + A[i, 2] * z > b[i] + KEPT:
             return False
@@ -41,10 +45,11 @@ def _kept(A: Numbers, b: Numbers, rows: int, x: float, y: float, z: float) -> bo
 
 @compiled
 def _highest_corner(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers) -> bool:
-    """True if two planes meet on the sphere within all others.
+    """True if two limits of a drive direction meet on the unit sphere within all others.
 
-    Fills `best` with the highest corner. Height is u.d for a direction d; the planes are a.d <= b,
-    the first `rows` of A and b.
+    Limits are planes a.d <= b, the first `rows` rows of A, shape (rows, 3), and of b. `best` is
+    filled with the corner of the largest u.d: `u`, shape (3,), is what the objective weighs d with.
+    The best drive is there if it is neither the top of the sphere nor that of one limit's circle.
     """
     exists = False
     highest = -math.inf
@@ -79,12 +84,14 @@ def _highest_corner(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers
 
 @compiled
 def top_of_pieces(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers) -> bool:
-    """True if a unit vector fulfils all planes; fills `best` with the one with the largest u.d.
+    """True if a drive direction keeps all limits; `best` is filled with the one of the largest u.d.
 
-    The planes are a.d <= b, the first `rows` of A, which are unit vectors, and b. Where the top of
-    the sphere oversteps a plane and the top of that plane's circle keeps all others, it is the
-    optimum: without the others nothing is higher. Else it is a corner, for on any other circle the
-    way to the top of the sphere is free.
+    The limits are planes a.d <= b; the first `rows` rows of A, unit vectors, shape (rows, 3), and
+    of b count. `u`, shape (3,), of any length, is what the objective weighs the direction d with.
+
+    Where the top of the sphere oversteps a plane and the top of that plane's circle keeps all
+    others, it is the optimum: without the others nothing is higher. Else it is a corner, for on any
+    other circle the way to the top of the sphere is free.
     """
     size = math.sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2])
     x, y, z = u[0] / size, u[1] / size, u[2] / size
@@ -112,7 +119,11 @@ def top_of_pieces(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers) 
 
 @compiled
 def plane(A: Numbers, b: Numbers, row: int, x: float, y: float, z: float, limit: float) -> int:
-    """Add the plane (x, y, z).d <= limit in row `row` of A and b; return the number of rows."""
+    """Add a limit of the drive direction d, (x, y, z).d <= limit, to the planes A and b.
+
+    It becomes row `row` of A, shape (rows, 3), and of b, with a unit vector; the result is the
+    number of rows then.
+    """
     size = math.sqrt(x * x + y * y + z * z)
     A[row, 0], A[row, 1], A[row, 2] = x / size, y / size, z / size
     b[row] = limit / size
@@ -121,10 +132,11 @@ def plane(A: Numbers, b: Numbers, row: int, x: float, y: float, z: float, limit:
 
 @compiled
 def angles_within(p: Numbers, floor: bool, A: Numbers, b: Numbers) -> int:
-    """Write the bounds of the angles, and of floor contact, into the first rows of A and b.
+    """Write the bounds of a drive's angles as planes a.d <= b into A and b; return their number.
 
-    Return their number. `p` are the inputs of a design, in the columns `P_` to `BETA_HI`; with
-    `floor` the drive may not lift the part.
+    Here d is the direction of the drive; A has rows of unit vectors, shape (rows, 3). `p` are the
+    inputs of a design, in the columns `P_` to `BETA_HI`; with `floor` the drive may not lift the
+    part, which is one more limit of d_z.
     """
     a0, a1, b0, b1 = p[ALPHA_LO], p[ALPHA_HI], p[BETA_LO], p[BETA_HI]
     rows = plane(A, b, 0, math.sin(a0), -math.cos(a0), 0.0, 0.0)
@@ -147,10 +159,11 @@ def angles_of(d: Numbers) -> tuple[float, float]:
 
 @compiled
 def highest(P: float, constant: float, rows: int, work: Work) -> Best:
-    """Return status, alpha and beta of the largest u.d + constant within all planes.
+    """Return status, alpha and beta of the drive direction d with the largest u.d + constant.
 
-    u and the `rows` planes are in `work`; times P, the drive acceleration, the value is a_x or K,
-    which has to be positive for a motion.
+    It keeps all limits, which are planes a.d <= b. `work` has u and the first `rows` planes. Times
+    P, the drive acceleration, the value is the acceleration of the part, which has to be positive
+    for a motion. The result says, too, if there are such angles [rad].
     """
     u, d = work.upwards, work.direction
     if not top_of_pieces(u, work.planes, work.levels, rows, d):

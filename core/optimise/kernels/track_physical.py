@@ -44,11 +44,16 @@ def idle(kept: TrackPhysical, p: Numbers) -> tuple[float, float, float]:
 
 @compiled
 def best(kept: TrackPhysical, p: Numbers, work: Work) -> Best:
-    """Return status, alpha and beta of the largest d_x + mu (d_y + d_z) with d_y <= y, d_z <= g.
+    """Return status, alpha and beta of the drive with the largest a_x at rest on the track.
 
-    d is the drive direction; y and g are gravity towards the wall and onto the floor, k that along
-    -x, in units of the drive acceleration P. The part starts if d_x + mu_s (d_y + d_z) > k + mu_s
-    (y + g) somewhere; what starts it is one more plane.
+    a_x grows with d_x + mu (d_y + d_z) for the drive direction d; floor and wall are kept if d_y <=
+    y and d_z <= g, where y and g are gravity towards the wall and onto the floor, k that along -x,
+    in units of the drive acceleration P. The part starts if d_x + mu_s (d_y + d_z) > k + mu_s (y +
+    g) somewhere; to keep it moving is one more plane that limits d.
+
+    `kept` chooses these formulas by its type; `p` are the inputs of one design, in the columns `P_`
+    to `BETA_HI`, SI units and radians; the arrays of `work` are overwritten. The result says, too,
+    if there are such angles [rad].
     """
     k, y, g = p[ALONG] / p[P_], p[ACROSS] / p[P_], p[NORMAL] / p[P_]
     mu, mu_s = p[MU_K], p[MU_S]
@@ -73,11 +78,16 @@ def best(kept: TrackPhysical, p: Numbers, work: Work) -> Best:
 
 @compiled
 def gradients(kept: TrackPhysical, p: Numbers, alpha: float, beta: float, work: Work) -> None:
-    """Fill K_0 = d_x - k - mu (n + w) with its gradient over alpha and beta, and the margins.
+    """Fill `work` with K_0, its gradient over the drive angles, and margins, for the track.
 
-    They are in `work`, in units of the drive acceleration P: d is the drive direction, k gravity
-    along -x; n = g - d_z and w = y - d_y are the loads of floor and wall, with gravity g onto the
-    floor and y towards the wall. Static friction just holds where d_x - k = mu_s (n + w).
+    K_0 = d_x - k - mu (n + w) is the acceleration along the track at rest, in units of the drive
+    acceleration P: d is the drive direction, k gravity along -x; n = g - d_z and w = y - d_y are
+    the loads of floor and wall, with gravity g onto the floor and y towards the wall. Static
+    friction just holds where d_x - k = mu_s (n + w). A margin is the distance to a limit, negative
+    beyond.
+
+    `kept` chooses these formulas by its type; `p` are the inputs of one design, in the columns `P_`
+    to `BETA_HI`; `alpha` and `beta` are azimuth and elevation [rad].
     """
     F, slopes, margins = work.values, work.slopes, work.margins
     k, mu, mu_s = p[ALONG] / p[P_], p[MU_K], p[MU_S]

@@ -36,9 +36,21 @@ def idle(kept: TrackPrinted, p: Numbers) -> tuple[float, float, float]:
 
 @compiled
 def best(kept: TrackPrinted, p: Numbers, work: Work) -> Best:
-    """Return status, alpha and beta of the largest d_x + mu d_y; with a wall d_y <= y.
+    """Return status, alpha and beta of the drive with the largest K on the track, printed forces.
 
-    d is the drive direction, and y the room at the wall in units of P.
+    K, the acceleration along the track at rest, grows with d_x + mu d_y for the drive direction d,
+    which is the highest point of the unit sphere within planes: the bounds of the angles and the
+    contacts to keep. With the wall d_y <= y, where P y is the force per mass with which gravity
+    presses the part onto it. The result says, too, if there are such angles [rad].
+
+    Parameters
+    ----------
+    kept : TrackPrinted
+        The contacts to keep.
+    p : ndarray
+        Inputs of one design in the columns `P_` to `BETA_HI`, SI units and radians.
+    work : Work
+        Arrays that are overwritten.
     """
     wall_margin, mu, u = kept.side * (p[ACROSS] / p[P_]), p[MU_K], work.upwards
     rows = angles_within(p, kept.floor, work.planes, work.levels)
@@ -50,10 +62,14 @@ def best(kept: TrackPrinted, p: Numbers, work: Work) -> Best:
 
 @compiled
 def gradients(kept: TrackPrinted, p: Numbers, alpha: float, beta: float, work: Work) -> None:
-    """Fill K = d_x - k - mu (y - d_y), its gradient over alpha and beta, and the margins.
+    """Fill `work` with K, its gradient over the drive angles, and margins, for printed forces.
 
-    They are in `work`, in units of the drive acceleration P: d is the drive direction, k gravity
-    along -x, y the room at the wall without drive.
+    K = d_x - k - mu (y - d_y) is the acceleration along the track at rest, in units of the drive
+    acceleration P: d is the drive direction, k gravity along -x, y gravity towards the wall, which
+    the wall's margin is made of. A margin is the distance to a limit, negative beyond.
+
+    `kept` has the sign with which the source prints y; `p` are the inputs of one design, in the
+    columns `P_` to `BETA_HI`; `alpha` and `beta` are azimuth and elevation [rad].
     """
     F, slopes, mu = work.values, work.slopes, p[MU_K]
     bounds(p, alpha, beta, kept.side * (p[ACROSS] / p[P_]), F, slopes, work.margins)

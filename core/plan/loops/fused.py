@@ -73,7 +73,7 @@ class Fused:
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> None:
-        """Compute the outputs of the plan and ``regime`` into `results`.
+        """Compute the outputs of the plan and ``regime`` over the grid, into `results`.
 
         Parameters
         ----------
@@ -107,10 +107,19 @@ class Fused:
         threads: int,
         progress: Progress | None,
     ) -> None:
-        """Compute arrays with the common axes `dims`, task by task, on several threads.
+        """Compute all outputs that share the axes `dims` with compiled loops, on several threads.
 
-        `results` are the arrays, in the order of the program's outputs; `progress` is called with
-        the share of each task.
+        Parameters
+        ----------
+        dims : tuple of str
+            Names of the axes of the grid on which these outputs depend.
+        results : sequence of ndarray
+            Contiguous arrays over `dims`, one for each output of the compiled program, which are
+            filled.
+        threads : int
+            The largest number of threads, the calling one included.
+        progress : callable or None
+            Called after each task with its share of the cells, by any of the threads.
         """
         program, grid = self._programs[dims], self._grid
         operands = lay_out_operands(program, self._traced, self._values, grid)
@@ -124,7 +133,7 @@ class Fused:
         most = TASK_CELLS if len(program.stages) == 1 else COLUMN_CELLS
 
         def run(ends: NDArray[np.int64]) -> None:
-            """Compute one task and report its cells."""
+            """Compute a task and report its share; `ends` has first cell and end of each loop."""
             run_stages(program, operands, (ends, strides), flat)
             if progress is not None:
                 progress(_cells_between(ends) / cells)
@@ -167,20 +176,23 @@ def run_stages(
     ranges: tuple[NDArray[np.int64], ...],
     results: Sequence[Array],
 ) -> None:
-    """Run the loops of a program on some cells, and the numpy functions between them.
+    """Run the compiled loops of a program on some cells, and the numpy functions between them.
+
+    A program is the graph of a plan as loops over cells; a function that loops do not have splits
+    it.
 
     Parameters
     ----------
-    program : Program
-        The loops.
     operands : mapping of int to ndarray or number
         Inputs that numpy has computed, by number of the node: the result of `lay_out_operands`.
     ranges : tuple of ndarray
-        Start and stop along the row and along each outer loop, then the strides of the loops in the
-        results, and with lanes the strides of the numbers of cells.
+        Start and stop along the row (the innermost loop) and along each outer loop, then the
+        strides of the loops in the results, and for loops that add up statistics the strides of
+        cell numbers.
     results : sequence of ndarray
         Flat arrays that the last loop fills.
     """
+    # Importing numba takes a second: only runs that gain from it pay for it.
     from core.compiled import compiled_source  # numba, for those whom it repays
 
     columns: dict[int, Array] = {}
@@ -209,10 +221,11 @@ def run_stages(
 def lay_out_operands(
     program: Program, traced: Traced, values: Values, grid: Grid
 ) -> dict[int, Any]:
-    """Return the inputs of a program's loops, laid out by loop axes and row.
+    """Return the input arrays of a program's loops, by number of the node.
 
-    They are arrays or plain numbers by the number of their node. `values` computes them by numpy on
-    the grid; a value that changes along the row is spread over all of it.
+    They are arrays in the order of the loops, with the axes of loops and row (the innermost loop),
+    or plain numbers. `values` computes them by numpy on the grid; a value that changes along the
+    row is spread over all of it.
     """
     order, shape = program.order, grid.shape
     row = math.prod(shape[name] for name in order.inner)
@@ -240,7 +253,8 @@ def lay_out_operands(
 def groups_of(plan: Plan, grid: Grid) -> dict[tuple[str, ...], tuple[str, ...]]:
     """Return the outputs of a plan and ``regime`` grouped by the axes that they depend on.
 
-    The groups are in order of their number of points, the largest last.
+    The groups are in order of their number of points, the largest last. Each group is computed by
+    loops of its own over these axes, the keys of the result.
     """
     depends = plan.depends_on(grid.axes)
     groups: dict[tuple[str, ...], list[str]] = {}
@@ -263,7 +277,11 @@ class Values:
                 self._known[node.number] = np.asarray(value)
 
     def of(self, operand: Any) -> Any:
-        """Return the value of a node over all axes of the grid; return a plain number itself."""
+        """Return the value of an operand over all axes of the grid, of size 1 where it is constant.
+
+        `operand` is a node, an operation of the graph, whose value is computed once by numpy and
+        kept, or a constant, which is returned itself.
+        """
         if not isinstance(operand, Node):
             return operand
         if operand.number not in self._known:
@@ -271,7 +289,10 @@ class Values:
         return self._known[operand.number]
 
     def over(self, operand: Any, axes: Iterable[str]) -> Array:
-        """Return the value of a node over `axes`, which include all that it depends on."""
+        """Return the value of a node or constant as an array over `axes`, or as a scalar.
+
+        `axes` include all axes on which the operand depends; the others are dropped.
+        """
         value, kept = np.asarray(self.of(operand)), set(axes)
         if not value.ndim:
             return value
@@ -281,7 +302,8 @@ class Values:
     def special(self, nodes: Iterable[Node]) -> tuple[tuple[int, float | bool], ...]:
         """Return the nodes that are 0, 1, infinite, true or false everywhere, with the value.
 
-        Each is a pair of the node's number and its value; such values make other steps superfluous.
+        A node is an operation of the graph. Each is a pair of the node's number and its value: a
+        loop without the operations that such values make superfluous is faster.
         """
         constants: list[tuple[int, float | bool]] = []
         for node in nodes:
@@ -297,10 +319,10 @@ class Values:
 
 
 def _tasks(order: Order, shape: Mapping[str, int], most: int) -> Iterator[NDArray[np.int64]]:
-    """Yield the index ranges of each call of a loop: on the row and on each outer loop.
+    """Yield the tasks into which the loops over a grid are divided, to share them out.
 
-    Each is an array of start and stop, shape (loops + 1, 2); a call has at most `most` cells.
-    `shape` is that of the grid.
+    Each is an array of start and stop, int64, shape (loops + 1, 2): on the row, the innermost loop,
+    and on each outer loop. A task has at most `most` cells; `shape` are the lengths of the axes.
     """
     row = math.prod(shape[name] for name in order.inner)
     sizes = [row, *(shape[name] for name in order.outer)]

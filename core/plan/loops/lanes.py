@@ -87,11 +87,22 @@ class LaneOrder:
         over: Iterable[str],
         most: int = TILE_CELLS,
     ) -> LaneOrder:
-        """Return the tiles and lanes for loops over a grid.
+        """Return the order in which a loop takes the cells of a grid to gather their totals.
 
-        `outer` and `inner` are the axes of loops and row, `shape` the lengths of all axes, `over`
-        the axes that are reduced away. A tile has at most `most` cells, and there are at least
-        `FEWEST_TILES`.
+        Cells are taken in tiles, and within a tile gathered in lanes: places for a total each. Few
+        cells go to a lane, so that sums are accurate, and the order follows from the grid alone, so
+        that results do not depend on the machine.
+
+        Parameters
+        ----------
+        outer, inner : sequence of str
+            Axes that are loops, and axes of a row, the innermost loop.
+        shape : mapping of str to int
+            Lengths of all axes.
+        over : iterable of str
+            The axes that are reduced away.
+        most : int
+            Most cells of a tile; there are at least `FEWEST_TILES`.
         """
         goes = set(over)
         depth = DEPTH
@@ -128,9 +139,10 @@ class LaneOrder:
         return cls(tuple(outer), tuple(inner), piece, period, gathers, steps, frozenset(apart))
 
     def lanes(self, shape: Mapping[str, int], over: Iterable[str]) -> dict[str, int]:
-        """Return the number of lanes of a tile on each axis, outermost first.
+        """Return the number of lanes of a tile on each axis, outermost first; their product is all.
 
-        `shape` is the length of the tile on each axis, `over` are the axes that are reduced away.
+        A lane is a place in which cells of one point of the result are gathered. `shape` is the
+        length of the tile on each axis, `over` are the axes that are reduced away.
         """
         goes = set(over)
         lanes = {name: shape[name] for name in self.outer if name not in goes or name in self.apart}
@@ -208,20 +220,20 @@ class LaneLoop:
         numbers: Mapping[str, int],
         lanes: Sequence[NDArray[np.float64]],
     ) -> None:
-        """Add the cells of a tile to the lanes.
+        """Compute the cells of a tile and add them to totals, places of which are called lanes.
 
         Parameters
         ----------
         tile : mapping of str to (int, int)
             Start and stop of the tile on each axis.
         strides : mapping of str to int
-            Lanes from one value of an axis to the next, for outer axes and the first axis of a
-            row; an axis that is not named stays in the same lanes.
+            Lanes from one value of an axis to the next, for outer axes and the first axis of a row;
+            an axis that is not named stays in the same lanes.
         numbers : mapping of str to int
-            The same for the numbers of cells, by which `first_largest` and `first_least` name
-            a cell.
+            The same for the numbers of cells, by which `first_largest` and `first_least` name a
+            cell.
         lanes : sequence of ndarray
-            Flat arrays, as many as the updates take.
+            Flat arrays, as many as the updates take; they are updated.
         """
         assert self._inputs is not None
         order = self.order

@@ -65,10 +65,11 @@ def order_of(
     nodes: Collection[Node],
     longest: float = math.inf,
 ) -> Order:
-    """Return the loop order over some axes that minimises the work of a graph.
+    """Return the order of loops over some axes that makes the work of a graph of operations least.
 
-    `nodes` are its steps and the leaves that they need, `shape` has the length of each axis. A row
-    has at most `longest` cells for each value of its first axis.
+    An operation stands in the outermost loop that it can, so that the order decides how often it is
+    done. `nodes` are the operations and the inputs that they need, `shape` has the length of each
+    axis. A row, the innermost loop, has at most `longest` cells for each value of its first axis.
     """
     steps = [node for node in nodes if node.function]
     orders = []
@@ -84,11 +85,11 @@ def order_of(
 def _outwards(
     axes: Sequence[str], shape: Mapping[str, int], steps: Collection[Node]
 ) -> tuple[str, ...]:
-    """Return axes in loop order, outermost first, so that little work is repeated.
+    """Return axes in the order of loops, outermost first, so that little work is repeated.
 
     From within outwards, the next loop is that over the axis on which the least work depends: all
-    other work then stands outside of that loop. `steps` are the nodes to compute, `shape` has the
-    length of each axis.
+    other work then stands outside of that loop. `steps` are the operations to compute, `shape` has
+    the length of each axis.
     """
     left, outer = list(axes), list[str]()
     work = [(SLOW.get(step.function, 1.0), step.axes) for step in steps]
@@ -106,9 +107,10 @@ def _outwards(
 
 
 def work_of(order: Order, shape: Mapping[str, int], nodes: Collection[Node]) -> float:
-    """Return the cost of computing a graph in a loop order, in additions of a row.
+    """Return the cost of computing a graph of operations in an order of loops, to compare orders.
 
-    `nodes` are its steps and leaves, `shape` has the length of each axis.
+    Its unit is the addition of two numbers within a row, the innermost loop. `nodes` are operations
+    and inputs, `shape` has the length of each axis.
     """
     row = math.prod(shape[name] for name in order.inner)
     # What a row has beyond whole turns of its loop is taken cell by cell.

@@ -85,12 +85,22 @@ def edge_of(
     row: tuple[str, ...] = (),
     most: int | None = None,
 ) -> tuple[Node, ...]:
-    """Return the nodes that numpy computes and the loops take as inputs.
+    """Return the nodes of a graph that numpy computes beforehand, and loops take as inputs.
 
-    `names` are the results, `shape` axes and lengths. By numpy goes what has few values, what no
-    loop can compute unless it has too many values, and what these need. A value that depends on
-    axes of the row (`row`) and on others would be laid out as a row for each of the others: loops
-    compute it themselves, if they can. With `most`, no array has more values than that.
+    A node is an operation. By numpy goes what has few values, what no loop can compute unless it
+    has too many values, and what these need. A value that depends on axes of the row and on others
+    would be laid out as a row for each of the others: loops compute it themselves, if they can.
+
+    Parameters
+    ----------
+    names : tuple of str
+        The results wanted.
+    shape : tuple of (str, int)
+        Names and lengths of the axes.
+    row : tuple of str
+        The axes of the innermost loop.
+    most : int, optional
+        The largest number of values of an array.
     """
     lengths = dict(shape)
     cells = math.prod(lengths.values())
@@ -129,11 +139,22 @@ def program_of(
     special: tuple[tuple[int, float | bool], ...],
     updates: tuple[str, ...] = (),
 ) -> Program:
-    """Return the loops that compute the results `names` over axes of given lengths.
+    """Return the compiled loops that compute some results of a graph over axes of given lengths.
 
-    `special` holds numbers of nodes and their values where these are the same everywhere: steps
-    that they make superfluous are left out. With `updates`, a name of `UPDATES` for each result,
-    the loops gather cells in lanes instead of storing them.
+    Parameters
+    ----------
+    traced : Traced
+        The graph of operations and its results.
+    names : tuple of str
+        The results wanted.
+    shape : tuple of (str, int)
+        Names and lengths of the axes.
+    special : tuple of (int, number)
+        Numbers of nodes that have one value everywhere, with it: operations that it makes
+        superfluous are left out.
+    updates : tuple of str, optional
+        For each result a name of `UPDATES`: the loops then gather cells into totals instead of
+        storing them.
     """
     lengths = dict(shape)
     most = MAX_VALUES if updates else None
@@ -159,10 +180,21 @@ def _is_called(node: Node) -> bool:
 def _stages(
     order: Order, nodes: Sequence[Node], results: Sequence[Any], lanes: Lanes | None
 ) -> tuple[Stage, ...]:
-    """Return the loops that compute some results, and the numpy steps between them.
+    """Return the compiled loops that compute some results, and the numpy steps between them.
 
-    `nodes` are all steps and leaves that are needed. Numpy steps that are ready at the same time
-    follow the same loop.
+    A node is an operation of the graph. Some functions are left to numpy: each splits the loop, and
+    those that are ready at the same time follow the same loop.
+
+    Parameters
+    ----------
+    order : Order
+        The loops over the axes.
+    nodes : sequence of Node
+        All operations and inputs that are needed.
+    results : sequence of Node or number
+        What the last loop writes.
+    lanes : Lanes, optional
+        How results are gathered into totals; they are stored if None.
     """
     ready = _ready(results)
     leaves = [node for node in nodes if node.function is None]
@@ -187,10 +219,18 @@ def _renewed(
     edge: Iterable[Node],
     special: tuple[tuple[int, float | bool], ...],
 ) -> tuple[list[Any], list[Node]]:
-    """Return results in a new graph, in which given nodes are leaves, and all nodes needed.
+    """Return results in a new, simpler graph of operations, and all nodes that it needs.
 
-    `edge` are those nodes; `special` holds numbers of nodes and the plain values that replace them,
-    which simplifies the graph.
+    Parameters
+    ----------
+    traced : Traced
+        The graph.
+    names : tuple of str
+        The results wanted.
+    edge : iterable of Node
+        Nodes that numpy computes beforehand: they become inputs.
+    special : tuple of (int, number)
+        Numbers of nodes that have one value everywhere, with it, which replaces them.
     """
     graph = Graph()
     new: dict[int, Any] = {
@@ -214,9 +254,11 @@ def _renewed(
 
 
 def _ready(results: Iterable[Any]) -> dict[int, int]:
-    """Return, for each node by number, after how many numpy steps in sequence it is known.
+    """Return, for each node by number, after how many numpy steps in sequence its value is known.
 
-    Such steps stand between two loops: a loop can use a node if as many came before it.
+    A node is an operation of the graph. A loop cannot compute some functions: numpy does so between
+    two loops, and a loop can use a node if as many numpy steps came before it. `results` are the
+    nodes wanted.
     """
     ready: dict[int, int] = {}
 

@@ -154,7 +154,12 @@ class _Writer:
         self.here: set[int] = set()
 
     def _need(self, node: Node) -> None:
-        """Collect a node and all nodes that it depends on, each after its inputs."""
+        """Collect the operations of a loop: a node of the traced graph and all nodes it depends on.
+
+        `steps` gets the nodes that the loop computes, inputs first; `used` those that it reads from
+        arrays made beforehand, where the descent ends; `deep` those that depend on a value given
+        cell by cell and cannot be moved to an outer loop. Nodes that are known already are skipped.
+        """
         if node.number in self.steps or node.number in self.used:
             return
         if node.number in self.leaves | self.columns:
@@ -175,7 +180,11 @@ class _Writer:
         return node.number in self.deep or self.order.is_row(node)
 
     def _kept(self) -> dict[int, Node]:
-        """Return the rows that one loop stores because a loop inside it uses them, by number."""
+        """Return the nodes whose values along a row are stored for an inner loop, by number.
+
+        A row is the innermost loop; a node that does not depend on an outer axis is computed along
+        the row once.
+        """
         used = [(operand, self._level(node)) for node in self.nodes for operand in node.before]
         used += [(operand, self.deepest) for operand in self.results if isinstance(operand, Node)]
         kept = {
@@ -188,7 +197,11 @@ class _Writer:
         return dict(sorted(kept.items()))
 
     def _term(self, node: Node) -> str:
-        """Return the source text for a node's value inside the loop along the row."""
+        """Return the source text for the value of a node inside the innermost loop.
+
+        It is a local variable, an element of an array made beforehand, or one of a row that an
+        outer loop has stored.
+        """
         number = node.number
         if number in self.columns:
             return f"c{number}[done + i]"
@@ -203,7 +216,10 @@ class _Writer:
         return f"({row} != 0.0)" if node.dtype == np.bool_ else row
 
     def write(self) -> Loop:
-        """Return the loop: its source text, and the nodes of its arguments."""
+        """Return the loop: its source text, and the nodes of the graph that are its arguments.
+
+        A line stands inside as few loops as its values allow.
+        """
         arrays = [node for node in self.used.values() if node.number in self.leaves]
         columns = [node for node in self.used.values() if node.number in self.columns]
         lines: list[str] = []
@@ -234,9 +250,10 @@ class _Writer:
         )
 
     def _at_level(self, level: int, arrays: Sequence[Node], pad: str) -> list[str]:
-        """Return the source lines at one loop level: inputs, numbers, then rows.
+        """Return the lines of a loop's source at one level: inputs, numbers, then loops along rows.
 
-        `arrays` are the nodes that numpy has made, `pad` is the indentation.
+        The level counts the loops outside; a step stands as far outside as it can. `arrays` are the
+        inputs that numpy has computed, `pad` is the indentation.
         """
         here = [node for node in self.nodes if self._level(node) == level]
         self.here = {node.number for node in here}
@@ -251,14 +268,23 @@ class _Writer:
         return [f"{pad}{line}" for line in lines]
 
     def _taken(self, node: Node) -> str:
-        """Return the line that names an element or a row of an input array for inner loops."""
+        """Return the line of a loop's source that takes an element or a row of an input array.
+
+        `node` is an input that numpy has computed. The line indexes its array by the outer loops on
+        whose axes it depends, and gives the element, or a row of it for the innermost loop, a local
+        name.
+        """
         turns = {name: f"i{k + 1}" for k, name in enumerate(self.order.outer)}
         index = ", ".join(turns[name] for name in self.order.kept(node))
         taken = f"a{node.number}[{index}]" if index else f"a{node.number}"
         return f"a{node.number}_ = {taken}{'[at:stop]' if self.order.is_row(node) else ''}"
 
     def _starts(self) -> list[str]:
-        """Return the lines that compute where the results of a row begin in their arrays."""
+        """Return the source lines that find where results of a row begin in their arrays.
+
+        The results are arrays over the grid, columns for numpy's next step, or lanes, places for
+        totals.
+        """
         lines = []
         if self.lanes:
             lines += [f"start = {self._lane_index('strides')}"]
@@ -270,9 +296,10 @@ class _Writer:
         return lines + [f"o{k}_ = o{k}[{start}:{start} + cells]" for k in range(self.arrays)]
 
     def _row(self, rows: Sequence[Node], updates: Sequence[str]) -> list[str]:
-        """Return the lines of the loop along a row: steps, stored rows, then updates.
+        """Return the source lines of the loop along a row, the innermost one.
 
-        `rows` are the nodes to compute, `updates` the lines that store or gather results.
+        They compute the nodes `rows` of the graph in order, store those that later loops need, and
+        then have the lines `updates`, which store or gather results.
         """
         lines = ["for i in range(cells):"]
         for node in rows:
@@ -285,14 +312,22 @@ class _Writer:
         return [*lines, *(f"    {line}" for line in updates)]
 
     def _lane_index(self, strides: str) -> str:
-        """Return the text for the index of a row's first cell, by the array named `strides`."""
+        """Return the source text for the index of a row's first cell among lanes.
+
+        A lane is a place for a total. `strides` is the name of the array that has the distance for
+        each loop.
+        """
         assert self.lanes is not None
         turns = [f"i{k + 1}" for k in range(self.deepest)] + [f"at // {self.lanes.period}"]
         terms = [f"{turn} * {strides}[{k}]" for k, turn in enumerate(turns)]
         return " + ".join([*terms, f"{strides}[{len(turns)}]"])
 
     def _updated(self) -> list[str]:
-        """Return the source lines of the last loop that store or gather the results."""
+        """Return the source lines of the last loop that write the results of a cell.
+
+        A result is stored, or gathered into a total such as a sum or a largest value: an entry of
+        `UPDATES`.
+        """
         lines, free = [], 0
         for update, term in zip(self.updates, self._terms(), strict=True):
             count, texts = UPDATES[update]
@@ -313,7 +348,10 @@ class _Writer:
 
 
 def _literal(value: Any) -> str:
-    """Return a number or truth value as source text, with infinity, NaN and -0.0."""
+    """Return a number or truth value as source text, with infinity, NaN and -0.0.
+
+    Constants of equations are written so into the source of compiled loops.
+    """
     if isinstance(value, bool | np.bool_):
         return str(bool(value))
     number = float(value)

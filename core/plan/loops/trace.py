@@ -138,14 +138,21 @@ class Graph:
         self._known: dict[Any, Any] = {}
 
     def leaf(self, name: str, axes: Iterable[str], dtype: Any = np.float64) -> Node:
-        """Return the node of a parameter over some axes; the same name gives the same node."""
+        """Return the node of a parameter in the graph; the same name gives the same node.
+
+        `axes` are the axes of the grid on which it depends: itself if it has several values.
+        """
         key = (None, name)
         if key not in self._known:
             self._known[key] = Node(self, None, (), frozenset(axes), np.dtype(dtype), name)
         return self._known[key]
 
     def apply(self, function: Function, inputs: Iterable[Any]) -> Any:
-        """Return the node of a numpy function; a number if all inputs are numbers."""
+        """Return the node of the graph for a numpy function of some inputs, or a number.
+
+        Inputs are nodes or numbers; the result is a number, or one of the inputs, if no operation
+        is needed. The same function of the same inputs gives the same node.
+        """
         operands = tuple(
             operand if isinstance(operand, Node) else _number(operand) for operand in inputs
         )
@@ -165,7 +172,10 @@ class Graph:
 
 
 def _number(value: Any) -> Any:
-    """Return a plain number, also from an array without dimensions; raise for other arrays."""
+    """Return a plain number, also from an array without dimensions; raise for other arrays.
+
+    An equation that makes an array of its own cannot be traced: `UntraceableError`.
+    """
     if isinstance(value, np.ndarray):
         if value.ndim:
             raise UntraceableError("the equation creates an array, which cannot be compiled")
@@ -174,7 +184,11 @@ def _number(value: Any) -> Any:
 
 
 def _identity(operand: Any) -> Any:
-    """Return a key that equal operands share: the node's number, or type and bytes."""
+    """Return a key that equal operands share, by which repeated operations are recognised.
+
+    An operand is a node of the graph, whose key is its number, or a constant, whose key is its type
+    and its bytes.
+    """
     if isinstance(operand, Node):
         return operand.number
     array = np.asarray(operand)
@@ -182,7 +196,11 @@ def _identity(operand: Any) -> Any:
 
 
 def _dtype(function: Function, operands: Iterable[Any]) -> np.dtype[Any]:
-    """Return the type of a function's result, found by running it on one sample."""
+    """Return the type of the result of a function, found by running it on one sample.
+
+    `operands` are nodes of the graph, which know their type, or constants. Raises
+    `UntraceableError` if the function refuses these types.
+    """
     samples = (np.ones(1, one.dtype) if isinstance(one, Node) else one for one in operands)
     with np.errstate(all="ignore"):
         try:
@@ -192,9 +210,11 @@ def _dtype(function: Function, operands: Iterable[Any]) -> np.dtype[Any]:
 
 
 def _chosen(operands: tuple[Any, ...]) -> tuple[Any] | None:
-    """Return the result of `where` if no choice is left, in a tuple; else None.
+    """Return the operand that a `where` gives if no choice is left, in a tuple; else None.
 
-    That is where the condition is a number or both choices are equal.
+    `operands` are the condition and the two choices, each a node of the graph or a constant. No
+    choice is left where the condition is a constant or both choices are equal. The node of the
+    `where` is then not needed in the graph. The tuple tells a result that is None from no result.
     """
     condition, first, second = operands
     if not isinstance(condition, Node):
@@ -203,10 +223,11 @@ def _chosen(operands: tuple[Any, ...]) -> tuple[Any] | None:
 
 
 def _joined(operands: tuple[Any, ...], *, neutral: bool) -> tuple[Any] | None:
-    """Return the result of a logical operation that needs no step, in a tuple; else None.
+    """Return the operand that a logical operation gives if it needs no step, in a tuple; else None.
 
-    One operand is a constant, or both are equal. `neutral` is the constant that changes nothing:
-    True for `and`, False for `or`.
+    That is if one operand is a constant or both are equal; the graph then has no node for it.
+    `neutral` is the constant that changes nothing: True for `and`, False for `or`. `operands` are
+    two nodes of the graph or constants.
     """
     for first, second in (operands, operands[::-1]):
         if isinstance(first, bool | np.bool_):
@@ -215,7 +236,11 @@ def _joined(operands: tuple[Any, ...], *, neutral: bool) -> tuple[Any] | None:
 
 
 def _product(operands: tuple[Any, ...]) -> tuple[Any] | None:
-    """Return the other operand of a multiplication by 1, in a tuple; None for other factors."""
+    """Return the other operand of a multiplication by 1, in a tuple; None for other factors.
+
+    The graph of operations then has no node for it. `operands` are two nodes or constants; only a
+    node of doubles counts, so that the result keeps its type.
+    """
     for first, second in (operands, operands[::-1]):
         if _is(first, 1.0) and isinstance(second, Node) and second.dtype == np.float64:
             return (second,)
@@ -276,9 +301,11 @@ class TracedPlan:
 
 
 def traced_plan(plan: Plan, axes: Iterable[str]) -> TracedPlan | None:
-    """Return a new graph of a plan over some axes, with every quantity and condition.
+    """Return the graph of operations behind a plan, with every quantity and condition, or None.
 
-    None if the plan cannot be traced.
+    The plan's equations are run once with symbols in place of arrays; None if one of them cannot
+    be. `axes` are the names of the parameters that have several values. The graph is new for each
+    call: the caller may add operations to it before a loop is compiled.
     """
     graph = Graph()
     ranged = {name for name in axes if name in plan.parameters}
@@ -295,10 +322,11 @@ def traced_plan(plan: Plan, axes: Iterable[str]) -> TracedPlan | None:
 
 
 def traced(plan: Plan, axes: Iterable[str]) -> Traced | None:
-    """Return the graph of a plan with outputs and ``regime``; None if it cannot be traced.
+    """Return the graph of operations behind a plan's outputs and regime, to compile loops from it.
 
-    It does not depend on values, so that equal plans share it: parameters without an axis are nodes
-    too.
+    `axes` are the names of the parameters with several values. The graph does not depend on values,
+    so that equal plans share it: parameters with a single value are nodes too. None if an equation
+    cannot be run with symbols in place of arrays.
     """
     ranged = tuple(name for name in axes if name in plan.parameters)
     return _traced(
@@ -320,9 +348,17 @@ def _traced(
     parameters: tuple[str, ...],
     ranged: tuple[str, ...],
 ) -> Traced | None:
-    """Return the graph of equations and conditions; None if it cannot be traced.
+    """Return the graph of operations behind equations and conditions; None if it cannot be traced.
 
-    `ranged` are the parameters that are axes. The result is cached by all arguments.
+    The equations are run once with symbols in place of arrays. From the graph, loops over all cells
+    are compiled. The result is cached by all arguments.
+
+    Parameters
+    ----------
+    conditions, otherwise
+        What decides on the regime of a cell, and the regime where no condition holds.
+    outputs, parameters, ranged : tuple of str
+        Names of the results wanted, of all inputs, and of those inputs that are axes of the grid.
     """
     graph = Graph()
     leaves = {name: graph.leaf(name, {name} & set(ranged)) for name in parameters}

@@ -38,7 +38,10 @@ def fold_sums(
     beyond: Array,
     levels: Integers,
 ) -> None:
-    """Add the lanes of each slot pairwise, and their sum to the exact sum of the slot.
+    """Add the sums in the lanes of each slot, and their total to the exact sum of the slot.
+
+    A slot is a point of the result, a lane a place in which a loop has gathered cells of one slot.
+    Lanes are added pairwise, which keeps rounding small.
 
     Parameters
     ----------
@@ -46,18 +49,14 @@ def fold_sums(
         The sum in each lane; 0 afterwards.
     order : ndarray of int64, shape (lanes,)
         The lanes of the first slot, then of the second: as many of each.
-    slots : ndarray of int64, shape (slots,)
-        Slots of the tile among those of the box, but for an offset.
-    offset : int
-        That offset.
+    slots, offset : ndarray of int64, shape (slots,), int
+        Slots of the tile among those of the box, but for the offset.
     line : ndarray
         Room for the lanes of a slot.
     digits : ndarray of int64, shape (levels, slots of the box)
-        Exact sums: digits of 40 bits each, with their sign; level 0 has the unit 2^-1074.
-    beyond : ndarray, shape (slots of the box,)
-        The sum of what is no finite number.
-    levels : ndarray of int64, shape (2,)
-        Lowest and highest level that is in use.
+        Updated exact sums: digits of 40 bits each, with their sign; level 0 has the unit 2^-1074.
+    beyond, levels : ndarray, shape (slots of the box,), ndarray of int64, shape (2,)
+        Updated: the sum of what is no finite number; lowest and highest level that is in use.
     """
     each = order.size // slots.size
     mine = line[:each]
@@ -81,9 +80,10 @@ def fold_sums(
 
 @borrowing
 def _add(value: float, digits: Integers, levels: Integers) -> None:
-    """Add a float to the exact sum of one slot: its 53 bits go into at most three digits.
+    """Add a float to the exact sum of one slot, an integer in digits of 40 bits, without rounding.
 
-    `digits` are the slot's digits by level, `levels` the lowest and highest level in use.
+    The 53 bits of `value` go into at most three of `digits`, int64, shape (levels,), the least
+    first. `levels` has the lowest and highest level in use and is updated.
     """
     own = bits(value)
     exponent = (own >> 52) & 0x7FF
@@ -116,26 +116,26 @@ def fold_extremes(
     keys: Integers,
     held_numbers: Integers,
 ) -> None:
-    """Update the extremes of slots from lanes; among equal values the lowest number wins.
+    """Update the extremes of slots from those in lanes; among equal values the lowest cell wins.
+
+    A slot is a point of the result, a lane a place in which a loop has gathered cells of one slot.
 
     Parameters
     ----------
     values : ndarray, shape (lanes,)
         The extreme in each lane; infinite afterwards, as an empty lane.
     numbers : ndarray, shape (lanes,) or (0,)
-        The number of the row that it lies in, infinite where there is none; empty if nobody asks.
+        The number of the row that it lies in, infinite where there is none; empty if no place is
+        wanted.
     least : bool
-        Whether the least is wanted; else the largest.
-    order : ndarray of int64, shape (lanes,)
-        The lanes of the first slot, then of the second: as many of each.
-    slots : ndarray of int64, shape (slots,)
+        True if the least is wanted; else the largest.
+    order, own_numbers : ndarray of int64, shape (lanes,)
+        The lanes of the first slot, then of the second, as many of each; what the place of a lane
+        in the row adds to the number.
+    slots, offset : ndarray of int64, shape (slots,), int
         Slots of the tile among those of the box, but for an offset.
-    offset : int
-        That offset.
-    own_numbers : ndarray of int64, shape (lanes,)
-        What the place of a lane in the row adds to the number.
     keys, held_numbers : ndarray of int64, shape (slots of the box,)
-        Key and number of the extreme of each slot.
+        Updated: key (an integer that sorts like the float) and cell of the extreme of each slot.
     """
     empty = math.inf if least else -math.inf
     each = order.size // slots.size
@@ -163,12 +163,21 @@ def fold_extremes(
 def fold_counts(
     packed: Array, order: Integers, slots: Integers, offset: int, counts: Integers
 ) -> None:
-    """Add the counts in lanes, packed several to a number, to those of their slots.
+    """Add the counts that cells have left in lanes to those of their slots, points of the result.
 
-    `packed` has the shape (lanes,) and is 0 afterwards; `order` has the lanes of the first slot,
-    then of the second; `slots` are the tile's slots among those of the box, but for `offset`;
-    `counts` has a row for each count. Every other count has room for twice as many bits, so that
-    256 lanes are added before counts are taken apart.
+    Several counts are packed into one number. Every other count has room for twice as many bits, so
+    that 256 lanes are added before counts are taken apart.
+
+    Parameters
+    ----------
+    packed : ndarray, shape (lanes,)
+        The packed counts; 0 afterwards.
+    order : ndarray of int64, shape (lanes,)
+        The lanes of the first slot, then of the second, as many of each.
+    slots, offset : ndarray of int64, shape (slots,), int
+        The slots of the tile among those of the box, but for the offset.
+    counts : ndarray of int64, shape (counts, slots of the box)
+        Updated.
     """
     each = order.size // slots.size
     for slot in range(slots.size):
@@ -200,7 +209,9 @@ def gather(
     least: Array,
     least_at: Array,
 ) -> None:
-    """Add stored cells to lanes in the same order as a compiled loop does.
+    """Add stored cells to lanes, places for totals, in the same order as a compiled loop does.
+
+    So results do not depend on whether cells were stored.
 
     Parameters
     ----------
@@ -213,7 +224,7 @@ def gather(
     piece_lanes, piece_number : int
         Lanes and numbers from one piece to the next.
     counts, sums, largest, largest_at, least, least_at : ndarray, shape (lanes,)
-        What lanes hold.
+        Updated: the totals in the lanes, and the numbers of the rows in which the extremes lie.
     """
     for turn in range((cells.shape[1] + piece - 1) // piece):
         for row in range(cells.shape[0]):

@@ -22,10 +22,20 @@ Flags = NDArray[np.int8]
 
 @borrowing
 def count_along(flags: Flags, wanted: int, slots: Integers, length: int, counts: Integers) -> None:
-    """Count the cells of each row that have a flag; each row is one slot.
+    """Count the cells with a flag, such as a regime, where all cells of a row have one slot.
 
-    `flags` are the cells, row after row of `length`, `slots` the slot of each row; the number of
-    cells equal to `wanted` is added to `counts`.
+    A slot is a point of the reduced result.
+
+    Parameters
+    ----------
+    flags : ndarray of int8
+        The cells, row after row of `length`.
+    wanted : int
+        The flag to count.
+    slots : ndarray of int64, shape (rows,)
+        The slot of each row.
+    counts : ndarray of int64, shape (slots,)
+        The number of cells equal to `wanted` is added.
     """
     for row in range(slots.size):
         mine = flags[row * length : (row + 1) * length]
@@ -37,10 +47,20 @@ def count_along(flags: Flags, wanted: int, slots: Integers, length: int, counts:
 
 @borrowing
 def count_across(flags: Flags, wanted: int, slots: Integers, length: int, counts: Integers) -> None:
-    """Count the cells of each row that have a flag; each cell is in its own slot.
+    """Count the cells that have a flag, such as a regime, each cell of a row in its own slot.
 
-    `flags` are the cells, row after row of `length`, `slots` the slot of a row's first cell; 1 is
-    added to `counts` for each cell equal to `wanted`.
+    A slot is a point of the reduced result.
+
+    Parameters
+    ----------
+    flags : ndarray of int8
+        The cells, row after row of `length`.
+    wanted : int
+        The flag to count.
+    slots : ndarray of int64, shape (rows,)
+        The slot of the first cell of each row; the others follow.
+    counts : ndarray of int64, shape (slots,)
+        1 is added for each cell equal to `wanted`.
     """
     for row in range(slots.size):
         mine = flags[row * length : (row + 1) * length]
@@ -55,8 +75,20 @@ def meet(
 ) -> None:
     """Clear the flag `met` of cells that do not count, or whose value fails a comparison.
 
-    `comparison` has a bit each for a value below the level (1), equal to it (2) and above it (4);
-    `valid` has a bit for each regime that counts.
+    It counts the cells that meet the conditions of a share. All arrays have the shape (cells,).
+
+    Parameters
+    ----------
+    values, regimes : ndarray
+        Values of an output, and numbers of the regimes.
+    valid : int
+        A bit for each regime that counts.
+    comparison : int
+        A bit each for a value below the level (1), equal to it (2) and above it (4).
+    level : float
+        The level.
+    met : ndarray of int8
+        Updated flags.
     """
     below, equal, above = comparison & 1 != 0, comparison & 2 != 0, comparison & 4 != 0
     for k in range(values.size):
@@ -80,7 +112,8 @@ def masked(values: Array, regimes: Flags, valid: int, result: Array) -> None:
 def histogram(values: Array, regimes: Flags, valid: int, counts: Integers) -> None:
     """Add the cells of a box that count to a histogram by the leading bits of their values.
 
-    `valid` has a bit for each regime that counts; `counts` has `BINS` bins, in the order of values.
+    Quantiles are taken from it. `values` and `regimes` are those of the cells, flat; `valid` has a
+    bit for each regime that counts; `counts` has `BINS` bins, in the order of values.
     """
     for k in range(values.size):
         value = values[k] + 0.0
@@ -102,12 +135,14 @@ def crossings(
     spread: bool,
     extremes: Array,
 ) -> None:
-    """Find where values cross a level between neighbours along an axis, and keep the extremes.
+    """Find where an output crosses a level between neighbours along an axis, and keep the extremes.
+
+    A crossing is a value of the axis, interpolated between two cells that both count.
 
     Parameters
     ----------
     values, regimes : ndarray, shape (cells,)
-        Values and regimes of the cells of a box, flat.
+        Output and regimes of the cells of a box, flat.
     valid : int
         A bit for each regime that counts.
     level : float
@@ -117,15 +152,12 @@ def crossings(
     stride : int
         Cells from one neighbour to the next.
     largest : bool
-        Whether the largest of several crossings is wanted; else the smallest.
-    slots : ndarray of int64, shape (rows,)
-        The slot of each row, or of its first cell.
-    length : int
-        Cells of a row.
-    spread : bool
-        Whether the cells of a row go to slots one after another; else all to one.
+        True if the largest of several crossings is wanted; else the smallest.
+    slots, length, spread : ndarray of int64 (rows,), int, bool
+        A slot, a point of the result, for each row of `length` cells; if `spread`, that of the
+        first cell of the row, and the others follow.
     extremes : ndarray, shape (slots,)
-        The crossing so far of each slot; infinite if there is none.
+        Updated: the crossing so far of each slot; infinite if there is none.
     """
     lines = values.size // (axis.size * stride)
     for line in range(lines):
@@ -155,10 +187,11 @@ def crossings(
 def _between(
     lower: float, upper: float, level: float, first: float, last: float, largest: bool
 ) -> float:
-    """Return the point on an axis where a straight line between two values crosses a level.
+    """Return the point of an axis at which a straight line between two cells crosses a level.
 
-    `lower` and `upper` are the values at the points `first` and `last`. If both are the level, it
-    is the larger or smaller point, by `largest`.
+    `lower` and `upper` are the values of an output in the cells at the points `first` and `last` of
+    the axis, on both sides of `level`; either may be infinite. If both are the level, it is the
+    larger or the smaller point, by `largest`.
     """
     if lower == level and upper == level:
         return max(first, last) if largest else min(first, last)

@@ -48,13 +48,16 @@ SAMPLE = Sample(*range(len(Sample._fields)))
 
 @compiled
 def follow(row: Floats, waves: Waves, known: int, stop: Stop) -> tuple[Floats, float, float, bool]:
-    """Return a cell's motion pieces, phase shift, direction sign, and True if they repeat.
+    """Return the motion of one cell in pieces, for drawing the path of its part.
 
-    `row` holds the cell's numbers, `waves` the room for its drive, `known` the status that the cell
-    has if its motion does not repeat, `stop` a flag that ends the work. A piece is a stretch in one
-    mode, one row with the columns of `PIECE`; shape (pieces, 6). The phase shift in rad and the
-    sign -1 or 1 undo the mirror images of `drive_of`. The pictures of a part's path are drawn from
-    this.
+    `row` holds the cell's numbers, `waves` the work array for its drive, `known` the status that
+    the cell has if its motion does not repeat, `stop` a flag that ends the work.
+
+    Returns
+    -------
+    Pieces, each a stretch in one mode, shape (pieces, 6) with the columns of `PIECE`; the phase
+    shift in rad and the sign -1 or 1 with which they are turned back from the mirrored drive to
+    that of the study; and True if the motion repeats after them.
     """
     cell = cell_of(row)
     chain, result = no_chain(), np.empty(RESULTS)
@@ -74,23 +77,23 @@ def pieces_of(
     drive: Drive, phase: float, cell: Cell, status: int, rows: Floats, count: int, u: float,
     sums: Floats, log: Floats,
 ) -> tuple[Floats, bool]:  # fmt: skip
-    """Return the motion pieces of a solved cycle, and True if the motion repeats after them.
+    """Return the pieces of a solved motion, each in one mode, and True if it repeats after them.
 
-    Pieces have the columns of `PIECE`, shape (pieces, 6). A motion that does not repeat is followed
-    from rest at the phase `phase`, and the last `SHOWN_PERIODS` periods of its way are returned.
+    Pieces have the columns of `PIECE`, shape (pieces, 6), for drawing the trajectory. A motion that
+    does not repeat is followed from rest, and its last `SHOWN_PERIODS` periods are returned.
 
     Parameters
     ----------
-    phase
-        Phase in rad at which the study's own period starts.
+    drive, phase
+        The drive, and the phase in rad at which the study's own period starts.
     cell, status
         The cell's numbers, and the status of its motion.
     rows, count
-        The segments of the cycle normal to the floor (columns of `SEGMENT`), and how many.
+        Segments of the cycle normal to the floor (columns of `SEGMENT`), and their number.
     u
         Slip velocity at the start of the cycle in g/w (w = 2 pi f).
     sums, log
-        Work arrays for the sums of `follow_cycle` and for the pieces.
+        Work arrays, overwritten, for the sums over the cycle and for the pieces.
     """
     used = 0
     if status == STATUS.at_rest:
@@ -124,9 +127,9 @@ def sample(
     Parameters
     ----------
     pieces, repeats
-        Motion pieces of one cycle (columns of `PIECE`), and if it repeats after them.
+        Motion pieces of one cycle (columns of `PIECE`), and True if it repeats after them.
     row, waves
-        The cell's numbers, and the room for its drive.
+        The cell's numbers, and the work array for the wave of its drive.
     shift
         Phase shift of the drive in rad, from `follow`.
     phases
@@ -166,9 +169,9 @@ def sample(
 def at_piece(piece: Floats, since: float, drive: Drive) -> tuple[float, float, float, float]:
     """Return position, height, velocity along and velocity normal at a phase within a motion piece.
 
-    `piece` is a row with the columns of `PIECE`, `since` the phase after its start in rad. Lengths
-    in g/w^2 (w = 2 pi f), velocities in g/w. By `fly` and `rise` in flight, `slide` on the floor; a
-    part that sticks keeps its position.
+    `piece` is a row with the columns of `PIECE`: its start, mode and state there; `since` is the
+    phase after its start in rad, `drive` the drive with gravity and friction. Lengths in g/w^2 (w =
+    2 pi f), velocities in g/w. The flows are closed: in flight, sliding on the floor, or at rest.
     """
     tau, mode, x = piece[PIECE.phase], piece[PIECE.mode], piece[PIECE.position]
     u, w = piece[PIECE.along], piece[PIECE.normal]
@@ -189,10 +192,11 @@ def at_piece(piece: Floats, since: float, drive: Drive) -> tuple[float, float, f
 def spend_over_piece(drive: Drive, piece: Floats, spent: Floats) -> None:
     """Add the work of drive and friction over one motion piece to `spent`, per mass, in (g/w)^2.
 
-    `piece` is a row with the columns of `PIECE`, `spent` has the columns of `SPENT`. The integrals
-    over the phase of b.u (drive), of b'.u (swing: it gives the mass that the drive feels) and,
-    while the part slips, of mu_k N |u| (friction), with the push b and its derivative b' by the
-    phase, the velocity u and the load N = n - b_z; by Gauss's rule (theory 13.15). Here w = 2 pi f.
+    The integrals over the phase of b.u (drive), of b'.u (swing: it gives the mass that the drive
+    feels) and, while the part slips, of mu_k N |u| (friction), with the push b and its derivative
+    b' by the phase, the velocity u and the load N = n - b_z; by Gauss's rule (theory 13.15). Here w
+    = 2 pi f. `piece` is a row with the columns of `PIECE`, `spent` has the columns of `SPENT`,
+    `drive` gives push and friction.
     """
     tau, span, flies = piece[PIECE.phase], piece[PIECE.span], piece[PIECE.mode] == MODE.flight
     if piece[PIECE.mode] == MODE.stick:
@@ -219,20 +223,23 @@ def spend_over_cycle(
     drive: Drive, rows: Floats, count: int, u: float, periods: float, sums: Floats, log: Floats,
     spent: Floats,
 ) -> None:  # fmt: skip
-    """Fill `spent` (columns of `SPENT`) with mean powers per mass over a chain of segments.
+    """Fill `spent` (columns of `SPENT`) with mean powers per mass over a cycle of planar motion.
 
-    In g^2/(2 pi f). The chain is followed as often as fits into `periods` periods of the drive. An
+    In g^2/(2 pi f). The cycle is followed as often as fits into `periods` periods of the drive. An
     impact takes the kinetic energy by which the next piece starts with less, (u-^2 - u+^2 + w-^2 -
-    w+^2)/2 of the velocities along and normal before and after it. NaN if the log is too short.
+    w+^2)/2 of the velocities along and normal before and after it. NaN if the log is too short
+    (theory 13.15).
 
     Parameters
     ----------
+    drive
+        Drive, gravity and friction in g.
     rows, count
         Segments of the motion normal to the floor (columns of `SEGMENT`), and how many.
     u
         Slip velocity at their start in g/(2 pi f).
     sums, log
-        Work arrays for the sums of `follow_cycle` and the motion pieces.
+        Work arrays for the sums over the cycle and the motion pieces.
     """
     spent[:] = 0.0
     after_last = max(0.0, rows[0, SEGMENT.take_off])
@@ -256,12 +263,12 @@ def spend_over_cycle(
 
 @compiled
 def spend_cells(groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill energy table and statuses of all cells: what drive, friction and impacts take.
+    """Fill the table of mean powers of cells in the plane: what drive, friction and impacts take.
 
-    `groups` has a row of numbers for each cell, `waves` is the room for the drive, `table` has the
-    columns of `SPENT`, mean powers per mass in g^2/w (w = 2 pi f); `status` one value a cell;
-    `stop` is a flag that ends the work. NaN for cells without a cycle, 0 for parts at rest (theory
-    13.15).
+    The cycle of each motion is found, and followed once more. `groups` has a row of numbers for
+    each cell, `waves` is the work array for the wave of a drive, `table` has the columns of
+    `SPENT`, powers per mass in g^2/w (w = 2 pi f); `status` gets the status of the motion; `stop`
+    is a flag that ends the work. NaN for cells without a cycle, 0 for parts at rest (theory 13.15).
     """
     chain, sums, result = no_chain(), np.empty(SUMS), np.empty(RESULTS)
     log = np.empty((4 * MAX_SEGMENTS, len(PIECE)))

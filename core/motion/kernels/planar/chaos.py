@@ -93,9 +93,10 @@ def jolted(number: int, gn: float) -> float:
 def share_out(travel: Floats, begin: float, end: float, distance: float) -> int:
     """Add a distance to the periods in which it was covered; return the number of complete periods.
 
-    `travel` has one entry a period; `begin` and `end` are phases in rad since the start of the
-    first period. Each period gets the share of `distance` that its overlap has in [begin, end], as
-    if the speed were steady between two landings.
+    The mean velocities of periods, or groups of them, show the error of a mean. `travel` has one
+    entry a period; `begin` and `end` are phases in rad since the start of the first period. Each
+    period gets the share of `distance` in g/w^2 (w = 2 pi f) that its overlap has in [begin, end],
+    as if the speed were steady between two landings.
     """
     period = int(begin // TURN)
     while period < travel.size and period * TURN < end:
@@ -122,10 +123,10 @@ def flight(
 ) -> tuple[float, float, float, float, bool]:
     """Return landing speed, rebound, slip and distance of a flight, and True if the part stays.
 
-    Speeds in g/(2 pi f), distance in g/(2 pi f)^2. `u` and `w` are the velocities along and off the
-    floor at take-off at phase `tau`, `span` is the flight time in rad. The slip velocity is that
-    after the friction of the landing. The part stays on the floor if its further hops shrink to
-    nothing (`rests`).
+    Speeds in g/w, distance in g/w^2 (w = 2 pi f). `drive` and `e` are drive numbers and
+    restitution, `u` and `w` the velocities along and off the floor at take-off at phase `tau`,
+    `span` is the flight time in rad. The slip velocity is that after the friction of the landing.
+    The part stays on the floor if its further hops shrink to nothing (`rests`).
     """
     speed = max(0.0, -rise(drive, w, tau, span)[0])
     up = rebound(e, speed)[0]
@@ -138,12 +139,13 @@ def flight(
 def first_flight(
     run: int, phase: float, drive: Drive, sums: Floats, no_log: Floats
 ) -> tuple[float, float, float, float, bool]:
-    """Return a run's first lift-off: slip, take-off speed, phase, and time on the floor before.
+    """Return the first lift-off of a long run: slip, take-off speed, phase, and time before it.
 
-    The last of the five values is True if the part was on the floor. Run `run` starts from rest at
-    its own phase, spread over the period around the study's start `phase`. If the floor holds the
-    part there, it stays until lift-off, `sums` gets that stay, and the take-off speed is a tiny
-    jolt; otherwise the values are 0, 0, the phase, 0 and False. `no_log` is an empty log.
+    In g/w (w = 2 pi f) and rad; the last of the five values is True if the part was on the floor
+    before. Run number `run` starts from rest at a phase of its own, spread over the period around
+    the study's start `phase`. If the floor holds the part there, it stays until lift-off, `sums`
+    gets distance and times of that stay, and the take-off speed is a tiny jolt; otherwise the
+    values are 0, 0, the phase, 0 and False. `no_log` is an empty log.
     """
     tau = (phase + TURN * (run + GOLDEN * (run // PHASES)) / PHASES) % TURN
     if load(drive, tau) > 0.0:
@@ -204,22 +206,31 @@ def long_run(
     run: int, phase: float, periods: int, patience: int, drive: Drive, e: Restitution,
     travel: Floats, rows: Floats, sums: Floats, stop: Stop,
 ) -> FollowedRun:  # fmt: skip
-    """Follow a part from rest in run number `run`, and return its sums.
+    """Follow a part for `periods` periods from rest, and return sums and extremes of its motion.
 
-    The run takes `periods` periods, and goes on until no cycle of hops is near; its first quarter
-    is dropped. Each lift-off from rest gets another tiny jolt, so that the mean is over all ways
-    that the part may take. If it falls into a cycle of hops, `rows` start with that cycle.
+    For motion that may never repeat. The run goes on until no cycle of hops is near; its first
+    quarter is dropped. Each lift-off from rest gets another tiny jolt, so that the mean is over all
+    ways that the part may take. If it falls into a cycle of hops, `rows` start with that cycle.
 
     Parameters
     ----------
+    run
+        Number of the run; it sets the phase of its start and its jolts.
     phase
         Phase in rad of the study's own start; each run starts at another one.
+    periods
+        Periods of the drive that are followed.
     patience
         Hops without rest after which no cycle is expected; 0 looks for none.
+    drive, e
+        The cell's drive numbers, and its restitution.
     travel
-        Filled with the distance of each counted period in g/w^2, as far as it has room.
+        Filled with the distance of each counted period in g/w^2 (w = 2 pi f), as far as it has
+        room.
     rows, sums
-        Work arrays for hops (columns of `SEGMENT`), and for distance and times as in `contact`.
+        Work arrays: hops (columns of `SEGMENT`), and distance and times as in `contact`.
+    stop
+        Flag that ends the work.
     """
     gs, gn, mu_k = drive.gs, drive.gn, drive.mu_k
     no_log = np.empty((0, len(PIECE)))
@@ -290,12 +301,13 @@ def means_of(
     run: FollowedRun, phase: float, cell: Cell, drive: Drive, rows: Floats, sums: Floats,
     result: Floats, stop: Stop,
 ) -> int:  # fmt: skip
-    """Fill `result` (columns of `COLUMN`) with the means of one run's motion; return its status.
+    """Fill `result` (columns of `COLUMN`) with the means of one long run; return its status.
 
     v = x/T, shares t_mode/T and impacts 2 pi k/T, with distance x, times t_mode, k impacts and the
-    counted phase T of the run; `sums` holds x and t_mode. A run that ended in a cycle has the means
-    of that cycle, whose hops are in `rows`, by `repeating`. `phase` is the study's own start in
-    rad.
+    counted phase T of the `run`; `sums` holds x and t_mode. A run that ended in a cycle of hops has
+    the means of that cycle, whose hops are in `rows`. Statuses without means are `runaway` and
+    `limit_reached`, for a run that was too short. `drive` and `cell` hold the part's numbers,
+    `phase` is the study's own start in rad, `stop` a flag that ends the work.
     """
     if run.hops > 0:
         periods, no_log = round(run.time / TURN), np.empty((0, len(PIECE)))
@@ -329,13 +341,13 @@ def sure_change(later: Floats, before: Floats) -> float:
 
 @compiled
 def batch_error(quarters: Floats) -> float:
-    """Return the statistical error of the mean velocity of runs, from means of their quarters.
+    """Return the statistical error of the mean velocity of several runs, in g/w (w = 2 pi f).
 
-    `quarters` has shape (runs, 4), in g/w (w = 2 pi f). The error is that of the means of half runs
-    (`mean_error`) plus the drift |d| by which second halves surely differ from first ones, since
-    the runs then still know how they began. Where the last quarters surely drift on in that way, by
-    a factor q from half to half, the drift counts (1 + q)/(2 (1 - q)) times if that is more (theory
-    13.8).
+    `quarters` holds the mean velocities of the quarters of each run, shape (runs, 4), in g/w. The
+    error is that of the means of half runs (`mean_error`, for 99 %) plus the drift |d|, by which
+    second halves differ from first ones beyond chance: the runs then still depend on their start.
+    Where the last quarters go on to drift in that way, by a factor q from half to half, the drift
+    counts (1 + q)/(2 (1 - q)) times if that is more (theory 13.8).
     """
     runs = quarters.shape[0]
     halves = np.empty(2 * runs)
@@ -360,8 +372,20 @@ def from_phases(
     For motions that rounding decides. If no run ends in a cycle: `aperiodic`, with the mean
     velocity of the quarters of all runs and its statistical error by `batch_error`. If a run ends
     in a cycle, more starts follow, and the error reaches to the furthest of all means: `sensitive`.
-    Also `runaway` and `limit_reached`. `phase` is the study's own start in rad; `rows` and `sums`
-    are work arrays; `result` has the columns of `COLUMN`.
+    Also `runaway` and `limit_reached`.
+
+    Parameters
+    ----------
+    cell, drive
+        Numbers of the cell, and its drive numbers.
+    phase
+        The study's own start in rad.
+    rows, sums
+        Work arrays: hops (columns of `SEGMENT`), and distance and times in the modes.
+    result
+        The cell's row of results (columns of `COLUMN`).
+    stop
+        Flag that ends the work.
     """
     drive = rounded(drive)
     e = Restitution(kept(cell.restitution), kept(cell.impact_damping))

@@ -71,14 +71,15 @@ def one_hop(
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Return span, landing speed, landing phase and rebound of a hop, and four derivatives.
 
-    A part takes off at phase `tau` in rad with velocity `w` in g/(2 pi f). With the loads n0 at
-    take-off and n1 at the landing, span D, landing speed v and rebound R(v) (eps v, or by
-    `rebound`), the derivatives of landing phase and rebound by those at take-off are, in this order
-    (theory 13.16),
+    A part takes off at phase `tau` in rad with velocity `w` in g/(2 pi f); `e` is the law of
+    restitution. With the loads n0 at take-off and n1 at the landing, span D, landing speed v and
+    rebound speed R(v), the last four numbers are, in this order (theory 13.16),
 
         d(phase)/d(tau)   = (n0 D - w)/v                 d(phase)/d(w)   = D/v
         d(rebound)/d(tau) = -R' (n0 - n1 d(phase)/d(tau))
         d(rebound)/d(w)   = -R' (1 - n1 d(phase)/d(w))
+
+    The span is below 0 if the part never lands.
     """
     span = landing(drive, w, tau)
     speed = max(0.0, -rise(drive, w, tau, span)[0])
@@ -99,11 +100,13 @@ def one_hop(
 def run_cycle(
     drive: Drive, tau: float, w: float, hops: int, e: Restitution, rows: Floats
 ) -> tuple[float, float, float, float, float, float]:
-    """Return phase and rebound after `hops` hops, and their derivatives by those at the start.
+    """Return phase and rebound speed after `hops` hops, and four derivatives by those at the start.
 
-    The part takes off at phase `tau` in rad with velocity `w` in g/(2 pi f). The four derivatives
-    are the product of the matrices of `one_hop`, in its order. The hops are written into `rows`
-    (columns of `SEGMENT`). The phase is NaN if a hop ends in a stay on the floor, or never ends.
+    A search for repeating motion uses them in Newton's method. The part takes off at phase `tau` in
+    rad with velocity `w` in g/(2 pi f), with the restitution `e`. The derivatives are
+    d(phase)/d(tau), d(phase)/d(w), d(rebound)/d(tau), d(rebound)/d(w), products of those of each
+    hop. The hops are written into `rows` (columns of `SEGMENT`). The phase is NaN if a hop ends in
+    a stay on the floor, or never ends.
     """
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     for hop in range(hops):
@@ -120,12 +123,13 @@ def run_cycle(
 def fixed_point(
     drive: Drive, at: float, up: float, hops: int, periods: int, e: Restitution, rows: Floats
 ) -> tuple[float, float, bool]:
-    """Return take-off phase and speed of a cycle of `hops` hops, and True if it attracts.
+    """Return take-off phase and speed of a cycle of hops, and True if the cycle attracts.
 
-    The cycle takes `periods` periods and is sought near the take-off phase `at` in rad with speed
-    `up` in g/w (w = 2 pi f), by Newton's iteration (M - 1) dy = -(y1 - y0) with the derivatives M
-    of `run_cycle`. It attracts if |tr M| < 1 + det M and det M < 1 (Jury). False also if none is
-    found. The hops are written into `rows`.
+    The cycle of `hops` hops takes `periods` periods of the drive and is sought near the take-off
+    phase `at` in rad with speed `up` in g/w (w = 2 pi f), for the restitution `e`. Newton's
+    iteration is (M - 1) dy = -(y1 - y0), with the state y = (phase, speed) at start and end and the
+    derivatives M of `run_cycle`. It attracts if |tr M| < 1 + det M and det M < 1 (Jury); False also
+    if none is found. The hops are written into `rows`.
     """
     for _ in range(MAX_NEWTON):
         after, up_after, a, b, c, d = run_cycle(drive, at, up, hops, e, rows)
@@ -146,11 +150,12 @@ def fixed_point(
 
 @compiled
 def shortest_part(rows: Floats, hops: int, periods: int) -> int:
-    """Return the number of hops after which a cycle of `hops` hops already repeats.
+    """Return the number of hops after which a cycle of `hops` hops already repeats; `hops` if none.
 
-    Near a period doubling a cycle of two hops may be one hop twice. The result is the smallest part
-    p of the hops, in whole periods, with sum |y[k + p] - y[k]| < 1e-7 a hop, y the phase and the
-    take-off speed in `rows`.
+    Near a period doubling a cycle of two hops may be one hop counted twice. The result is the
+    smallest divisor q of `hops`, with a whole number of the cycle's `periods` of the drive, for
+    which the mean of |y[k + q] - y[k]| over the hops is below 1e-7, summed over the phase and the
+    take-off speed y in `rows` (a row a hop, columns of `SEGMENT`).
     """
     for part in range(1, hops // 2 + 1):
         if hops % part == 0 and periods % (hops // part) == 0:
@@ -167,12 +172,16 @@ def shortest_part(rows: Floats, hops: int, periods: int) -> int:
 def find_cycle(
     drive: Drive, e: Restitution, rows: Floats, count: int, tau: float, w: float
 ) -> tuple[int, int]:
-    """Return hops and periods of an attracting cycle of hops near the last states; 0, 0 if none.
+    """Return hops and periods of an attracting cycle of hops near the last states; (0, 0) if none.
 
-    `rows` hold the `count` hops so far (columns of `SEGMENT`); the part now takes off at phase
-    `tau` with speed `w`. The search starts from where the motion nearly recurs, |sum of spans - 2
-    pi k| + |w1 - w0| < 0.01, by `fixed_point`, and accepts a cycle that attracts and that the
-    motion nears. The first rows are then filled with it (theory 13.7).
+    So the motion of a part that hops without a rest is shown to repeat (theory 13.7). A search
+    starts where the motion nearly recurs after k periods, |sum of spans - 2 pi k| + |w1 - w0| <
+    0.01 with take-off speeds w1 and w0, by Newton's iteration (`fixed_point`). The cycle must
+    attract, lie near, and be approached by the motion.
+
+    `e` is the law of restitution. `rows` hold the `count` hops so far (columns of `SEGMENT`); the
+    part now takes off at phase `tau` in rad with speed `w` in g/(2 pi f). If a cycle is found its
+    hops overwrite the first rows.
     """
     travelled, tries = 0.0, 0
     for hops in range(1, min(LONGEST_CYCLE, count) + 1):
@@ -214,11 +223,24 @@ def normal_cycle(
 ) -> tuple[int, int, int]:
     """Return the cycle normal to the floor into which a part settles from rest at phase `start`.
 
-    `rows` are filled with contacts and flights (columns of `SEGMENT`). The result is the index of
-    the cycle's first segment, the end of its segments, and its periods; segments before the first
-    lead into it (none if the cycle has hops only). Periods 0: the motion does not repeat, or the
-    errors of rounding grow by more than `most_growth` on the way, so that they decide how it
-    repeats; -1: a limit came first. `max_periods` bounds the search (theory 13.7).
+    The motion normal to the floor does not depend on friction, and is found first (theory 13.7).
+    `rows` are filled with its contacts and flights (columns of `SEGMENT`).
+
+    Parameters
+    ----------
+    drive, start, e
+        Drive and gravity; phase in rad; law of restitution.
+    max_periods
+        Largest number of periods of the search.
+    most_growth
+        Largest growth of rounding errors on the way, beyond which they decide how the motion
+        repeats; infinite to ignore them.
+
+    Returns
+    -------
+    Index of the cycle's first segment, end of its segments, and its periods. Segments before the
+    first lead into the cycle. Periods 0: the motion does not repeat, or rounding decides; -1: a
+    limit came first.
     """
     if not lifts(drive):
         write_segment(rows, 0, 0.0, TURN, -1.0, 0.0, 0.0)
@@ -295,7 +317,8 @@ def same_start(rows: Floats, count: int, tau: float) -> int:
     """Return the index of an earlier segment that took off from rest at phase `tau`; -1 if none.
 
     Among the first `count` of `rows` (columns of `SEGMENT`), with |tau - tau_k| < 1e-9 modulo a
-    turn. From there on the motion normal to the floor repeats.
+    turn. A part that leaves rest at the same phase again repeats its motion normal to the floor
+    from there on.
     """
     for row in range(count):
         if rows[row, SEGMENT.take_off] == 0.0:
@@ -307,13 +330,14 @@ def same_start(rows: Floats, count: int, tau: float) -> int:
 
 @compiled
 def phase_uncertainty(rows: Floats, count: int, drive: Drive, e: Restitution) -> float:
-    """Return the error by rounding of a cycle's phases, weighted by its effect on the part.
+    """Return the error in rad by rounding of a cycle's phases, weighted by its effect on the part.
 
-    Of `count` segments in `rows` (columns of `SEGMENT`). Errors grow along a chain of hops by the
-    product M of the matrices of `one_hop`, so far by |M|/min |M|, until the part rests on the
-    floor; if it never rests, at least by (2 + |M|)/|det(M - 1)|, which is large if the cycle hardly
-    closes. A landing that comes late matters by the floor's force n1 and the impulse v, (|n1| +
-    v)/(s + n): next to nothing if the part has hardly lifted off.
+    Of the first `count` segments in `rows` (columns of `SEGMENT`), a row a hop or contact, with the
+    cell's `drive` and restitution `e`. Errors grow along a chain of hops by the product M of the
+    matrices of `one_hop`, so far by |M|/min |M|, until the part rests on the floor; if it never
+    rests, at least by (2 + |M|)/|det(M - 1)|, which is large if the cycle hardly closes. A landing
+    that comes late matters by the floor's force n1 and the impulse v, (|n1| + v)/(s + n): next to
+    nothing if the part has hardly lifted off. s and n are vibration off the floor and gravity.
     """
     s, gn = drive.s, drive.gn
     a, b, c, d = 1.0, 0.0, 0.0, 1.0

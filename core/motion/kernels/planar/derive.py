@@ -43,13 +43,16 @@ DERIVED_COLUMNS = MARGIN + 1
 
 @borrowing
 def start_of_cycle(drive: SineDrive, rows: Floats, count: int, d: Floats) -> int:
-    """Fill the derivatives of the state at the start of a cycle; return the number of directions.
+    """Set the derivatives of the state at the start of a cycle; return how many columns are in use.
 
-    `d` has a row for each quantity (`ROW`) and a column for each direction (`BY`): the parameters
-    and the free quantities of the state. A cycle with a rest on the floor starts at a lift-off
-    (`lift`); one of hops only at a landing, whose phase and rebound are free; one that never lifts
-    off where static friction lets go (`release`). `rows` and `count` are the cycle's segments
-    (theory 13.16).
+    The columns (`BY`) are the seven parameters and, behind them, the free quantities of the
+    starting state. Which are free depends on the cycle: only the velocity along where the cycle
+    starts at a lift-off after a rest on the floor (`lift`), or, without hops, where static friction
+    lets go (`release`); also phase and rebound where hops follow each other without a rest (theory
+    13.16).
+
+    `rows` are the `count` segments of the cycle (columns of `SEGMENT`; a take-off below 0 is a
+    contact). `d` is overwritten, with a row a quantity (`ROW`).
     """
     d[:, :] = 0.0
     d[ROW.along, BY.start_along] = 1.0
@@ -77,22 +80,25 @@ def carry(
 ) -> int:  # fmt: skip
     """Propagate derivatives through `cycles` rounds of a cycle; return the number of directions.
 
-    Segment by segment: `in_air` for a flight, `on_floor` for a contact up to its lift-off.
+    A direction is a number by which the motion is derived. Segment by segment: `in_air` for a
+    flight, `on_floor` for a contact up to its lift-off.
 
     Parameters
     ----------
-    e
-        Restitution.
+    drive, e
+        Drive numbers of the cell, and its restitution.
     rows, count
         Segments of the cycle (columns of `SEGMENT`), and how many.
+    cycles
+        Rounds of the cycle to go through.
     u
         Slip velocity at the start in g/w (w = 2 pi f).
     energy
         If the work of friction is derived, too.
     d
-        Derivatives, a row a quantity (`ROW`), a column a direction (`BY`).
+        Derivatives, a row a quantity (`ROW`), a column a direction (`BY`); changed.
     nearest
-        Least relative distances of decisions from their other outcomes, shape (5,).
+        Least relative distances of decisions from their other outcomes, shape (5,); changed.
     """
     size = start_of_cycle(drive, rows, count, d)
     flies = lifts(drive)
@@ -123,13 +129,16 @@ def add(d: Floats, to: int, factor: float, of: int) -> None:
 
 @borrowing
 def close(size: int, d: Floats, nearest: Floats) -> None:
-    """Add what each parameter changes at the start of the cycle, so that the cycle stays closed.
+    """Complete the derivatives of a cycle by those of its start, so that it remains closed.
 
-    `d` holds derivatives at the end of the cycle, in `size` directions. The start state y (slip
-    velocity; of hops only also phase and rebound) changes by y. = (1 - M)^-1 Q, with what the cycle
-    makes of a change of y, M, and of the parameter, Q. For hops, with M = (a, b; c, f) + 1 and det
-    = a f - b c: phase. = (b Q_2 - f Q_1)/det and rebound. = (c Q_1 - a Q_2)/det. `nearest[0]` notes
-    a cycle that hardly closes (theory 13.16).
+    The state y at the start (slip velocity; of hops only also phase and rebound) changes by y. = (1
+    - M)^-1 Q, with the derivatives M of the end by a change of y, and Q of the end by the
+    parameter. For hops, with M = (a, b; c, f) + 1 and det = a f - b c: phase. = (b Q_2 - f Q_1)/det
+    and rebound. = (c Q_1 - a Q_2)/det.
+
+    `d` holds the derivatives at the end, a row a quantity (`ROW`), a column a direction (`BY`), of
+    which `size` are in use. `nearest[0]` is lowered where the cycle hardly closes, as at a fold or
+    a period doubling (theory 13.16).
     """
     free = DIRECTIONS - size
     if not free:
@@ -185,11 +194,12 @@ def carry_two_sided(drive: SineDrive, energy: bool, d: Floats, nearest: Floats) 
 
 @borrowing
 def tell(drive: SineDrive, result: Floats, d: Floats, slopes: Floats) -> None:
-    """Fill `slopes` with the derivatives of the mean values by the parameters.
+    """Fill `slopes` with the derivatives of the mean values of a motion by its parameters.
 
-    `slopes` has a row for each mean (`DERIVED`) and a column for each parameter (`BY`), `d` the
-    derivatives of sums over the cycle, `result` the mean values. Sums are divided by the cycle's
-    duration in rad; the drive's power is friction + impacts + sin(gamma) v (theory 13.15).
+    `d` holds the derivatives of sums over the cycle, a row a quantity (`ROW`), `result` the mean
+    values (columns of `COLUMN`); `slopes` has a row for each mean (`DERIVED`) and a column for each
+    parameter (`BY`). Sums are divided by the cycle's duration in rad; the drive's power is friction
+    + impacts + sin(gamma) v, with gravity along the track `drive.gs` (theory 13.15).
     """
     time = result[COLUMN.multiple] * TURN
     for told, row in SUMMED:
@@ -206,12 +216,13 @@ def tell(drive: SineDrive, result: Floats, d: Floats, slopes: Floats) -> None:
 
 @borrowing
 def turn_slopes(c: float, s: float, slopes: Floats) -> None:
-    """Undo in the derivatives the mirror images that `flow.upright` applies to a drive (c, s).
+    """Give derivatives of a mirrored motion the signs that they have for the drive of the study.
 
-    `slopes` has a row for each mean (`DERIVED`) and a column for each parameter (`BY`). If s < 0
-    the derivatives by c and s change sign; in the mirror of the track's direction those by c and
-    sin(gamma) do, and those of the mean velocity, and the shares forward and backward change
-    places.
+    A drive (c, s), its amplitudes along and normal, is solved with both positive: mirrored in time
+    if s < 0 and in the direction of the track. `slopes` has a row for each mean (`DERIVED`) and a
+    column for each parameter (`BY`), and is changed. If s < 0 the derivatives by c and s change
+    sign; in the mirror of the track's direction those by c and sin(gamma) do, and those of the mean
+    velocity, and the shares forward and backward change places.
     """
     mirrored = (-c if s < 0 else c) < 0
     for told in range(len(DERIVED)):

@@ -69,8 +69,9 @@ def stick_range(
     """Return the range of sin(tau) within which friction holds, and the slip direction above it.
 
     (gs + mu_s gn)/(c + mu_s s) is one bound, (gs - mu_s gn)/(c - mu_s s) the other, with drive
-    amplitudes c, s along and normal and gravity gs, gn along and onto the floor, in g. Below the
-    least value the part slips backward, beyond the largest forward (1), or backward (-1) where the
+    amplitudes `c`, `s` along and normal and gravity `gs`, `gn` along and onto the floor, in g, and
+    the static friction `mu_s`. Returned are the least and the largest value, and a direction: below
+    the least the part slips backward, beyond the largest forward (1), or backward (-1) where the
     drive lifts it off more than it pushes it on (theory 13.3).
     """
     least, largest, way = -math.inf, math.inf, 1.0
@@ -105,13 +106,13 @@ def sine_of(c: float, s: float, gs: float, gn: float, mu_s: float, mu_k: float) 
 
 @compiled
 def upright(cell: Cell, row: Floats, waves: NoWaves) -> tuple[SineDrive, float, float]:
-    """Return the drive mirrored so that c and s are positive, its phase shift and direction sign.
+    """Return the sine drive of a cell, mirrored to positive amplitudes, a phase shift and a sign.
 
-    c and s are its amplitudes along and normal. (c, s) sin(tau) = (-c, -s) sin(tau - pi): a drive
-    that points down pushes up half a turn later, and the phase shift in rad (0 or pi) is where the
-    study's own phase 0 lies. A drive that points back is mirrored, (c, sin(gamma)) -> (-c,
-    -sin(gamma)), and the sign is then -1. `row` and `waves` are not used: they stand for those of
-    other drives.
+    So solvers need one case only. With amplitudes c, s along and normal, (c, s) sin(tau) = (-c, -s)
+    sin(tau - pi): a drive that points down pushes up half a turn later, and the phase shift in rad
+    (0 or pi) is where the study's own phase 0 lies. A drive that then points back is mirrored, (c,
+    sin(gamma)) -> (-c, -sin(gamma)), and the sign is -1, else 1. `row` and `waves` are not used:
+    they stand for those of other drives.
     """
     c, s, gs = cell.drive_number_along, cell.drive_number_normal, cell.gravity_number_along
     phase, way = 0.0, 1.0
@@ -147,8 +148,9 @@ def sine_rounded(drive: SineDrive) -> SineDrive:
 def arc(d: float) -> tuple[float, float]:
     """Return D - sin D and 1 - cos D = 2 sin^2(D/2) of a phase D in rad, without loss of digits.
 
-    Below 0.7 from their series, D^3/6 (1 - D^2/20 (1 - D^2/42 ...)) and D^2/2 (1 - D^2/12 (1 -
-    D^2/30 ...)), since differences lose digits (theory 13.2).
+    D is `d`; motion under a sine for a phase D is made of these two. Below 0.7 from their series,
+    D^3/6 (1 - D^2/20 (1 - D^2/42 ...)) and D^2/2 (1 - D^2/12 (1 - D^2/30 ...)), since differences
+    lose digits (theory 13.2).
     """
     if abs(d) > 0.7:
         half = math.sin(d / 2)

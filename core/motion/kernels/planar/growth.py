@@ -31,14 +31,16 @@ def grown(
     known: Uncertainty, span: float, speed: float, after: float, drive: Drive, slope: float,
     slopes: tuple[float, float, float, float],
 ) -> Uncertainty:  # fmt: skip
-    """Return the growth of rounding errors by one hop, E' = M E M^T + j j^T, as a new error matrix.
+    """Return the rounding errors after one more hop, E' = M E M^T + j j^T, as mean squares.
 
     E = `known` holds the mean squares of the errors of phase and rebound and their mean product, in
-    roundings. M = `slopes`: d(phase)/d(tau), d(phase)/d(w), d(rebound)/d(tau), d(rebound)/d(w) of
-    `one_hop`. j is what one rounding of the parameters adds: it moves the height at the landing by
-    (s + n) D^2, thus the phase by that over the landing speed, at most the flight itself. `span` is
-    the flight D in rad, `speed` the landing speed, `after` the landing phase, `slope` the
-    derivative of the rebound by the landing speed (theory 13.7).
+    roundings; so it is decided if digits determine the motion. M = `slopes`: d(phase)/d(tau),
+    d(phase)/d(w), d(rebound)/d(tau), d(rebound)/d(w) of the hop, by phase tau and velocity w at
+    take-off. j is what one rounding of the parameters adds: it moves the height at the landing by
+    (s + n) D^2, thus the phase by that over the landing speed, at most the flight itself.
+
+    `span` is the flight D in rad, `speed` the landing speed in g/w (w = 2 pi f), `after` the
+    landing phase, `slope` the derivative of the rebound by the landing speed (theory 13.7).
     """
     square, product, rebounds = known
     tt, tw, wt, ww = slopes

@@ -30,7 +30,10 @@ def restitution_of(cell: Cell) -> Restitution:
 
 @compiled
 def excess(x: float) -> float:
-    """Return exp(x) - 1 - x, without loss of digits near 0 by a series."""
+    """Return exp(x) - 1 - x, without loss of digits near 0, where a series is summed.
+
+    The law of restitution of Hunt and Crossley is solved with it.
+    """
     if abs(x) >= SMALL:
         return math.expm1(x) - x
     series = 1.0
@@ -41,11 +44,12 @@ def excess(x: float) -> float:
 
 @compiled
 def hunt_crossley(number: float) -> float:
-    """Return e d, rebound speed times damping, of an impact with the number d = b v > 0.
+    """Return rebound speed times damping, e d, of an impact on a floor with Hunt-Crossley damping.
 
-    b is the damping of a Hunt-Crossley contact, v the speed of impact, e the restitution: d - ln(1
-    + d) = -e d - ln(1 - e d). With s = ln(1 + d) and t = -ln(1 - e d) this is exp(s) - 1 - s =
-    exp(-t) - 1 + t, solved for t by Newton's method from s (theory 18.3).
+    The impact has the number d = b v > 0 (`number`); b is the damping of the contact, v the speed
+    of impact, e the restitution: d - ln(1 + d) = -e d - ln(1 - e d). With s = ln(1 + d) and t =
+    -ln(1 - e d) this is exp(s) - 1 - s = exp(-t) - 1 + t, solved for t by Newton's method from s
+    (theory 18.3).
     """
     t = math.log1p(number)
     known = excess(t)
@@ -59,11 +63,12 @@ def hunt_crossley(number: float) -> float:
 
 @compiled
 def rebound(e: Restitution, speed: float) -> tuple[float, float]:
-    """Return the rebound speed after an impact, and its derivative by the speed of impact.
+    """Return the rebound speed after an impact on the floor, and its derivative by impact speed.
 
-    With a constant restitution eps: eps v and eps, v = `speed`. By Hunt-Crossley's law with damping
-    b: e(d) v and (1 - e d)/((1 + d) e) with d = b v. The derivative lies between 0 and 1: a faster
-    impact rebounds faster, so that landings stay in their order (theory 18.3).
+    `speed` v and the result in g/w (w = 2 pi f). With a constant restitution eps: eps v and eps. By
+    Hunt-Crossley's law with damping b, `e.damping`: e(d) v and (1 - e d)/((1 + d) e), where d = b v
+    and the restitution e(d) falls with d. The derivative lies between 0 and 1: a faster impact
+    rebounds faster, so that landings stay in their order (theory 18.3).
     """
     if e.damping == 0.0:
         return e.constant * speed, e.constant

@@ -45,10 +45,11 @@ times its largest: what is huge acts for as short a time."""
 def velocity_at_start(drive: Drive, phase: float, rows: Floats, first: int, count: int) -> float:
     """Return the slip velocity in g/w at the start of the cycle of a part at rest at `phase`.
 
-    `rows` hold the `count` segments of the motion normal to the floor, the cycle from index `first`
-    on; the part is followed up to there. If it never lifts off the cycle may start anywhere: its
-    first phase in `rows` is moved to where slip begins. Without friction on the level, slip
-    velocity plus track velocity stays the same. Here w = 2 pi f.
+    Here w = 2 pi f. The part is followed from `phase` in rad up to the cycle. `rows` hold the
+    `count` segments of the motion normal to the floor (columns of `SEGMENT`), the cycle from index
+    `first` on. If the part never lifts off the cycle may start anywhere: its first phase in `rows`
+    is moved to where slip begins. Without friction on the level, slip velocity plus track velocity
+    stays the same.
     """
     if drive.mu_s == 0 and drive.gs == 0:  # nothing acts along the track but the drive
         return track_speed(drive, phase) - track_speed(drive, rows[first, SEGMENT.phase])
@@ -71,11 +72,13 @@ def velocity_at_start(drive: Drive, phase: float, rows: Floats, first: int, coun
 def keep_speed(
     drive: Drive, phase: float, rows: Floats, count: int, periods: int, sums: Floats
 ) -> None:
-    """Fill `sums` (distance, times in modes) for a cycle without friction at constant speed.
+    """Fill the sums over a cycle of a part without friction on the level, which keeps its speed.
 
-    On the level the part keeps the speed that the track had at the start, at `phase` in rad. `rows`
-    hold the `count` segments of the cycle, of which the flights are counted; it takes `periods`
-    periods.
+    A part that starts at rest on the track, at `phase` in rad, keeps in space the speed that the
+    track has there, which is then its mean velocity. `sums` gets the distance in g/(2 pi f)^2 and
+    the times in rad in each mode. `rows` hold the `count` segments of the cycle normal to the floor
+    (columns of `SEGMENT`; contacts have a take-off below 0), which takes `periods` periods of the
+    drive.
     """
     flying = 0.0
     for row in range(count):
@@ -89,11 +92,12 @@ def keep_speed(
 
 @compiled
 def write_impacts(rows: Floats, count: int, drive: Drive, periods: int, result: Floats) -> None:
-    """Fill the results that a cycle's flights give: impacts a period, landing speed, hop height.
+    """Fill the results that depend on flights: impacts a period, landing speed, hop height.
 
-    `rows` hold the `count` segments of the cycle (columns of `SEGMENT`), which takes `periods`
-    periods; landing speed and hop height are the largest ones. `result` has the columns of
-    `COLUMN`.
+    `rows` hold the `count` segments of the cycle normal to the floor (columns of `SEGMENT`; flights
+    have a take-off of 0 or more), which takes `periods` periods. Landing speed in g/w and hop
+    height in g/w^2 (w = 2 pi f) are the largest ones. `result` has the columns of `COLUMN`; `drive`
+    gives the height of each flight.
     """
     impacts, fastest, highest = 0, 0.0, 0.0
     for row in range(count):
@@ -116,11 +120,12 @@ def repeating(
     rows: Floats, count: int, periods: int, phase: float, u: float, drive: Drive, cell: Cell,
     sums: Floats, log: Floats, result: Floats, stop: Stop,
 ) -> tuple[int, float]:  # fmt: skip
-    """Fill `result` with the mean values of a motion that repeats; return status and velocity.
+    """Fill `result` with the mean values of a motion that repeats; return its status and velocity.
 
     The velocity in g/w (w = 2 pi f) is the slip at the start of the cycle once it repeats
-    (`settle`); v = x/T and shares t_mode/T of the sums over the cycles after which it repeats. If
-    no motion along the track is found that repeats, `result` is left as it was (theory 13.8).
+    (`settle`). The means are v = x/T and the shares t_mode/T of the sums over the cycles after
+    which it repeats. If no repeating motion along the track is found, `result` is left as it was
+    (theory 13.8).
 
     Parameters
     ----------
@@ -131,10 +136,14 @@ def repeating(
         Phase in rad at which the part starts from rest.
     u
         Slip velocity in g/w with which the cycle is first entered.
+    drive, cell
+        Drive, gravity and friction in g; numbers of the cell, with the settings.
     sums, log
         Filled with distance and times in modes, and with the motion pieces of the last pass.
     result
         One value a column of `COLUMN`.
+    stop
+        Flag that ends the work.
     """
     c, s, gs, gn, mu_s, mu_k = drive.c, drive.s, drive.gs, drive.gn, drive.mu_s, drive.mu_k
     error, cycles, status = 0.0, 1, STATUS.neutral

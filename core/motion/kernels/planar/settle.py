@@ -63,14 +63,15 @@ def settle(
 def settle_bracketed(
     rows: Floats, count: int, u: float, drive: Drive, tolerance: float, sums: Floats, log: Floats
 ) -> Settled:
-    """Return the repeating slip velocity for equal friction coefficients, by bracketing.
+    """Return the slip velocity with which a cycle repeats, for equal friction coefficients.
 
     Coulomb friction never drives two motions under the same normal force apart: the map f from the
     slip u at the start of a cycle to that at its end has 0 <= f' <= 1, so that f(u) - u falls with
-    u and its sign brackets the root. Newton's step is u + (f(u) - u)/(1 - f'). `rows` hold the
-    `count` segments of the cycle, `u` is the first guess, `tolerance` is relative to the drive,
-    `sums` and `log` are work arrays. The result is velocity, error, cycles (0 or 1) and status
-    (theory 13.8).
+    u and its sign brackets the root. Newton's step is u + (f(u) - u)/(1 - f').
+
+    `rows` hold the `count` segments of the cycle normal to the floor, `u` is the first guess in g/w
+    (w = 2 pi f), `tolerance` is relative to the drive, `sums` and `log` are work arrays. The result
+    is velocity and its error in g/w, cycles (1, or 0 if it is not known), and status (theory 13.8).
     """
     scale = drive.c + abs(drive.gs)
     low, high, stride = -math.inf, math.inf, 1.0
@@ -121,14 +122,28 @@ def settle_followed(
     log: Floats,
     stop: Stop,
 ) -> Settled:
-    """Return the repeating slip velocity by following the motion, for larger static friction.
+    """Return the slip velocity with which a cycle repeats, by following the motion.
 
-    Sticking motions may then lie beside sliding ones, and the start decides which is reached. The
-    slip u_k after k cycles repeats after m if |u_k - u_(k-m)| <= tol (1 - f'), with f' the product
-    of the m slopes of the cycles. `rows` hold the `count` segments of the cycle, `u` is the slip at
-    the start, `tolerance` is relative to the drive, `sums` and `log` are work arrays. The result is
-    velocity, error, cycles after which it repeats (0: not found) and status (theory 13.8).
-    `max_periods` bounds the number of cycles.
+    For static friction above kinetic: sticking motions may then lie beside sliding ones, and the
+    start decides which is reached. The slip u_k after k cycles repeats after m if |u_k - u_(k-m)|
+    <= tol (1 - f'), with f' the product of the m slopes of the cycles (theory 13.8).
+
+    Parameters
+    ----------
+    rows, count
+        Segments of the cycle normal to the floor (columns of `SEGMENT`), and how many.
+    u
+        Slip velocity at the start in g/w (w = 2 pi f).
+    drive, tolerance
+        Drive, gravity and friction in g; tolerance relative to the drive.
+    max_periods
+        Bounds the number of cycles.
+    sums, log, stop
+        Work arrays; flag that ends the work.
+
+    Returns
+    -------
+    Velocity and its error in g/w, cycles after which it repeats (0: not found), and status.
     """
     scale = drive.c + abs(drive.gs)
     states = np.empty(LONGEST_MULTIPLE + 1)
@@ -157,9 +172,10 @@ def settle_followed(
 def slides_away(drive: Drive, sums: Floats, u: float, after: float, slope: float) -> bool:
     """True if a part slid downhill over a whole cycle and gained speed, so that it runs away.
 
-    `u` and `after` are the slip velocities at the start and end of the cycle, `slope` the
-    derivative of the second by the first (1: it only slid), `sums` the times in the modes. Kinetic
-    friction must be less than gravity along the track, mu_k n < |sin(gamma)| (theory 13.8).
+    `u` and `after` are the slip velocities at the start and end of the cycle in g/w (w = 2 pi f),
+    `slope` the derivative of the second by the first (1: it only slid), `sums` the times in the
+    modes. Kinetic friction must be less than gravity along the track, mu_k n < |sin(gamma)| (theory
+    13.8).
     """
     gs = drive.gs
     uphill = sums[TIMES + (MODE.forward if gs > 0 else MODE.backward)]
@@ -172,12 +188,16 @@ def slides_away(drive: Drive, sums: Floats, u: float, after: float, slope: float
 def repeated(
     after: float, states: Floats, slopes: Floats, known: int, tolerance: float, scale: float
 ) -> Settled:
-    """Return velocity, error, number of cycles after which a slip repeats (0: it does not), status.
+    """Return the slip velocity with which a motion along the track repeats, and its error.
 
-    `after` is the slip velocity after the last cycle, `states` the `known` + 1 velocities at the
-    starts of the cycles before, newest first, `slopes` the derivatives of `after` by each, `scale`
-    the drive in g, `tolerance` relative to it. The error is d/(1 - f') of a change d with slope f',
-    and 2e-15 of the drive over 1 - f' for rounding (theory 13.8).
+    With unequal friction coefficients the part is followed cycle by cycle of its motion normal to
+    the floor; the motion repeats after m of them if the slip velocity is that of m cycles before.
+    The error is d/(1 - f') of a change d with slope f', and 2e-15 of the drive over 1 - f' for
+    rounding (theory 13.8). The third value is m, 0 if it does not repeat, the fourth the status.
+
+    `after` is the slip velocity after the last cycle in g/w (w = 2 pi f), `states` the `known` + 1
+    velocities at the starts of the cycles before, newest first, `slopes` the derivatives of `after`
+    by each, `scale` the drive in g, `tolerance` relative to it.
     """
     for multiple in range(1, known + 2):
         earlier, factor = states[multiple - 1], abs(slopes[multiple - 1])
@@ -195,13 +215,13 @@ def sped_up(
     rows: Floats, count: int, u: float, after: float, slope: float, drive: Drive, sums: Floats,
     log: Floats,
 ) -> float:  # fmt: skip
-    """Return the next slip velocity to try: f(u), or the fixed point of the tangent if nearer.
+    """Return the next slip velocity to try in the search for the one with which a cycle repeats.
 
-    `u` and `after` = f(u) are the slips at the start and end of a cycle, `slope` is f'. The
-    tangent's fixed point is u + (f(u) - u)/(1 - f'), tried if f' > 1/2. It is taken if a cycle
-    changes it by at most a tenth of f(u) - u, and if the motion drifts towards it from points
-    between, without stick. `rows` hold the `count` segments of the cycle, `sums` and `log` are work
-    arrays.
+    In g/w (w = 2 pi f). `u` and `after` = f(u) are the slips at the start and end of a cycle,
+    `slope` is f'. It is f(u), or the fixed point of the tangent, u + (f(u) - u)/(1 - f'), tried if
+    f' > 1/2. The latter is taken if a cycle changes it by at most a tenth of f(u) - u, and if the
+    motion drifts towards it from points between, without stick, so that no other cycle is jumped
+    over. `rows` hold the `count` segments of the cycle, `sums` and `log` are work arrays.
     """
     change = after - u
     guess = u + change / (1 - slope) if 0 < slope < 1 else after

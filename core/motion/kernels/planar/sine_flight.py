@@ -65,11 +65,12 @@ def lift_off(drive: SineDrive, tau: float) -> float:
 
 @compiled
 def landing_root(w: float, s: float, gn: float, sine: float, cosine: float, start: float) -> float:
-    """Return the flight time in rad by Newton's method from `start`, on one side of the root.
+    """Return the time of a flight in rad by Newton's method from `start`, on one side of the root.
 
-    D -> D - z(D)/w(D), with velocity w and height z of `flow` for w' = s sin - n; `w` is the
-    velocity at take-off, `sine` and `cosine` are those of its phase, `gn` is n. The height bends
-    one way between `start` and the root, so that no step passes it but by rounding.
+    D -> D - z(D)/w(D), with the height z and velocity w off the floor, w' = s sin(tau) - gn, with
+    the drive `s` and gravity `gn` in g. `w` is the velocity at take-off in g/(2 pi f), `sine` and
+    `cosine` are those of its phase. The caller chooses `start` such that the height bends one way
+    between it and the root, so that no step passes the root but by rounding.
     """
     d, first = start, 0.0
     for _ in range(MAX_ITERATIONS):
@@ -87,10 +88,12 @@ def landing_root(w: float, s: float, gn: float, sine: float, cosine: float, star
 
 @compiled
 def lowest_at(w: float, s: float, gn: float, tau: float, low: float, high: float) -> float:
-    """Return the phase after take-off between `low` and `high` at which a height is least.
+    """Return the phase D in rad after take-off, in `low` to `high`, at which a height is least.
 
-    There the velocity off the floor rises through 0, found by Newton's iteration in this bracket, D
-    -> D - w/w', w' = s sin(tau + D) - gn; `w` is the velocity at take-off at phase `tau`.
+    The part takes off at phase `tau` in rad with velocity `w` in g/(2 pi f); its acceleration is s
+    sin(tau + D) - gn in g, with drive `s` and gravity `gn`. At the least height the velocity rises
+    through 0: a root found by Newton's iteration in the bracket, halved where it leaves it. Used to
+    see if a flight touches the floor on its way.
     """
     d = (low + high) / 2
     for _ in range(MAX_ITERATIONS):
@@ -115,11 +118,12 @@ def lowest_at(w: float, s: float, gn: float, tau: float, low: float, high: float
 def landing(drive: SineDrive, w: float, tau: float) -> float:
     """Return the flight time in rad after take-off at phase `tau`, if s > n; -1 if not found.
 
-    `w` >= 0 is the velocity at take-off in g/(2 pi f). The height bends down where s sin(tau) < n,
-    and up elsewhere. A piece that bends down and ends above the floor was above it all the way; on
-    a piece that bends up the least height is found first (theory 13.3). As sin <= 1, the height is
-    above the parabola (w + s cos(tau)) D - s (1 - sin(tau)) - n D^2/2: whole turns in which that is
-    positive are skipped.
+    s and n are vibration off the floor and gravity of `drive`, `w` >= 0 is the velocity at take-off
+    in g/(2 pi f). The height's second derivative is s sin(tau) - n: it bends down where s sin(tau)
+    < n, and up elsewhere. A piece that bends down and ends above the floor was above it all the
+    way; on a piece that bends up the least height is found first (theory 13.3). As sin <= 1, the
+    height is above the parabola (w + s cos(tau)) D - s (1 - sin(tau)) - n D^2/2 after a phase D:
+    whole turns in which that is positive are skipped.
     """
     s, gn, up_at = drive.s, drive.gn, drive.up_at
     sine, cosine = math.sin(tau), math.cos(tau)
@@ -167,9 +171,10 @@ def landing(drive: SineDrive, w: float, tau: float) -> float:
 def hop_height(drive: SineDrive, w: float, tau: float, span: float, known: float) -> float:
     """Return the largest height of a flight in g/(2 pi f)^2, or `known` if that is larger.
 
-    The part takes off at phase `tau` with velocity `w` and flies for `span` rad. The top is looked
-    for only if two bounds are above `known`: (n + s) span^2/8, since z'' >= -(n + s) and both ends
-    are on the floor, and `height_bound`.
+    The part takes off at phase `tau` in rad with velocity `w` in g/(2 pi f) and flies for `span`
+    rad; `known` is the largest height of earlier flights. To save time the top is sought only if
+    two bounds are above `known`: (n + s) span^2/8, since z'' >= -(n + s) with gravity n and drive s
+    in g and both ends are on the floor, and `height_bound`.
     """
     if (drive.gn + drive.s) * span * span / 8 <= known:
         return known
@@ -181,9 +186,12 @@ def hop_height(drive: SineDrive, w: float, tau: float, span: float, known: float
 
 @compiled
 def height_bound(drive: SineDrive, w: float, tau: float, known: float) -> float:
-    """Return an upper bound of a flight's height, only as close as a comparison with `known` needs.
+    """Return an upper bound of a flight's height in g/w^2, as close as a comparison needs.
 
-    The part takes off at phase `tau` with velocity `w`. With r = w + s cos(tau) and x = D - r/n
+    Most flights are lower than the highest `known` height (here w = 2 pi f), which this tells
+    without a search for the summit. The part takes off at phase `tau` with velocity `w` in g/(2 pi
+    f); s and n are vibration off the floor and gravity of `drive`. The height z after a phase D is,
+    with r = w + s cos(tau) and x = D - r/n,
 
         z = r^2/(2 n) + s sin(tau) - n x^2/2 - s sin(tau + r/n + x).
 
@@ -210,9 +218,10 @@ def height_bound(drive: SineDrive, w: float, tau: float, known: float) -> float:
 def top_at(drive: SineDrive, w: float, tau: float, span: float) -> float:
     """Return the phase in rad from take-off to the top of a flight of `span` rad.
 
-    The part takes off at phase `tau` with velocity `w`. The height is the parabola w D + s cos(tau)
-    D - n D^2/2 and a sine of size s, so that its top is within 2 sqrt(s/n) + 1 of that of the
-    parabola, (w + s cos(tau))/n: the highest of many points there, then w = 0 by Newton's
+    The part takes off at phase `tau` in rad with velocity `w` in g/(2 pi f). With drive s and
+    gravity n normal to the floor in g, the height is the parabola w D + s cos(tau) D - n D^2/2 and
+    a sine of size s, so that its top is within 2 sqrt(s/n) + 1 of that of the parabola, (w + s
+    cos(tau))/n: the highest of many points there, then the zero of the velocity by Newton's
     iteration.
     """
     s, gn = drive.s, drive.gn

@@ -40,9 +40,10 @@ def next_of_way(drive: SineDrive, kind: int, tau: float, rising: bool) -> float:
 def phase_to_stop(v: float, C: float, k: float, at: float, span: float) -> float:
     """Return the phase in rad until a velocity v >= 0 is 0 under u' = C sin(tau) - k; or -1.
 
-    Counted from the phase `at`; -1 if it does not stop within `span`. The velocity rises from
-    asin(k/C) to pi - asin(k/C) in each turn and falls elsewhere: the first fall at whose end it is
-    not positive holds the root, which Newton's iteration finds in that bracket (theory 13.3).
+    So the end of a slip is found. Counted from the phase `at` in rad, where the velocity is `v` in
+    g/(2 pi f); -1 if it does not stop within `span` rad. The velocity rises from asin(k/C) to pi -
+    asin(k/C) in each turn and falls elsewhere: the first fall at whose end it is not positive holds
+    the root, which Newton's iteration finds in that bracket (theory 13.3).
     """
     if C < 0:
         C, at = -C, at + math.pi
@@ -76,10 +77,12 @@ def phase_to_stop(v: float, C: float, k: float, at: float, span: float) -> float
 def stop_between(
     v: float, C: float, k: float, at: float, sine: float, cosine: float, low: float, high: float
 ) -> float:
-    """Return the phase between `low` and `high` at which a falling velocity is 0.
+    """Return the phase D after `at`, between `low` and `high`, at which a falling velocity is 0.
 
-    Phases count from `at`, where the velocity is `v` and whose `sine` and `cosine` are handed over.
-    Newton's iteration in this bracket, D -> D - u/u', with u of `flow` and u' = C sin(at + D) - k.
+    All phases in rad. The velocity follows u' = C sin(at + D) - k in g, from `v` in g/(2 pi f) at
+    `at`, whose `sine` and `cosine` are passed to save time; it is above 0 at `low` and not above 0
+    at `high`. Newton's iteration in this bracket, D -> D - u/u', halved where it leaves it. So the
+    end of a slip is found.
     """
     first, last = flow(v, C, k, sine, cosine, low)[0], flow(v, C, k, sine, cosine, high)[0]
     d = low + (high - low) * first / (first - last) if first > last else low
@@ -126,8 +129,8 @@ def slip_uncertainty(drive: SineDrive) -> float:
     """Return the error of the mean velocity in g/w by rounding of phases at which slips start.
 
     (mu_s - mu_k)(s + n) d(asin S), where a rounding dS of the threshold S of sin(tau) moves the
-    phase asin(S) by dS/sqrt(1 - S^2): the phase is known the less, the nearer |S| is to 1. Here w =
-    2 pi f.
+    phase asin(S) by dS/sqrt(1 - S^2): the phase is known the less, the nearer |S| is to 1. s and n
+    are vibration off the floor and gravity of `drive` in g; here w = 2 pi f.
     """
     jump = (drive.mu_s - drive.mu_k) * (drive.s + drive.gn)
     uncertainty = 0.0
@@ -139,17 +142,15 @@ def slip_uncertainty(drive: SineDrive) -> float:
 
 @compiled
 def two_sided(drive: SineDrive) -> tuple[float, float]:
-    """Return mean velocity and forward share of a slide to and fro that never sticks.
+    """Return mean velocity and forward share of a part that slides to and fro and never sticks.
 
-    The velocity is in g/(2 pi f). Slips forward and backward close, with c1 = mu s, k1 = mu n, H =
-    c k1 less c1 sin(gamma), and E = pi (c1 k1 - c sin(gamma))/H, the forward one over the phase pi
-    + E about the phase pi less asin(S), where
+    In closed form; the velocity is in g/(2 pi f). Both are 0 if there is no such motion: the part
+    lifts off, or sticks. With amplitudes c, s of the drive along and normal, gravity n onto the
+    floor, c1 = mu s, k1 = mu n, H = c k1 - c1 sin(gamma) and E = pi (c1 k1 - c sin(gamma))/H, the
+    forward slip lasts the phase pi + E about the phase pi - asin(S), where
 
         S = pi (k1^2 - sin(gamma)^2)/(2 H cos(E/2))
         v = sqrt(1 - S^2) (2 c1 cos(E/2) + (pi c + c1 E) sin(E/2))/pi
-
-    c, s are the drive's amplitudes and n gravity normal. Both are 0 if there is no such motion: the
-    part lifts off, or sticks.
     """
     c, s, gs, gn, mu_s, mu = drive.c, drive.s, drive.gs, drive.gn, drive.mu_s, drive.mu_k
     c1, k1 = mu * s, mu * gn

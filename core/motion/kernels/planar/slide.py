@@ -28,11 +28,12 @@ its sign, which those of ten harmonics do 20 times each. More are roundings that
 def write_piece(
     log: Floats, used: int, at: float, span: float, mode: int, u: float, w: float, x: float
 ) -> int:
-    """Write one motion piece into the log if it has room; return the number of rows in use.
+    """Write one piece of a motion into the log for trajectories; return the number of rows in use.
 
     A piece is a stretch in one mode (columns of `PIECE`): start phase `at` and duration `span` in
     rad, `mode`, velocities `u` along and `w` normal in g/(2 pi f), and position `x` in g/(2 pi f)^2
-    at its start. `used` rows were in use before; a log without rows keeps nothing.
+    at its start. `used` rows were in use before; a log that is full, or has no rows, stays as it
+    is.
     """
     if used < log.shape[0]:
         log[used, PIECE.phase], log[used, PIECE.span], log[used, PIECE.mode] = at, span, mode
@@ -50,8 +51,19 @@ def contact(
     The part touches the floor from phase `tau` for `span` rad, with slip `u` in g/w (w = 2 pi f) at
     first. It sticks until `hold` ends, slips until `stop_after`, and so on (theory 13.4). The
     derivative is 1 while sliding, u'(after)/u'(before) times that at a turn, 0 after a stick
-    (13.8). Distance and times in the modes are added to `sums`, pieces to `log` from row `used` on.
-    The last value is -1 if the contact held too many stops.
+    (13.8).
+
+    Parameters
+    ----------
+    tau, span, u
+        Phase at the start, duration in rad, and slip velocity at the start.
+    drive
+        Drive numbers of the cell.
+    sums
+        Distance and times in the modes; those of the contact are added.
+    log, used
+        Table of motion pieces (columns of `PIECE`), and its rows in use; the pieces are added. The
+        last value returned is -1 if the contact held too many stops.
     """
     at, end, slope = tau, tau + span, 1.0
     for _ in range(MAX_MODES):
@@ -105,10 +117,10 @@ def skids(drive: Drive, tau: float) -> float:
 def after_hops(drive: Drive, tau: float, u: float, w: float) -> float:
     """Return the slip velocity at the start of a contact that stands for many small hops.
 
-    In g/(2 pi f). `u` is the slip after the last landing, at phase `tau`, `w` the rebound of the
-    hops left out. The result is u if |u| > mu_k w, else 0, or +-mu_k w of a part that tiny hops
-    drive on (`skids`): the landing had no slip to take, and the hops after it rub by w less than
-    the floor in their time (theory 13.5).
+    In g/(2 pi f). `u` is the slip after the last landing, at phase `tau`, `w` the rebound velocity
+    of the first of the hops left out. The result is u if |u| > mu_k w, else 0, or +-mu_k w of a
+    part that tiny hops drive on (`skids`): the landing had no slip to take, and the hops after it
+    rub by w less than the floor in their time (theory 13.5).
     """
     if w == 0.0 or abs(u) > drive.mu_k * w:
         return u
@@ -120,12 +132,26 @@ def after_hops(drive: Drive, tau: float, u: float, w: float) -> float:
 def follow_cycle(
     rows: Floats, count: int, u: float, drive: Drive, sums: Floats, log: Floats
 ) -> tuple[float, float, int]:
-    """Return slip velocity after a cycle, its derivative by `u` at the start, and log rows in use.
+    """Follow the slip of a part along a cycle that is known normal to the floor.
 
-    `rows` hold the `count` segments normal to the floor (columns of `SEGMENT`): contacts by
-    `contact`, flights by `fly`; a landing with the impulse I takes mu_k I off the slip `u`, or all
-    of it if |u| <= mu_k I (theory 13.4). `sums` are filled with distance and times in the modes,
-    `log` with the motion pieces. The last value is -1 if a limit came first.
+    Stick and slip on the floor by turns, free flight off it; a landing with the impulse I takes
+    mu_k I off the slip, or all of it if |u| <= mu_k I (theory 13.4).
+
+    Parameters
+    ----------
+    rows, count
+        Segments of the cycle, contacts and flights (columns of `SEGMENT`), and how many.
+    u
+        Slip velocity at the start in g/w (w = 2 pi f).
+    drive
+        Drive, gravity and friction in g.
+    sums, log
+        Filled with distance and times in the modes, and with the motion pieces.
+
+    Returns
+    -------
+    Slip velocity at the end in g/w, its derivative by `u`, and the rows of the log in use; -1 if a
+    limit came first.
     """
     mu_k = drive.mu_k
     sums[:] = 0.0

@@ -42,12 +42,13 @@ def copy_row(d: Floats, to: int, of: int) -> None:
 
 @borrowing
 def force(drive: SineDrive, sign: float, at: float, span: float, d: Floats) -> None:
-    """Fill the derivatives of velocity and distance along by the parameters, at a fixed phase.
+    """Set how velocity and distance change by the parameters through the acceleration, in one mode.
 
-    Rows `forced` and `path` of `d`: C. swing - k. D and C. sway - k. D^2/2 over the phase D =
-    `span` from `at` on, with the derivatives C. and k. of C = c +- mu_k s and k = sin(gamma) +-
-    mu_k n, and the integrals swing, sway of `swings`. `sign` is 1 for a slip forward, -1 backward,
-    0 for a flight (theory 13.16).
+    A dot is a derivative by a parameter. Rows `forced` and `path` of `d` get C. swing - k. D and C.
+    sway - k. D^2/2 (a column a parameter, `BY`), from u' = C sin(tau) - k with C = c +- mu_k s and
+    k = sin(gamma) +- mu_k n, over the phase D = `span` in rad from `at` on, at a fixed phase; swing
+    and sway are first and second integral of sin. `sign` is 1 for a slip forward, -1 backward, 0
+    for a flight, which has no friction (theory 13.16).
     """
     swing, sway = swings(math.sin(at), math.cos(at), span)
     half = span * span / 2
@@ -69,12 +70,15 @@ def along(
 ) -> None:  # fmt: skip
     """Propagate derivatives along the track through a slip or flight that ends in a stop or event.
 
-    A dot is a derivative by a parameter. With delta u0 = u0. - u'(tau0) tau0. it ends with u1. =
-    delta u + u'(tau1) tau1., or with 0 at a stop, which moves by tau1. = -delta u/u'(tau1); x1. -
-    x0. = delta x + u1 tau1. - u0 tau0. (theory 13.16).
+    A dot is a derivative by a parameter, delta one at a fixed phase. With delta u0 = u0. - u'(tau0)
+    tau0. the velocity ends with u1. = delta u + u'(tau1) tau1., or with 0 at a stop, which moves by
+    tau1. = -delta u/u'(tau1); the position with x1. - x0. = delta x + u1 tau1. - u0 tau0. (theory
+    13.16).
 
     Parameters
     ----------
+    drive
+        Drive, gravity and friction in g.
     sign, mode
         Slip direction 1 or -1, 0 for a flight; and the mode whose time is counted.
     u, after
@@ -82,11 +86,11 @@ def along(
     at, span
         Phase at the start and duration, in rad.
     stops
-        If the slip ends in a stop; else row `end` of `d` holds the end's derivatives.
+        True if the slip ends in a stop; else row `end` of `d` holds the end's derivatives.
     size
         Number of directions, the columns of `d` in use.
     d
-        Derivatives, a row a quantity (`ROW`), a column a direction (`BY`).
+        Derivatives, changed in place: a row a quantity (`ROW`), a column a direction (`BY`).
     """
     first = slip_acceleration(drive, sign, at)
     last = slip_acceleration(drive, sign, at + span)
@@ -111,11 +115,13 @@ def along(
 def rub(
     drive: SineDrive, sign: float, u: float, at: float, span: float, size: int, d: Floats
 ) -> None:
-    """Add the derivatives of friction work over a slip at fixed phases; call it after `along`.
+    """Add the derivatives of the work of friction over a slip to row `friction` of `d`.
 
-    Those of the integral of mu_k n |u| over the phase, with the load n = n0 - s sin(tau), by
-    Gauss's rule. The slip goes in direction `sign` (1 or -1), from velocity `u` at phase `at` over
-    `span` rad; `d` holds the derivatives, in `size` directions (theory 13.15).
+    Those of the integral of mu_k n |u| over the phase, with the load n = n0 - s sin(tau) in g, by
+    Gauss's rule, with both ends kept at their phases: `along`, called before, adds what their shift
+    does. The slip goes in direction `sign` (1 or -1), from velocity `u` in g/(2 pi f) at phase `at`
+    over `span` rad. `d` has a row a quantity (`ROW`), a column a direction (`BY`), of which `size`
+    are in use (theory 13.15).
     """
     loads = swung = spans = rubs = slips = waves = 0.0
     C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
@@ -148,10 +154,12 @@ def rub(
 
 @borrowing
 def release(drive: SineDrive, by_least: bool, way: float, leave: float, d: Floats) -> None:
-    """Fill the derivative of the phase at which static friction lets go, sin(tau) = S.
+    """Set the derivatives of the phase at which static friction lets a part go, sin(tau) = S.
 
-    Into row `phase` of `d`: tau. = S./cos(tau) with S = (sin(gamma) +- mu_s n)/(c +- mu_s s), minus
-    signs if `by_least` (the lower bound of sin(tau)) or `way` < 0; `leave` is that phase.
+    A dot is a derivative by a parameter: tau. = S./cos(tau) with S = (sin(gamma) +- mu_s n)/(c +-
+    mu_s s), for drive amplitudes c, s and the load n, in g; minus signs if `by_least` is True (S is
+    the lower bound of sin(tau)) or `way` < 0. `leave` is that phase in rad. Row `phase` of `d` is
+    overwritten, a column a parameter (`BY`) (theory 13.16).
     """
     c, s, mu, gn = drive.c, drive.s, drive.mu_s, drive.gn
     rate = math.cos(leave)
@@ -171,7 +179,9 @@ def release(drive: SineDrive, by_least: bool, way: float, leave: float, d: Float
 def lift(drive: SineDrive, row: int, d: Floats) -> None:
     """Fill the derivative of the lift-off phase by the parameters into row `row` of `d`.
 
-    tau. = (n. - s. sin(tau))/(s cos(tau)), from s sin(tau) = n.
+    A dot is a derivative, in each column of `d` by one parameter (`BY`): tau. = (n. - s.
+    sin(tau))/(s cos(tau)), from s sin(tau) = n, with vibration s off the floor and gravity n onto
+    it.
     """
     sine = drive.gn / drive.s
     rate = drive.s * math.sqrt((1.0 - sine) * (1.0 + sine))
@@ -183,9 +193,11 @@ def lift(drive: SineDrive, row: int, d: Floats) -> None:
 def slow_passage(drive: SineDrive, sign: float, u: float, at: float, span: float) -> float:
     """Return the relative distance of a slip from a stop on its way: least speed over its scale.
 
-    The slip goes in direction `sign`, from velocity `u` at phase `at` over `span` rad. Its speed is
-    least at asin(k/C), where it ceases to fall; the scale is |C| + |k|, with u' = C sin(tau) - k.
-    Next to 0 the motion has a kink or jump.
+    Next to 0 a small change of a parameter makes the slip stop there, and the motion has a kink or
+    jump instead of a derivative (theory 13.16). The slip goes in direction `sign` (1, -1), from
+    velocity `u` in g/(2 pi f) at phase `at` over `span` rad, with u' = C sin(tau) - k. Its speed is
+    least at asin(k/C), where it ceases to fall; the scale is |C| + |k|. 1 if it has no least speed
+    within.
     """
     C, k = sign * drive.c + drive.mu_k * drive.s, sign * drive.gs + drive.mu_k * drive.gn
     if C < 0:
@@ -202,10 +214,11 @@ def slow_passage(drive: SineDrive, sign: float, u: float, at: float, span: float
 
 @borrowing
 def low_passage(drive: SineDrive, w: float, at: float, span: float) -> float:
-    """Return the relative distance of a flight from touching the floor on its way.
+    """Return the relative distance of a flight from touching the floor on its way [1].
 
-    The least height |z| at `lowest_at` over s + n; the part takes off at phase `at` with velocity
-    `w` and flies for `span` rad. Next to 0 the motion has a jump.
+    The least height |z| at `lowest_at` over s + n (vibration off the floor and gravity), at most 1;
+    the part takes off at phase `at` with velocity `w` in g/(2 pi f) and flies for `span` rad. Next
+    to 0 the motion has a jump.
     """
     s, gn = drive.s, drive.gn
     least, since = 1.0, phase_to(drive.up_at, at)
@@ -228,13 +241,16 @@ def pull_of(drive: SineDrive) -> float:
 def stick(
     drive: SineDrive, at: float, end: float, fresh: bool, size: int, d: Floats, nearest: Floats
 ) -> tuple[float, bool]:
-    """Propagate derivatives through a stick; return the phase at its end and the slip direction.
+    """Propagate derivatives through a stick; return the phase at its end and the way of the slip.
 
-    The part sticks from phase `at` to where friction lets go (`release`) or to `end`, whose
-    derivatives are in row `end` of `d`; the time of sticking changes by tau1. - tau0. The direction
-    is True for forward. `fresh` is True if the part came to this phase by itself: `nearest[0]` then
-    notes its distances from letting go at once, |sin(tau) - S|, and from `end`. `size` directions
-    are in use.
+    The part sticks from phase `at` in rad to where static friction lets go, or to `end`, whose
+    derivatives are in row `end` of `d`. The derivative of the time of sticking is tau1. - tau0.,
+    and row `phase` gets those of the end. The second result is True for a slip forward. If the part
+    does not stick at all, `at` is returned and nothing changes.
+
+    `fresh` is True if the part came to this phase by itself, and not by letting go: `nearest[0]` is
+    then lowered to its distances from letting go at once, |sin(tau) - S| for the bounds S of
+    sticking, and from `end`. `size` columns of `d` are in use (theory 13.16).
     """
     least, largest, way = drive.least, drive.largest, drive.way
     sticks, leave, forward = hold(drive, at, end)
@@ -264,23 +280,25 @@ def on_floor(
 ) -> float:  # fmt: skip
     """Propagate derivatives through a contact with the floor; return the slip velocity at its end.
 
-    The contact is followed as `slide.contact` does: stick and slip by turns until it ends.
+    The part sticks and slips by turns until the contact ends (theory 13.16).
 
     Parameters
     ----------
+    drive
+        Drive, gravity and friction in g.
     tau, span
         Phase at the start and duration, in rad.
     u
-        Slip velocity at the start in g/w (w = 2 pi f).
+        Slip velocity at the start in g/w (w = 2 pi f), as is the result.
     fresh
         True if the contact begins at any phase, as after a landing; False if it begins at the phase
         at which sticking ends.
     energy
         True if derivatives of the work of friction are needed.
     size
-        Number of the parameters differentiated by, the columns of `d` in use.
+        Number of directions differentiated by, the columns of `d` in use.
     d
-        Derivatives, changed in place: a row for each quantity (`ROW`), a column for each parameter
+        Derivatives, changed in place: a row for each quantity (`ROW`), a column for each direction
         (`BY`).
     nearest
         Changed in place: `nearest[0]` is the least relative distance, so far, of a decision such as
@@ -322,12 +340,23 @@ def on_floor(
 
 @borrowing
 def in_hops(drive: SineDrive, e: float, at: float, nearest: Floats) -> tuple[float, float, float]:
-    """Return the effect of small hops left out at phase `at`: skid, later slip, and its time.
+    """Return the effect of small hops that are left out: skid, later slip, and time of that slip.
 
-    First the direction in which they drive the part into a slip (`skids`: 1, -1, 0); then that in
-    which it slips on afterwards (at restitution `e` = 0 static friction decides); then for how long
-    it slips before it sticks, per rebound w: (2 |a|/n - mu_k (1 + e))/((1 - e) (mu_k n - |a|)), if
-    above 0, with acceleration a along and load n. `nearest[0]` notes how near |a| is to mu_k n.
+    When a part comes to rest, hops that shrink to nothing are replaced by a contact; derivatives of
+    the motion need what these hops did (theory 13.16). All three belong to the phase `at` in rad,
+    with acceleration a along the track, load n on the floor, in g, and restitution `e`.
+
+    Returns
+    -------
+    skid
+        Direction in which the hops drive the part into a slip: 1, -1, or 0 if |a| <= mu_k n.
+    slip
+        Direction in which it slips on afterwards; at e = 0 only if |a| > mu_s n.
+    time
+        Phase for which it slips before it sticks, over the rebound w: (2 |a|/n - mu_k (1 + e))/((1
+        - e) (mu_k n - |a|)), at least 0.
+
+    `nearest[0]` is lowered to the relative distance of |a| from mu_k n, where the result jumps.
     """
     n, skid = load(drive, at), skids(drive, at)
     forced, rubbed = abs(drive.c * math.sin(at) - drive.gs), drive.mu_k * n
@@ -342,11 +371,13 @@ def in_hops(drive: SineDrive, e: float, at: float, nearest: Floats) -> tuple[flo
 def land(
     drive: SineDrive, w: float, tau: float, span: float, speed: float, size: int, d: Floats
 ) -> None:
-    """Fill the derivatives of a landing's phase, (delta z)/w, and speed, n tau1. - delta w.
+    """Set the derivatives of the phase and of the speed of a landing, in rows `end` and `normal`.
 
-    Into rows `end` and `normal` of `d`, in `size` directions; delta z = -w0 tau0. + delta w0 D + s.
-    sway - n. D^2/2. The part took off at phase `tau` with velocity `w`, and lands after `span` rad
-    with the speed `speed` (theory 13.16).
+    A dot is a derivative by a parameter: tau1. = (delta z)/w and w. = n tau1. - delta w, with delta
+    z = -w0 tau0. + delta w0 D + s. sway - n. D^2/2, the change of the height at a fixed phase
+    (theory 13.16). The part took off at phase `tau` in rad with velocity `w` in g/(2 pi f), and
+    lands after D = `span` rad with the speed `speed`; n is the load in g, sway the second integral
+    of sin. Rows `normal` and `phase` of `d` must be those at take-off; `size` columns are in use.
     """
     swing, sway = swings(math.sin(tau), math.cos(tau), span)
     n0, n1 = load(drive, tau), load(drive, tau + span)
@@ -366,27 +397,29 @@ def in_air(
     drive: SineDrive, e: float, rows: Floats, row: int, rests: bool, u: float, size: int,
     d: Floats, nearest: Floats,
 ) -> float:  # fmt: skip
-    """Propagate derivatives through a flight and its landing; return the slip velocity after it.
+    """Propagate derivatives through a flight and its landing; return the slip velocity after.
 
-    By `land`, `along` and `rebound`, and by `leave_out_hops` if the part then rests after hops that
-    shrink to nothing (theory 13.16).
+    One step in differentiating a cycle of motion by its parameters (theory 13.16). If the part then
+    stays on the floor after hops that shrink to nothing, these hops are left out, and their effect
+    is added.
 
     Parameters
     ----------
-    e
-        Restitution.
+    drive, e
+        Drive with gravity and friction in g; restitution.
     rows, row
         Segments of the cycle (columns of `SEGMENT`), and the index of the flight.
     rests
-        If the part then stays on the floor.
+        True if the part then stays on the floor.
     u
-        Velocity along at take-off in g/w (w = 2 pi f).
+        Velocity along the track at take-off in g/w (w = 2 pi f), as is the result.
     size
-        Number of directions, the columns of `d` in use.
+        Number of directions differentiated by, the columns of `d` in use.
     d
-        Derivatives, a row a quantity (`ROW`), a column a direction (`BY`).
+        Derivatives, changed in place: a row a quantity (`ROW`), a column a direction (`BY`).
     nearest
-        Least relative distances of decisions from their other outcomes, shape (5,).
+        Least relative distances of decisions from their other outcomes, shape (5,), lowered in
+        place.
     """
     tau, span = rows[row, SEGMENT.phase], rows[row, SEGMENT.span]
     w, speed = rows[row, SEGMENT.take_off], rows[row, SEGMENT.landing]
@@ -425,11 +458,12 @@ def in_air(
 
 @borrowing
 def note_fastest(speed: float, d: Floats, nearest: Floats) -> None:
-    """Fill the derivatives of the largest landing speed, if this landing has it.
+    """Store the derivatives of a landing speed, if the landing is the fastest of the cycle so far.
 
-    `speed` is its speed in g/w (w = 2 pi f), `nearest[1]` the largest so far; `nearest[2]` notes
-    the relative distance of the two fastest, since the largest of equals has no derivative. `d`
-    holds the derivatives.
+    `speed` is the landing speed in g/w (w = 2 pi f); `nearest[1]` is the largest so far, and is
+    raised. Row `normal` of `d` holds the derivatives of this speed, and row `landing` gets those of
+    the largest. `nearest[2]` is the relative distance of the two fastest landings, since the
+    largest of two equal speeds has no derivative (theory 13.16).
     """
     if speed > nearest[1]:
         nearest[2] = (speed - nearest[1]) / speed
@@ -477,13 +511,16 @@ class Landing(NamedTuple):
 
 @borrowing
 def rebound(drive: SineDrive, e: float, landing: Landing, size: int, d: Floats) -> None:
-    """Propagate derivatives through an impact: those of rebound, slip and energy.
+    """Propagate derivatives through an impact with the floor: those of rebound, slip and energy.
 
-    (eps w). = eps. w + eps w.; the slip loses (mu_k I). = mu_k. I + mu_k I., or all of it if it
-    stops; then it gains what hops leave, (mu_k eps w)., which has no derivative by restitution `e`
-    where it begins with a jump. The energy (u^2 - u1^2 + w^2 - w1^2)/2 changes by u u. - u1 u1. + w
-    w. - w1 w1. `d` holds the derivatives, in `size` directions (theory 13.16). `landing` is the
-    impact.
+    A dot is a derivative by a parameter. The rebound changes by (eps w). = eps. w + eps w., w the
+    landing speed. The slip loses (mu_k I). = mu_k. I + mu_k I., I the normal impulse, or all of it
+    if it stops; then it gains what left-out hops leave, (mu_k eps w)., NaN by restitution where
+    this begins with a jump. The energy lost, (u^2 - u1^2 + w^2 - w1^2)/2 with the slip u and the
+    values u1, w1 after the impact, changes by u u. - u1 u1. + w w. - w1 w1. (theory 13.16).
+
+    `landing` describes the impact, `e` is the restitution eps; `d` holds the derivatives, a row a
+    quantity (`ROW`), a column a direction (`BY`), of which `size` are in use.
     """
     speed, up = landing.speed, 0.0 if landing.rests else e * landing.speed
     factor, sign = 1.0 if landing.rests else 1.0 + e, 1.0 if landing.after > 0 else -1.0
@@ -511,13 +548,16 @@ def rebound(drive: SineDrive, e: float, landing: Landing, size: int, d: Floats) 
 def leave_out_hops(
     drive: SineDrive, e: float, landing: Landing, slides: float, size: int, d: Floats
 ) -> None:
-    """Propagate derivatives through small hops that count as contact, after `rebound`.
+    """Propagate derivatives through small hops that are replaced by a contact, after an impact.
 
-    Their time T = 2 w/(n (1 - eps)), with rebound w, changes by T. = 2 (w. - w n./n + w eps./(1 -
-    eps))/(n (1 - eps)). It goes from the contact's mode to the flight, and its friction mu_k n |u|
-    to the impacts. A slip that no skid follows stops on the floor after `slides` w. `e` is the
-    restitution, `d` holds the derivatives, in `size` directions (theory 13.5, 13.16). `landing` is
-    the impact before them.
+    A dot is a derivative by a parameter. The time of the hops, T = 2 w/(n (1 - eps)) with the
+    rebound w and the load n, changes by T. = 2 (w. - w n./n + w eps./(1 - eps))/(n (1 - eps)). In
+    the derivatives of the shares it is moved from the contact's mode to the flight, and its
+    friction mu_k n |u| to the impacts. Where no skid follows, the slip of the hops stops on the
+    floor after the phase `slides` w (theory 13.5, 13.16).
+
+    `landing` describes the impact, `e` is the restitution eps; `d` holds the derivatives, a row a
+    quantity (`ROW`), a column a direction (`BY`), of which `size` are in use.
     """
     at, speed = landing.at, landing.speed
     n1, slips = load(drive, at), landing.slips
@@ -553,11 +593,14 @@ def leave_out_hops(
 def highest(
     drive: SineDrive, w: float, tau: float, span: float, size: int, d: Floats, nearest: Floats
 ) -> None:
-    """Fill the derivatives of the largest height, if this flight has it; call it before `along`.
+    """Store the derivatives of the height of a flight, if it is the highest of the cycle so far.
 
-    The part takes off at phase `tau` with velocity `w` and flies for `span` rad. At the top z' = 0,
-    so that its phase changes nothing. `nearest[3]` is the largest height so far, `nearest[4]` the
-    relative distance of the two highest; `d` holds the derivatives, in `size` directions.
+    Those of z = w D + ..., at the top, where z' = 0, so that the top's phase changes nothing
+    (theory 13.16). The part takes off at phase `tau` in rad with velocity `w` in g/(2 pi f) and
+    flies for `span` rad. `nearest[3]` is the largest height so far, `nearest[4]` the relative
+    distance of the two highest; both are kept up to date. Row `height` of `d` gets the derivatives,
+    in `size` directions; rows `normal` and `phase` must be those at take-off: call it before `land`
+    and `along`.
     """
     s, gn = drive.s, drive.gn
     if (gn + s) * span * span / 8 <= nearest[3]:

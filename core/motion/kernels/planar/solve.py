@@ -29,10 +29,10 @@ LEAST_GRAVITY = 1e-12  # onto the floor, in g: less is the rounding of an uprigh
 
 @compiled
 def turn_round(result: Floats, way: float) -> None:
-    """Undo in the results the mirror image of the track's direction: nothing unless `way` is -1.
+    """Turn the results of a motion along the mirrored track back into the direction of the study.
 
-    v -> -v, and the shares forward and backward change places; `result` has the columns of
-    `COLUMN`.
+    If `way` is -1: v -> -v, and the shares forward and backward change places in `result` (columns
+    of `COLUMN`). Nothing if it is 1. A sine is solved with a positive amplitude along only.
     """
     if way < 0:
         result[COLUMN.velocity] = -result[COLUMN.velocity]
@@ -46,7 +46,9 @@ def solve_at_once(drive: Drive, e: float, result: Floats) -> int:
 
     `runaway` if |sin(gamma)| > mu_s n, `at_rest` if static friction always holds, `limit_reached`
     if a number is not finite, nothing presses the part onto the floor, or |sin(gamma)| = mu_k n:
-    the mean is then that of the start, for ever. `e` is the restitution or damping (theory 13.8).
+    the mean is then that of the start, for ever (theory 13.8). gamma is the slope of the track, n
+    the load onto it in g: cos(gamma), and any hold-down force. `e` is the restitution or damping,
+    `result` has the columns of `COLUMN`.
     """
     gs, gn, mu_s, mu_k = drive.gs, drive.gn, drive.mu_s, drive.mu_k
     if not math.isfinite(drive.c + drive.s + gs + gn + mu_s + mu_k + e):
@@ -68,9 +70,12 @@ def solve_at_once(drive: Drive, e: float, result: Floats) -> int:
 
 @compiled
 def slides_on(drive: Drive, result: Floats) -> bool:
-    """Fill the result of a part that slides to and fro without sticking; True if it does.
+    """Fill the result of a part that slides to and fro and never sticks; return True if it does.
 
-    By the closed form of `two_sided` (theory 13.8); `result` has the columns of `COLUMN`.
+    Its mean velocity has a closed form (theory 13.8), so that no cycle need be followed. `drive`
+    holds drive, gravity and friction in g; `result` (columns of `COLUMN`) gets velocity and error
+    in g/(2 pi f), and the shares of time forward and backward. It is left as it is if the motion is
+    another.
     """
     velocity, forward = two_sided(drive)
     if not forward > 0:
@@ -89,7 +94,7 @@ def solve(
     drive: Drive, phase: float, cell: Cell, chain: Chain, sums: Floats, log: Floats, result: Floats,
     stop: Stop,
 ) -> tuple[int, int, int, float]:  # fmt: skip
-    """Solve one cell: fill `result`, and return status, first segment, end of segments, velocity.
+    """Solve the motion of one cell: fill `result`, and return the status and the cycle's place.
 
     The part starts at rest at `phase` in rad. The rows of `chain`, which knows the cell before,
     then hold the cycle from the first of these segments to before the end, with this slip in g/w
@@ -120,7 +125,7 @@ def solve_cell(
     cell: Cell, row: Floats, waves: Waves, closed: bool, chain: Chain, sums: Floats, log: Floats,
     result: Floats, stop: Stop,
 ) -> tuple[int, int, int, float]:  # fmt: skip
-    """Solve one cell from its row of numbers; return status, first segment, end, slip velocity.
+    """Fill the result of a cell of planar motion; return its status and where its cycle stands.
 
     Results are in the row's own direction, segments and velocity, in g/(2 pi f), as mirrored by
     `upright`. `waves` is the room for the drive; `closed` allows the closed form of a motion
@@ -143,9 +148,18 @@ def solve_cell(
 def solve_cells(groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill table and statuses of cells with the means of their motion.
 
-    `groups` has a row of numbers for each cell, `waves` is the room for the drive, `table` has the
-    columns of `COLUMN`, `status` one value a cell (`UNREPEATED` if no cycle was found); `stop` is a
-    flag that ends the work.
+    Parameters
+    ----------
+    groups
+        A row a cell: the fields of `Cell`, then its wave.
+    waves
+        Room for the drive of a cell, used again for each.
+    table
+        A row a cell, with the columns of `COLUMN`.
+    status
+        A value of `STATUS` for each cell, or `UNREPEATED` if no cycle was found.
+    stop
+        Flag that ends the work; cells not reached are left as they are.
     """
     chain, sums, log = no_chain(), np.empty(SUMS), np.empty((0, len(PIECE)))
     for number in range(groups.shape[0]):

@@ -19,13 +19,14 @@ from core.motion.kernels.rebounds import (
 
 @compiled
 def rests(drive: Drive, tau: float, w: float, e: Restitution, settled: float) -> bool:
-    """True if a part that has just landed at phase `tau` with rebound speed `w` stays on the floor.
+    """True if a part that has just landed stays on the floor, its hops shrinking to nothing.
 
-    It stays if w = 0 and the floor presses it, load n > 0, or if it lands within 1e-12 of a
-    lift-off, where n = 0: it then lifts off again after no time. With a rebound it stays if the
-    shrinking hops end within T = 2 w/(n (1 - eps)), with w T < `settled` and T below a thousandth
-    of the time to lift-off; the position is then wrong by less than mu_k `settled`. With a
-    restitution that depends on the speed `settles_softly` decides (theory 13.5).
+    It landed at phase `tau` in rad, with rebound speed `w` in g/w (w = 2 pi f). It stays if w = 0
+    and the floor presses it, load n > 0, or if it lands within 1e-12 of a lift-off, where n = 0: it
+    then lifts off again after no time. With a rebound it stays if the shrinking hops end within T =
+    2 w/(n (1 - eps)), with w T < `settled` and T below a thousandth of the time to lift-off; the
+    position is then wrong by less than mu_k `settled`. `e` is the law of restitution; if it depends
+    on the speed, `settles_softly` decides (theory 13.5).
     """
     n = load(drive, tau)
     if w == 0:
@@ -63,11 +64,13 @@ def left_at_lift_off(drive: Drive, tau: float, w: float, damping: float) -> floa
 
 @compiled
 def settles_softly(drive: Drive, tau: float, w: float, damping: float, settled: float) -> bool:
-    """True if hops with speed-dependent restitution are small enough to count as contact.
+    """True if hops whose restitution falls with speed are small enough to count as contact.
 
-    `w` is the rebound speed at phase `tau`. w T must be below 3e-4 (`SETTLED_SOFTLY`), T the phase
-    of `soft_time`, or below ten times that if `settled`, the bound for constant restitution, is a
-    rough one; and the rebound left at lift-off times `damping` below 2e-3 (`LEFT_SOFTLY`).
+    Such hops never end by themselves. `w` is the rebound speed in g/w (w = 2 pi f) at phase `tau`
+    in rad. w T must be below 3e-4 (`SETTLED_SOFTLY`), with the phase T in which hops lose 1 - 1/e
+    of their speed, or below ten times that if `settled`, the bound for a constant restitution, is a
+    rough one; and the rebound left at lift-off times `damping` below 2e-3 (`LEFT_SOFTLY`) (theory
+    13.5).
     """
     bound = SETTLED_SOFTLY if settled <= SETTLED_EXACTLY else 10 * SETTLED_SOFTLY
     if not w * soft_time(drive, tau, damping) < bound:
@@ -77,12 +80,14 @@ def settles_softly(drive: Drive, tau: float, w: float, damping: float, settled: 
 
 @compiled
 def left_out_softly(rows: Floats, count: int, drive: Drive, e: Restitution) -> tuple[float, float]:
-    """Return the effect of small hops taken as contact: position over mu_k, rebound speed left.
+    """Return the effect of small hops taken as contact: position over mu_k, and speed left.
 
-    Of a cycle of `count` segments in `rows` (columns of `SEGMENT`). The first, in g/(2 pi f)^2, is
-    the sum of w T: hops of rebound speed w carry a part that friction would hold on by less than
-    mu_k w per unit of phase, during the phase T of `soft_time`. The second, in g/(2 pi f), is the
-    largest speed of `left_at_lift_off`. Both are 0 for a constant restitution.
+    It bounds the error of a mean velocity where restitution depends on speed, since such hops never
+    end (theory 13.5). The cycle is in the first `count` of `rows` (columns of `SEGMENT`; contacts
+    have a take-off below 0). The first, in g/(2 pi f)^2, is the sum of w T: hops of rebound speed w
+    carry a part that friction would hold on by less than mu_k w per unit of phase, during the phase
+    T in which they lose 1 - 1/e of their speed. The second, in g/(2 pi f), is the largest rebound
+    speed left at the next lift-off. Both are 0 for a constant restitution.
     """
     position, speed = 0.0, 0.0
     for row in range(count if e.damping > 0 else 0):

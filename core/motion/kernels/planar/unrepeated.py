@@ -39,7 +39,7 @@ LED_IN = 8
 def reach_way(
     drive: Drive, phase: float, cell: Cell, chain: Chain, sums: Floats, result: Floats, stop: Stop
 ) -> None:
-    """Enlarge the error of an aperiodic mean by that of the first way from rest to rest.
+    """Enlarge the error of an aperiodic mean so that it covers the first way from rest to rest.
 
     error >= |v_way - v| + error(v_way). An undisturbed part would repeat that way for ever; it is
     the motion of these very numbers as long as rounding leaves a digit of it, though neighbouring
@@ -66,8 +66,10 @@ def average_cells(
 ) -> None:
     """Fill table and statuses of cells whose motion does not repeat, with means over long runs.
 
-    `groups` has a row of numbers for each cell, `waves` is the room for the drive, `table` has the
-    columns of `COLUMN`, `status` one value a cell; `stop` is a flag that ends the work.
+    `groups` has a row of numbers for each cell, `waves` is the work array for the wave of a drive,
+    `table` has the columns of `COLUMN`, `status` one value a cell; `stop` is a flag that ends the
+    work. Cells with a tolerance of 0.001 or more end as soon as their error is within it (theory
+    13.8).
     """
     rows, sums = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
     ways, landings = no_chain(), no_landings()
@@ -98,10 +100,21 @@ def average_spent(
 ) -> None:
     """Fill the energy table of cells whose motion does not repeat, from long runs.
 
-    `groups` has a row of numbers for each cell, `waves` is the room for the drive, `table` has the
-    columns of `SPENT`, mean powers per mass in g^2/w (w = 2 pi f) over 256 periods; `stop` is a
-    flag that ends the work. Cells that hop too few times stay NaN, the others get the status
-    `aperiodic`.
+    Cells that hop too few times stay NaN, the others get the status `aperiodic`.
+
+    Parameters
+    ----------
+    groups
+        A row a cell: the fields of `Cell`, then its wave.
+    waves
+        Room for the drive of a cell, used again for each.
+    table
+        A row a cell, with the columns of `SPENT`: mean powers per mass in g^2/w (w = 2 pi f) over
+        256 periods.
+    status
+        A value of `STATUS` for each cell.
+    stop
+        Flag that ends the work.
     """
     rows, sums = np.empty((MAX_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
     log = np.empty((4 * MAX_SEGMENTS, len(PIECE)))

@@ -84,11 +84,11 @@ TABLE = (ROOTS + KINDS, WIDTH)  # shape of the table of a wave
 
 @compiled
 def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[WaveDrive, float, float]:
-    """Read the wave behind a cell's numbers in `row` into the table of `waves`; return its drive.
+    """Return the drive of a cell whose wave follows its numbers in `row`, a phase shift and a sign.
 
-    The row holds coefficients s_k and c_k by axis, or the levels and ends of steps (theory 13.14).
-    The other two values are the phase shift 0 and the direction sign 1: a wave is not mirrored as
-    `upright` mirrors a sine.
+    The wave, by coefficients of sines and cosines or by levels and ends of steps, is read into the
+    table of `waves`, with all phases at which accelerations change sign (theory 13.14). Phase shift
+    0 and direction sign 1 are those of any wave, as only sines are mirrored.
     """
     table = waves.table
     columns = wave_columns(row, GROUPS)
@@ -114,12 +114,13 @@ def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[WaveDrive, float
 
 @borrowing
 def fill_kinds(drive: WaveDrive, part: int, column: int, along: float, normal: float) -> None:
-    """Fill one column of every kind of acceleration from the drive along and normal to the floor.
+    """Fill one column of the accelerations of a part under a wave, for each kind of motion.
 
-    p_z - n off the floor, p_x - sin(gamma) in the air, and p_x +- mu p_z - (sin(gamma) +- mu n) for
-    slips forward and backward, at mu_k and at mu_s. `along` and `normal` are the coefficients of
-    p_x and p_z in g; `part` is 0 for sines and steps, 1 for cosines; `column` is the order or the
-    step (theory 13.14).
+    The kinds are p_z - n off the floor, p_x - sin(gamma) in the air, and p_x +- mu p_z -
+    (sin(gamma) +- mu n) for slips forward and backward, with mu_k and with mu_s. `along` and
+    `normal` are the coefficients of p_x and p_z in g; `part` is 0 for sines and steps, 1 for
+    cosines; `column` is the order or the step. The pulls sin(gamma) and so on, which have no phase,
+    go to a row of their own (theory 13.14).
     """
     table, gs, gn = drive.table, drive.gs, drive.gn
     table[NORMAL + part, column], table[PULLS, NORMAL] = normal, gn
@@ -140,11 +141,11 @@ def push_of(drive: WaveDrive, kind: int) -> SineSum:
 
 @borrowing
 def fill_passages(drive: WaveDrive, kind: int) -> None:
-    """Fill the phases in [0, 2 pi) at which an acceleration changes sign, p(tau) = pull.
+    """Fill the phases in [0, 2 pi) at which the part's acceleration changes sign, p(tau) = pull.
 
-    `kind` is one of `NORMAL` to `STATIC_BACKWARD`. The passages of a sum of sines, or the ends of
-    some steps, go into row `ROOTS` + kind: the number first, then the phases; and whether it rises
-    at the first (theory 13.14).
+    `kind` says which, one of `NORMAL` to `STATIC_BACKWARD`. The passages of a sum of sines, or the
+    ends of some steps, go into row `ROOTS` + kind of the drive's table: the number first, then the
+    phases; and whether it rises at the first (theory 13.14).
     """
     table, row = drive.table, ROOTS + kind
     if drive.steps == 0:
@@ -176,9 +177,10 @@ def folded(tau: float) -> float:
 
 @borrowing
 def step_at(drive: WaveDrive, tau: float) -> int:
-    """Return the index of the step at a phase in [0, 2 pi): the first with tau < its end.
+    """Return the index of a drive's step at phase `tau` in [0, 2 pi), the first with tau < its end.
 
-    A phase up to 1e-13 before a step's start counts as in it.
+    Of a drive in steps of constant acceleration. A phase up to 1e-13 before a step's start counts
+    as in it.
     """
     for step in range(drive.steps - 1):
         if tau < drive.table[ENDS, step] - SLACK:
@@ -188,10 +190,11 @@ def step_at(drive: WaveDrive, tau: float) -> int:
 
 @borrowing
 def acceleration(drive: WaveDrive, kind: int, tau: float) -> float:
-    """Return the acceleration p(tau) - k of a kind at the phase `tau`, in g.
+    """Return the acceleration p(tau) - k of a part in one mode of motion under a wave, in g.
 
-    `kind` is one of `NORMAL` to `STATIC_BACKWARD`, p its push, a sum of sines or the level of the
-    step at tau, and k its constant pull (theory 13.14).
+    At the phase `tau` in rad. `kind` is one of `NORMAL` (off the floor) to `STATIC_BACKWARD` (of a
+    part that static friction holds from slipping backward), p its push, a sum of sines or the level
+    of the step at tau, and k its constant pull, both from the table of the `drive` (theory 13.14).
     """
     table = drive.table
     if drive.steps > 0:
@@ -202,10 +205,12 @@ def acceleration(drive: WaveDrive, kind: int, tau: float) -> float:
 
 @borrowing
 def next_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]:
-    """Return the next phase at or after tau where an acceleration changes sign, True if it rises.
+    """Return the next phase at or after `tau` where an acceleration changes sign; True if it rises.
 
-    Infinite if it never does; a change up to 1e-13 before tau counts as tau itself. `kind` is one
-    of `NORMAL` to `STATIC_BACKWARD`.
+    Phases in rad, inf if it never does; a change up to 1e-13 before `tau` counts as `tau` itself.
+    `kind` says which acceleration of the part it is, from `NORMAL` (off the floor) to
+    `STATIC_BACKWARD` (at which it starts to slip backward). The passages of one period stand in the
+    table of the `drive`.
     """
     table, row = drive.table, ROOTS + kind
     count = int(table[row, 0])
@@ -232,10 +237,11 @@ def later_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]
 
 @borrowing
 def next_of_way(drive: WaveDrive, kind: int, tau: float, rising: bool) -> float:
-    """Return the first phase from tau on at which an acceleration rises (or falls) through 0.
+    """Return the first phase from `tau` on at which an acceleration rises, or falls, through 0.
 
-    It rises if `rising` is True, else falls; infinite if it never does. `kind` is one of `NORMAL`
-    to `STATIC_BACKWARD`.
+    In rad, under the wave of the `drive`. It rises if `rising` is True, else falls; inf if it never
+    does. `kind` says which acceleration of the part it is, from `NORMAL` (off the floor) to
+    `STATIC_BACKWARD` (at which it starts to slip backward).
     """
     at, rises = next_passage(drive, kind, tau)
     if rises != rising and at < math.inf:
@@ -245,11 +251,12 @@ def next_of_way(drive: WaveDrive, kind: int, tau: float, rising: bool) -> float:
 
 @borrowing
 def integrals(drive: WaveDrive, kind: int, tau: float) -> tuple[float, float, float, float]:
-    """Return slope and push of a kind at phase `tau`, and the push's first and second integral.
+    """Return slope and value of a wave's push at phase `tau`, and its first and second integral.
 
-    Sums over the terms a sin(k tau) + b cos(k tau): k (a cos(k tau) - b sin(k tau)), the terms
-    themselves, -(a cos(k tau) - b sin(k tau))/k and -(a sin(k tau) + b cos(k tau))/k^2 (theory
-    13.14).
+    The push of a `kind` of acceleration (from `NORMAL` to `STATIC_BACKWARD`) in g, a sum of a sin(k
+    tau) + b cos(k tau): the slope sums k (a cos(k tau) - b sin(k tau)), the integrals -(a cos(k
+    tau) - b sin(k tau))/k and -(a sin(k tau) + b cos(k tau))/k^2 (theory 13.14). The flow of a part
+    is made from their differences. Not for drives in steps.
     """
     table, sines, cosines = drive.table, 2 * kind, 2 * kind + 1
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
@@ -269,10 +276,13 @@ def integrals(drive: WaveDrive, kind: int, tau: float) -> tuple[float, float, fl
 def speed_from(
     drive: WaveDrive, kind: int, v: float, tau: float, start: float, d: float
 ) -> tuple[float, float, float]:
-    """Return velocity, acceleration and its derivative at the phase `d` after velocity `v`.
+    """Return velocity, acceleration and its derivative of a part after a phase `d`, under a wave.
 
-    v - k D + P1(tau + D) - P1(tau), p(tau + D) - k and p'(tau + D), with the push p of a kind, its
-    integral P1 and constant k. `start` is P1(tau) of `speed_start`; steps do not use it.
+    It starts at phase `tau` in rad with velocity `v`, and moves in one mode, whose `kind` (from
+    `NORMAL` to `STATIC_BACKWARD`) has the push p with the integral P1, and the pull k: v - k D +
+    P1(tau + D) - P1(tau), p(tau + D) - k and p'(tau + D), in g/w (w = 2 pi f) and g. `start` is
+    P1(tau), computed once by `speed_start`; steps do not use it. Searches for zeros of velocity
+    need all three.
     """
     if drive.steps > 0:
         force = acceleration(drive, kind, tau + d)
@@ -290,11 +300,13 @@ def speed_start(drive: WaveDrive, kind: int, tau: float) -> float:
 
 @borrowing
 def flow(drive: WaveDrive, kind: int, v: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance at the phase `d` after velocity `v` at phase `tau`.
+    """Return velocity and distance of a part after a phase `d` in one mode of motion, under a wave.
 
-    Under the acceleration p - k of a kind: u = v - k D + P1(tau + D) - P1(tau), x = v D - k D^2/2 +
-    P2(tau + D) - P2(tau) - P1(tau) D, with the first and second integral P1, P2 of the push p
-    (theory 13.14); short ones by `near_flow`. In g/w (w = 2 pi f) and g/w^2.
+    It starts at phase `tau` in rad with velocity `v`. The mode's `kind` gives its acceleration p -
+    k, with the push p of the drive and a constant pull k: u = v - k D + P1(tau + D) - P1(tau), x =
+    v D - k D^2/2 + P2(tau + D) - P2(tau) - P1(tau) D, with D = `d` and the first and second
+    integral P1, P2 of p. Short flows come from series, against cancellation. In g/w and g/w^2 with
+    w = 2 pi f (theory 13.14).
     """
     if drive.steps > 0:
         return stepped_flow(drive, kind, v, tau, d)
@@ -311,11 +323,12 @@ def flow(drive: WaveDrive, kind: int, v: float, tau: float, d: float) -> tuple[f
 
 @borrowing
 def near_flow(drive: WaveDrive, kind: int, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance by the push alone over a short phase, without loss of digits.
+    """Return velocity and distance that the push of a wave gives over a short phase `d`.
 
-    From phase `tau` over D = `d` rad. A term of order k, value p and derivative over k p', turns by
-    K = k D and gives (p sin K + p' (1 - cos K))/k and (p (1 - cos K) + p' (K - sin K))/k^2. `kind`
-    is its place in the wave's table.
+    Without loss of digits, which differences of integrals would have. From phase `tau` over D =
+    `d`, in rad; the `kind` of push is from `NORMAL` to `STATIC_BACKWARD`. A term of order k, value
+    p and derivative over k p', turns by K = k D and gives (p sin K + p' (1 - cos K))/k and (p (1 -
+    cos K) + p' (K - sin K))/k^2. In g/w (w = 2 pi f) and g/w^2.
     """
     table, sines, cosines = drive.table, 2 * kind, 2 * kind + 1
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
@@ -334,11 +347,11 @@ def near_flow(drive: WaveDrive, kind: int, tau: float, d: float) -> tuple[float,
 def stepped_flow(
     drive: WaveDrive, kind: int, v: float, tau: float, d: float
 ) -> tuple[float, float]:
-    """Return velocity and distance at the phase `d` under an acceleration constant in each step.
+    """Return velocity and distance of a part after a phase `d` in one mode, under a drive in steps.
 
-    From velocity `v` at phase `tau`: over a step of D rad with acceleration a, x -> x + (v + a D/2)
-    D and v -> v + a D. In g/w (w = 2 pi f) and g/w^2 (theory 13.14). `kind` is its place in the
-    wave's table.
+    It starts at phase `tau` in rad with velocity `v`. The acceleration of its `kind` (from `NORMAL`
+    to `STATIC_BACKWARD`) is constant in each step: over D rad with acceleration a, x -> x + (v + a
+    D/2) D and v -> v + a D. In g/w (w = 2 pi f) and g/w^2 (theory 13.14).
     """
     table, pull = drive.table, drive.table[PULLS, kind]
     at, left, distance = folded(tau), d, 0.0
@@ -363,11 +376,12 @@ def zero_of_velocity(
     drive: WaveDrive, kind: int, v: float, tau: float, start: float, low: float, high: float,
     first: float, last: float,
 ) -> float:  # fmt: skip
-    """Return the phase between `low` and `high` at which a monotonic velocity is 0.
+    """Return the phase between `low` and `high` at which a monotonic velocity under a wave is 0.
 
-    Phases count from `tau`, where the velocity is `v`; by Halley's iteration in this bracket, with
-    velocity and derivatives of `speed_from`. `kind` is that of the acceleration, `start` its
-    integral at tau; `first` and `last` are the velocities at `low` and `high`.
+    So the end of a slip, or the top of a flight, is found. Phases in rad count from `tau`, where
+    the velocity is `v` in g/w (w = 2 pi f); by Halley's iteration in this bracket. `kind` is that
+    of the acceleration (from `NORMAL` to `STATIC_BACKWARD`), `start` its integral at `tau`; `first`
+    and `last` are the velocities at `low` and `high`, of opposite signs.
     """
     rises = last > first
     d = low + (high - low) * first / (first - last) if first * last < 0.0 else 0.5 * (low + high)

@@ -33,10 +33,11 @@ def normal_numbers(drive: WaveDrive) -> tuple[float, float]:
 
 @borrowing
 def track_speed(drive: WaveDrive, tau: float) -> float:
-    """Return the track's velocity along itself at phase `tau`, in g/w, without its mean.
+    """Return the velocity of the track along itself under a wave at phase `tau` [rad], in g/w.
 
-    Minus the integral of the push: sum of (s_k cos(k tau) - c_k sin(k tau))/k; of steps v -> v - p
-    D over each, with level p and duration D, less the mean of that (theory 13.14). Here w = 2 pi f.
+    Minus the integral of the push along over the phase, without its mean (w = 2 pi f): sum of (s_k
+    cos(k tau) - c_k sin(k tau))/k with the coefficients s_k and c_k; of steps v -> v - p D over
+    each, with level p in g and duration D in rad, less the mean of that (theory 13.14).
     """
     if drive.steps == 0:
         velocity = 0.0
@@ -64,7 +65,8 @@ def push_slope(drive: WaveDrive, tau: float) -> tuple[float, float]:
 def smooth_span(drive: WaveDrive, tau: float) -> float:
     """Return a phase interval in rad after `tau` in which the drive is nearly a polynomial.
 
-    1.5/n at the highest order n; of steps the phase to the next one.
+    Gauss's rule integrates over such intervals. 1.5/n for sums of sines of highest order n; for a
+    drive in steps the phase to its next jump.
     """
     if drive.steps == 0:
         return SMOOTH / drive.orders
@@ -80,7 +82,7 @@ def lift_off(drive: WaveDrive, tau: float) -> float:
 
 @borrowing
 def landing(drive: WaveDrive, w: float, tau: float) -> float:
-    """Return the flight time in rad after take-off at phase `tau`; -1 if not found.
+    """Return the flight time in rad after take-off at phase `tau` under a wave; -1 if not found.
 
     `w` >= 0 is the velocity at take-off in g/(2 pi f). Between two changes of sign of the normal
     acceleration the height bends one way: a piece that bends down and ends above the floor was
@@ -120,12 +122,12 @@ def landing(drive: WaveDrive, w: float, tau: float) -> float:
 def landing_root(
     drive: WaveDrive, z: float, w: float, tau: float, low: float, high: float
 ) -> float:
-    """Return the phase between `low` and `high` at which a height falls through 0.
+    """Return the phase between `low` and `high` at which the height of a part falls through 0.
 
-    Phases count from `tau`, where the height is `z` and the velocity `w`. Halley's iteration in
-    this bracket, with z' = w and z'' = p_z - n. It starts where the parabola at `high` falls
-    through 0: `high` may be the lowest point, where the velocity is rounding and no step of
-    Halley's or Newton's leads anywhere.
+    Phases count from `tau`, where the height is `z` in g/w^2 and the velocity `w` in g/w (here w =
+    2 pi f). Halley's iteration in this bracket, with z' = w and z'' = p_z - n: push p_z off the
+    floor less gravity n. It starts where the parabola at `high` falls through 0: `high` may be the
+    lowest point, where the velocity is rounding and no step of Halley's or Newton's leads anywhere.
     """
     velocity, height = flow(drive, NORMAL, w, tau, high)
     height += z

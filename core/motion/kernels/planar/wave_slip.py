@@ -43,8 +43,10 @@ def always_holds(drive: WaveDrive) -> bool:
 def stop_after(drive: WaveDrive, sign: float, u: float, at: float, span: float) -> float:
     """Return the phase in rad until a slip in direction `sign` stops; -1 if not within `span`.
 
-    The slip velocity is `u` at phase `at`; `sign` is 1 forward, -1 backward. Between two changes of
-    sign of the acceleration the velocity is monotonic (theory 13.14).
+    The slip velocity is `u` in g/(2 pi f) at phase `at` in rad, under a drive that is a wave;
+    `sign` is 1 forward, -1 backward. With u = 0 the slip begins where the acceleration has the sign
+    of the direction. Between two changes of sign of the acceleration the velocity is monotonic, so
+    that one piece after the other is tested by its end (theory 13.14).
     """
     kind, low, first = kind_of(sign), 0.0, u
     start = speed_start(drive, kind, at)
@@ -64,11 +66,12 @@ def stop_after(drive: WaveDrive, sign: float, u: float, at: float, span: float) 
 
 @borrowing
 def slip_uncertainty(drive: WaveDrive) -> float:
-    """Return the error of the mean velocity in g/w by rounding of phases at which slips start.
+    """Return the error of a mean velocity in g/w by rounding of the phases at which slips start.
 
-    (mu_s - mu_k) max |n(tau)| times the rounding of the push over its slope: the slower a sum of
-    sines passes a threshold, the less is the phase known; one at which the push jumps is exact.
-    Here w = 2 pi f.
+    Where mu_s > mu_k the part is released with the force (mu_s - mu_k) n(tau), n the load on the
+    floor. Its phase is uncertain by the rounding of the push over its slope: the slower a sum of
+    sines passes a threshold, the less is the phase known. Steps, which jump over it, have no such
+    error. w = 2 pi f; `drive` holds the wave, gravity and friction.
     """
     if drive.steps > 0:
         return 0.0

@@ -60,10 +60,11 @@ TIME, IMPACTS, SLIP, MARK = SUMS, SUMS + 1, SUMS + 2, SUMS + 3
 
 @compiled
 def start(number: int, phase: float, drive: Drive, sums: Floats, run: Floats) -> None:
-    """Fill the state `run` and sums of run `number` with its first lift-off from rest.
+    """Fill state and sums of a long run with its first lift-off from rest.
 
-    `phase` is the study's own start in rad; each run starts at another phase, with a jolt of its
-    own.
+    Several such runs, whose means are those of a motion that rounding decides, start at phases of
+    their own, each with a jolt of its own. `number` is that of the run, `phase` the study's own
+    start in rad; `run` has the columns of `RUN`, `sums` holds distance and times in modes.
     """
     sums[:], run[:] = 0.0, 0.0
     no_log = np.empty((0, len(PIECE)))
@@ -124,9 +125,9 @@ def follow_on(
 def runs_off(run: Floats, mark: Floats, sums: Floats, drive: Drive) -> bool:
     """True if a run has slipped downhill at all landings since a mark and is faster now.
 
-    `run` is its state now (columns of `RUN`), `sums` its distance and times; `mark` holds the same
-    sums at the mark, with its time, impacts and slip. Kinetic friction must be less than gravity
-    along the track.
+    Such a part runs away. `run` is its state now (columns of `RUN`), `sums` its distance and times;
+    `mark` holds the same sums at the mark, with its time, impacts and slip. Kinetic friction must
+    be less than gravity along the track.
     """
     gs = drive.gs
     faster = abs(run[RUN.slip]) > abs(mark[SLIP]) and run[RUN.upheld] <= mark[TIME]
@@ -146,8 +147,8 @@ def cut_error(travel: Floats, begin: int, end: int, velocity: float) -> float:
     """Return the error of mean velocities because runs end anywhere within a near repetition.
 
     The mean over the runs of max |x_p - v T|/((end - begin) T), in g/w (w = 2 pi f), with the
-    distance x_p = `travel[run, p]` of period p from `begin` to before `end`, v = `velocity` and T =
-    2 pi.
+    distance x_p = `travel[run, p]` in g/w^2 of period p from `begin` to before `end`, v =
+    `velocity` in g/w and T = 2 pi.
     """
     total = 0.0
     for number in range(travel.shape[0]):
@@ -221,9 +222,10 @@ def fill(
     runs: Floats, marks: Floats, all_sums: Floats, quarters: Floats, error: float, drive: Drive,
     result: Floats,
 ) -> int:  # fmt: skip
-    """Fill `result` with the means of eight runs, each since its mark; return the status.
+    """Fill `result` with means of eight runs of a motion that rounding decides; return its status.
 
-    `UNREPEATED` if a run runs away.
+    Each run counts from its mark, the end of the periods that are left out. The status is
+    `aperiodic`; or `UNREPEATED`, with nothing filled, if a run slides downhill ever faster.
 
     Parameters
     ----------
@@ -235,6 +237,10 @@ def fill(
         Mean velocities of the four quarters of each run in g/w (w = 2 pi f), shape (8, 4).
     error
         Error of the mean velocity in g/w.
+    drive
+        Drive, gravity and friction in g.
+    result
+        Row with the columns of `COLUMN`.
     """
     for number in range(PHASES):
         if runs_off(runs[number], marks[number], all_sums[number], drive):

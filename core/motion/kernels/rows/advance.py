@@ -59,10 +59,12 @@ of their gap, which is left out, is of the order of its square."""
 def refreshed(
     row: Row, drive: Driven, level: float, tau: float, flying: bool, event: Event
 ) -> None:
-    """Update a row after an event: start pushed parts, open idle contacts, set accelerations.
+    """Update a row of parts after an event: start, release or part some, and set accelerations.
 
-    `level` is what the step of the drive adds to the push in g, `tau` the phase now, `flying` if
-    the parts are in the air; `event` is the one that has just happened.
+    Parts that the push can move start, contacts without force open, and parts no longer pressed
+    onto a stop are released. `level` is what the step of the drive adds to the push in g, `tau` the
+    phase now in rad, `flying` is True if the parts are in the air; `event` is the one that has just
+    happened, whose limit counts as reached.
     """
     forced = event.part if event.kind == START else -1
     pull = drive.gs - level
@@ -79,11 +81,12 @@ def refreshed(
 def next_event(
     row: Row, drive: Driven, level: float, tau: float, span: float, landing: float
 ) -> Event:
-    """Return the earliest event within `span` rad from phase `tau`.
+    """Return the earliest event of a row of parts within `span` rad from phase `tau`.
 
-    `landing` is the phase until landing, inf on the floor; `level` is what the step of the drive
-    adds to the push. Of several at once lift-off comes first, then landings, stops, starts,
-    releases by the stop and collisions.
+    A record of the phase until then, its kind, and the part or contact that it begins with;
+    `NOTHING` at `span` if there is none. Of several at once lift-off comes first, then landings,
+    stops, starts, releases by the stop and collisions. `landing` is the phase until the parts land,
+    inf on the floor; `level` is what the step of the drive adds to the push in g.
     """
     event = Event(span, NOTHING, 0)
     now = at_phase(drive, tau)
@@ -108,11 +111,14 @@ def next_event(
 
 @borrowing
 def _on_floor(row: Row, drive: Driven, pull: float, tau: float, now: Any, event: Event) -> Event:
-    """Return the first stop or start of a part on the floor, or `event` if that is earlier.
+    """Return the first stop or start of parts of a row on the floor, or `event` if it is earlier.
 
-    `pull` is gravity along less the level of the drive's step, `tau` the phase now, `now` its terms
-    (`at_phase`). A chain at rest starts where c sin(tau) - pull = +-mu (gn - s sin(tau)), with the
-    static friction mu of `least_friction`.
+    A sliding chain stops where its velocity is 0. A chain at rest starts where the push along
+    exceeds the least static friction of a block at its end: under a sine c sin(tau) - pull = +-mu
+    (gn - s sin(tau)), with the friction mu of that block.
+
+    `pull` is gravity along less the level of the drive's step in g, `tau` the phase now in rad,
+    `now` its sine and cosine (`at_phase`), `event` the earliest event of other kinds.
     """
     first = 0
     while first < row.mass.size:
@@ -139,11 +145,15 @@ def _on_floor(row: Row, drive: Driven, pull: float, tau: float, now: Any, event:
 def _released(
     row: Row, drive: Driven, pull: float, tau: float, flying: bool, event: Event
 ) -> Event:
-    """Return the first release of a block by the stop, or `event` if that is earlier.
+    """Return the event at which the stop in front lets go a block of a row, if it is earliest.
 
-    `pull` is gravity along less the level of the drive's step, `tau` the phase now. In flight a
-    stop of the track lets go where the push turns back; on the floor one in space where -mode mu n
-    falls to gs. `flying` is True in flight.
+    A block is released where nothing presses it onto the stop any more: from a stop of the track in
+    flight where the push turns back; from one at rest in space, sliding, where -mode mu n falls to
+    gs, gravity along the track, with the direction of slip `mode`, friction mu and load n (theory
+    17.6). Otherwise `event`, the earliest of the others, is returned.
+
+    `pull` is gravity along less the level of the drive's step in g, `tau` the phase now in rad,
+    `flying` True if the parts are in the air.
     """
     first = held_from(row)
     if first == row.mass.size:
@@ -163,10 +173,11 @@ def _released(
 
 @borrowing
 def move(row: Row, drive: Driven, tau: float, span: float) -> None:
-    """Move all parts over `span` rad by their accelerations, and change the gaps accordingly.
+    """Move all parts of a row over `span` rad from phase `tau`, by their accelerations.
 
-    From phase `tau`. Parts that touch have one velocity and one acceleration: they move by the same
-    distance, to the bit.
+    Velocities, positions and gaps in `row` are changed, in g/w and g/w^2 (w = 2 pi f), and those of
+    a stop in front. There must be no event within. Parts that touch have one velocity and one
+    acceleration: they move by the same distance, to the bit.
     """
     by, behind = swung(drive, tau, span), 0.0
     for i in range(row.mass.size):
@@ -202,10 +213,12 @@ def lifted(drive: Driven, tau: float) -> Air:
 def happened(
     row: Row, drive: Driven, event: Event, tau: float, air: Air, restitution: float
 ) -> tuple[Air, float, float]:
-    """Change the state of a row by an event at phase `tau`; return flight, energy lost, impulse.
+    """Change the state of a row by an event at phase `tau`; return the flight after it, and losses.
 
-    The flight after the event (`Air`), the energy that a collision takes, and the impulse on the
-    stop. `air` is the flight before, `restitution` that between parts.
+    The flight is the phase until all parts land, inf on the floor, and the impulse of landing. The
+    losses are the energy that a collision takes, in mass times (g/w)^2 with w = 2 pi f, and the
+    impulse on the stop in front, in mass times g/w. `event` is what happens, `air` the flight
+    before, `restitution` that between parts.
     """
     lost, impulse = 0.0, 0.0
     if event.kind == LIFT:
@@ -228,11 +241,11 @@ def happened(
 
 @borrowing
 def _bounces_end(row: Row, drive: Driven, contact: int, tau: float, restitution: float) -> bool:
-    """True if two colliding parts are pressed together and would bounce for nearly no time.
+    """True if two colliding parts of a row would bounce for nearly no time, and so touch at once.
 
-    Bounces under the relative acceleration -a, from the relative speed v, last 2 e v/(a (1 - e)) in
-    all, with `restitution` e. `contact` is the index of the rear part, `tau` the phase (theory
-    13.5).
+    Bounces under the relative acceleration -a that presses them together, from the relative speed
+    v, last 2 e v/(a (1 - e)) in all, with the `restitution` e; below 1e-6 rad they are left out
+    (theory 13.5). `contact` is the index of the rear part, `tau` the phase in rad.
     """
     drag = row.drag[contact + 1] - row.drag[contact]
     pressed = drag - relative_push(row, drive, contact, tau)

@@ -75,7 +75,11 @@ FAILED = Tally(0.0, 0.0, math.nan, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 @compiled
 def past_of(row: Row) -> Past:
-    """Return a buffer for the states of a row at the starts of the last periods, zeros."""
+    """Return an empty buffer for the states of a row at the starts of the last periods.
+
+    `Past` with arrays of zeros, for MULTIPLES + 1 periods and the parts and contacts of the row;
+    states are compared in it to see if the motion repeats.
+    """
     size, parts, contacts = MULTIPLES + 1, row.mass.size, row.gap.size
     return Past(
         np.zeros((size, parts)), np.zeros((size, parts)), np.zeros((size, contacts)),
@@ -85,9 +89,10 @@ def past_of(row: Row) -> Past:
 
 @compiled
 def keep(row: Row, air: Air, past: Past, period: int) -> None:
-    """Store the state of a row at the start of period number `period` in `past`.
+    """Store the state of a row at the start of period number `period` in the buffer `past`.
 
-    `air` is the flight that the parts are in (`Air`).
+    Velocities, positions, gaps, and the phase until landing of `air`, the flight of all parts.
+    Later states are compared with it, to see if the motion repeats.
     """
     at = period % (MULTIPLES + 1)
     past.speed[at, :] = row.speed[: row.mass.size]
@@ -101,11 +106,12 @@ def one_period(
     row: Row, drive: Driven, restitution: float, air: Air, past: Past, period: int,
     swept_gaps: Floats,
 ) -> tuple[Air, Tally]:  # fmt: skip
-    """Follow a row over one period of the drive; return the flight at its end, and its tally.
+    """Follow a row of parts over one period of the drive; return the flight at its end, and sums.
 
-    `air` is the flight at the start, `restitution` that between parts, `period` its number; `past`
-    gets the contacts that touched, `swept_gaps` the integrals of the gaps. The number of collisions
-    is NaN if there were too many events.
+    `air` is the flight at the start, `restitution` that between parts, `period` the number of the
+    period. `past` notes which contacts touched, and `swept_gaps` gets the integrals of the gaps.
+    The sums are those of `Tally`: collisions, times in contact and in the air, energy lost, forces
+    on the stop. The number of collisions is NaN if there were too many events.
     """
     tau, step, events, event = 0.0, 0, 0, NO_EVENT
     closed, flying, hits, lost = 0.0, 0.0, 0.0, 0.0
@@ -148,10 +154,12 @@ def one_period(
 
 @borrowing
 def sweep(row: Row, drive: Driven, tau: float, span: float, result: Floats) -> None:
-    """Add the integrals of the gaps between parts over a phase without events to `result`.
+    """Add the integrals of the gaps of a row over a phase without events to `result`.
 
-    g d + v d^2/2 - k d^3/6 with gap g, its rate v and constant k over d = `span` from phase `tau`,
-    and what the push adds: under a sine C (cos(tau + d) - cos(tau) + sin(tau) d + cos(tau) d^2/2).
+    g d + v d^2/2 - k d^3/6 with the gap g, its rate v and its constant pull k over d = `span` rad
+    from phase `tau`, and the effect of the push: under a sine C (cos(tau + d) - cos(tau) + sin(tau)
+    d + cos(tau) d^2/2). In g/w^2 times rad (w = 2 pi f); `result` has one entry a gap between
+    parts.
     """
     by = swept(drive, tau, span)
     for i in range(row.mass.size - 1):
@@ -165,11 +173,12 @@ def sweep(row: Row, drive: Driven, tau: float, span: float, result: Floats) -> N
 
 @compiled
 def repeats(row: Row, air: Air, past: Past, period: int, multiple: int, scale: float) -> bool:
-    """True if the state after period number `period` equals the one `multiple` periods before.
+    """True if the state of a row at period number `period` equals that `multiple` periods before.
 
-    `scale` is the drive in g, by which states are compared. A gap may have grown if its parts did
-    not touch in between: each side of it then moves as it did, and the gap grows for ever. `air` is
-    the flight now, `past` holds the earlier states.
+    Velocities and gaps must agree within 1e-12 relative to `scale`, the size of the drive in g, and
+    the phase until landing within 1e-12 rad. A gap may have grown if its parts did not touch in
+    between: each side of it then moves as it did, and the gap grows for ever. `air` is the flight
+    of the parts now, `past` holds the earlier states.
     """
     at = (period - multiple) % (MULTIPLES + 1)
     here, before = air.landing, past.landing[at]
@@ -192,11 +201,12 @@ def repeats(row: Row, air: Air, past: Past, period: int, multiple: int, scale: f
 def platoons(
     row: Row, past: Past, period: int, multiple: int, scale: float, numbers: Floats
 ) -> int:
-    """Return the number of platoons: groups of parts that separate for ever, or seem to.
+    """Return the number of platoons of a row: groups of parts that separate for good.
 
-    Over the last `multiple` periods up to number `period`; `scale` is the drive in g. The number of
-    the platoon of each part, 1 at the rear, is written to `numbers`. `past` holds the states at the
-    starts of the last periods.
+    Two neighbours separate if their gap has grown, beyond rounding, over the last `multiple`
+    periods up to number `period`, without a touch. `past` holds states at the starts of the last
+    periods and when parts touched last; `scale` is the size of the drive in g. `numbers`, shape
+    (parts,), gets the number of each part's platoon, 1 at the rear.
     """
     at = (period - multiple) % (MULTIPLES + 1)
     count = 1
@@ -209,10 +219,11 @@ def platoons(
 
 @compiled
 def follow(drive: Driven, row: Row, cell: Floats, result: Floats, stop: Stop) -> int:
-    """Follow a row of parts until it repeats, write its results, and return its status.
+    """Follow a row of parts from event to event until it repeats; fill its results, return status.
 
-    `cell` has the columns of `Head`, then the parts and the wave; `result` has the columns of
-    `COLUMN`, then velocity and platoon of each part; `stop` is a flag that ends the work.
+    `drive` is a sine with steps, or a wave; `row` holds the parts at rest at the start. `cell` has
+    the columns of `Head`, then the parts and the wave; `result` has the columns of `COLUMN`, then
+    velocity and platoon of each part; `stop` is a flag that ends the work.
     """
     restitution, most = cell[AT.part_restitution], int(cell[AT.max_periods])
     parts = row.mass.size
@@ -247,11 +258,21 @@ def finish(
 ) -> int:
     """Write the means over a cycle, and return the status (`periodic`, `at_rest`, `aperiodic`).
 
-    A motion that does not repeat (`multiple` 0) has the means over the second half of its
-    `periods`, and spread and error by batches of them. `means` holds a row a period: columns of
-    `Tally`, distances of the parts, integrals of the gaps. `scale` is the drive in g; `result` has
-    the columns of `COLUMN`, then velocity and platoon of each part. `past` holds the states at the
-    starts of the last periods.
+    A motion that does not repeat has the means over the second half of its periods, and spread and
+    error by batches of them.
+
+    Parameters
+    ----------
+    row, past
+        The row at the end, and the states at the starts of the last periods.
+    means
+        A row a period: columns of `Tally`, distances of the parts, integrals of the gaps.
+    periods, multiple
+        Periods that were followed, and those of the cycle (0 if it does not repeat).
+    scale
+        Size of the drive in g.
+    result
+        Columns of `COLUMN`, then velocity and platoon of each part.
     """
     parts, room = row.mass.size, (result.size - ROW_COLUMNS) // 2
     numbers = result[ROW_COLUMNS + room : ROW_COLUMNS + room + parts]
@@ -277,10 +298,11 @@ def finish(
 
 @compiled
 def _write(periods: Floats, result: Floats, numbers: Floats) -> None:
-    """Write the means over some periods into `result`.
+    """Write the means of the motion of a row over some periods of the drive into `result`.
 
-    `periods` holds a row a period: columns of `Tally`, distances of the parts, integrals of the
-    gaps; `numbers` the platoon of each part.
+    `periods` has a row a period: columns of `Tally`, distances of the parts, integrals of the gaps;
+    `numbers` is the platoon of each part, of which only neighbours in one have a gap that counts.
+    `result` has the columns of `COLUMN`, then velocity and platoon of each part.
     """
     count, parts = periods.shape[0], numbers.size
     phase = count * TURN
@@ -317,11 +339,12 @@ def at_start(drive: Driven) -> Air:
 
 @compiled
 def row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the result table of rows under a sine, or steps along the track.
+    """Fill the table of results of many rows of parts, under a sine or steps along the track.
 
-    `cells` have the columns of `Head`, then the parts and the wave; a row of `table` has those of
-    `COLUMN`, then velocity and platoon of each part; `status` one value a cell; `stop` is a flag
-    that ends the work.
+    Each row is followed from rest, from event to event. `cells` has a row of numbers for each
+    (columns of `Head`, then those of the parts and of the wave); a row of `table` has the columns
+    of `COLUMN`, then velocity and platoon of each part; `status` gets one value a row. `stop` is a
+    flag that ends the work, with the rest left as it is.
     """
     for number in range(cells.shape[0]):
         cell = cells[number]
@@ -334,11 +357,18 @@ def row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> Non
 
 @compiled
 def waved_row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the result table of rows under any wave.
+    """Fill the result table of rows of parts under any wave, by following each from event to event.
 
-    `cells` have the columns of `Head`, then the parts and the wave; a row of `table` has those of
-    `COLUMN`, then velocity and platoon of each part; `status` one value a cell; `stop` is a flag
-    that ends the work.
+    Parameters
+    ----------
+    cells
+        A row for each cell: columns of `Head`, then the parts and the wave.
+    table
+        A row for each cell: columns of `COLUMN`, then velocity and platoon of each part.
+    status
+        A value of `STATUS` for each cell.
+    stop
+        Flag that ends the work; cells not reached are left as they are.
     """
     for number in range(cells.shape[0]):
         cell = cells[number]
@@ -367,11 +397,12 @@ def path_of_waved_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats
 
 @compiled
 def path_under(drive: Driven, cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
-    """Write positions and gaps of a row's parts at ascending phases, under a drive of any type.
+    """Write positions and gaps of the parts of a row at ascending phases, for its trajectory.
 
-    `phases` are in rad; `places` and `gaps`, a row a phase, get g/w^2 (w = 2 pi f); NaN after a
-    period with more than `MAX_EVENTS` events. `cell` has the columns of `Head`, then the parts and
-    the wave.
+    The row starts at rest and is moved from event to event. `drive` is a sine with steps, or a
+    wave. `cell` has the columns of `Head`, then those of the parts and of the wave. `phases` are in
+    rad; `places` (a row a phase, a column a part) and `gaps` (a column a contact) are filled in
+    g/w^2 (w = 2 pi f), with NaN after a period with more than `MAX_EVENTS` events.
     """
     row, restitution = row_at(cell, backward_speed(drive)), cell[AT.part_restitution]
     air, event = at_start(drive), NO_EVENT

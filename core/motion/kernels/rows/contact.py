@@ -15,12 +15,13 @@ from core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Row
 
 @borrowing
 def pooled(row: Row, first: int, end: int, slack: float = 0.0) -> int:
-    """Pool `row.value[first:end]` into non-decreasing means; return the number of blocks.
+    """Pool neighbouring values of a row into non-decreasing means; return the number of blocks.
 
-    min sum m (y - v)^2 under y_i <= y_(i+1): isotonic regression. A block grows as long as its
-    mean, weighted by mass, is no larger than that of the block before, or beyond it by at most
-    `slack`. Each value becomes its block's mean; `row.last[b]` is the last part of block b. Equal
-    values keep their exact value.
+    Who pushes whom in a row of touching parts is decided so (theory 17.2): min sum m (y - v)^2
+    under y_i <= y_(i+1), isotonic regression of the values v = `row.value[first:end]` with the
+    masses m. A block grows as long as its mean is no larger than that of the block before, or
+    beyond it by at most `slack`. Each value becomes its block's mean; `row.last[b]` is the last
+    part of block b. Equal values keep their exact value.
     """
     blocks = 0
     for i in range(first, end):
@@ -44,7 +45,10 @@ def pooled(row: Row, first: int, end: int, slack: float = 0.0) -> int:
 
 @borrowing
 def chain_end(row: Row, first: int) -> int:
-    """Return the index after the last part of the chain of touching parts from part `first` on."""
+    """Return the index after the last part of the chain of touching parts from part `first` on.
+
+    `row` tells by `closed` which parts touch the next one.
+    """
     end = first + 1
     while end < row.mass.size and row.closed[end - 1] == 1:
         end += 1
@@ -59,9 +63,9 @@ def is_held(row: Row, end: int) -> bool:
 
 @borrowing
 def held_from(row: Row) -> int:
-    """Return the index of the first part of the chain that touches a stop.
+    """Return the index of the first part of the chain that touches the stop in front of a row.
 
-    The number of parts if no part touches it.
+    The chain has all parts from there to the front; the number of parts if none touches the stop.
     """
     first = row.mass.size
     if is_held(row, first):
@@ -82,8 +86,9 @@ def open_between(row: Row, blocks: int) -> None:
 def slide(row: Row) -> None:
     """Open contacts without force, between parts of a chain that slide in one direction.
 
-    The accelerations D - mu n (forward) and D + mu n (backward) are in the order of -mu and of mu
-    at every time: blocks depend on friction alone, and last until an event.
+    A chain is a run of parts that touch. The accelerations D - mu n (forward) and D + mu n
+    (backward) of its parts are in the order of -mu and of mu at every time: the blocks that move as
+    one depend on friction alone, and last until an event. Changes the contacts in `row`.
     """
     first = 0
     while first < row.mass.size:
@@ -98,12 +103,16 @@ def slide(row: Row) -> None:
 
 @borrowing
 def hold(row: Row, drive: Driven, push: float, load: float, flying: bool, released: bool) -> None:
-    """Release parts of the chain at the stop that are no longer pressed onto it.
+    """Release parts of a row that are no longer pressed onto the stop in front.
 
     A stop of the track holds in flight while `push`, the acceleration along in g, is forward, and
-    on the floor whatever is at rest. A stop in space has u' = D + gs, so that a block presses with
-    -gs - mode mu n > 0 per mass, n = `load`. The block that presses least is let go in any case if
-    `released`: its limit has just been reached. `flying` is True if parts are in the air.
+    on the floor whatever is at rest. From a stop at rest in space seen a part would have u' = D +
+    gs, so that a block of sliding parts presses with -gs - mode mu n > 0 per mass, with gravity gs
+    along the track, its direction of slip `mode`, friction mu and the load n = `load` in g (theory
+    17.6).
+
+    `flying` is True if parts are in the air. With `released` the block that presses least is let go
+    in any case: its limit has just been reached. Modes and contacts of `row` are changed.
     """
     first, parts = held_from(row), row.mass.size
     if first == parts:
@@ -137,10 +146,13 @@ def hold(row: Row, drive: Driven, push: float, load: float, flying: bool, releas
 
 @borrowing
 def least_pressed(row: Row, first: int) -> float:
-    """Return -mode mu of the block held by a stop in space that is released first.
+    """Return the factor -mode mu of the block that a stop at rest in space releases first [1].
 
-    `first` is the first part of the chain at the stop; the block lets go when -mode mu n falls to
-    gs.
+    A row slides against such a stop. A block of parts presses on it with -gs - mode mu n per mass,
+    with gravity gs along the track, the load n, the friction mu and the direction of slip `mode`
+    (1, -1), so that the block of least -mode mu lets go first, when that times n has fallen to gs
+    (theory 17.6). `first` is the index of the first part of the chain that touches the stop.
+    Overwrites `row.value` and `row.last`.
     """
     parts = row.mass.size
     for i in range(first, parts):
@@ -151,11 +163,12 @@ def least_pressed(row: Row, first: int) -> float:
 
 @borrowing
 def set_flows(row: Row, drive: Driven, pull: float, flying: bool) -> None:
-    """Set the acceleration of every part, from its mode, contacts and the drive.
+    """Set the acceleration of every part of a row, from its mode, contacts and the drive.
 
-    `pull` is gravity along less the level of the drive's step, in g. In flight (`flying`) it is the
-    push along less the pull; at rest 0; sliding by mode = +-1, a block has the mean friction mu of
-    its parts: under a sine C = c + mode mu s, k = pull + mode mu gn (theory 13.2).
+    `pull` is gravity along less the level of the drive's step, in g. In flight (`flying`) the
+    acceleration is the push along less the pull; at rest 0; sliding by mode = +-1, a block has the
+    mean friction mu of its parts: under a sine C sin(tau) - k with C = c + mode mu s, k = pull +
+    mode mu gn (theory 13.2), where c and s are the drive along and off the floor.
     """
     first = 0
     while first < row.mass.size:
@@ -183,12 +196,13 @@ def set_flows(row: Row, drive: Driven, pull: float, flying: bool) -> None:
 
 @borrowing
 def start(row: Row, push: float, load: float, forced: int) -> None:
-    """Set those parts of every resting chain in motion that the drive can move.
+    """Set those parts of every resting chain of a row in motion that the drive can move.
 
-    In the direction of `push` D the values |D| - mu_s n, n = `load`, are pooled; blocks above 0
-    start: those in front under a push forward, those behind under one backward. The block that
-    moves most of the chain that begins with part `forced` starts in any case: its limit has just
-    been reached.
+    The accelerations |D| - mu_s n, by which the `push` D exceeds static friction under the `load` n
+    in g, are pooled to blocks; blocks above 0 start: those in front under a push forward, those
+    behind under one backward (theory 17.2). Of the chain that begins with part `forced` (-1 for
+    none) the block that moves most starts in any case: its limit has just been reached. Modes and
+    contacts of `row` are changed.
     """
     first = 0
     while first < row.mass.size:
@@ -201,10 +215,12 @@ def start(row: Row, push: float, load: float, forced: int) -> None:
 
 @borrowing
 def _start_chain(row: Row, first: int, end: int, push: float, load: float, is_forced: bool) -> None:
-    """Set the parts of the resting chain `first` to before `end` in motion that the drive can move.
+    """Set those parts of a resting chain in motion that the push of the drive can move.
 
-    `push` and `load` are the accelerations along and onto the floor in g; `is_forced` is True if
-    one block has just reached its limit, and starts in any case.
+    The chain of touching parts is `first` to before `end`. The accelerations |D| - mu_s n by which
+    the `push` D exceeds static friction under the `load` n, in g, are pooled to blocks of parts
+    that start together; blocks above 0 start (theory 17.2). `is_forced` is True if one block has
+    just reached its limit, and starts in any case.
     """
     way = 1 if push > 0.0 else -1
     for i in range(first, end):
@@ -216,10 +232,12 @@ def _start_chain(row: Row, first: int, end: int, push: float, load: float, is_fo
 
 @borrowing
 def _set_apart(row: Row, first: int, end: int, way: int, is_forced: bool) -> None:
-    """Set the mode of the moving parts of a chain, and open the contact to the resting ones.
+    """Set the modes of the parts of a chain that start to slide; open contacts to resting ones.
 
-    The chain is `first` to before `end`, `way` the direction of the push (1, -1); `row.value` holds
-    the pooled accelerations. If `is_forced`, the block that moves most starts in any case.
+    The chain of touching parts is `first` to before `end`, `way` the direction of the push (1, -1);
+    `row.value` holds the accelerations of its blocks in this direction, of which those above 0
+    start. If `is_forced`, the block that moves most starts in any case, since its limit has just
+    been reached. Contacts between moving and resting parts, and to a stop, are opened.
     """
     farthest = end - 1 if way > 0 else first
     most = way * row.value[farthest]
@@ -236,10 +254,12 @@ def _set_apart(row: Row, first: int, end: int, way: int, is_forced: bool) -> Non
 
 @borrowing
 def least_friction(row: Row, first: int, end: int, way: int) -> float:
-    """Return the static friction of the block that starts first in a resting chain.
+    """Return the static friction coefficient of the block that starts first in a resting chain.
 
-    In direction `way`, a block starts where the push is mu n: pooled over the parts `first` to
-    before `end`, the first is the block in front (`way` 1) or at the rear (-1).
+    Touching parts start in blocks, each where the push in direction `way` (1, -1) is mu n, n the
+    load: its mu is the mean of those of its parts, weighted by mass. Pooled over the parts `first`
+    to before `end`, the first block is that in front (`way` 1) or at the rear (-1) (theory 17.2).
+    Overwrites `row.value` and `row.last`.
     """
     for i in range(first, end):
         row.value[i] = -way * row.static[i]
@@ -249,12 +269,14 @@ def least_friction(row: Row, first: int, end: int, way: int) -> float:
 
 @borrowing
 def collide(row: Row, contact: int, restitution: float) -> tuple[float, float]:
-    """Collide two parts with all that touch them; return energy lost and impulse on the stop.
+    """Collide two parts of a row and all that touch them; return energy lost, impulse on the stop.
 
     `contact` is the index of the rear part. Touching parts whose contact was open take part: pair
-    by pair they would strike without end. u+ = (1 + e) y - e u, with `restitution` e and the
-    velocities u pooled to y, no larger than that of a stop that takes part: momentum is kept, and
-    sum m (u - y)^2 (1 - e^2)/2 is lost, in the unit of mass times (g/w)^2 (w = 2 pi f).
+    by pair they would strike without end. With `restitution` e and the velocities u: u+ = (1 + e) y
+    - e u, where y are the means of blocks whose parts would overlap, no larger than the velocity of
+    a stop that takes part. Momentum is kept, and sum m (u - y)^2 (1 - e^2)/2 is lost, in mass times
+    (g/w)^2 (w = 2 pi f); the impulse is in mass times g/w. Velocities, modes, gaps and contacts of
+    `row` are changed (theory 17.2).
     """
     parts = row.mass.size
     first, end = contact, min(contact + 2, parts)
@@ -291,10 +313,13 @@ def collide(row: Row, contact: int, restitution: float) -> tuple[float, float]:
 
 @borrowing
 def land(row: Row, impulse: float) -> float:
-    """Land all parts with the impulse L = `impulse` per mass on the floor; return that on a stop.
+    """Land all parts of a row on the floor at once; return the impulse on a stop in front.
 
-    u - mu L sgn(u), pooled, and cut at 0: parts that friction would turn round stay at rest. Parts
-    on a stop are no faster than the stop.
+    Friction takes at most mu L off each velocity u, with the impulse L = `impulse` of the floor per
+    mass in g/w (w = 2 pi f): u - mu L sgn(u). Touching parts that would overlap share the mean of
+    their block, and those that friction would turn round stay at rest. Parts that touch a stop are
+    no faster than the stop; the result, in mass times g/w, is the momentum that this costs.
+    Velocities, modes and contacts of `row` are changed in place.
     """
     first, taken, parts = 0, 0.0, row.mass.size
     while first < parts:

@@ -38,9 +38,10 @@ class Pull(NamedTuple):
 
 @borrowing
 def turns_of(C: float, k: float, tau: float, span: float) -> tuple[float, float]:
-    """Return the first two zeros of u' = C sin(tau) - k after tau, within `span` (a turn at most).
+    """Return the first two zeros of u' = C sin(tau) - k after `tau`, at which the velocity u turns.
 
-    As phases from tau in rad, in order; `span` stands for a zero that is not within it.
+    As phases from `tau` in rad, in order, within `span` (a turn at most); `span` stands for a zero
+    that is not within it. `C` and `k` are in g.
     """
     one, other = span, span
     if abs(C) > abs(k):
@@ -53,11 +54,12 @@ def turns_of(C: float, k: float, tau: float, span: float) -> tuple[float, float]
 
 @borrowing
 def refined(order: int, x: float, v: float, pull: Pull, low: float, high: float) -> float:
-    """Return the zero of velocity (`order` 0) or distance (`order` 1) between two phases.
+    """Return the zero of a velocity (`order` 0) or distance (`order` 1) between two phases, in rad.
 
-    The distance is `x` and the velocity `v` at the start; `pull` is what drives them; `low` and
-    `high` are the phases since then, with values of opposite signs. By Newton's iteration, and by
-    bisection where it leaves the bracket.
+    The distance starts at `x` and the velocity at `v`, and the velocity changes by C sin(tau) - k;
+    `pull` holds C, k, and sine and cosine of the phase at the start. `low` and `high` are the
+    phases since then, with values of opposite signs. By Newton's iteration, and by bisection where
+    it leaves the bracket. In units of g and w = 2 pi f.
     """
     C, k, sine, cosine = pull
     speed, way = flow(v, C, k, sine, cosine, low)
@@ -98,9 +100,10 @@ def first_stop(
 ) -> float:
     """Return the phase in rad until a velocity in direction `way` is 0; inf if not within `span`.
 
-    From velocity `v` at phase `tau` (whose `sine` and `cosine` are handed over), u' = C sin(tau) -
-    k. A part without velocity, or with a hair against its way, stops at once if C sin(tau) - k is
-    against its way; else it starts, whatever rounding says.
+    The velocity changes from `v` in g/w (w = 2 pi f) at phase `tau` by u' = `C` sin(tau) - `k`, C
+    and k in g; `sine` and `cosine` are those of `tau`, `way` is 1 or -1, `span` is in rad. A part
+    without velocity, or with a hair against its way, stops at once if C sin(tau) - k is against its
+    way; else it starts, whatever rounding says.
     """
     # It falls by no more than |C| + way k a phase.
     most = (abs(C) + way * k) * span
@@ -126,9 +129,12 @@ def first_stop(
 def first_contact(
     g: float, v: float, C: float, k: float, tau: float, sine: float, cosine: float, span: float
 ) -> float:
-    """Return the phase in rad until a gap g >= 0 with rate `v` becomes negative; inf if never.
+    """Return the phase in rad until a gap between two parts closes; inf if not within `span`.
 
-    Within `span` from phase `tau` (whose `sine` and `cosine` are handed over), v' = C sin(tau) - k.
+    The gap `g` >= 0 changes with the rate `v`, v' = C sin(tau) - k, in g/w^2 and g/w (w = 2 pi f),
+    from phase `tau` on, whose `sine` and `cosine` are passed to save time; `span` is in rad.
+    Between the phases at which v' changes sign, v is monotonic, and between those and the zeros of
+    v the gap is: no contact is missed, a grazing one included (theory 17.3).
     """
     if C == 0.0 and k == 0.0 and v >= 0.0:
         return math.inf
@@ -171,7 +177,11 @@ def _closed(
 
 @borrowing
 def first_beyond(A: float, B: float, tau: float) -> float:
-    """Return the phase in rad from tau until A sin(tau) rises above B; inf if it never does."""
+    """Return the phase in rad from `tau` until A sin(tau) rises above B; inf if it never does.
+
+    Also inf if it is always above, |A| <= |B|. It finds where a drive of amplitude A exceeds a
+    limit B.
+    """
     if abs(A) <= abs(B):
         return math.inf
     angle = math.asin(B / A)
@@ -180,9 +190,11 @@ def first_beyond(A: float, B: float, tau: float) -> float:
 
 @borrowing
 def flight_time(s: float, gn: float, tau: float, most: int) -> float:
-    """Return the duration in rad of a flight that begins at phase tau; inf beyond `most` turns.
+    """Return the duration in rad of a flight from rest at phase `tau`; inf beyond `most` turns.
 
-    Height and velocity begin with 0: z'' = s sin(tau) - gn.
+    Height and velocity off the floor begin with 0, and z'' = s sin(tau) - gn, with the amplitude
+    `s` of the drive and gravity `gn` normal to the floor in g. Period by period the first contact
+    is sought.
     """
     sine, cosine = math.sin(tau), math.cos(tau)
     height, rate, passed = 0.0, 0.0, 0.0

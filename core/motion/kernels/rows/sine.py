@@ -40,9 +40,10 @@ def is_lifted(drive: Drive, tau: float) -> bool:
 
 @borrowing
 def flight(drive: Drive, tau: float) -> tuple[float, float]:
-    """Return duration in rad and landing speed in g/w of a flight from rest at phase `tau`.
+    """Return duration in rad and landing speed in g/w of a flight that begins at phase `tau`.
 
-    z'' = s sin(tau) - gn from z = z' = 0. Infinite and 0 beyond 1,000 turns. Here w = 2 pi f.
+    z'' = s sin(tau) - gn from z = z' = 0, with drive s and gravity gn normal to the floor in g, w =
+    2 pi f. (inf, 0) for flights longer than 1,000 periods.
     """
     span = flight_time(drive.s, drive.gn, tau, LONGEST_FLIGHT)
     if span == math.inf:
@@ -79,9 +80,11 @@ def at_phase(drive: Drive, tau: float) -> Now:
 
 @borrowing
 def stop_until(row: Row, drive: Drive, part: int, now: Now, span: float) -> float:
-    """Return the phase in rad until a sliding part's velocity is 0; inf if not within `span`.
+    """Return the phase in rad until a sliding part's velocity comes to 0; inf if not within `span`.
 
-    `part` is its index, `now` the phase with its sine and cosine.
+    The velocity u of the part at index `part` of the row, relative to the track, follows u' = C
+    sin(tau) - k, with C and k from `row.gain` and `row.drag`. `now` is the phase tau with its sine
+    and cosine, `span` the phase searched in rad; `drive` is unused, since only waves need it.
     """
     return first_stop(
         row.speed[part], row.mode[part], row.gain[part], row.drag[part], now.tau, now.sine,
@@ -91,9 +94,12 @@ def stop_until(row: Row, drive: Drive, part: int, now: Now, span: float) -> floa
 
 @borrowing
 def contact_until(row: Row, drive: Drive, contact: int, now: Now, span: float) -> float:
-    """Return the phase in rad until a gap becomes negative, 0 if it closes already; inf if never.
+    """Return the phase in rad until a gap in a row closes: 0 if it does now, inf if not in `span`.
 
-    `contact` is the index of the gap, `now` the phase with its sine and cosine, `span` the limit.
+    `contact` is the index of the gap between part `contact` and its neighbour in front, `now` the
+    phase with its sine and cosine, `span` the phase searched in rad. The relative velocity of both
+    follows C sin(tau) - k, with the differences of `row.gain` and `row.drag`; `drive` is unused,
+    since only waves need it.
     """
     gain = row.gain[contact + 1] - row.gain[contact]
     drag = row.drag[contact + 1] - row.drag[contact]
@@ -122,8 +128,8 @@ def carried(
 ) -> tuple[float, float]:
     """Return the change of velocity and of position of a body over `span`, in g/w and g/w^2.
 
-    `body` is the index of a part or of the stop, `by` the velocity and distance that sin(tau) adds.
-    Here w = 2 pi f.
+    Here w = 2 pi f and `span` is in rad. `body` is the index of a part of `row`, or of the stop,
+    `by` the velocity and distance that sin(tau) adds in this time; `drive` is not used.
     """
     return (
         row.gain[body] * by[0] - row.drag[body] * span,
@@ -160,9 +166,11 @@ def sizes(drive: Drive) -> tuple[float, float]:
 def above(
     drive: Drive, body: int, along: float, normal: float, drag: float, tau: float, span: float
 ) -> float:
-    """Return the integral of max(0, C sin(x) - k) over `span` (a turn at most) from phase `tau`.
+    """Return the integral of the positive part of a force, max(0, C sin(x) - k), over a phase.
 
-    C = `along` + `normal`, k = `drag`, in g times mass; `body` is for waves only.
+    The least impulse of a row on its stop is such an integral. From phase `tau` over `span` rad, a
+    turn at most; C = `along` + `normal` and k = `drag`, in g times mass. `drive` and `body` are
+    unused, since only waves need them.
     """
     gain = along + normal
     if gain == 0.0:
@@ -190,9 +198,10 @@ def _whole(gain: float, drag: float, tau: float, span: float) -> float:
 def highest(
     drive: Drive, body: int, along: float, normal: float, drag: float, tau: float, span: float
 ) -> float:
-    """Return the largest value of C sin(x) - k over `span` rad from phase `tau`.
+    """Return the largest value of a force C sin(x) - k over a phase, as that of a row on its stop.
 
-    C = `along` + `normal`, k = `drag`; `body` is for waves only.
+    From phase `tau` over `span`, in rad; C = `along` + `normal` and k = `drag`, in g times mass.
+    `drive` and `body` are unused, since only waves need them.
     """
     gain = along + normal
     top = phase_to(0.5 * math.pi if gain >= 0.0 else 1.5 * math.pi, tau)

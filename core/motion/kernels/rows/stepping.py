@@ -59,9 +59,11 @@ class Pushes(NamedTuple):
 
 @compiled
 def pushes_of(cell: Floats, steps: int) -> Pushes:
-    """Return the drive of a cell, sampled in the middles of `steps` steps of a period.
+    """Return the drive of a row, sampled in the middles of the `steps` time steps of a period.
 
-    `cell` has the columns of `Head`, then the parts and the wave.
+    Push along and normal to the floor in g, and the velocity relative to the track of a body at
+    rest in space in g/w (w = 2 pi f), such as a stop; each of shape (steps,). `cell` holds the
+    row's numbers: columns of `Head`, then the parts and the wave.
     """
     columns, h = columns_of(cell), TURN / steps
     along, normal, backward = np.zeros(steps), np.zeros(steps), np.zeros(steps)
@@ -91,9 +93,10 @@ def pushes_of(cell: Floats, steps: int) -> Pushes:
 def impel(row: Row, first: int, end: int, v: Floats, mu: Floats, impulse: float) -> None:
     """Set a chain's speeds after an impulse of the floor: v - mu I or v + mu I pooled, or 0.
 
-    Parts `first` to before `end`, with velocities `v` without friction and coefficients `mu`;
-    `impulse` is I per mass, in g/w (w = 2 pi f). Forward speeds are those of v - mu I above 0,
-    backward ones those of v + mu I below 0.
+    Pooled: parts that would move into each other get their common mean. Parts `first` to before
+    `end` of `row`, with velocities `v` without friction in g/w (w = 2 pi f) and coefficients `mu`;
+    `impulse` is I per mass, in g/w. Forward speeds are those of v - mu I above 0, backward ones
+    those of v + mu I below 0.
     """
     for i in range(first, end):
         row.value[i] = v[i] - mu[i] * impulse
@@ -110,11 +113,12 @@ def impel(row: Row, first: int, end: int, v: Floats, mu: Floats, impulse: float)
 def stepped_chain(
     row: Row, first: int, end: int, push: float, impulse: float, held: bool, v: Floats, mu: Floats
 ) -> float:
-    """Set the speeds of touching parts after a time step; return the impulse on the stop.
+    """Set the speeds of a chain of touching parts after a time step; return impulse on the stop.
 
-    Parts `first` to before `end`; `push` is the change of velocity without friction, `impulse` that
-    of the floor per mass, in g/w (w = 2 pi f); `held` if they touch the stop; `v` and `mu` are work
-    arrays. Parts at rest have their static friction until they move.
+    The chain has the parts `first` to before `end` of `row`. `push` is the change of velocity
+    without friction in g/w, `impulse` that of the floor per mass in g/w (w = 2 pi f); `held` is
+    True if the chain touches the stop in front; `v` and `mu` are work arrays. Parts at rest have
+    their static friction until they move. The result is in mass times g/w, 0 without a stop.
     """
     for i in range(first, end):
         v[i] = row.speed[i] + push
@@ -139,10 +143,11 @@ def stepped_chain(
 
 @compiled
 def moved(row: Row, before: Floats, h: float, tally: Floats, swept: Floats) -> None:
-    """Move all parts over a step of `h` rad by their mean speeds; count contacts, add the gaps.
+    """Move all parts of a row over a time step of `h` rad by their mean speeds.
 
-    `before` holds the speeds before the step. `tally[0]` gets the phase times the closed contacts,
-    `swept` the integral of each gap.
+    `before` holds the speeds before the step in g/w (w = 2 pi f), `row` those after. Contacts are
+    closed where gap and relative speed are next to nothing. `tally[0]` gets the phase times the
+    closed contacts, `swept` the integral of each gap.
     """
     parts = row.mass.size
     for i in range(row.speed.size):
@@ -181,18 +186,20 @@ def stepped_period(
 
     Parameters
     ----------
+    row
+        Parts and contacts, changed to those at the end.
     gs, gn
         Gravity along and onto the floor in g.
     pushes
-        Drive in the middles of the steps.
+        Drive in the middles of the steps in g.
     height, rate
         Height in g/w^2 (w = 2 pi f) and normal velocity in g/w, the same for all parts.
     tally
-        Filled in the order of `Tally`.
+        Sums over the period in the order of `Tally`, which are added.
     swept
-        The integrals of the gaps are added.
+        The integrals of the gaps between parts over the phase are added.
     before, v, mu
-        Work arrays.
+        Work arrays of a value a part (and the stop).
     past, period
         Record of the periods in which contacts touched, and the number of this one.
     """
@@ -228,10 +235,12 @@ def stepped_period(
 
 @compiled
 def follow_steps(cell: Floats, steps: int, result: Floats, stop: Stop) -> int:
-    """Follow a row by time steps until it repeats, write its results, and return its status.
+    """Follow a row of parts by time stepping until it repeats; fill results and return status.
 
-    `cell` has the columns of `Head`, then the parts and the wave; `result` has the columns of
-    `COLUMN`, then velocity and platoon of each part; `stop` is a flag that ends the work.
+    A second method beside events, for verification. `cell` holds the row's numbers (columns of
+    `Head`, then the parts and the wave), `steps` is the number of steps a period of the drive;
+    `result` has the columns of `COLUMN`, then velocity and platoon of each part; `stop` is a flag
+    that ends the work.
     """
     row, pushes, most = row_of(cell), pushes_of(cell, steps), int(cell[AT.max_periods])
     parts = row.mass.size
@@ -265,9 +274,21 @@ def follow_steps(cell: Floats, steps: int, result: Floats, stop: Stop) -> int:
 def stepped_rows(steps: int, cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill the result table of cells by time stepping; two step lengths give the error.
 
-    `steps` and 2 `steps` + 1 a period. `cells` have the columns of `Head`, then parts and wave; a
-    row of `table` has those of `COLUMN`, then velocity and platoon of each part; `stop` is a flag
-    that ends the work.
+    Collisions and the energy that they take, and impulse and largest force on the stop, are NaN, as
+    steps do not tell them.
+
+    Parameters
+    ----------
+    steps
+        Steps a period of the coarse run; the fine one takes 2 `steps` + 1.
+    cells
+        A row for each cell: columns of `Head`, then parts and wave.
+    table
+        A row for each cell: columns of `COLUMN`, then velocity and platoon of each part.
+    status
+        A value of `STATUS` for each cell.
+    stop
+        Flag that ends the work; cells not reached are left as they are.
     """
     coarse = np.zeros(table.shape[1])
     for number in range(cells.shape[0]):

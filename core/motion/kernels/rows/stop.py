@@ -19,13 +19,23 @@ NOT_PRESSED = Pressed(0.0, 0.0)
 def stop_pressed(
     row: Row, drive: Driven, pull: float, tau: float, span: float, flying: bool
 ) -> Pressed:
-    """Return impulse and largest force of a row on its stop, over a phase without events.
+    """Return impulse and largest force of a row on the stop in front, over a time without events.
 
-    Sliding on a stop at rest in space, the force is the sum of m (-gs - mode mu n) over the parts
-    that touch it; in the air, the sum of m times what the push exceeds the stop's acceleration by.
-    On a stop of the track, at rest, it is the least force, the sum over the blocks of a row pushed
-    forward, m max(0, D - mu_s n); friction may hold more. `pull` is gravity along less the level of
-    the drive's step; from phase `tau` over `span` (theory 17.6). `flying` is True in the air.
+    In flight or sliding, the force is that which keeps the touching parts at the velocity of the
+    stop: for a stop at rest in space sum m (-gs - mode mu n), for one of the track in flight sum m
+    times the push D. Where parts rest on the floor at a stop of the track it is the least force,
+    sum m max(0, D - mu_s n) over the blocks; friction may hold more (theory 17.6).
+
+    Parameters
+    ----------
+    row, drive
+        Parts with their contacts and modes; push of the drive and gravity, in g.
+    pull
+        Gravity along the track less the level of the drive's step, in g.
+    tau, span
+        Phase at the start and duration, in rad.
+    flying
+        True if the parts are in the air.
     """
     first, parts = held_from(row), row.mass.size
     if first == parts:
@@ -49,9 +59,10 @@ def stop_pressed(
 def _least(row: Row, drive: Driven, pull: float, tau: float, span: float, first: int) -> Pressed:
     """Return the least impulse and force by which parts at rest press on a stop of the track.
 
-    From part `first` on, over `span` from phase `tau`; `pull` is gravity along less the level of
-    the drive's step. Blocks farther in front are the more slippery, and press first: at every time
-    the force is the largest of the sums over the blocks from one on to the front, or 0.
+    From part `first` of the row on, over `span` rad from phase `tau`; `pull` is gravity along less
+    the level of the drive's step, in g. Blocks of parts farther in front are the more slippery, and
+    press first: at every time the force is the largest of the sums over the blocks from one on to
+    the front, or 0.
     """
     parts = row.mass.size
     for i in range(first, parts):
@@ -72,9 +83,11 @@ def _least(row: Row, drive: Driven, pull: float, tau: float, span: float, first:
 
 @borrowing
 def _block(row: Row, first: int, number: int) -> tuple[int, float, float]:
-    """Return the first part, the static friction and the mass of block `number` of pooled parts.
+    """Return first part, static friction coefficient and mass of a block of parts in a row.
 
-    The blocks begin with part `first`; `row.value` holds minus their friction.
+    Blocks are runs of neighbours that start together. The function `pooled` has left their last
+    parts in `row.last` and minus their friction in `row.value`. `number` is the index of the block,
+    `first` the index of the first part of block 0.
     """
     begin, mass = row.last[number - 1] + 1 if number > 0 else first, 0.0
     for i in range(begin, row.last[number] + 1):

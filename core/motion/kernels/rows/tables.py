@@ -107,7 +107,7 @@ def columns_of(cell: Floats) -> WaveColumns:
 
 @compiled
 def drive_of(cell: Floats) -> Drive:
-    """Return the drive of a cell; a sine has one step of level 0.
+    """Return the drive of a cell with a row of parts; a sine has one step of level 0.
 
     `cell` has the columns of `Head`, then the parts and the wave.
     """
@@ -133,10 +133,11 @@ def row_of(cell: Floats) -> Row:
 
 @compiled
 def row_at(cell: Floats, backward: float) -> Row:
-    """Return the row of a cell at rest on the track; a stop at rest in space moves backward.
+    """Return the parts of a row at rest on the track, as the state from which they are followed.
 
     `cell` has the columns of `Head`, then the parts; `backward` is the velocity in g/w (w = 2 pi
-    f), relative to the track at phase 0, of a body at rest in space.
+    f), relative to the track at phase 0, of a body at rest in space, such as a stop beside the
+    track. Parts without a gap touch.
     """
     stop, parts = int(cell[AT.stop]), int(cell[AT.parts])
     static, kinetic = own_numbers(cell, OWN.static, parts), own_numbers(cell, OWN.kinetic, parts)
@@ -164,7 +165,8 @@ def row_at(cell: Floats, backward: float) -> Row:
 def backward_speed(drive: Drive) -> float:
     """Return the velocity relative to the track, at phase 0, of a body at rest in space.
 
-    In g/(2 pi f). It is w with w' = c sin(tau) + level, without mean over a period.
+    In g/(2 pi f), from the track's acceleration in `drive`: it is w with w' = c sin(tau) + level of
+    the step, and without mean over a period.
     """
     start, since, mean = 0.0, 0.0, 0.0
     for step in range(drive.ends.size):

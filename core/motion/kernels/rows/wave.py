@@ -84,7 +84,13 @@ Swung = namedtuple("Swung", "swing sway normal_swing normal_sway")
 
 @compiled
 def waved_of(cell: Floats) -> RowWave:
-    """Return the wave of a cell: columns of `Head`, then the parts and the wave's coefficients."""
+    """Return the drive of a row as a wave: sums of sines or steps along and normal to the floor.
+
+    `cell` is one row of the kernel's table: columns of `Head`, then the parts, then the
+    coefficients of the wave. The phases at which parts lift off and are pressed again are found at
+    once; the tables of accelerations of the single bodies are left empty, and filled as the row
+    moves.
+    """
     columns, bodies = columns_of(cell), int(cell[AT.parts]) + 1
     orders, steps = columns.orders, columns.steps
     table, largest, ends = np.zeros(TABLE), np.zeros(2), np.array([2.0 * np.pi])
@@ -134,9 +140,10 @@ def of_kind(
 ) -> WaveDrive:
     """Return the wave with the acceleration a P(tau) + b S(tau) - k, its sign changes filled.
 
-    P and S are the pushes along and off the floor, a = `along`, b = `normal`, k = `pull`. It goes
-    into row set `kind` of the table of `body`; if that holds the same already, nothing is computed.
-    With the pull `SLOPE` it is the derivative of the sums.
+    So that a contact of a row is solved as one part is. P and S are the pushes along and off the
+    floor of `drive`, a = `along`, b = `normal`, k = `pull` in g. It goes into row set `kind` of the
+    table of `body`, the index of a table; if that holds the same already, nothing is computed. With
+    the pull `SLOPE` it is the derivative of the sums.
     """
     base = drive.base
     wave = WaveDrive(
@@ -208,7 +215,7 @@ def is_lifted(drive: RowWave, tau: float) -> bool:
 def flight(drive: RowWave, tau: float) -> tuple[float, float]:
     """Return duration in rad and landing speed in g/w of a flight from rest at phase `tau`.
 
-    Infinite and 0 if no landing is found. Here w = 2 pi f.
+    `drive` is the wave of a row of parts, w = 2 pi f. Infinite and 0 if no landing is found.
     """
     span = landing(drive.base, 0.0, tau)
     if span < 0.0:
@@ -260,8 +267,10 @@ def at_phase(drive: RowWave, tau: float) -> float:
 def stop_until(row: Row, drive: RowWave, part: int, now: float, span: float) -> float:
     """Return the phase in rad until a sliding part's velocity is 0; inf if not within `span`.
 
-    `now` is the phase now. Until its acceleration changes its sign, a part that it speeds up does
-    not stop, and one without velocity that it slows down stops at once.
+    `part` is the index of the part in the row, `now` the phase in rad, `span` the phase searched;
+    the acceleration is a P + b S - k with the pushes P, S of the drive along and off the floor.
+    Until it changes its sign, a part that it speeds up does not stop, and one without velocity that
+    it slows down stops at once (theory 17.3).
     """
     v, way, k = row.speed[part], row.mode[part], row.drag[part]
     a, b = row.gain[part], drive.share[part]
@@ -284,11 +293,13 @@ def stop_until(row: Row, drive: RowWave, part: int, now: float, span: float) -> 
 
 @borrowing
 def contact_until(row: Row, drive: RowWave, contact: int, now: float, span: float) -> float:
-    """Return the phase in rad until a gap becomes negative, 0 if it closes already; inf if never.
+    """Return the phase in rad until a gap in a row closes: 0 if it does now, inf if not in `span`.
 
-    `contact` is the index of the gap, `now` the phase now, `span` the limit of the search. Between
-    two changes of sign of its acceleration its velocity is monotonic, and between those and the
-    zeros of the velocity the gap is.
+    `contact` is the index of the gap, between part `contact` and its neighbour in front, `now` the
+    phase and `span` the phase searched, in rad. The relative acceleration is a P + b S - k with the
+    pushes P, S of the drive along and off the floor. Between two phases at which it changes sign
+    the relative velocity is monotonic, and between those and the zeros of this velocity the gap is,
+    so that no contact is missed (theory 17.3).
     """
     one, other = contact, contact + 1
     a, b = row.gain[other] - row.gain[one], drive.share[other] - drive.share[one]
@@ -333,9 +344,11 @@ def _closed(wave: WaveDrive, g: float, v: float, tau: float, low: float, high: f
 
 @borrowing
 def relative_push(row: Row, drive: RowWave, contact: int, tau: float) -> float:
-    """Return the share of the drive in the relative acceleration of two neighbours, in g.
+    """Return the drive's part in the relative acceleration of two neighbours in a row, in g.
 
-    Of the part in front less that of part `contact`, at the phase `tau`.
+    a P + b S at the phase `tau`, with the pushes P along and S off the floor, in g, and the shares
+    a (`row.gain`) and b (`drive.share`) of the part in front less those of the part with the index
+    `contact`. The zeros of a gap are searched with it (theory 17.3).
     """
     a = row.gain[contact + 1] - row.gain[contact]
     b = drive.share[contact + 1] - drive.share[contact]
@@ -356,9 +369,11 @@ def swung(drive: RowWave, tau: float, span: float) -> Swung:
 
 @borrowing
 def carried(row: Row, drive: RowWave, body: int, by: Swung, span: float) -> tuple[float, float]:
-    """Return the change of velocity and of position of a body over `span`, in g/w and g/w^2.
+    """Return the change of velocity and of position of a body over a phase, in g/w and g/w^2.
 
-    `body` is the index of a part or of the stop, `by` the result of `swung`. Here w = 2 pi f.
+    Here w = 2 pi f. `body` is the index of a part of the row or of the stop, whose acceleration is
+    a P + b S - k with the pushes P, S of the drive along and off the floor; `by` holds what both
+    add to velocity and distance over the phase `span` in rad, by `swung`.
     """
     a, b, k = row.gain[body], drive.share[body], row.drag[body]
     return (
@@ -378,10 +393,10 @@ def swept(drive: RowWave, tau: float, span: float) -> tuple[float, float]:
 
 @borrowing
 def _swept(base: WaveDrive, kind: int, tau: float, d: float) -> float:
-    """Return P3(tau + D) - P3(tau) less its terms P2 D and P1 D^2/2: the swept distance of a push.
+    """Return the integral over a phase D of the distance that a push adds, in g/w^2 times rad.
 
-    P1, P2, P3 are the first to third integral of the push of `kind` at tau, D = `d` in rad. It is
-    the integral over D of the distance that the push adds.
+    Here w = 2 pi f. It is P3(tau + D) - P3(tau) less its terms P2 D and P1 D^2/2, where P1, P2, P3
+    are the first to third integral of the push of `kind` in `base` at `tau`, D = `d` in rad.
     """
     if base.steps > 0:
         return acceleration(base, kind, tau + 0.5 * d) * d * d * d / 6.0
@@ -392,9 +407,11 @@ def _swept(base: WaveDrive, kind: int, tau: float, d: float) -> float:
 
 @borrowing
 def _third(base: WaveDrive, kind: int, tau: float) -> float:
-    """Return the third integral of a push at phase tau, sum of (a cos(k tau) - b sin(k tau))/k^3.
+    """Return the third integral of a push at phase `tau`, for integrals of the gaps of a row.
 
-    `kind` is its place in the wave's table, a and b are its coefficients of order k.
+    A push is a sum of a sin(k tau) + b cos(k tau); its third integral is the sum of (a cos(k tau) -
+    b sin(k tau))/k^3. `kind` is its place in the wave's table (`base`), a and b are its
+    coefficients of order k, in g.
     """
     total = 0.0
     for k in range(1, base.orders + 1):
@@ -427,10 +444,12 @@ def sizes(drive: RowWave) -> tuple[float, float]:
 def above(
     drive: RowWave, body: int, along: float, normal: float, drag: float, tau: float, span: float
 ) -> float:
-    """Return the integral of max(0, a P + b S - k) over `span` (a turn at most) from phase `tau`.
+    """Return the integral of the positive part of a force, max(0, a P + b S - k), over a phase.
 
-    P and S are the pushes along and off the floor, a = `along`, b = `normal`, k = `drag`; `body`
-    chooses the table in which the wave is kept.
+    The least impulse of a row on its stop is such an integral. From phase `tau` over `span` rad, a
+    turn at most; P and S are the pushes of a wave along and off the floor in g, a = `along`, b =
+    `normal` and k = `drag` include masses; `body` chooses the table of the `drive` in which the
+    wave is kept.
     """
     wave = of_kind(drive, body, AIR, along, normal, drag)
     total, at = 0.0, 0.0
@@ -446,10 +465,12 @@ def above(
 def highest(
     drive: RowWave, body: int, along: float, normal: float, drag: float, tau: float, span: float
 ) -> float:
-    """Return the largest value of a P + b S - k over `span`: at its ends, or at an extreme.
+    """Return the largest value of a force a P + b S - k over a phase, as that of a row on its stop.
 
-    P and S are the pushes along and off the floor from phase `tau` on, a = `along`, b = `normal`, k
-    = `drag`; `body` chooses the table in which the wave is kept.
+    P and S are the pushes of a wave along and off the floor in g, a = `along`, b = `normal` and k =
+    `drag` include masses. From phase `tau` over `span` rad; the largest value is at one of the
+    ends, or at an extreme, where the derivative changes sign. `body` chooses the table of the
+    `drive` in which the wave of the derivative is kept.
     """
     if drive.base.steps > 0:
         step = step_at(drive.base, tau + 0.5 * span)

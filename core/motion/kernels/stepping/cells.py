@@ -42,16 +42,21 @@ def run(
     ----------
     scene
         `PLANAR`, `FLOOR` (in space without wall) or `WALL`.
+    cell
+        The cell's numbers.
     rolling
-        M r^2/I of a cylinder, 0 for a block.
+        m r^2/I of a cylinder (radius r, moment of inertia I), 0 for a block.
     absolute
         If the curve acts by the speed in space, not by that relative to the track.
     drive, steps
         The drive in each step (rows of `DRIVE`), and steps a period.
     states, tallies
-        Filled with the states between periods, and with what each period did.
+        Filled with the states between periods (columns of `STATE`), and with the sums over each
+        period (columns of `TALLY`).
     result
         One value a column of `COLUMN`.
+    stop
+        Flag that ends the work.
     """
     h = 2.0 * math.pi / steps
     # The largest acceleration: what a step can change in a velocity, by the place of an event.
@@ -105,7 +110,8 @@ def push_of(scene: int, cell: Cell) -> float:
     """Return the largest change of the velocity along the track per unit of phase, in g.
 
     p_x + sin(gamma) + mu_k (p_z + n), and mu_w (p_y + g_y) more at a wall, with the drive numbers p
-    and gravity numbers. It bounds what a step may change in a velocity (theory 13.1).
+    and gravity numbers of `cell`; `scene` is `PLANAR`, `FLOOR` or `WALL`. It bounds what a time
+    step may change in a velocity, and so the tolerance for states that repeat (theory 13.9).
     """
     load = abs(cell.drive_number_normal) + cell.gravity_number_normal
     push = (
@@ -120,9 +126,10 @@ def push_of(scene: int, cell: Cell) -> float:
 
 @compiled
 def buffer_of(waves: Floats) -> Floats:
-    """Return a buffer for the sine drives of a cell: a row for each of `DRIVE`, a column a step.
+    """Return a buffer for the sine drive of a cell, sampled at the time steps of a period.
 
-    `waves` holds the drives of a study, shape (cells, rows, steps).
+    A row for each of `DRIVE`, a column a step, with the lengths of the steps filled in; the pushes
+    depend on the cell, and are filled later. `waves` has shape (cells, rows, steps).
     """
     columns = waves.shape[2]
     buffer = np.zeros((len(DRIVE), columns))
@@ -133,12 +140,24 @@ def buffer_of(waves: Floats) -> Floats:
 
 @compiled
 def drive_of(scene: int, cell: Cell, waves: Floats, row: int, buffer: Floats) -> Floats:
-    """Return the drive of a cell: its own wave's, or the plain sine written into `buffer`.
+    """Return the drive of a cell at each time step, as an array of a row for each of `DRIVE`.
 
-    A row for each of `DRIVE`, a column a step: (p_x, p_y, p_z) sin(tau), and p_x cos(tau) as the
-    speed of the track. `waves` holds a drive for each cell, of which `row` is the cell's, or sine
-    and cosine at the middles of the steps for all cells (theory 13.1). For motion in the plane the
-    rows across and speed stay 0.
+    Of shape (rows, steps): (p_x, p_y, p_z) sin(tau) in g, and p_x cos(tau) as the speed of the
+    track; it is the cell's own wave, or the plain sine, written into `buffer`.
+
+    Parameters
+    ----------
+    scene
+        The kind of motion; in the plane (`PLANAR`) the rows across and speed stay 0.
+    cell
+        The cell's numbers, of which the drive numbers p are read.
+    waves
+        A drive for each cell, or one row of sine and cosine at the middles of the steps, for all
+        cells (theory 13.1).
+    row
+        The cell's index in `waves`.
+    buffer
+        Array to write into, of the shape of the result.
     """
     if waves.shape[1] == len(DRIVE):
         return waves[row]
@@ -160,13 +179,16 @@ def step_cells(
 ) -> None:  # fmt: skip
     """Fill the table of results (columns of `COLUMN`) and statuses of cells by time stepping.
 
-    The value is that of the finest run, its error 3 max |v_fine - v_other| of two others, and with
-    hops 0.15 h `push_of` more, h the step in rad (theory 13.9).
+    Each cell is followed with up to three steppings. The results are those of the finest run, their
+    error three times the largest of |v_fine - v_other| of the two others and of the error and
+    spread that the finest run tells itself, and with hops 0.15 h `push_of` more, h the step in rad
+    (theory 13.9).
 
     Parameters
     ----------
     scene, rolling, absolute
-        As in `run`.
+        `PLANAR`, `FLOOR` or `WALL`; m r^2/I of a cylinder or 0; True if the speed in space counts
+        in a curve.
     steps
         Steps n a period of the coarser run.
     waves, shifted_waves, fine_waves
@@ -175,6 +197,8 @@ def step_cells(
         middles of the steps.
     groups
         A row with the fields of `Cell` for each cell.
+    stop
+        Flag that ends the work.
     """
     most = max(1, int(groups[:, GROUPS - 1].max()))
     states, tallies = np.zeros((most + 1, WIDTHS[scene])), np.zeros((most, len(TALLY)))

@@ -137,17 +137,25 @@ def friction_impulse(
 def slip_along(
     slip: float, push: float, hold: float, slide: float, spare: float
 ) -> tuple[float, float]:
-    """Return the slip along one axis after a step, and the unused rest of static friction.
+    """Return the slip along one axis after a time step, and the static friction left unused.
 
-    From the slip u, the change h a without friction (`push`), and the impulses that static and
-    kinetic friction can give, H = `hold` and Q = `slide`, in g/w (w = 2 pi f): 0 while |h a| <= H,
-    else u + h a - Q sign(u).
+    Both in g/w (w = 2 pi f). A step with a start, stop or reversal of the slip is cut there, where
+    the force passes what friction holds (on a straight line between the middles of this step and
+    the one before) or the slip is zero: otherwise the error depends on where in the step that is,
+    and two step lengths may agree on the same error (theory 13.9).
 
-    `spare`, before as after, is the rest H - |h a|, negative if the contact slips, infinite if it
-    sticks but the step before tells nothing. The step is cut where the force passes what friction
-    holds (on a straight line between the middles of this step and the one before), or where the
-    slip is zero: otherwise the error depends on where in the step a slip starts or stops, and two
-    step lengths may agree on the same error (theory 13.4).
+    Parameters
+    ----------
+    slip
+        Slip u before the step.
+    push
+        Its change h a without friction.
+    hold, slide
+        Impulses that static and kinetic friction can give, H and Q: the slip stays 0 while |h a| <=
+        H, else it becomes u + h a - Q sign(u).
+    spare
+        H - |h a| of the step before: negative if the contact slipped, infinite if it is unknown.
+        The second result is the same of this step, -1 for a slip.
     """
     hold = max(hold, slide)
     if spare >= 0.0:
@@ -170,13 +178,23 @@ def planar_step(
     z: float, ux: float, uz: float, spare: float, pressed: bool, ax: float, az: float, h: float,
     cell: Cell,
 ) -> tuple[float, float, float, float]:  # fmt: skip
-    """Return both velocities, the normal impulse and `spare` after a step in the plane.
+    """Return velocities, normal impulse and unused static friction after a time step in the plane.
 
-    From height `z`, velocities `ux`, `uz` and acceleration `ax`, `az` without contact over `h` rad,
-    in units of g and w: v = u + h a + i if z + h u_z/2 <= 0, with the normal impulse i that leaves
-    v_z = -eps u_z. Static friction holds a contact that was `pressed` and stuck, or whose slip
-    comes to zero; all other slip, and that of a landing, is kinetic. `spare` is what static
-    friction could still take, as in `slip_along` (theory 13.9).
+    In units of g and w = 2 pi f: v = u + h a + i if z + h u_z/2 <= 0, with the normal impulse i
+    that leaves v_z = -eps u_z. Static friction holds a contact that was `pressed` and stuck, or
+    whose slip comes to zero; all other slip, and that of a landing, is kinetic (theory 13.9).
+
+    Parameters
+    ----------
+    z, ux, uz
+        Height and velocities before the step.
+    spare, pressed
+        Unused static friction in the step before (negative for a slip, infinite if unknown), and
+        True if the floor carried the part then.
+    ax, az, h
+        Acceleration without contact, and length of the step in rad.
+    cell
+        The part's numbers.
     """
     vx, vz = ux + h * ax, uz + h * az
     if z + 0.5 * h * uz > 0.0:
@@ -196,12 +214,16 @@ def planar_step(
 
 @compiled
 def floor_step(body: BodyState, touch: Touch, push: Push, laws: FloorLaws) -> Stepped:
-    """Return velocities, spin, normal impulse and `spare` after a step on a floor without wall.
+    """Return the state of a part after a time step on a floor without wall, in space.
 
-    As `planar_step`, with a slip (u_x, u_y + spin) whose friction is the impulse (f_x, f_y) of
-    `friction_impulse`: it changes the slip by (f_x, r f_y), r = 1 + m r^2/I, and the spin by (r -
-    1) f_y. A step is cut as in `slip_along`: where the slip is least if it turns. `body` is the
-    state before, `touch` the contact before, `push` the acceleration and length of the step.
+    As in the plane, with a slip (u_x, u_y + spin): the friction impulse (f_x, f_y) changes it by
+    (f_x, r f_y), r = 1 + m r^2/I, and the spin by (r - 1) f_y. A step is cut where a slip starts,
+    stops, or is least if it turns (theory 13.9).
+
+    `body` is the state before in g/w^2 and g/w (w = 2 pi f), `touch` says if the floor carried the
+    part before and what static friction had left, `push` is the acceleration in g and length h of
+    the step in rad, `laws` has restitution and friction. The result has velocities, spin, normal
+    impulse, and what static friction has left: negative for a slip, infinite if unknown.
     """
     h, rolling = push.h, laws.rolling
     vx, vy, vz = body.ux + h * push.ax, body.uy + h * push.ay, body.uz + h * push.az
@@ -256,11 +278,12 @@ def floor_step(body: BodyState, touch: Touch, push: Push, laws: FloorLaws) -> St
 def held_state(
     vy: float, vz: float, spin: float, normal: float, spare: float, rolling: float
 ) -> Stepped:
-    """Return the state after a step in which the contact began to stick: its slip is exactly 0.
+    """Return the state after a time step in which the contact with the floor sticks: no slip.
 
-    `vy`, `vz`, `spin` are the velocities without friction, `normal` the normal impulse in g/w (w =
-    2 pi f); a cylinder (`rolling` = m r^2/I > 0) rolls on with v_y - (v_y + spin)/(1 + m r^2/I).
-    `spare` is what static friction could still take.
+    `vy`, `vz`, `spin` are velocities and spin without friction, `normal` the normal impulse, in g/w
+    (w = 2 pi f); a cylinder (`rolling` = m r^2/I > 0) rolls on with v_y - (v_y + spin)/(1 + m
+    r^2/I) and a spin of minus that, a block stops. `spare`, the static friction left unused, is
+    handed on.
     """
     if rolling == 0.0:
         return Stepped(0.0, 0.0, vz, 0.0, normal, spare)
@@ -278,9 +301,21 @@ def rubbing(
     It spins between floor and wall and rubs on both, with the slip (u_x, spin) at each, the wall's
     spin being negative. Friction at each presses on the other or lifts it: n = n0 + mu_w S e_s and
     S = S0 - mu n e_s, with the share e_s of friction that turns the cylinder, solved by turns.
-    `floor_load` and `wall_load` are the impulses n0, S0 without friction, `static` and `kinetic`
-    the floor's coefficients. Normal impulses of -1 tell that there is no solution. `vx` and `spin`
-    are the velocities without friction, `wall_friction` is mu_w, `rolling` m r^2/I.
+    Normal impulses of -1 tell that there is no solution. Velocities and impulses per mass are in
+    g/w (w = 2 pi f).
+
+    Parameters
+    ----------
+    vx, spin
+        Velocities along and of spin without friction.
+    floor_load, wall_load
+        Normal impulses n0, S0 without friction.
+    static, kinetic
+        Friction coefficients of the floor.
+    wall_friction
+        Friction coefficient mu_w of the wall.
+    rolling
+        m r^2/I of the cylinder (radius r, moment of inertia I).
     """
     normal, side = floor_load, wall_load
     fx, turn, held = 0.0, 0.0, False
@@ -302,12 +337,16 @@ def rubbing(
 
 @compiled
 def corner_step(wall: Wall, body: BodyState, touch: Touch, push: Push, laws: FloorLaws) -> Cornered:
-    """Return the state after a step at floor and wall, the wall's impulse, and True if it failed.
+    """Return the state after a time step of a part at floor and wall, and the wall's impulse.
 
     A contact takes part if its gap is closed in the middle of the step, z + h u_z/2 <= 0 and y + h
     u_y/2 <= 0 (theory 13.9). A part that keeps to floor and wall without spin slips along one axis
-    only, where friction holds up to mu_s n + mu_w S (theory 4.4). `body` is the state before,
-    `touch` the contact with the floor, `push` the acceleration and length of the step.
+    only, where friction holds up to mu_s n + mu_w S (theory 4.4).
+
+    `wall` and `laws` have restitution and friction of wall and floor, `body` the state before in
+    g/w^2 and g/w (w = 2 pi f), `touch` the contact with the floor before, `push` the acceleration
+    in g and length h of the step in rad. The second result is the wall's impulse S in g/w, the
+    third True if no solution was found.
     """
     h, spare, spin, rolling = push.h, touch.spare, body.spin, laws.rolling
     if not wall.y + 0.5 * h * body.uy <= 0.0:
@@ -349,14 +388,28 @@ def corner_step(wall: Wall, body: BodyState, touch: Touch, push: Push, laws: Flo
 def sweep_corner(
     wall: Wall, body: BodyState, spare: float, push: Push, laws: FloorLaws
 ) -> Cornered:
-    """Return the state after a step in which floor and wall both carry, by alternating sweeps.
+    """Return the state after a time step in which floor and wall both carry the part, by iteration.
 
-    With the wall's normal impulse, and True if it failed. Projected Gauss-Seidel, each contact
-    solved exactly in its turn: n = max(0, n - v_z - eps u_z), S = max(0, S - v_y - eps_w u_y), then
-    the frictions. Both normals come first: among the forces that may hold a part those without a
-    wedging of floor against wall are then taken, so that it holds up to mu_s n + mu_w S. `spare` is
-    what static friction of the floor could still take (theory 4.4). `body` is the state before,
-    `push` the acceleration and length of the step.
+    Projected Gauss-Seidel: each sweep solves one contact after the other, normal impulses n =
+    max(0, n - v_z - eps u_z) of the floor and S = max(0, S - v_y - eps_w u_y) of the wall first,
+    then the frictions. Normals first, because among several solutions the one without wedging
+    between floor and wall is wanted: friction then holds the part up to mu_s n + mu_w S.
+
+    Parameters
+    ----------
+    wall, laws
+        Restitution and friction of wall and floor.
+    body
+        Velocities and spin before the step, in g/w (w = 2 pi f).
+    spare
+        Unused static friction of the floor in the step before; negative if the part slipped there.
+    push
+        Acceleration of the free part in g, and length h of the step in rad.
+
+    Returns
+    -------
+    The new state `Stepped` (velocities, spin, floor impulse n, spare static friction: infinite if
+    the part sticks, -1 if it slips), the wall's impulse S, and True if the sweeps did not converge.
     """
     h, rolling, spin = push.h, laws.rolling, body.spin
     response = 1.0 + rolling

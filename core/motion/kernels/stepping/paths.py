@@ -27,22 +27,23 @@ def path(
 ) -> None:  # fmt: skip
     """Fill positions and velocities (n, 3) at ascending phases by time stepping, from any state.
 
-    Within a step from velocity u to v the velocity is linear, as in the scheme: u + s (v - u) and x
-    + s h (u + s (v - u)/2) at the share s of a step h. Samples after a step without a solution, or
-    after `stop`, are left as they were (theory 13.9).
+    In g/w^2 and g/w (w = 2 pi f), along, across and normal. Within a step from velocity u to v the
+    velocity is linear, as in the scheme: u + s (v - u) and x + s h (u + s (v - u)/2) at the share s
+    of a step h. Samples after a step without a solution, or after `stop`, are left as they were
+    (theory 13.9).
 
     Parameters
     ----------
     wall, rolling, absolute
-        If there is a wall, m r^2/I of a cylinder or 0, if the curve acts by the speed in space.
+        True with a wall; m r^2/I of a cylinder or 0; True if the speed in space counts in a curve.
     group
         The fields of `Cell`.
     phases
-        N phases in rad.
+        The n phases in rad.
     h, steps
         Length of a step in rad, and number of steps.
     start
-        Position (3), velocity (3) and spin, in g/w^2 (w = 2 pi f) and g/w.
+        Position (3), velocity (3) and spin, in g/w^2 and g/w.
     wave
         The drive of a period from the first phase on (rows of `DRIVE`), without columns for a sine.
     """

@@ -26,12 +26,14 @@ def count(
     tally: Floats, share: float, normal: float, pressed: bool, vx: float, uz: float, z: float,
     still: float, fall: float,
 ) -> None:  # fmt: skip
-    """Add one step to the tally: slip direction, landing, height; `share` is its part of a step.
+    """Add one time step to the sums of a period: its mode, a landing, the height.
 
     Forward if v_x > `still`, backward if v_x < -`still`, else stick; flight if the floor gives no
-    impulse `normal`. A landing faster than `fall`, what gravity gives in a step, counts as an
-    impact. `pressed` is True if the floor carried the part before, `uz` is the normal velocity
-    before the step, `z` the height after it; in g/w (w = 2 pi f) and g/w^2.
+    impulse `normal`. A landing faster than `fall`, the speed that gravity gives in a step, counts
+    as an impact. `share` is the length of the step over that of a usual one; `pressed` is True if
+    the floor carried the part before, `vx` is the velocity along after the step, `uz` the normal
+    velocity before, `z` the height after; in g/w (w = 2 pi f) and g/w^2. `tally` has the columns of
+    `TALLY`.
     """
     if normal > 0.0:
         if vx > still:
@@ -51,11 +53,12 @@ def count(
 
 @compiled
 def planar_period(state: Floats, tally: Floats, cell: Cell, drive: Floats, usual: float) -> None:
-    """Advance a planar `state` by one period of the drive and tally it.
+    """Advance the state of a part in the plane by one period of the drive, and add up its times.
 
-    `state` and `tally` have the columns of `STATE` and `TALLY`, `drive` the rows of `DRIVE` and a
-    column a step; `usual` is the length of most steps in rad. Each step from u to v moves the part
-    by h (u + v)/2 (theory 13.9).
+    By time stepping: each step of h rad from velocity u to v moves the part by h (u + v)/2 (theory
+    13.9). `state` and `tally` have the columns of `STATE` and `TALLY`, in g/w and g/w^2 (w = 2 pi
+    f); `cell` holds the part's numbers, `drive` the rows of `DRIVE` and a column a step; `usual` is
+    the length of most steps in rad.
     """
     x, z, ux, uz = state[STATE.x], state[STATE.z], state[STATE.ux], state[STATE.uz]
     spare, pressed = state[STATE.spare], state[STATE.pressed] > 0.0
@@ -86,12 +89,21 @@ def spatial_period(
     wall: bool, rolling: float, absolute: bool, state: Floats, tally: Floats, cell: Cell,
     drive: Floats, usual: float,
 ) -> None:  # fmt: skip
-    """Advance a `state` in space by one period of the drive and tally it.
+    """Advance the state of a part in space by one period of the drive, and add up its times.
 
-    `state` and `tally` have the columns of `STATE` and `TALLY`, `drive` the rows of `DRIVE` and a
-    column a step; `usual` is the length of most steps in rad. `wall` is True if there is a wall,
-    `absolute` if the curve acts by the speed in space. The distance across is 0 for a cylinder
-    (`rolling` = m r^2/I > 0), which rolls.
+    By time stepping (theory 13.9).
+
+    Parameters
+    ----------
+    wall, rolling, absolute
+        True with a wall; m r^2/I of a cylinder or 0; True if the speed in space counts in a curve.
+    state, tally
+        Changed, with the columns of `STATE` and `TALLY`, in g/w and g/w^2 (w = 2 pi f). The
+        distance across is 0 for a cylinder, which rolls.
+    cell, drive
+        The part's numbers; rows of `DRIVE` and a column a step.
+    usual
+        Length of most steps in rad.
     """
     x, z, ux, uz = state[STATE.x], state[STATE.z], state[STATE.ux], state[STATE.uz]
     uy, spin = state[STATE.uy], state[STATE.spin]
@@ -140,11 +152,12 @@ def acceleration(
     ux: float, along: float, across: float, normal: float, track: float, cell: Cell,
     absolute: bool,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Return the acceleration (3) of a free part relative to the track in g, push less gravity.
+    """Return the acceleration of a free part relative to the track in g: along, across, normal.
 
-    `along`, `across` and `normal` are the push of the drive. In a curve -kappa V^2 is added across,
-    with the curvature number kappa and V = u_x, plus the track's velocity `track` if `absolute`
-    (theory 13.1).
+    The push of the drive (`along`, `across`, `normal`, in g) less gravity. In a curve -kappa V^2 is
+    added across, with the curvature number kappa and the tangential speed V: `ux`, in g/w (w = 2 pi
+    f), plus the track's velocity `track` if `absolute` is True (theory 13.1). `cell` holds the
+    part's numbers.
     """
     speed = ux + track if absolute else ux
     return (

@@ -29,12 +29,12 @@ Of the motions on the bowl of `tests/laws/test_stepping_labels.py` that repeat e
 
 @compiled
 def difference(states: Floats, tallies: Floats, later: int, earlier: int) -> float:
-    """Return the distance of the states at the ends of two periods, as far as it matters.
+    """Return the distance of the states at the ends of two periods, to see if a motion repeats.
 
-    The largest of |du_x|, |du_z|, |dz|, |du_y|, |dspin| and |dy| (`wall_gap`), of rows `later` and
-    `earlier` of `states`, in units of g and w. A height below 0 counts as 0: a part in contact
-    sinks in by up to a step of its fall. |dy| does not matter to a part that did not touch the wall
-    and moves away. `tallies` tell if the wall was touched between.
+    The largest of |du_x|, |du_z|, |dz|, |du_y|, |dspin| and |dy|, of rows `later` and `earlier` of
+    `states` (columns of `STATE`), in units of g and w = 2 pi f. A height below 0 counts as 0: by
+    time stepping a part in contact sinks in by up to a step of its fall. |dy| is left out for a
+    part that did not touch the wall between, as `tallies` tell, and moves away.
     """
     new, old = states[later], states[earlier]
     most = max(abs(new[STATE.ux] - old[STATE.ux]), abs(new[STATE.uz] - old[STATE.uz]))
@@ -51,12 +51,13 @@ def difference(states: Floats, tallies: Floats, later: int, earlier: int) -> flo
 def limit(
     tallies: Floats, done: int, part: int, slows: float, rounding: float, period: float
 ) -> tuple[float, float]:
-    """Return the limit of the drifting mean velocity, and the present distance from it, in g/w.
+    """Return the limit to which a mean velocity drifts, and its present distance from it, in g/w.
 
     From the means v_1, v_2, v_3 of the last three groups of `part` periods: a transient dies out
-    with the ratio q = (v_3 - v_2)/(v_2 - v_1), so that (v_3 - v_2) q/(1 - q) is to come. Infinite
-    distance if q is above `slows`. Changes up to `rounding` are none. `tallies` hold `done` periods
-    of the duration `period`. Here w = 2 pi f.
+    with the ratio q = (v_3 - v_2)/(v_2 - v_1), so that (v_3 - v_2) q/(1 - q) is to come. The
+    distance is infinite if |q| is at least `slows`. Changes up to `rounding` (in g/w) count as
+    none. `tallies` holds the distance of each of the `done` periods (columns of `TALLY`), `period`
+    is the duration of one in rad. Here w = 2 pi f.
     """
     travel = tallies[:, TALLY.travel]
     first = mean_velocity(travel, done - 3 * part, done - 2 * part, period)
@@ -76,22 +77,24 @@ def settled(
     tallies: Floats, done: int, multiple: int, window: int, rounding: float, allowed: float,
     period: float, result: Floats,
 ) -> bool:  # fmt: skip
-    """True if the mean velocity has settled; its value and error are then written into `result`.
+    """True if the mean velocity has settled; then its error is written into `result`.
 
-    Motion on the floor converges smoothly: its `limit` is extrapolated, and must itself stand
-    still. A part that hops lands on steps that vary from period to period; its mean is that of the
-    window.
+    Motion on the floor converges smoothly: its `limit` is extrapolated and written, too, and must
+    itself stand still. A part that hops lands on steps that vary from period to period; its mean
+    stays that of the window, which `result` holds already.
 
     Parameters
     ----------
     tallies, done
-        What each period did (columns of `TALLY`), and the periods so far.
+        Sums over each period (a row each, columns of `TALLY`), and the periods so far.
     multiple, window
         Periods of the cycle, and periods over which it was seen.
     rounding, allowed
         Changes of a velocity in g/w (w = 2 pi f) that are rounding, and that a step may make.
     period
         Duration of a period in rad.
+    result
+        The cell's row of results (columns of `COLUMN`).
     """
     part = max(1, window // multiple // 3) * multiple
     if done < 4 * part:
@@ -120,7 +123,7 @@ def repeats(
     states: Floats, tallies: Floats, done: int, rounding: float, allowed: float, period: float,
     result: Floats,
 ) -> int:  # fmt: skip
-    """Return the number of periods after which the motion repeats, and write its means; or 0.
+    """Return the number of periods after which a motion by time stepping repeats; 0 if it does not.
 
     A state that comes back within `rounding` repeats for ever. Otherwise slips and landings fall on
     steps that vary, and the state wanders by the order of a step: it must then come back to within
@@ -129,13 +132,14 @@ def repeats(
     Parameters
     ----------
     states, tallies, done
-        States between periods, what each did, and the periods so far.
+        States at the ends of periods, sums of each (columns of `TALLY`), and the periods so far.
     rounding, allowed
         Changes of a velocity in g/w (w = 2 pi f) that are rounding, and that a step may make.
     period
         Duration of a period in rad.
     result
-        Filled with the means, columns of `COLUMN`.
+        Filled with the means, columns of `COLUMN`, if the state comes back, even where the mean
+        has not settled.
     """
     for multiple in range(1, min(MAX_MULTIPLE, done) + 1):
         now, then = states[done], states[done - multiple]
@@ -171,9 +175,9 @@ def distinct_from(states: Floats, tallies: Floats, done: int, cycle: int, allowe
     """Return the number of periods of the shortest cycle that the method's error still allows.
 
     A cycle of `cycle` periods may be a shorter one that varies only by where in steps its slips and
-    landings fall: the smallest part is taken whose states differ by at most 3 `allowed`, the change
-    by one step. A truly doubled period differs by more, whatever the step. `states` and `tallies`
-    hold `done` periods.
+    landings fall. The smallest divisor of `cycle` is taken after which all states differ by at most
+    3 `allowed`, the change by one step in g/w (w = 2 pi f). A truly doubled period differs by more,
+    whatever the step. `states` and `tallies` hold the ends and sums of the `done` periods.
     """
     for multiple in range(1, cycle):
         if cycle % multiple:
@@ -193,11 +197,13 @@ def unsettled(
     scene: int, cell: Cell, states: Floats, tallies: Floats, done: int, period: float,
     result: Floats,
 ) -> int:  # fmt: skip
-    """Return the status of a motion that did not repeat, and write the spread of its batches.
+    """Return the status of a motion by time stepping that did not repeat, and write its spread.
 
-    `scene` is `PLANAR`, `FLOOR` or `WALL`; `states` and `tallies` hold `done` periods of the
-    duration `period` in rad. Without a wall it also runs away if its velocity across keeps growing,
-    by more than half as much as before over each quarter. The spread is written into `result`.
+    `runaway`, `aperiodic`, or `limit_reached` if its mean drifts. Without a wall it also runs away
+    if its velocity across keeps growing, by more than half as much as before over each quarter. The
+    spread is the standard deviation of the means of batches, in g/w (w = 2 pi f), a column of
+    `result`. `scene` is `PLANAR`, `FLOOR` or `WALL`, `cell` holds the part's numbers; `states` and
+    `tallies` hold `done` periods of the duration `period` in rad.
     """
     pull, quarter = abs(cell.gravity_number_along), done // 4
     if scene == FLOOR:

@@ -49,14 +49,19 @@ def advance(
 
     Parameters
     ----------
+    cell
+        The cell's numbers.
     wall, rolling
-        If there is a wall, and m r^2/I of a cylinder or 0.
+        If there is a wall, and m r^2/I of a cylinder (radius r, moment of inertia I) or 0.
     order, tolerance
         Highest power of the series, and size in g/w (w = 2 pi f) of their last terms.
     state, hold
-        Columns of `STATE` and `HOLD`; changed to those at the end.
+        State and contacts (columns of `STATE` and `HOLD`) at the start; changed to those at the
+        end.
     tally
         Filled with the period's distances, times in modes, impacts; columns of `TALLY`.
+    work
+        Rows of `ROW`, set for the cell's drive and its step series.
     phases, samples
         Ascending phases within the period in rad, and a row for each, filled with place, velocity
         and mode.
@@ -116,10 +121,14 @@ def advance(
 
 @borrowing
 def count_event(event: int, contacts: int, state: Floats, tally: Floats) -> None:
-    """Count the event that ends a step in `tally`, and add it to the period's hash of events.
+    """Count the event that ends a step of motion, in the sums of its period.
 
-    S -> (31 S + 7 event + contacts) mod 1000003: periods with equal hashes had the same events in
-    the same order. A landing counts as an impact with its speed.
+    A landing counts as an impact, with its speed; contact with the wall is noted. The event is also
+    added to the period's hash S -> (31 S + 7 event + contacts) mod 1000003: periods with equal
+    hashes had the same events in the same order.
+
+    `event` is one of `EVENT`, `contacts` the bit set of what carried the part (floor 1, wall 2),
+    `state` has the columns of `STATE`, in g/w (w = 2 pi f), `tally` those of `TALLY`.
     """
     if event == EVENT.land:
         tally[TALLY.landing] = max(tally[TALLY.landing], -state[STATE.uz])
@@ -135,10 +144,12 @@ def count_event(event: int, contacts: int, state: Floats, tally: Floats) -> None
 def meet(
     step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work, spent: Floats
 ) -> None:
-    """Change velocities and contacts at an event; add the energy that an impact takes to `spent`.
+    """Change velocities and contacts of a part at an event; add the energy lost to `spent`.
 
-    `state` and `hold` have the columns of `STATE` and `HOLD`; the acceleration without contacts in
-    `work` must be that at the event. Nothing is added if `spent` has no columns.
+    The event is in `hold`, beside the contacts (columns of `HOLD`); `state` has the columns of
+    `STATE`; `step` and `cell` hold settings and the part's numbers. The acceleration without
+    contacts in the table `work` must be that at the event. The kinetic energy per mass that an
+    impact takes, in (g/w)^2 with w = 2 pi f, goes to `spent`, unless that has no columns.
     """
     before = kinetic(state, step.rolling)
     change_contacts(step, cell, state, hold, work)
@@ -174,12 +185,15 @@ def move(
     step: StepSettings, state: Floats, contacts: int, slips: bool, event: int, span: float,
     order: int, work: Work,
 ) -> None:  # fmt: skip
-    """Move `state` to the end of a step by evaluating the series of the step at t = `span`.
+    """Move `state` to the end of a step by evaluating the power series of the step at t = `span`.
 
     Position and velocity normal to a contact that carries the part are set to 0, and at a landing
-    or bump the position is; the spin of a cylinder on the floor is its slip less u_y (theory 7.3).
-    `event` is what ended the step, `slips` is True if the contacts slip, `order` is the highest
-    power of the series.
+    or bump the position is, so that rounding leaves no gap; the spin of a cylinder on the floor is
+    its slip less u_y (theory 7.3).
+
+    `step` holds the settings of the step, `contacts` the bit set of what carries the part (floor 1,
+    wall 2), `slips` is True if they slip, `event` is what ended the step, `span` its duration in
+    rad, `order` the highest power of the series in `work`. `state` has the columns of `STATE`.
     """
     slip = 0.0
     if step.rolling > 0.0 and contacts == FLOOR and slips:
@@ -202,11 +216,11 @@ def move(
 
 @borrowing
 def count(span: float, order: int, contacts: int, slips: bool, work: Work, tally: Floats) -> None:
-    """Add the phase of a step to the time in its mode in `tally`, and note the largest height.
+    """Add the phase of a step to the time in its mode in `tally`, and update the largest height.
 
-    The height is largest where the normal velocity falls through 0; `span` is the step's phase in
-    rad, `order` the highest power of its series in `work`. `contacts` is what carries the part,
-    `slips` is True if it slips.
+    `span` is the step's phase in rad, `order` the highest power of its series in `work`; `contacts`
+    is the bit set of what carries the part (floor 1, wall 2), `slips` is True if it slips. The
+    height is largest where the normal velocity falls through 0. `tally` has the columns of `TALLY`.
     """
     if not contacts & FLOOR:
         tally[TALLY.flight] += span
@@ -224,10 +238,11 @@ def count(span: float, order: int, contacts: int, slips: bool, work: Work, tally
 
 @borrowing
 def count_slip(span: float, order: int, work: Work, tally: Floats) -> None:
-    """Add the phase of a slip to forward and backward in `tally`, also where it turns round.
+    """Add the phase of a slip to the times forward and backward in `tally`, also where it turns.
 
     It turns where u_x = 0. A slip straight across does not move along the track: it counts as
-    stick. `span` is its phase in rad, `order` the highest power of its series in `work`.
+    stick. `span` is its phase in rad, `order` the highest power of its series in `work`; `tally`
+    has the columns of `TALLY`.
     """
     speed, at = ROW.event, 0.0
     for _ in range(order + 1):
@@ -259,10 +274,11 @@ def count_slip(span: float, order: int, work: Work, tally: Floats) -> None:
 
 @borrowing
 def sample(since: float, order: int, contacts: int, slips: bool, work: Work, row: Floats) -> None:
-    """Fill `row` with position (3), velocity (3) and mode at the phase `since` within a step.
+    """Fill `row` with position (3), velocity (3) and mode of a part at a phase within a step.
 
-    From the step's series in `work`, up to power `order`; `contacts` is the contact that carries
-    the part, `slips` is True if it slips.
+    The phase is `since` rad after the start of the step. From the step's power series in `work`, up
+    to power `order`; `contacts` is the bit set of what carries the part (floor 1, wall 2), `slips`
+    is True if it slips. In g/w^2 and g/w (w = 2 pi f), along, across and normal.
     """
     for axis in range(3):
         row[axis] = value(work, ROW.place + axis, order, since)

@@ -26,12 +26,22 @@ SAMPLE = 7
 
 @compiled
 def follow(wall: bool, rolling: float, group: Floats, phases: Floats, stop: Stop) -> Floats:
-    """Return position, velocity and mode at ascending phases from the start of a cycle.
+    """Return position, velocity and mode of a part at phases of its cycle, for its trajectory.
 
     Shape (phases, 7): place (3) in g/w^2 (w = 2 pi f), velocity (3) in g/w, mode. If the motion
-    does not repeat they are those after the periods that it is followed for. `group` holds the
-    cell's numbers, `wall` is True if there is a wall, `rolling` is m r^2/I of a cylinder or 0. NaN
-    and mode `unknown` on failure.
+    does not repeat they are those after the periods that it is followed for. NaN and mode `unknown`
+    on failure.
+
+    Parameters
+    ----------
+    wall, rolling
+        If there is a wall, and m r^2/I of a cylinder (radius r, moment of inertia I) or 0.
+    group
+        The cell's numbers: columns of `Cell`, then its wave.
+    phases
+        Ascending phases in rad from the start of the cycle.
+    stop
+        Flag that ends the work.
     """
     cell = cell_of(group)
     samples = np.full((phases.size, SAMPLE), math.nan)
@@ -61,12 +71,12 @@ def follow(wall: bool, rolling: float, group: Floats, phases: Floats, stop: Stop
 def spend_cells(
     wall: bool, rolling: float, groups: Floats, table: Floats, status: Statuses, stop: Stop
 ) -> None:
-    """Fill the energy table and statuses of cells: what friction, impacts and the drive do.
+    """Fill the table of mean powers of cells in space: what friction, impacts and the drive do.
 
-    `table` has the columns of `SPENT`, mean powers per mass in g^2/w (w = 2 pi f); NaN without a
-    cycle. The cycle is followed once more from its start. `groups` has a row of numbers for each
-    cell, `wall` is True if there is a wall, `rolling` is m r^2/I of a cylinder or 0, `stop` is a
-    flag that ends the work.
+    The cycle of each motion is found, and followed once more. `table` has the columns of `SPENT`,
+    powers per mass in g^2/w (w = 2 pi f); NaN without a cycle. `status` gets the status of the
+    motion. `groups` has a row of numbers for each cell, `wall` is True if there is a wall,
+    `rolling` is m r^2/I of a cylinder or 0, `stop` is a flag that ends the work (theory 13.15).
     """
     if groups.shape[0] == 0:
         return

@@ -26,12 +26,13 @@ it ends on a straight line."""
 
 @borrowing
 def rebound(speed: float, load: float, restitution: float, ahead: float) -> float:
-    """Return the restitution of an impact: 0 if the hops after it shrink to nothing.
+    """Return the restitution of an impact: `restitution`, or 0 if its hops are to be left out.
 
-    With the impact's `speed` v in g/(2 pi f), the load L that then presses the part on, and
-    `restitution` eps: the hops last T = 2 w/(L (1 - eps)), w = eps v, and vanish if w T < 1e-13 and
-    T < `ahead`/1000, with the phase `ahead` to the next event in rad. Their impulses then add up to
-    what the contact carries in their time, less w (theory 13.5).
+    Hops that shrink to nothing are replaced by a contact (theory 13.5). With the impact's `speed` v
+    in g/(2 pi f) and the `load` L in g that then presses the part on, they last T = 2 w/(L (1 -
+    eps)), w = eps v, and are left out if w T < 1e-13 and T < `ahead`/1000, with the phase `ahead`
+    to the next event in rad. Their impulses then add up to what the contact carries in their time,
+    less w.
     """
     if restitution >= 1.0 or not load > 0.0:
         return restitution
@@ -50,12 +51,15 @@ def strike(
     bounce: float,
     rear: float,
 ) -> None:
-    """Change the velocities in `state` by impacts on the floor, the wall, or both.
+    """Change the velocities in `state` by an impact on the floor, on the wall, or on both at once.
 
-    `floor` and `wall` are the speeds of impact in g/w (w = 2 pi f), 0 without one; `bounce` and
-    `rear` their restitutions. Newton's law normal to each, u_n+ = -eps u_n-, and Coulomb's along
-    it: |i_t| <= mu i_n stops the slip if it can (theory 13.1). Of two impacts at once each is
-    solved in its turn until both stand still.
+    Newton's law normal to each, u_n+ = -eps u_n-, and Coulomb's along it: an impulse of |i_t| <= mu
+    i_n stops the slip if it can (theory 13.1). Of two impacts at once each is solved in its turn
+    until both stand still.
+
+    `step` and `cell` hold settings and the part's numbers; `floor` and `wall` are the speeds of
+    impact in g/w (w = 2 pi f), 0 without one; `bounce` and `rear` are the restitutions of floor and
+    wall; `state` has the columns of `STATE`.
     """
     ux, uy, uz = STATE.ux, STATE.uy, STATE.uz
     normal, side, fx, fy, wx, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -96,8 +100,10 @@ def rub_floor(
 ) -> tuple[float, float]:
     """Replace the friction impulse (fx, fy) of the floor in `state` by the present one; return it.
 
-    `limit` is mu_k times the normal impulse in g/w (w = 2 pi f). With r = 1 + m r^2/I and `rolling`
-    = m r^2/I, the slip without friction is (u_x - f_x, u_y + spin - r f_y).
+    For an impact at floor and wall at once, whose impulses depend on each other: after a change of
+    the state, or of the limit. `limit` is mu_k times the normal impulse in g/w (w = 2 pi f), the
+    impulses are in g/w, too. With r = 1 + m r^2/I and `rolling` = m r^2/I (0 of a block), the slip
+    without friction is (u_x - f_x, u_y + spin - r f_y).
     """
     ux, uy, spin, response = STATE.ux, STATE.uy, STATE.spin, 1.0 + rolling
     slip_1, slip_2 = state[ux] - fx, state[uy] + state[spin] - response * fy
@@ -138,10 +144,11 @@ def pushed_across(cell: Cell, state: Floats, work: Work) -> float:
 
 @borrowing
 def hit(step: StepSettings, cell: Cell, state: Floats, bent: float, work: Work) -> None:
-    """Change the velocities in `state` where a part lands on the floor or meets the wall.
+    """Change the velocities in `state` by the impact of a part on the floor, the wall or both.
 
-    The speeds are -u_z on the floor and -u_y at the wall, 0 if it does not approach; the
-    restitutions are those of `rebound`. `bent` is the acceleration across in g.
+    The approach speeds are -u_z on the floor and -u_y at the wall, 0 if it does not approach; the
+    restitutions are those of `rebound`, which lets slow impacts stick. `step` holds the settings of
+    the step, `bent` is the acceleration across in g, `work` the drive in rows of `ROW`.
     """
     y, z, uy, uz = STATE.y, STATE.z, STATE.uy, STATE.uz
     floor = -state[uz] if state[z] == 0.0 and state[uz] < 0.0 else 0.0
@@ -157,11 +164,14 @@ def hit(step: StepSettings, cell: Cell, state: Floats, bent: float, work: Work) 
 
 @borrowing
 def change_contacts(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work) -> None:
-    """Change velocities and contacts as the last event in `hold` demands.
+    """Change the velocities of a part, and the contacts that carry it, as the last event demands.
 
-    `state` and `hold` have the columns of `STATE` and `HOLD`; the acceleration without contacts in
-    `work` must be that at the event. The event tells what opened or closed: a force that it says is
-    0 is 0, whatever its rounded value.
+    A landing or a bump against the wall is an impact. The event, in `hold`, tells what opened or
+    closed: a force that it says is 0 is 0, whatever its rounded value.
+
+    `step` and `cell` hold settings and the part's numbers; `state` and `hold` have the columns of
+    `STATE` and `HOLD`, and are changed; the acceleration without contacts, in rows `free` of the
+    table `work`, must be that at the event.
     """
     event, across, normal = hold[HOLD.event], ROW.free + 1, ROW.free + 2
     y, z, uy, uz = STATE.y, STATE.z, STATE.uy, STATE.uz
@@ -183,12 +193,16 @@ def change_contacts(step: StepSettings, cell: Cell, state: Floats, hold: Flags, 
 
 @borrowing
 def begin_slip(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work) -> Begin:
-    """Return the slip of a contact that carries the part, after deciding whether it sticks.
+    """Return the slip of a part at the start of a step, after deciding if its contacts stick.
 
-    It sticks if |(D_1, D_2/r)| <= mu_s L, with the acceleration D without friction, the load L and
+    They stick if |(D_1, D_2/r)| <= mu_s L, with the acceleration D without friction, the load L and
     the response r to friction across; a slip in direction e changes at the rate D.e - mu_k L (e_1^2
-    + r e_2^2). `hold` is set to 1 for a slip; a slip of at most two tolerances is set to 0 (theory
-    13.13).
+    + r e_2^2). A slip of at most two tolerances counts as 0 (theory 13.13).
+
+    The record has size, direction and rate of the slip, if it begins here, and if it is followed
+    straight to its stop. `step` and `cell` hold settings and the part's numbers; `state` and `hold`
+    have the columns of `STATE` and `HOLD`, whose `slips` is set to 1 for a slip; `work` has D in
+    rows `free`.
     """
     contacts, event = hold[HOLD.contacts], hold[HOLD.event]
     ux, uy, uz, spin = STATE.ux, STATE.uy, STATE.uz, STATE.spin
@@ -240,13 +254,14 @@ def begin_slip(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work:
 def closing(
     tolerance: float, size: float, rate: float, rub: float, need: float, speed: float
 ) -> tuple[bool, float]:
-    """Return True if a slip ends on a straight line, and the size at which to look at it again.
+    """Return True if a slip may be followed straight to its stop, and the size to look at it again.
 
-    `size` is its speed r in g/w (w = 2 pi f), `rate` the rate at which it closes, `rub` mu_k times
-    the load, `need` the force |(D_1, D_2/r)| against it, in g, `speed` the drive's velocity. It
-    ends so if r^2 <= 3 tol s, with what friction has left, s = rub - need, and if forces do not
-    outgrow s meanwhile, r (1 + rub) speed <= s^2. Otherwise it may turn along the push first
-    (theory 13.13). `tolerance` is tol, in g/w (w = 2 pi f).
+    `size` is its speed r in g/w (w = 2 pi f), `rate` the rate in g at which it closes, `rub` mu_k
+    times the load, `need` the force |(D_1, D_2/r')| against which friction works, with the
+    acceleration D without friction and the contact's response r', in g, `speed` the drive's
+    velocity in g/w. True if r^2 <= 3 tol s, with the rest of friction s = rub - need and
+    `tolerance` tol, and if forces do not outgrow s meanwhile, r (1 + rub) speed <= s^2. Otherwise
+    the slip may turn along the push first (theory 13.13).
     """
     if not (rate > 0.0 and need <= rub):
         return False, tolerance
@@ -259,10 +274,12 @@ def closing(
 
 @borrowing
 def stop_slip(step: StepSettings, state: Floats, contacts: int, slip_2: float) -> None:
-    """Set the slip in `state` to exactly 0; a cylinder keeps rolling, u_y - slip_2/(1 + m r^2/I).
+    """Set the slip in `state` to exactly 0, where it has come to 0 within rounding.
 
-    `contacts` is what carries the part (a bit each for floor and wall), `slip_2` is the second
-    component of the slip in g/w (w = 2 pi f).
+    A cylinder (`step.rolling` = m r^2/I > 0) keeps rolling on the floor, with u_y - slip_2/(1 + m
+    r^2/I) and a spin of minus that. `state` has the columns of `STATE`; `contacts` is the bit set
+    of what carries the part, floor 1 and wall 2; `slip_2` is the second component of the slip in
+    g/w (w = 2 pi f): across on the floor, normal to the floor at the wall.
     """
     state[STATE.ux] = 0.0
     if contacts == WALL:
@@ -278,10 +295,17 @@ def stop_slip(step: StepSettings, state: Floats, contacts: int, slip_2: float) -
 def direction(push_1: float, push_2: float, slide: float, response: float) -> tuple[float, float]:
     """Return the direction (cosine, sine) in which a contact begins to slip; (1, 0) without push.
 
-    e = (D_1/(z + q), D_2/(z + r q)), with the z that makes e a unit vector. `push_1`, `push_2` are
-    D, the accelerations [g] along both directions of the contact without friction; `slide` is q,
-    the friction coefficient times the contact's load [g]; `response` is r, the acceleration that a
-    unit of friction causes in direction 2 over that in direction 1: 1 unless the part rolls.
+    It is e = (D_1/(z + q), D_2/(z + r q)), with the z that makes e a unit vector.
+
+    Parameters
+    ----------
+    push_1, push_2
+        Accelerations D [g] along both directions of the contact without friction.
+    slide
+        q, the friction coefficient times the contact's load [g].
+    response
+        r, the acceleration that a unit of friction causes in direction 2 over that in direction 1:
+        1 unless the part rolls.
     """
     if slide > 0.0 and response != 1.0:
         friction_1, friction_2, _ = friction_impulse(push_1, push_2, 0.0, slide, response)

@@ -94,7 +94,10 @@ class Settled(NamedTuple):
 
 @compiled
 def new_history(most: int, stop: Stop) -> History:
-    """Return the buffers for the history of `most` periods, not yet filled; see `History`."""
+    """Return buffers for the states and sums of `most` periods of a motion, not yet filled.
+
+    `stop` is a flag that ends the work, kept with them.
+    """
     return History(
         np.empty((most + 1, len(STATE))), np.empty((most + 1, len(STATE))),
         np.empty((most + 1, len(TALLY))), np.empty((most + 1, len(HOLD)), dtype=np.int64),
@@ -104,13 +107,13 @@ def new_history(most: int, stop: Stop) -> History:
 
 @compiled
 def apart(wall: bool, rolling: float, history: History, later: int, earlier: int) -> float:
-    """Return the distance between the end of period `later` and the start of period `earlier`.
+    """Return the distance between two states of a motion, 0 where it repeats, in units of g and w.
 
-    The largest of |dz|, |du_x|, |du_z|, |du_y + dspin| and |dy|, in units of g and w. The position
-    along does not matter, nor does that across without a wall; |dy| is left out for a part that did
-    not touch the wall between and does not come nearer (`wall_gap`). `wall` is True if there is a
-    wall; `rolling` is not 0 for a cylinder, whose slip matters but not the speed at which it rolls.
-    `history` holds the periods.
+    Those at the end of period `later` and at the start of period `earlier` in `history`: the
+    largest of |dz|, |du_x|, |du_z|, |du_y + dspin| and |dy|. The position along does not matter,
+    nor does that across without a wall (`wall` False); |dy| is left out for a part that did not
+    touch the wall between and does not come nearer (`wall_gap`). `rolling` is m r^2/I of a
+    cylinder, whose slip matters but not the speed at which it rolls, or 0.
     """
     new, old = history.ends[later], history.starts[earlier]
     most = max(
@@ -135,11 +138,11 @@ def repeats(
 ) -> int:  # fmt: skip
     """Return the number of periods after which the motion repeats, 0 if it does not.
 
-    The first m <= 32 with distance (`apart`) at most `close` between the end of period `last` and
-    the start m - 1 periods earlier, not before period `since`, the last jump of the iteration. If a
-    part of such a cycle nearly repeats, by less than `parted`, it may be a shorter one that has not
-    settled: 0. `history` holds the periods; `wall` is True if there is a wall, `rolling` is m r^2/I
-    of a cylinder or 0.
+    The first m <= 32 for which the end of period `last` and the start m - 1 periods earlier, at
+    period `since` or later, are apart by at most `close`, in units of g and w = 2 pi f. `since` is
+    the period after the last jump of the iteration. If a divisor of m nearly repeats, by less than
+    `parted`, the cycle may be a shorter one that has not settled yet: 0. `history` holds the
+    periods; `wall` is True if there is a wall, `rolling` is m r^2/I of a cylinder or 0.
     """
     ends, starts, column = history.ends, history.starts, STATE.ux
     for multiple in range(1, min(MAX_MULTIPLE, last - since + 1) + 1):
@@ -159,12 +162,13 @@ def repeats(
 def remaining(
     wall: bool, rolling: float, history: History, last: int, multiple: int, since: int
 ) -> float:
-    """Return the distance of the state from its limit, if its changes keep shrinking, in g/w.
+    """Return an estimate of the distance of a state from that of the repeating motion, in g/w.
 
-    d/(1 - q), q = d/d0 at most 0.999, with the change d over the last cycle of `multiple` periods,
-    up to period `last`, and d0 over the one before; d alone if that began before period `since`,
-    the last jump of the iteration (theory 13.13). Here w = 2 pi f. `history` holds the periods;
-    `wall` is True if there is a wall, `rolling` is m r^2/I of a cylinder or 0.
+    It is d/(1 - q), q = d/d0 at most 0.999, if changes keep shrinking as they do: d is the change
+    over the last cycle of `multiple` periods, up to period `last`, and d0 that over the one before.
+    d alone if that began before period `since`, the last jump of the iteration (theory 13.13). Here
+    w = 2 pi f. `history` holds the periods; `wall` is True if there is a wall, `rolling` is m r^2/I
+    of a cylinder or 0.
     """
     change = apart(wall, rolling, history, last, last - multiple + 1)
     if last - 2 * multiple + 1 < since or change == 0.0:
@@ -181,9 +185,23 @@ def follow_period(
 ) -> bool:  # fmt: skip
     """Follow a cell for one more period and record it in `history`; False if that fails.
 
-    It fails if the period has too many events. `state` and `hold` (columns of `STATE` and `HOLD`)
-    change to those at the end; the position along starts from 0. `wall` is True if there is a wall,
-    `rolling` is m r^2/I of a cylinder or 0. `series` sets order and tolerance.
+    It fails if the period has too many events, or the state is not finite.
+
+    Parameters
+    ----------
+    cell
+        The cell's numbers.
+    wall, rolling
+        If there is a wall, and m r^2/I of a cylinder (radius r, moment of inertia I) or 0.
+    series
+        Order and tolerance of the power series of a step.
+    period
+        Number of the period, from 0: its row in `history`.
+    state, hold
+        State and contacts (columns of `STATE` and `HOLD`) at the start of the period, changed to
+        those at its end; the position along starts from 0.
+    work
+        Rows of `ROW`, set for the cell's drive and its step series.
     """
     state[STATE.x] = 0.0
     history.starts[period], history.holds[period] = state, hold
@@ -200,13 +218,22 @@ def settle(
     cell: Cell, wall: bool, rolling: float, series: Series, most: int, state: Floats, hold: Flags,
     history: History, work: Work,
 ) -> Settled:  # fmt: skip
-    """Follow a cell until its motion repeats, or for `most` periods; fill the history.
+    """Follow a cell until its motion repeats, or for `most` periods; return how it repeats.
 
-    If it does not repeat with jumps of the iteration, it is followed again from its start without
-    any, and the history holds that motion; if that nears a cycle it is followed on. `state` and
-    `hold` are those at the start, and change. In one loop, so that the compiler keeps one copy of
-    what it calls. `wall` is True if there is a wall, `rolling` is m r^2/I of a cylinder or 0,
-    `series` sets order and tolerance.
+    Slow transients are shortened by jumps of the state (Anderson's mixing). If the motion does not
+    repeat with them, it is followed again from its start without any, so that no mean is taken over
+    moved states; if it then nears a cycle it is followed on.
+
+    Parameters
+    ----------
+    cell, wall, rolling
+        The part's numbers; True with a wall; m r^2/I of a cylinder or 0.
+    series
+        Order and tolerance of the power series.
+    state, hold
+        State and contacts (columns of `STATE`, `HOLD`) at the start; changed to those at the end.
+    history, work
+        Filled with the periods; table of series, set for the drive.
     """
     start, start_hold = state.copy(), hold.copy()
     near = APART_AT_MOST * drive.size(work)
@@ -231,13 +258,24 @@ def settle(
 def to_cycle(
     row: Floats, wall: bool, rolling: float, series: Series, history: History, work: Work
 ) -> tuple[Settled, Floats, Flags]:
-    """Follow a cell from rest until it repeats; return how, and state and contacts at its start.
+    """Follow a cell from rest until its motion repeats; return how, and state and contacts there.
 
-    The first value is the way in which it came to repeat (`Settled`). If it does not repeat, state
-    (columns of `STATE`) and contacts (columns of `HOLD`) are those at the end. `row` holds the
-    cell's numbers, `work` is set for its drive and its step series. `wall` is True if there is a
-    wall, `rolling` is m r^2/I of a cylinder or 0, `series` sets order and tolerance; `history` is
-    filled.
+    The first value is the way in which it came to repeat (`Settled`); state (columns of `STATE`)
+    and contacts (columns of `HOLD`) are those at the start of the cycle, or at the end if it does
+    not repeat.
+
+    Parameters
+    ----------
+    row
+        The cell's numbers (columns of `Cell`, then its wave).
+    wall, rolling
+        If there is a wall, and m r^2/I of a cylinder (radius r, moment of inertia I) or 0.
+    series
+        Order and tolerance of the power series of a step.
+    history
+        Filled with starts, ends and sums of each period.
+    work
+        Rows of `ROW`, set here for the cell's drive and its step series.
     """
     cell = cell_of(row)
     drive.set_drive(cell, row, work)
@@ -252,12 +290,14 @@ def to_cycle(
 
 @compiled
 def neared(wall: bool, rolling: float, history: History, done: int, near: float) -> Settled:
-    """Return the periods of a motion that approaches a cycle slowly, without jumps, as `Settled`.
+    """Return the period of a motion that approaches a cycle slowly, as the record `Settled`.
 
-    Of `done` periods in `history`. The change over a cycle fell from d0 to d, less than a tenth,
-    within the last L cycles (a quarter of all periods): with the ratio q = (d/d0)^(1/L) of one
-    cycle the state is still off by d q/(1 - q), which must be less than `near`. `multiple` is 0 if
-    there is none. `wall` is True if there is a wall, `rolling` is m r^2/I of a cylinder or 0.
+    Without jumps of the iteration, over `done` periods in `history`. The change over a cycle must
+    have fallen from d0 to d, less than a tenth, within the last L cycles (a quarter of all
+    periods): with the ratio q = (d/d0)^(1/L) of one cycle the state is still off by d q/(1 - q),
+    which must be less than `near`, in g/w (w = 2 pi f). `multiple` of the record is 0 if there is
+    no such cycle. `wall` is True if there is a wall, `rolling` is m r^2/I of a cylinder or 0
+    (theory 13.13).
     """
     for multiple in range(1, min(MAX_MULTIPLE, done // 8) + 1):
         cycles = done // 4 // multiple
@@ -280,13 +320,23 @@ def approach(
     cell: Cell, wall: bool, rolling: float, series: Series, most: int, most_jumps: int,
     state: Floats, hold: Flags, history: History, work: Work,
 ) -> tuple[Settled, int]:  # fmt: skip
-    """Follow a cell until it repeats, within limits; return how it repeats, and the jumps used.
+    """Follow a cell until its motion repeats, within limits; return how it repeats, and jumps used.
 
-    The period is a map y -> f(y) of the state: the motion repeats by `repeats`, and is sped up by
-    `jump` where |f(y) - y| of two periods with the same events shrinks slowly. `most` and
-    `most_jumps` are the largest numbers of periods and jumps; `state` and `hold` are those at the
-    start, and change (theory 13.13). `wall` is True if there is a wall, `rolling` is m r^2/I of a
-    cylinder or 0, `series` sets order and tolerance; `history` is filled.
+    The state after a period is a function of that before, y -> f(y). Where |f(y) - y| of periods
+    with the same events shrinks slowly, the state jumps ahead by Anderson's mixing (`jump`).
+
+    Parameters
+    ----------
+    cell, wall, rolling
+        The part's numbers; True with a wall; m r^2/I of a cylinder or 0.
+    series
+        Order and tolerance of the power series.
+    most, most_jumps
+        Largest numbers of periods and of jumps; 0 for a run without jumps.
+    state, hold
+        State and contacts (columns of `STATE`, `HOLD`) at the start; changed to those at the end.
+    history, work
+        Filled with the periods; table of series.
     """
     speed = drive.size(work)
     close = cell.tolerance * speed
@@ -349,7 +399,8 @@ def first_coordinate(wall: bool, history: History, period: int) -> int:
 def step_size(wall: bool, history: History, period: int) -> float:
     """Return the largest change of a state over a period, max |end - start|, in g/w and g/w^2.
 
-    Over the columns of the state that take part in Anderson's mixing (`first_coordinate`). Here w =
+    Where it shrinks steadily from period to period, Anderson's mixing may take a jump towards the
+    cycle. Over the columns of the state that take part in the mixing (`first_coordinate`). Here w =
     2 pi f. `history` holds the periods; `wall` is True if there is a wall.
     """
     most = 0.0
@@ -360,12 +411,15 @@ def step_size(wall: bool, history: History, period: int) -> float:
 
 @compiled
 def jump(wall: bool, history: History, last: int, since: int, state: Floats) -> bool:
-    """Move the state to the cycle predicted by Anderson's mixing; False if there is no prediction.
+    """Move the state to where the motion is predicted to repeat; False if there is no prediction.
 
-    With residuals f = end - start of the last periods of equal events up to `last`, after the
-    period `since`: weights minimise |f_last - sum of weights times differences of f|, and the new
-    state is the same combination of the ends. False, too, if it would lie below the floor or behind
-    the wall. `history` holds the periods; `wall` is True if there is a wall.
+    By Anderson's mixing, which shortens slow transients: with residuals f = end - start of the last
+    periods, weights minimise |f_last - sum of weights times differences of f|, and the new state is
+    the same combination of the ends.
+
+    Only periods with equal events count, up to number `last`, after number `since`, the last jump.
+    False, with the state as it was, also if the new one would lie below the floor or, with a wall
+    (`wall` True), behind it. `history` holds the periods; `state` has the columns of `STATE`.
     """
     depth = 0
     while depth < min(DEPTH, last - since) and same_events(history, last - depth - 1, last):
@@ -387,11 +441,12 @@ def jump(wall: bool, history: History, last: int, since: int, state: Floats) -> 
 
 @compiled
 def mixing_weights(history: History, last: int, depth: int, first: int) -> tuple[Floats, int]:
-    """Return the weights of Anderson's mixing and how many are in use; 0 if one is too large.
+    """Return the weights by which a slow transient is extrapolated, and how many are in use.
 
-    The least squares of |f_last - sum of w_j df_j| over `depth` differences of residuals f = end -
-    start before period `last`, latest first, over the columns from `first` on, by modified Gram and
-    Schmidt: Q R w = f_last. `history` holds the periods.
+    Anderson's mixing: the least squares of |f_last - sum of w_j df_j| over `depth` differences df
+    of residuals f = end - start of a period before period `last`, latest first, over the columns of
+    the state from `first` on. By modified Gram and Schmidt: Q R w = f_last. 0 are in use if a
+    weight is too large. `history` holds the periods.
     """
     columns = len(STATE)
     basis, triangle, weights = np.zeros((DEPTH, columns)), np.zeros((DEPTH, DEPTH)), np.zeros(DEPTH)

@@ -24,10 +24,12 @@ ORDERS, STEPS, SIZE = range(3)
 
 @borrowing
 def set_drive(cell: Cell, row: Floats, work: Work) -> None:
-    """Fill the drive's rows of a step's table `work` from a cell's row of numbers.
+    """Fill the rows of the drive in the table `work` of a step, from a cell's row of numbers.
 
-    For a sine: its size |(p_x, p_y, p_z)| in g, and the phase of lift-off, sin(tau) = n/p_z with
-    the gravity n onto the floor (theory 13.3); for a wave what `read_wave` fills.
+    For a sine: its size |(p_x, p_y, p_z)| in g, and the phase in rad at which a part on the floor
+    lifts off, sin(tau) = n/p_z, with drive numbers p and the gravity n onto the floor; none if
+    |p_z| <= n (theory 13.3). For a wave, whose coefficients follow in `row` behind those of `cell`,
+    its coefficients and all its lift-offs (`read_wave`).
     """
     work[ROW.wave, ORDERS], work[ROW.wave, STEPS] = 0.0, 0.0
     work[ROW.lifts, 0] = 0.0
@@ -45,11 +47,11 @@ def set_drive(cell: Cell, row: Floats, work: Work) -> None:
 
 @borrowing
 def read_wave(cell: Cell, row: Floats, work: Work) -> None:
-    """Fill coefficients, size and lift-off phases of a wave from a cell's row of numbers.
+    """Fill coefficients, size and lift-off phases of a wave into the table `work` of a step.
 
-    Behind the fields of `Cell` the row has the numbers of harmonics and of steps; the harmonics by
-    axis (along, across, normal), sine or cosine, and order; and the levels by axis with the ends of
-    the steps. The size bounds the track's velocity in g/w (w = 2 pi f).
+    `row` holds the fields of `Cell` (also in `cell`), then the numbers of harmonics and of steps;
+    the harmonics by axis (along, across, normal), sine or cosine, and order; and the levels by axis
+    with the ends of the steps. The size bounds the track's velocity in g/w (w = 2 pi f).
     """
     columns = wave_columns(row, GROUPS)
     orders, steps = columns.orders, columns.steps
@@ -75,11 +77,12 @@ def read_wave(cell: Cell, row: Floats, work: Work) -> None:
 
 @borrowing
 def fill_step_speeds(axis: int, steps: int, work: Work) -> float:
-    """Fill the track's velocity along an axis at the start of each step; return the largest.
+    """Fill the track's velocity along an axis at the start of each step of a drive.
 
-    In g/w (w = 2 pi f): v -> v - p D over a step with push p and duration D, less the mean of that
-    over the period. `axis` is 0, 1, 2 for along, across, normal; `steps` is their number (theory
-    13.14).
+    In g/w (w = 2 pi f): v -> v - p D over a step with push p in g and duration D in rad, less the
+    mean over the period. The largest size is returned. `axis` is 0, 1, 2 for along, across, normal;
+    `steps` is the number of steps. The table `work` has pushes and ends of the steps in rows
+    `levels`, and gets the velocities in row `speeds` (theory 13.14).
     """
     level, end, speed = ROW.levels + axis, ROW.levels + 3, ROW.speeds
     at, now, mean, most = 0.0, 0.0, 0.0, 0.0
@@ -97,10 +100,11 @@ def fill_step_speeds(axis: int, steps: int, work: Work) -> float:
 
 @borrowing
 def fill_lift_offs(weight: float, orders: int, work: Work) -> None:
-    """Fill the phases in [0, 2 pi) at which the upward push rises through the weight: lift-offs.
+    """Fill the phases at which a part on the floor lifts off, for a drive that is a sum of sines.
 
-    p_z(tau) = n = `weight` in g, `orders` the highest order of the push; their number comes first
-    in row `lifts`.
+    These are the phases in [0, 2 pi) at which the upward push rises through `weight`, gravity onto
+    the floor in g. The push is in the table `work`, up to the order `orders`; row `lifts` gets the
+    number of phases, then the phases, ascending.
     """
     push, lifts = SineSum(work, ROW.sines + 2, ROW.cosines + 2, orders), ROW.lifts
     found = passages(push, weight, lifts, MAX_ORDER)
@@ -131,11 +135,12 @@ def sine_slope(work: Work, tau: float) -> float:
 
 @borrowing
 def fill_push(cell: Cell, tau: float, order: int, work: Work) -> None:
-    """Fill the series at phase tau of the push on a part and of the track's velocity along itself.
+    """Fill the power series of the push of the drive on a part, and of the track's velocity.
 
-    Coefficients of powers 0 to `order` of the phase since tau, in g and g/w (w = 2 pi f), into rows
-    `free` and `track`. The push is minus the acceleration of the track: (p_x, p_y, p_z) sin(tau)
-    for a sine.
+    Coefficients of powers 0 to `order` of the phase since `tau` [rad], in g and g/w (w = 2 pi f),
+    into rows `free` (along, across, normal) and `track` of the table `work`. The push is minus the
+    acceleration of the track: (p_x, p_y, p_z) sin(tau) for a sine, with the drive numbers p of
+    `cell`; for a wave its coefficients are in `work`.
     """
     if work[ROW.wave, ORDERS] > 0.0:
         fill_harmonics(tau, order, work)
@@ -158,12 +163,13 @@ def fill_push(cell: Cell, tau: float, order: int, work: Work) -> None:
 
 @borrowing
 def fill_harmonics(tau: float, order: int, work: Work) -> None:
-    """Fill the series at phase tau of a push that is a sum of sines, and of the track's velocity.
+    """Fill the power series of push and track velocity, for a drive that is a sum of sines.
 
-    Coefficients of powers 0 to `order` of the phase since tau, into rows `free` and `track`. The
-    n-th derivative of s sin(k tau) + c cos(k tau) is k^n times the term, its quarter turn, minus
-    the term, and so on; the track has the velocity sum of (s cos(k tau) - c sin(k tau))/k (theory
-    13.14).
+    Coefficients of the powers 0 to `order` of the phase since `tau` [rad], into rows `free` (push
+    along, across and normal in g) and `track` of the table `work`, whose rows `sines` and `cosines`
+    hold the drive's coefficients by order k. The n-th derivative of s sin(k tau) + c cos(k tau) is
+    k^n times the term, its quarter turn, minus the term, and so on; the track has the velocity sum
+    of (s cos(k tau) - c sin(k tau))/k in g/(2 pi f) (theory 13.14).
     """
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
     sine, cosine = sine_1, cosine_1
@@ -191,7 +197,10 @@ def fill_harmonics(tau: float, order: int, work: Work) -> None:
 
 @borrowing
 def step_at(tau: float, work: Work) -> int:
-    """Return the index of the drive's step at phase tau, the first with tau < its end."""
+    """Return the index of the drive's step at phase `tau` in rad, the first with tau < its end.
+
+    Of a drive in steps of constant acceleration, which `work` holds in rows of `ROW`.
+    """
     last = int(work[ROW.wave, STEPS]) - 1
     for step in range(last):
         if tau < work[ROW.levels + 3, step]:
@@ -201,10 +210,12 @@ def step_at(tau: float, work: Work) -> int:
 
 @borrowing
 def fill_step(tau: float, order: int, work: Work) -> None:
-    """Fill the series at tau of a push that is constant up to the next jump.
+    """Fill the power series of push and track velocity at phase `tau`, for a drive in steps.
 
-    Coefficients of powers 0 to `order` of the phase since tau, into rows `free` and `track`: p on
-    each axis, and v - p D for the velocity of the track along itself.
+    The push p is constant up to the next jump, and the track has the velocity v - p D along itself,
+    D the phase since `tau`. Coefficients of powers 0 to `order`, in g and g/w (w = 2 pi f), go into
+    rows `free` (along, across, normal) and `track` of the table `work`, which holds the levels of
+    the steps.
     """
     step = step_at(tau, work)
     for axis in range(3):
@@ -243,10 +254,10 @@ def jumps(work: Work) -> bool:
 
 @borrowing
 def to_lift_off(work: Work, tau: float) -> float:
-    """Return the phase in rad from tau until a part on the floor lifts off; infinite if never.
+    """Return the phase in rad from `tau` until a part on the floor lifts off; infinite if never.
 
-    The least (tau_k - tau) mod 2 pi of the phases tau_k in row `lifts`. Lift-offs at jumps of the
-    push are not among them: the forces after a jump decide.
+    The least (tau_k - tau) mod 2 pi of the phases tau_k in row `lifts` of `work`. Lift-offs at
+    jumps of the push are not among them: the forces after a jump decide.
     """
     least = math.inf
     for number in range(int(work[ROW.lifts, 0])):

@@ -53,7 +53,7 @@ class StepSettings(NamedTuple):
     wall
         If there is a wall.
     rolling
-        M r^2/I of a cylinder, 0 for a block.
+        The factor m r^2/I of a cylinder, 0 for a block.
     order
         Highest power of the series.
     tolerance
@@ -105,10 +105,11 @@ class Begin(NamedTuple):
 
 @borrowing
 def term_span(work: Work, a: int, b: int, order: int, tolerance: float) -> float:
-    """Return the span in rad over which the last two terms of two series stay below `tolerance`.
+    """Return the span in rad over which two power series of a step are accurate enough.
 
-    0.95 min((tol/|a_n|)^(1/n), (tol/|a_(n-1)|)^(1/(n-1))), with the larger coefficients of rows `a`
-    and `b` of `work`, and n = `order`.
+    The last two terms of both stay below `tolerance`: 0.95 min((tol/|a_n|)^(1/n),
+    (tol/|a_(n-1)|)^(1/(n-1))), with the larger coefficients of rows `a` and `b` of `work`, and n =
+    `order`.
     """
     last = max(abs(work[a, order]), abs(work[b, order]), 1e-300)
     before = max(abs(work[a, order - 1]), abs(work[b, order - 1]), 1e-300)
@@ -133,11 +134,12 @@ def sooner(
 def to_zero(
     work: Work, sign: float, row: int, order: int, began: bool, span: float, name: int, known: int
 ) -> tuple[float, int]:
-    """Return the span to where a force falls to 0 and event `name`, or what is known.
+    """Return the span in rad until a force falls to 0 and event `name`, or `span` and `known`.
 
-    The force is `sign` times the series in row `row`. `began` is True if the step began with this
-    force at 0, whatever its rounded value. If it does not fall within `span` rad, the result is
-    `span` and the event `known`. `order` is the highest power of the series.
+    The latter if the force does not fall to 0 within `span`; `known` is the event that ends the
+    step otherwise. The force is `sign` times the power series in row `row` of `work`, up to the
+    power `order`. `began` is True if the step began with this force at 0: its rounded value then
+    does not count.
     """
     fill_multiple(work, ROW.event, sign, row, order)
     if began or work[ROW.event, 0] < 0.0:
@@ -147,10 +149,11 @@ def to_zero(
 
 @borrowing
 def fill_position(work: Work, axis: int, start: float, order: int) -> None:
-    """Fill the series of a position from that of its velocity, q_(k+1) = u_k/(k + 1).
+    """Fill the power series of a position from that of its velocity, q_(k+1) = u_k/(k + 1).
 
-    `axis` is 0, 1, 2 for along, across, normal; `start` is q_0 in g/w^2 (w = 2 pi f); up to the
-    power `order`.
+    `work` is the table of series, a row a quantity (`ROW`), a column a power of the phase. `axis`
+    is 0, 1, 2 for along, across, normal; `start` is q_0 in g/w^2 (w = 2 pi f); `order` is the
+    highest power.
     """
     place, velocity = ROW.place + axis, ROW.velocity + axis
     work[place, 0] = start
@@ -174,11 +177,14 @@ def stand(work: Work, axis: int, order: int) -> None:
 
 @borrowing
 def flight(step: StepSettings, cell: Cell, state: Floats, work: Work) -> tuple[float, int, int]:
-    """Fill the series of a part in free flight; return span in rad, event at its end, and order.
+    """Fill the power series of a part in free flight; return span in rad, event at its end, order.
 
-    u_(k+1) = D_k/(k + 1), with the acceleration D without contacts, to which `bend` adds what a
-    curve does. The step ends at the latest where z falls through 0 (`land`), or y at a wall
-    (`bump`). `state` has the columns of `STATE` (theory 13.13).
+    u_(k+1) = D_k/(k + 1) for the velocities u, with the acceleration D without contacts, to which
+    `bend` adds the effect of a curve. The step ends where the last terms reach the tolerance, at
+    the latest where z falls through 0 (`land`), or y at a wall (`bump`) (theory 13.13).
+
+    `step` holds the settings of the step, `cell` the part's numbers, `state` the columns of
+    `STATE`; `work` is the table of series, a row a quantity (`ROW`), a column a power of the phase.
     """
     order = step.order
     for axis in range(3):
@@ -204,12 +210,16 @@ def flight(step: StepSettings, cell: Cell, state: Floats, work: Work) -> tuple[f
 def stick(
     step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work
 ) -> tuple[float, int, int]:
-    """Fill the series of a part that sticks to floor or wall; return span, event at its end, order.
+    """Fill the series of a part that sticks to floor or wall; return span in rad, event, and order.
 
     u = 0; a cylinder rolls across, u_y' = D_y (r - 1)/r with r = 1 + m r^2/I and the acceleration D
     without contacts (theory 7.3). The step ends at lift-off, where the force across falls through 0
     at a wall that comes to carry the part or lets it go, or where friction gives way (`to_slip`).
-    `state` and `hold` have the columns of `STATE` and `HOLD` (theory 13.13).
+
+    `step` holds the settings (order, tolerance, phases that end the step), `cell` the part's
+    numbers; `state` and `hold` (the contacts, and the event before) have the columns of `STATE` and
+    `HOLD`. `work` is the table of series, a row a quantity (`ROW`), a column a power of the phase;
+    its velocities are filled (theory 13.13).
     """
     order, contacts, before = step.order, hold[HOLD.contacts], hold[HOLD.event]
     response = 1.0 + step.rolling
@@ -247,12 +257,15 @@ def stick(
 def to_slip(
     step: StepSettings, cell: Cell, contacts: int, span: float, name: int, work: Work
 ) -> tuple[float, int]:
-    """Return the span in rad until friction gives way and the event there, or what is known.
+    """Return the span in rad until static friction gives way, and the event there.
 
-    (mu_s L)^2 = D_1^2 + (D_2/r)^2 with the load L, the acceleration D without contacts and r = 1 +
-    m r^2/I; in the corner mu_s N + mu_w S = |D_x| with the loads N, S of floor and wall. `contacts`
-    is what carries the part (a bit each for floor and wall). If it holds within `span`, the result
-    is `span` and the event `name` (theory 4.4).
+    The contacts hold until (mu_s L)^2 = D_1^2 + (D_2/r)^2 with the load L, the acceleration D
+    without contacts and r = 1 + m r^2/I of a cylinder; in the corner until mu_s N + mu_w S = |D_x|
+    with the loads N, S of floor and wall (theory 4.4). If that is not before `span`, the result is
+    `span` and `name`, the event that ends the step otherwise.
+
+    `contacts` is the bit set of what carries the part (floor 1, wall 2), `cell` has its frictions,
+    `work` the series of D (rows `free`), a column a power of the phase.
     """
     along, across, normal, event = ROW.free, ROW.free + 1, ROW.free + 2, ROW.event
     top, response = step.order - 1, 1.0 + step.rolling
@@ -280,11 +293,16 @@ def to_slip(
 def slide_in_corner(
     step: StepSettings, cell: Cell, state: Floats, begin: Begin, work: Work
 ) -> tuple[float, int, int]:
-    """Fill the series of a slip along floor and wall at once; return span, event at its end, order.
+    """Fill the power series of a slip along floor and wall at once; return span, event and order.
 
     u_x' = D_x -+ (mu_k N + mu_w S), with the acceleration D without contacts and the loads N = -D_z
-    and S = -D_y. The step ends at lift-off, where the wall carries no more, or where the slip
-    stops. `state` has the columns of `STATE` (theory 4.4, 13.13). `begin` is the slip at the start.
+    and S = -D_y. The step ends at lift-off, where the wall carries no more, or where the slip stops
+    (theory 4.4, 13.13).
+
+    `step` holds the settings of the step, `cell` the part's numbers, `state` the columns of
+    `STATE`, `begin` is the slip at the start. `work` is the table of series, a row a quantity
+    (`ROW`), a column a power of the phase; span in rad and highest power are those up to which it
+    holds.
     """
     order, way, event = step.order, begin.cosine, ROW.event
     along, across = ROW.velocity, ROW.free + 1
@@ -318,13 +336,26 @@ def slide_in_corner(
 def slide(
     step: StepSettings, cell: Cell, state: Floats, contacts: int, begin: Begin, work: Work
 ) -> tuple[float, int, int]:
-    """Fill the series of a slip on floor or wall, in two directions; return span, event, order.
+    """Fill the series of a slip on floor or wall; return span in rad, event at its end, order.
 
-    By `line_series` if it keeps its direction, `onset_series` if it begins, `last_of_slip` if it
-    ends, else by `slide_series`. The step ends at lift-off or where the load falls through 0, where
-    the part meets the other contact, where the slip stops, or where its component along its first
-    direction has fallen to a share of itself. `contacts` is `FLOOR` or `WALL`, `state` has the
-    columns of `STATE` (theory 13.13). `begin` is the slip at the start.
+    Of four kinds of series the one that fits is taken: a slip that keeps its direction
+    (`line_series`), begins (`onset_series`), is about to end (`last_of_slip`), or any other
+    (`slide_series`). The step ends at lift-off or where the load falls to 0, where the part meets
+    the other contact, where the slip stops, or where its component along its first direction has
+    fallen to a share of itself, so that a reversal is not missed (theory 13.13).
+
+    Parameters
+    ----------
+    step
+        Settings of the step: order, tolerance, phases that end it.
+    cell, state
+        The part's numbers, and its state (columns of `STATE`).
+    contacts
+        `FLOOR` or `WALL`.
+    begin
+        Size, direction and rate of the slip at the start.
+    work
+        Table of series, filled: a row a quantity (`ROW`), a column a power of the phase.
     """
     order, on_floor, event = step.order, contacts == FLOOR, ROW.event
     contact = contact_of(cell, step.rolling, on_floor)

@@ -20,7 +20,7 @@ SHARP = 1e-15
 
 @borrowing
 def value(table: Floats, row: int, order: int, t: float) -> float:
-    """Return the value of a polynomial at t, a_0 + t (a_1 + t (a_2 + ...)).
+    """Return the value of a polynomial at `t` by Horner's scheme, a_0 + t (a_1 + t (a_2 + ...)).
 
     Its coefficients stand in row `row` of `table`, up to the power `order`.
     """
@@ -34,11 +34,11 @@ def value(table: Floats, row: int, order: int, t: float) -> float:
 def first_fall(table: Floats, row: int, order: int, span: float, scratch: int) -> float:
     """Return the first t in [0, span] at which a polynomial falls through 0; `NEVER` (-1) if none.
 
-    Its coefficients stand in row `row` of `table`, up to the power `order`; row `scratch` is
-    overwritten. A value of exactly 0 at the start is divided out. The negative terms alone bound
-    the polynomial P from below, P(t) >= P(0) + `negative_part`: up to where that bound is 0, P has
-    no root. P is shifted there (`safe_step`) and the bound asked again; near a root that P crosses,
-    Newton's iteration finds it (`near_fall`).
+    For the next event of a step. Its coefficients stand in row `row` of `table`, up to the power
+    `order`; row `scratch` is overwritten. A value of exactly 0 at the start is divided out. The
+    negative terms alone bound the polynomial P from below, P(t) >= P(0) + `negative_part`: up to
+    where that bound is 0, P has no root. P is shifted there (`safe_step`) and the bound asked
+    again; near a root that P crosses, Newton's iteration finds it (`near_fall`).
     """
     low = 0
     while low < order and table[row, low] == 0.0:
@@ -71,11 +71,12 @@ def first_fall(table: Floats, row: int, order: int, span: float, scratch: int) -
 
 @borrowing
 def near_fall(table: Floats, row: int, degree: int, span: float) -> float:
-    """Return the root of a polynomial that falls all the way to it; `NEVER` (-1) if it may not.
+    """Return the first root of a polynomial that falls all the way to it; -1 if it may not.
 
-    The coefficients a_k stand in row `row` of `table`, up to power `degree`. It falls all the way
-    if a_1 + sum of k max(a_k, 0) t^(k-1) < 0 up to twice the root of the tangent, or up to `span`.
-    The root is found by Newton's iteration within a bracket, t -> t - P/P'.
+    An event of motion is such a root. The coefficients a_k stand in row `row` of `table`, up to
+    power `degree`; the polynomial is above 0 at 0, and the root is sought up to `span`. It falls
+    all the way if a_1 + sum of k max(a_k, 0) t^(k-1) < 0 up to twice the root of the tangent, or up
+    to `span`. Newton's iteration within a bracket, t -> t - P/P'.
     """
     if degree < 1 or not table[row, 1] < 0.0:
         return NEVER
@@ -106,10 +107,11 @@ def near_fall(table: Floats, row: int, degree: int, span: float) -> float:
 
 @borrowing
 def negative_part(table: Floats, row: int, low: int, order: int, t: float) -> float:
-    """Return the negative terms of a polynomial above power `low` at t, divided by t^`low`.
+    """Return the negative terms of a polynomial above power `low` at t >= 0, divided by t^`low`.
 
-    sum of min(a_k, 0) t^(k - low), k > low, with the coefficients in row `row` of `table` up to
-    power `order`. Even and odd powers are summed apart, so that neither sum waits for the other.
+    A lower bound of the polynomial's later terms: the sum of min(a_k, 0) t^(k - low), k > low, with
+    the coefficients in row `row` of `table` up to power `order`. Even and odd powers are summed
+    apart, so that neither sum waits for the other.
     """
     square, even, odd, k = t * t, 0.0, 0.0, order
     if (order - low) % 2 == 1:
@@ -125,10 +127,10 @@ def negative_part(table: Floats, row: int, low: int, order: int, t: float) -> fl
 def safe_step(table: Floats, row: int, degree: int, span: float) -> float:
     """Return a step within which a polynomial that is positive at 0 stays positive.
 
-    Its coefficients stand in row `row` of `table`, up to power `degree`; the step is at most
-    `span`. The lower bound a_0 + `negative_part` is concave: Newton's iteration comes to its root
-    from the right, and the chord from 0 to any t beyond crosses zero before it, at t a_0/(a_0 -
-    bound(t)).
+    The search for the first event of a motion moves on by such steps. The coefficients stand in row
+    `row` of `table`, up to power `degree`; the step is at most `span`. A lower bound is a_0 plus
+    the negative terms alone, which is concave: Newton's iteration comes to its root from the right,
+    and the chord from 0 to any t beyond crosses zero before it, at t a_0/(a_0 - bound(t)).
     """
     first = table[row, 0]
     if first <= 0.0:

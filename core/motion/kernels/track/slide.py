@@ -48,7 +48,10 @@ class Contact(NamedTuple):
 
 @borrowing
 def product(work: Work, a: int, b: int, k: int) -> float:
-    """Return coefficient k of the product of two series, sum of a_i b_(k-i), in rows a and b."""
+    """Return the coefficient of power k of the product of two power series, sum of a_i b_(k-i).
+
+    The series stand in rows `a` and `b` of the table `work`, a column a power.
+    """
     total = 0.0
     for i in range(k + 1):
         total += work[a, i] * work[b, k - i]
@@ -57,9 +60,10 @@ def product(work: Work, a: int, b: int, k: int) -> float:
 
 @borrowing
 def square_of(work: Work, a: int, k: int) -> float:
-    """Return coefficient k of the square of the series in row `a`, sum of a_i a_(k-i).
+    """Return the coefficient of power k of the square of a power series, sum of a_i a_(k-i).
 
-    Each pair is multiplied once.
+    The series stands in row `a` of the table `work`, a column a power; each pair is multiplied
+    once.
     """
     total, half = 0.0, (k + 1) // 2
     for i in range(half):
@@ -69,10 +73,11 @@ def square_of(work: Work, a: int, k: int) -> float:
 
 @borrowing
 def bend(work: Work, along: float, curvature: float, k: int) -> None:
-    """Add the effect of the track's curvature to coefficient k of the acceleration across.
+    """Add the effect of the track's curvature to one coefficient of the acceleration across.
 
-    -kappa V^2, V = u_x + v_track the speed in space; `along` is coefficient k of the part's
-    velocity along the track, `curvature` the curvature number kappa (theory 13.1).
+    It is coefficient `k`, of t^k, of a power series in `work`. The effect is -kappa V^2 with the
+    speed in space V = u_x + v_track; `along` is coefficient k of the part's velocity along the
+    track in g/w (w = 2 pi f), `curvature` the curvature number kappa (theory 13.1).
     """
     work[ROW.extra, k] = along + work[ROW.track, k]
     turn = curvature * square_of(work, ROW.extra, k)
@@ -83,12 +88,15 @@ def bend(work: Work, along: float, curvature: float, k: int) -> None:
 
 @borrowing
 def slide_series(contact: Contact, order: int, work: Work) -> None:
-    """Fill the series of slip, its square and the load, from an initial slip that is not 0.
+    """Fill the power series of a slip that is not 0 at the start: its components, square and load.
 
-    slip' = D - q L (e_1, r e_2), with q = mu_k, the load L, the direction e of the slip and r the
-    contact's response. The slip's size s comes from s^2 = slip^2, and R = q L/s from R s = q L,
-    coefficient by coefficient up to power `order`. Sums run over pairs i + j = k, several at a
-    time, so that each waits for its own last term only.
+    slip' = D - q L (e_1, r e_2), with the acceleration D without friction, q = mu_k, the load L,
+    the direction e of the slip and r the contact's response. The slip's size s comes from s^2 =
+    slip^2, and R = q L/s from R s = q L, coefficient by coefficient up to power `order`. Sums run
+    over pairs i + j = k, several at a time, so that each waits for its own last term only.
+
+    `contact` is the contact that slips, with friction and axes. `work` is the table of series, a
+    row a quantity (`ROW`), a column a power of the phase; the slip at the start is in column 0.
     """
     first, second, pressed = ROW.slip, ROW.slip + 1, ROW.free + contact.pressed
     push, across = ROW.free, ROW.free + contact.second
@@ -148,11 +156,12 @@ def slide_series(contact: Contact, order: int, work: Work) -> None:
 
 @borrowing
 def stays_in_line(contact: Contact, order: int, work: Work) -> bool:
-    """True if a slip keeps its direction: the acceleration is parallel to it, s_1 D_2 = s_2 D_1.
+    """True if a slip keeps its direction, so that its series are simpler: s_1 D_2 = s_2 D_1.
 
-    s is the slip at the start and D the acceleration without friction, for all its coefficients up
-    to power `order`. Never in a curve, nor for a cylinder that slips aslant. `contact` is the one
-    that slips.
+    s is the slip at the start and D the acceleration without friction, both with two components,
+    for all coefficients of D below the power `order`, in the rows `slip` and `free` of the table
+    `work`. False in a curve, and for a cylinder that slips aslant. `contact` is the contact that
+    slips, with its axes.
     """
     first, second = work[ROW.slip, 0], work[ROW.slip + 1, 0]
     if contact.curvature != 0.0 or (contact.response != 1.0 and first * second != 0.0):
@@ -167,11 +176,14 @@ def stays_in_line(contact: Contact, order: int, work: Work) -> bool:
 
 @borrowing
 def line_series(contact: Contact, order: int, work: Work) -> None:
-    """Fill slip, its size and the load of a slip with constant direction e until it stops.
+    """Fill the power series of a slip with a constant direction e: its components, size and load.
 
     slip' = D - mu_k L (e_1, r e_2), with the acceleration D without friction, load L and the
-    contact's response r, up to power `order`. No quotient by the slip is needed: in `slide_series`
-    that leaves rounding in the higher terms.
+    contact's response r, up to power `order`. The quotient slip/|slip| is not needed, which would
+    leave rounding in the higher terms where the slip is small.
+
+    `contact` is the contact that slips, with friction and axes. `work` is the table of series, a
+    row a quantity (`ROW`), a column a power; the slip at the start is in column 0 of its rows.
     """
     first, second, size, load = ROW.slip, ROW.slip + 1, ROW.square, ROW.load
     start_1, start_2 = work[first, 0], work[second, 0]
@@ -192,16 +204,18 @@ def line_series(contact: Contact, order: int, work: Work) -> None:
 def onset_series(
     contact: Contact, order: int, cosine: float, sine: float, start: float, work: Work
 ) -> None:
-    """Fill slip and load of a slip that begins at 0 in the direction (cosine, sine).
+    """Fill the power series of a slip that begins at 0: components, size and load.
 
-    In polar form, slip = r (cos theta, sin theta), with acceleration D, load L, q = mu_k:
+    In polar form, slip = r (cos theta, sin theta), with acceleration D without friction, load L, q
+    = mu_k and the contact's response:
 
         r'       = D_1 cos + D_2 sin - q L (cos^2 + response sin^2)
         r theta' = D_2 cos - D_1 sin - q L (response - 1) sin cos
 
-    `start` is r' at the start in g: 0 if static friction is no larger than kinetic. As theta' has a
-    factor 1/r, the series of theta is a formal one then: good within its smallest term. `contact`
-    is the one that slips, `order` the highest power.
+    It begins in the direction (`cosine`, `sine`); `start` is r' at the start in g, 0 if static
+    friction is no larger than kinetic. As theta' has a factor 1/r, the series of theta is a formal
+    one then: good within its smallest term. `contact` is the contact that slips, `order` the
+    highest power; `work` is the table of series, a row a quantity (`ROW`).
     """
     first, second = ROW.slip, ROW.slip + 1
     push, across, load = ROW.free, ROW.free + contact.second, ROW.load
@@ -256,10 +270,12 @@ def onset_series(
 def last_of_slip(
     contact: Contact, cosine: float, sine: float, size: float, rate: float, work: Work
 ) -> None:
-    """Fill the last piece of a slip as a straight line to its end, (size - rate D) e, D the phase.
+    """Fill the power series of the last piece of a slip: a straight line to its end.
 
-    `size` is the slip's speed in g/w (w = 2 pi f), `rate` its rate of fall in g, e = (cosine, sine)
-    its direction. `contact` is the one that slips.
+    Slip = (size - rate D) e, D the phase since the step began, where the series of a turning slip
+    fail. `size` is the slip's speed in g/w (w = 2 pi f), `rate` its rate of fall in g, e =
+    (`cosine`, `sine`) its direction. `contact` is the contact that slips; rows `slip` and `load` of
+    the table `work` are written.
     """
     work[ROW.slip, 0], work[ROW.slip + 1, 0] = size * cosine, size * sine
     work[ROW.slip, 1], work[ROW.slip + 1, 1] = -rate * cosine, -rate * sine
@@ -270,11 +286,15 @@ def last_of_slip(
 
 @borrowing
 def fill_velocities(contact: Contact, order: int, velocity_2: float, work: Work) -> None:
-    """Fill the part's velocities along the axes of the slip, from slip and acceleration.
+    """Fill the power series of the part's velocities along both axes of a slipping contact.
 
-    Friction acts on the slip of a cylinder r times as much as on its velocity: u_2' = (slip_2' + (r
-    - 1) D_2)/r, with the acceleration D without friction. `velocity_2` is u_2 at the start in g/w
-    (w = 2 pi f). `contact` is the one that slips, `order` the highest power.
+    Along the first axis the velocity is the slip. Along the second friction changes the slip of a
+    cylinder r times as much as the velocity, r = 1 + m r^2/I: u_2' = (slip_2' + (r - 1) D_2)/r,
+    with the acceleration D without friction.
+
+    `contact` is the contact that slips, `order` the highest power of the phase, `velocity_2` is u_2
+    at the start in g/w (w = 2 pi f). `work` is the table of series, a row a quantity (`ROW`), a
+    column a power: rows `slip` and `free` are read, rows `velocity` written.
     """
     response = contact.response
     along, other = ROW.velocity, ROW.velocity + contact.second
@@ -290,10 +310,11 @@ def fill_velocities(contact: Contact, order: int, velocity_2: float, work: Work)
 
 @borrowing
 def asymptotic_span(order: int, work: Work) -> float:
-    """Return the span in rad within which an asymptotic series of the slip is accurate.
+    """Return the phase in rad within which an asymptotic power series of the slip is accurate.
 
-    Its terms must fall up to the last, of power `order`: 0.7 min |a_k|/|a_(k+1)| over the last
-    half.
+    0.7 min |a_k|/|a_(k+1)| over the last half of its terms a_k, up to the power `order`: within it
+    the terms fall up to the last. The series of a slip that begins may be of this kind. `work` is
+    the table of series, whose rows `slip` hold both components.
     """
     span = math.inf
     for k in range(order // 2, order):

@@ -56,9 +56,10 @@ RESTITUTION, WALL_RESTITUTION = (
 def never_settles(cell: Cell, wall: bool) -> bool:
     """True if gravity along the track exceeds the mean friction available: the part runs away.
 
-    |sin(gamma)| > mu n + mu_w max(0, n_y), since the mean loads of the floor, n, and of the wall of
-    a straight track, n_y, are those of gravity. Without a wall gravity across pulls as well (theory
-    13.8).
+    |sin(gamma)| > mu n + mu_w max(0, n_y) with the larger friction mu of the floor and that of the
+    wall, mu_w: the mean loads of the floor, n, and of the wall of a straight track, n_y, are those
+    of gravity, in g. Without a wall (`wall` False) gravity across pulls as well. False for a curved
+    wall with friction, whose load grows with speed (theory 13.8). `cell` holds the part's numbers.
     """
     friction = max(cell.friction_static, cell.friction_kinetic) * cell.gravity_number_normal
     pull = abs(cell.gravity_number_along)
@@ -77,9 +78,20 @@ def without_repeating(
 ) -> int:
     """Fill the result of a motion that did not repeat, and return its status.
 
-    The mean and its error are those of batches of its `done` periods in `history`; a mean that
-    drifts is none, `limit_reached`. `speed` is the velocity amplitude of the drive in g/w (w = 2 pi
-    f), `result` has the columns of `COLUMN` (theory 13.13). `wall` is True if there is a wall.
+    `aperiodic` with the mean velocity of the last three quarters of its `done` periods, in g/w (w =
+    2 pi f), and the error and spread from batches of them; `runaway` or `limit_reached` without a
+    mean where the velocity keeps growing or drifts (theory 13.13).
+
+    Parameters
+    ----------
+    cell, wall
+        The cell's numbers; True if there is a wall.
+    speed
+        Velocity amplitude of the drive in g/w.
+    history
+        Sums of each period (`tallies`, columns of `TALLY`).
+    result
+        Row with the columns of `COLUMN`, filled.
     """
     travel, pull = history.tallies[:done, TALLY.travel], abs(cell.gravity_number_along)
     status, batches = ended(cell, wall, pull, travel, TURN, LEAST_ERROR * speed)
@@ -96,9 +108,9 @@ def without_repeating(
 def solve_at_once(cell: Cell, row: Floats, wall: bool) -> tuple[int, bool]:
     """Return the status of a cell that needs no simulation (else `UNDECIDED`); True if it rubs.
 
-    `limit_reached` if a number is not finite or nothing presses the part onto the floor; `runaway`
-    if gravity along exceeds friction. It rubs if floor or wall have friction. `row` holds the
-    cell's numbers, `wall` is True if there is a wall.
+    `limit_reached` if a number is not finite, nothing presses the part onto the floor, or no period
+    may be followed; `runaway` if gravity along exceeds friction. It rubs if floor or wall have
+    friction. `row` holds all numbers of the cell, with its wave, `wall` is True if there is a wall.
     """
     total = 0.0
     for value in row:
@@ -115,13 +127,16 @@ def solve_at_once(cell: Cell, row: Floats, wall: bool) -> tuple[int, bool]:
 
 @compiled
 def solve(row: Floats, wall: bool, rolling: float, history: History, result: Floats) -> Settled:
-    """Fill the result of a cell from rest, and return the way in which its motion repeats.
+    """Fill the result of a cell followed from rest in space; return how its motion repeats.
 
-    The mean over the cycle. Its error is twice the difference to the velocity of other runs, what
-    the transient has left, and 2e-10 of the drive's speed; if digits decide the motion is
-    `sensitive`. `row` holds the cell's numbers, `rolling` is m r^2/I of a cylinder or 0, `history`
-    receives its last periods, `result` has the columns of `COLUMN` (theory 13.13). `wall` is True
-    if there is a wall.
+    The means over the cycle. The error is twice the difference to the velocity of other runs, plus
+    the rest of the transient and 2e-10 of the drive's speed; `sensitive` is returned if the last
+    digits decide the motion (theory 13.13).
+
+    `row` holds the cell's numbers, `wall` is True if there is a wall, `rolling` is m r^2/I of a
+    cylinder or 0, `history` receives the periods, `result` has the columns of `COLUMN`. The record
+    has the status, the periods after which the motion repeats (0 if it does not), the periods
+    followed, and the rest of the transient in g/w (w = 2 pi f).
     """
     cell = cell_of(row)
     result[:] = math.nan
@@ -176,12 +191,13 @@ def followed_on(
     cell: Cell, wall: bool, rolling: float, multiple: int, state: Floats, hold: Flags,
     velocity: float, history: History, work: Work,
 ) -> float:  # fmt: skip
-    """Return the error in g/w of a mean velocity, from a run with shorter series; NaN if it fails.
+    """Return an estimate of the error of a mean velocity in g/w, by a run with shorter series.
 
-    The run follows the cycle of `multiple` periods twice from its start (`state`, `hold`); the
-    error is the difference of its mean velocity in the second time from `velocity`, plus the
-    distance that its state still has to go (`remaining`). Here w = 2 pi f. `wall` is True if there
-    is a wall, `rolling` is m r^2/I of a cylinder or 0; `history` is overwritten.
+    The run follows the cycle of `multiple` periods twice from its start (`state`, `hold`, both
+    changed). The result is the difference of its mean velocity in the second time from `velocity`,
+    plus the distance that its state still has to go to repeat; NaN if the run fails. Here w = 2 pi
+    f. `cell` holds the part's numbers, `wall` is True if there is a wall, `rolling` is m r^2/I of a
+    cylinder or 0; `history` and `work` are overwritten.
     """
     last = min(2 * multiple, history.starts.shape[0])
     for period in range(last):
@@ -194,9 +210,10 @@ def followed_on(
 
 @compiled
 def changed(row: Floats, hairs: float) -> Cell:
-    """Return the cell of a row with restitutions reduced to e (1 - k 1e-12), k = `hairs`.
+    """Return the numbers of a cell with restitutions of floor and wall reduced to e (1 - k 1e-12).
 
-    Runs of such cells tell if the last digits decide in which motion a part ends.
+    k is `hairs`, `row` the row of the kernel's table, which stays as it is. If such a cell ends in
+    another motion, the last digits decide in which of several motions a part ends.
     """
     row = row.copy()
     row[RESTITUTION] *= 1.0 - hairs * HAIR
@@ -211,12 +228,20 @@ def settled_anew(
 ) -> tuple[float, bool]:  # fmt: skip
     """Return the largest difference of other runs from a mean velocity, True if it is confirmed.
 
-    In g/w (w = 2 pi f). The runs start from rest, with shorter series and a restitution that is a
-    hair smaller (`changed`): in which of several motions a part with rebounds ends may depend on
-    its last digits. It does (False) if the first run strays from the other by |du_x| > 0.1 of the
-    drive's speed on the way; three more then tell how far the means are apart. `settled` is the way
-    in which the first run, in `history`, came to repeat, with the mean `velocity`; `wall` is True
-    if there is a wall, `rolling` is m r^2/I of a cylinder or 0.
+    With rebounds, the last digits may decide in which of several motions a part ends. So it is run
+    again from rest with shorter series and a restitution smaller by 1e-12. The mean is not
+    confirmed if this run strays on the way from the first by more than 0.1 of the drive's speed;
+    three more runs then take part in the difference, in g/w (w = 2 pi f). NaN if a run fails.
+
+    Parameters
+    ----------
+    row, wall, rolling
+        The cell's numbers; True with a wall; m r^2/I of a cylinder or 0.
+    settled, velocity
+        Record of how the first run came to repeat, of which the number of periods is used, and its
+        mean velocity in g/w.
+    history, work
+        Periods of the first run, and work table; both are overwritten.
     """
     speeds = history.ends[: settled.done, STATE.ux].copy()
     state, hold = at_rest()
@@ -244,11 +269,13 @@ def settled_velocity(
     cell: Cell, wall: bool, rolling: float, series: Series, done: int, state: Floats, hold: Flags,
     history: History, work: Work,
 ) -> tuple[float, int]:  # fmt: skip
-    """Return the mean velocity in g/w of a run with other series (NaN if none), and its periods.
+    """Return the mean velocity of another run of a cell in g/w, and the periods it took.
 
-    The run starts from `state` and `hold` and may take four times as long as the `done` periods of
-    the first run, and 32 more. Here w = 2 pi f. `wall` is True if there is a wall, `rolling` is m
-    r^2/I of a cylinder or 0; `history` is overwritten.
+    A run with shorter series shows the error of the first. It starts from `state` and `hold`, which
+    change, and may take four times as long as the `done` periods of the first run, and 32 more; NaN
+    if it does not repeat then. Here w = 2 pi f. `cell` holds the part's numbers, `wall` is True if
+    there is a wall, `rolling` is m r^2/I of a cylinder or 0, `series` sets order and tolerance;
+    `history` and `work` are overwritten.
     """
     most = min(history.starts.shape[0] - 1, 4 * done + 32)
     again = settle(cell, wall, rolling, series, most, state, hold, history, work)
@@ -264,9 +291,18 @@ def solve_cells(
 ) -> None:
     """Fill table and statuses of cells with the means of their motion.
 
-    `groups` has a row with the fields of `Cell` for each cell (and its wave), `table` has the
-    columns of `COLUMN`, `status` one value a cell; `wall` is True if there is a wall, `rolling` is
-    m r^2/I of a cylinder or 0, `stop` is a flag that ends the work.
+    Parameters
+    ----------
+    wall, rolling
+        If there is a wall, and m r^2/I of a cylinder (radius r, moment of inertia I) or 0.
+    groups
+        A row a cell: the fields of `Cell`, then its wave.
+    table
+        A row a cell, with the columns of `COLUMN`; NaN for a cell without means.
+    status
+        A value of `STATUS` for each cell.
+    stop
+        Flag that ends the work; cells not reached are left as they are.
     """
     if groups.shape[0] == 0:
         return

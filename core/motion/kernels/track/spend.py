@@ -40,11 +40,13 @@ def spend(
 ) -> None:
     """Add the work of drive and friction over a step to `spent` (columns of `SPENT`), in (g/w)^2.
 
-    Per mass, from phase `tau` over `span` rad: the integrals of b.u (drive), of b'.u (swing, NaN of
-    a wave) and of friction, with the push b, its derivative b' by the phase and the velocity u,
-    from the series in `work` up to power `order`. `contacts` is the contact that carries the part,
-    `slips` is True if it slips. Nothing is done if `spent` has no columns (theory 13.15). Here w =
-    2 pi f.
+    Per mass (w = 2 pi f): the integrals of b.u (drive), of b'.u (swing, NaN of a wave) and of
+    friction, with the push b, its derivative b' by the phase and the velocity u, by Gauss's rule
+    (theory 13.15). Nothing is done if `spent` has no columns.
+
+    `cell` holds the part's numbers; the step begins at phase `tau` and lasts `span`, in rad; its
+    power series are in `work`, up to power `order`. `contacts` is the bit set of what carries the
+    part (floor 1, wall 2), `slips` is True if it slips.
     """
     if spent.size == 0:
         return
@@ -69,11 +71,12 @@ def spend(
 
 @borrowing
 def rubbing(cell: Cell, contacts: int, order: int, at: float, work: Work) -> float:
-    """Return the power of friction at slipping contacts, per mass in g^2/w, during a step.
+    """Return the power that friction takes at slipping contacts, per mass in g^2/w (w = 2 pi f).
 
     mu_k N |slip| of the floor, mu_w S |slip| of the wall, with the loads N = -D_z and S = -D_y from
-    the accelerations D without contacts. `at` is the phase since the step began, `order` the
-    highest power of its series (theory 13.15). Here w = 2 pi f.
+    the accelerations D without contacts. `cell` has the friction coefficients; `contacts` is the
+    bit set of what carries the part (floor 1, wall 2); `at` is the phase since the step began in
+    rad, `order` the highest power of the step's series in `work` (theory 13.15).
     """
     floor = -cell.friction_kinetic * value(work, ROW.free + 2, order - 1, at)
     wall = -cell.wall_friction * value(work, ROW.free + 1, order - 1, at)

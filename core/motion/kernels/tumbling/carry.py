@@ -15,13 +15,14 @@ from core.motion.kernels.tumbling.tables import FLAT, FREE, STATE, Cell
 def rates(
     cell: Cell, support: int, sigma: int, time: float, pitch: float, pitch_rate: float, slip: float
 ) -> tuple[float, float, float]:
-    """Return accelerations along the plane (m/s^2) and in pitch (rad/s^2), and friction's power.
+    """Return accelerations of a tumbling part along the plane (m/s^2) and in pitch, and lost power.
 
-    x'' = a_x + t and xi'' = -kappa (n cos s + t sin s)/rho under the forces n and t per mass of the
-    support (a corner's number or `FLAT`), with the free acceleration a, corner angle s, half
-    diagonal rho and inertia ratio kappa; |t slip| per mass. `sigma` is the direction of slip, 0 if
-    held; `slip` the slip velocity in m/s; `time` in s (theory 2.2). `pitch` and `pitch_rate` are in
-    rad and rad/s.
+    x'' = a_x + t and xi'' = -kappa (n cos s + t sin s)/rho in rad/s^2 under the normal and friction
+    forces n and t per mass of its support, with the free acceleration a, corner angle s, half
+    diagonal rho and inertia ratio kappa (theory 2.2). Friction takes |t slip| per mass. `support`
+    is a corner's number or `FLAT`, `sigma` the direction of slip (1, -1), 0 if held; `slip` is the
+    slip velocity in m/s, `pitch` and `pitch_rate` are in rad and rad/s, `time` in s gives the phase
+    of the drive.
     """
     along, _ = free_acceleration(cell, time)
     if support == FLAT:
@@ -37,7 +38,9 @@ def rates(
 def fly(cell: Cell, state: Floats, time: float, step: float, after: Floats) -> None:
     """Set `after` to the state after free flight for `step` seconds from `time`, in closed form.
 
-    x + u t - g t^2/2 and u - g t, and of the drive P sin(w t + phi) the first and second integral.
+    The place becomes x + u t - g t^2/2 and the velocity u - g t, and the drive P sin(w t + phi)
+    adds its second and first integral. `state` and `after` have the columns of `STATE`; `time` is
+    in s.
     """
     gained = moved = 0.0  # integrals of the swing of the drive
     w = cell.circular_frequency
@@ -59,11 +62,13 @@ def fly(cell: Cell, state: Floats, time: float, step: float, after: Floats) -> N
 
 @compiled
 def settle_on(cell: Cell, state: Floats, support: int, sigma: int) -> None:
-    """Put the state exactly onto its support: gap and its rate 0, slip 0 where friction holds.
+    """Put a tumbling part exactly onto its support: gap and its rate 0, slip 0 if friction holds.
 
-    y = rho sin s, y' = rho xi' cos s and x' = rho xi' sin s on a corner at angle s (theory 2.1); on
-    a side its height, without rise and pitch rate. `support` is a corner's number, `FLAT` or
-    `FREE`; `sigma` the direction of slip, 0 if held.
+    Rounding would otherwise let it sink in. y = rho sin s, y' = rho xi' cos s and x' = rho xi' sin
+    s for the centre (x, y) over a corner at angle s, half diagonal rho and pitch rate xi' (theory
+    2.1); on a side its height, without rise and pitch rate. `support` is a corner's number, `FLAT`
+    or `FREE`; `sigma` the direction of slip (1, -1), 0 if held. `state` (columns of `STATE`, SI) is
+    changed.
     """
     if support == FLAT:
         quarter_turns = side_below(state[STATE.pitch])
@@ -84,11 +89,12 @@ def settle_on(cell: Cell, state: Floats, support: int, sigma: int) -> None:
 def carry(
     cell: Cell, support: int, sigma: int, state: Floats, time: float, step: float, after: Floats
 ) -> None:
-    """Set `after` to the state after a step on one support, by Runge-Kutta of order 4.
+    """Set `after` to the state of a tumbling part after a step on one support, from `state`.
 
-    `support` is a corner's number, `FLAT` or `FREE`; `sigma` the direction of slip (1, -1), 0 if
-    held; `time` and `step` in s. Only pitch and slide are integrated; the rest follows from the
-    support, so that nothing sinks.
+    By Runge-Kutta of order 4, in flight in closed form. Only pitch and slide are integrated; the
+    rest follows from the support, so that nothing sinks. `support` is a corner's number, `FLAT` or
+    `FREE`; `sigma` the direction of slip (1, -1), 0 if held; `time` is the start of the step and
+    `step` its length in s. States have the columns of `STATE` (SI).
     """
     if support == FREE:
         fly(cell, state, time, step, after)

@@ -14,10 +14,10 @@ from core.motion.kernels.tumbling.tables import PATH_COLUMNS, STATE, cell_of
 
 @compiled
 def tumble_events(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill result table and statuses of cells by event-driven simulation.
+    """Fill the table of results and the statuses of many tumbling parts, from event to event.
 
-    `cells` have the columns of `Cell` (SI), `table` those of `COLUMN`; `stop` is a flag that ends
-    the work. `status` gets one value a cell.
+    `cells` has a row of numbers for each (columns of `Cell`, SI), `table` a row with the columns of
+    `COLUMN`, `status` one value. `stop` is a flag that ends the work, with the rest left as it is.
     """
     state, times, rows = np.empty(len(STATE)), np.empty(0), np.empty((0, PATH_COLUMNS))
     for number in range(cells.shape[0]):
@@ -31,10 +31,10 @@ def tumble_events(cells: Floats, table: Floats, status: Statuses, stop: Stop) ->
 
 @compiled
 def tumble_steps(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill result table and statuses of cells by time stepping.
+    """Fill the table of results and the statuses of many tumbling parts, by time stepping.
 
-    `cells` have the columns of `Cell` (SI), `table` those of `COLUMN`; `stop` is a flag that ends
-    the work. `status` gets one value a cell.
+    `cells` has a row of numbers for each (columns of `Cell`, SI), `table` a row with the columns of
+    `COLUMN`, `status` one value. `stop` is a flag that ends the work, with the rest left as it is.
     """
     state, times, rows = np.empty(len(STATE)), np.empty(0), np.empty((0, PATH_COLUMNS))
     for number in range(cells.shape[0]):

@@ -41,11 +41,11 @@ LARGEST_TURN = 0.1  # rad a step, so that no corner swings down and up again uns
 def top_of(
     cell: Cell, support: int, state: Floats, after: Floats, time: float, step: float, trial: Floats
 ) -> float:  # fmt: skip
-    """Return the largest height in m of the lowest corner within a step.
+    """Return the largest height in m of the lowest corner of a tumbling part within a step.
 
-    From `state` at `time` to `after`, `step` seconds later; in free flight where the velocity of
-    the lowest corner falls through 0, by halving. `trial` is a work array. `support` is what
-    carries the part.
+    From `state` at `time` in s to `after`, `step` seconds later; in free flight where the velocity
+    of the lowest corner falls through 0, by halving. So the largest bounce is found. `support` is
+    what carries the part: a corner's number, `FLAT` or `FREE`; `trial` is a work array.
     """
     top = max(lowest_gap(cell, state), lowest_gap(cell, after))
     if support != FREE or lowest_rate(cell, state) <= 0.0 or lowest_rate(cell, after) >= 0.0:
@@ -66,11 +66,15 @@ def dips(
     cell: Cell, support: int, sigma: int, state: Floats, time: float, step: float, after: Floats,
     trial: Floats,
 ) -> float:  # fmt: skip
-    """Return the time within a step at which a corner reaches the plane; `step` if none does.
+    """Return the time in s within a step at which a corner dips into the plane; else `step`.
 
-    For corners that sink in `state`, at the start, and rise in `after`, at the end: at the zero of
-    the line between both velocities off the plane. `support` and `sigma` are as in `carry`, times
-    in s, `trial` is a work array.
+    Such a corner may be above the plane at both ends of the step: it sinks in `state`, at the
+    start, and rises in `after`, at the end. Its lowest point is taken where the line between both
+    velocities off the plane is 0, and the motion is carried to there into the work array `trial`.
+
+    `support` is what carries the part (a corner's number, `FLAT` or `FREE`), `sigma` its direction
+    of slip (1, -1; 0 if held), `time` the start of the step and `step` its length in s. Both states
+    have the columns of `STATE` (SI).
     """
     if support == FLAT:
         return step
@@ -89,11 +93,13 @@ def first_misfit(
     cell: Cell, support: int, sigma: int, state: Floats, time: float, step: float, after: Floats,
     trial: Floats,
 ) -> float:  # fmt: skip
-    """Return the time within a step at which the support no longer fits; set `after` to that state.
+    """Return the time in s within a step at which the support of a tumbling part ceases to fit.
 
-    `state` at `time` fits, `after`, `step` seconds later, does not; `support` and `sigma` are as in
-    `carry`; `trial` is a work array. A corner that falls on the plane is followed back by Newton's
-    method, which approaches from below a path that bends down; everything else is halved.
+    `state` at `time` fits, `after`, `step` seconds later, does not; `after` is set to the state at
+    that time. `support` is what carries the part (a corner's number, `FLAT` or `FREE`), `sigma` its
+    direction of slip (1, -1; 0 if held); `trial` is a work array. A corner that falls on the plane
+    is followed back by Newton's method, which approaches from below a path that bends down;
+    everything else is halved.
     """
     overlap = OVERLAP * cell.half_diagonal
     low, part, halve = 0.0, step, False
@@ -129,10 +135,11 @@ def first_misfit(
 
 @compiled
 def end_of_step(cell: Cell, state: Floats, time: float, times: Floats, written: int) -> float:
-    """Return the end of a time step in s, limited by the next wanted time and by 0.1 rad of pitch.
+    """Return the end in s of the next time step of a tumbling part that starts at `time`.
 
-    `times` are the times at which the state is wanted, of which `written` are done; also limited by
-    the duration of the run.
+    Limited by the step of `cell`, the duration of the run, the next time at which the state is
+    wanted (`times`, of which `written` are done), and 0.1 rad of pitch. `state` has the columns of
+    `STATE` (SI).
     """
     end, pitch_rate = min(time + cell.time_step, cell.duration), state[STATE.pitch_rate]
     if written < times.size:
@@ -144,12 +151,16 @@ def end_of_step(cell: Cell, state: Floats, time: float, times: Floats, written: 
 
 @compiled
 def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop) -> TumblingRun:
-    """Simulate one cell from event to event, and write its state at the times into the rows.
+    """Simulate one tumbling part from event to event; return the record of its run.
 
-    `state` is set to that at the end; `times` are ascending in s, `rows` have the columns of
-    `PATH`; `stop` is a flag that ends the work. A step with one support is cut where that ceases to
-    fit; then impacts, and the choice of the next support, until the part rests for ever (theory
-    13.11).
+    A step on one support (corner, side or none) is integrated, and cut where that support ceases to
+    fit; then follow impacts and the choice of the next support, until the part rests for good or
+    its duration ends (theory 13.11).
+
+    `cell` holds the part's numbers (SI). `state` (columns of `STATE`) is set to that at the end;
+    `rows` (columns of `PATH`) are filled at the ascending `times` in s; `stop` is a flag that ends
+    the work. The record has the status, times, impacts, largest bounce, and the side that lies on
+    the plane.
     """
     after, trial = np.empty_like(state), np.empty_like(state)
     start_of(cell, state)

@@ -38,11 +38,12 @@ def free_corner(
 
 @compiled
 def holding_force(cell: Cell, s: float, c: float, chi: float, along: float) -> tuple[float, float]:
-    """Return normal and friction force per mass that keep a corner at rest, in m/s^2.
+    """Return normal and friction force per mass that keep a corner of a part at rest, in m/s^2.
 
-    -((1 + kappa s^2) chi - kappa s c a_t)/(1 + kappa) and -((1 + kappa c^2) a_t - kappa s c chi)/(1
-    + kappa), with sine and cosine `s`, `c` of the corner's angle and the accelerations chi and a_t
-    = `along` of the corner without force (theory 2.4).
+    The corner sticks if they lie within static friction. -((1 + kappa s^2) chi - kappa s c a_t)/(1
+    + kappa) and -((1 + kappa c^2) a_t - kappa s c chi)/(1 + kappa), with the inertia ratio kappa,
+    sine and cosine `s`, `c` of the corner's angle, and the accelerations of the corner without
+    force, chi = `chi` normal to the plane and a_t = `along` it, in m/s^2 (theory 2.4).
     """
     kappa = cell.inertia_ratio
     normal = -((1.0 + kappa * s * s) * chi - kappa * s * c * along) / (1.0 + kappa)
@@ -67,9 +68,10 @@ def corner_force(
 ) -> tuple[float, float]:
     """Return normal and friction force per mass on a corner that sticks or slides, in m/s^2.
 
-    n = -chi/(m tau), t = -sigma mu_k n in slip in direction `sigma` (theory 2.3), with the normal
-    acceleration chi of the corner without force and its response m tau; `holding_force` for `sigma`
-    0. `time` is in s, `pitch` and `pitch_rate` are in rad and rad/s.
+    n = -chi/(m tau), t = -sigma mu_k n in a slip in direction `sigma` (1, -1), with the normal
+    acceleration chi of the corner without force, and m tau, what a unit of n adds to it; for
+    `sigma` 0 the forces that hold the corner in place (theory 2.3). 0 if m tau is not above 0.
+    `time` in s gives the phase of the drive, `pitch` and `pitch_rate` are in rad and rad/s.
     """
     s, c = corner_at(cell, corner, pitch)
     chi, along = free_corner(cell, time, s, c, pitch_rate)
@@ -83,10 +85,10 @@ def corner_force(
 
 @compiled
 def flat_force(cell: Cell, sigma: int, time: float) -> tuple[float, float]:
-    """Return normal and friction force per mass on a side that lies flat, in m/s^2.
+    """Return normal and friction force per mass on a side that lies flat on the plane, in m/s^2.
 
-    n = -a_y, and t = -sigma mu_k n in slip in direction `sigma`, -a_x if held (0), with the
-    acceleration a of a free part. `time` is in s.
+    n = -a_y, and t = -sigma mu_k n in a slip in direction `sigma` (1, -1), or -a_x if the side is
+    held (0), with the acceleration a of a free part. `time` in s gives the phase of the drive.
     """
     along, upward = free_acceleration(cell, time)
     if sigma == 0:

@@ -17,10 +17,11 @@ def corner_count(cell: Cell) -> int:
 
 @compiled
 def corner_at(cell: Cell, corner: int, pitch: float) -> tuple[float, float]:
-    """Return sine and cosine of the angle s of a corner below the transport direction.
+    """Return sine and cosine of the angle s of a corner below the direction of transport.
 
     s is zeta + xi, pi - zeta + xi, pi + zeta + xi and -zeta + xi of the corners 0 to 3, with the
-    corner angle zeta of the part and the `pitch` xi in rad (theory 2.1); pi/2 of a ball.
+    angle zeta of the diagonal in the part (`cell.corner_angle`) and the `pitch` xi in rad (theory
+    2.1); pi/2 of a ball. The corner is rho sin s below the centre, rho half the diagonal.
     """
     if cell.turning == 0.0:
         return 1.0, 0.0
@@ -63,7 +64,10 @@ def slip_of(cell: Cell, state: Floats, corner: int) -> float:
 
 @compiled
 def lowest_gap(cell: Cell, state: Floats) -> float:
-    """Return the height of the lowest corner above the plane in m."""
+    """Return the height of the lowest corner of a part above the plane in m.
+
+    `state` has the columns of `STATE` (SI), `cell` the sizes of the part; below 0 in the plane.
+    """
     least = gap_of(cell, state, 0)
     for corner in range(1, corner_count(cell)):
         least = min(least, gap_of(cell, state, corner))
@@ -72,7 +76,10 @@ def lowest_gap(cell: Cell, state: Floats) -> float:
 
 @compiled
 def lowest_rate(cell: Cell, state: Floats) -> float:
-    """Return the velocity of the lowest corner off the plane in m/s."""
+    """Return the velocity of a part's lowest corner off the plane in m/s; below 0 if it nears it.
+
+    `state` has the columns of `STATE`.
+    """
     lowest = 0
     for corner in range(1, corner_count(cell)):
         if gap_of(cell, state, corner) < gap_of(cell, state, lowest):
@@ -91,9 +98,10 @@ def side_below(pitch: float) -> int:
 
 @compiled
 def side_shape(cell: Cell, quarter_turns: int) -> tuple[float, float]:
-    """Return half the length of the side below, and the height of the centre above it, in m.
+    """Return half the length of the side on which a part lies, and its centre's height, in m.
 
-    rho cos zeta and rho sin zeta, exchanged after an odd number of `quarter_turns`.
+    rho cos zeta and rho sin zeta, with half diagonal rho and corner angle zeta of the part in
+    `cell`, exchanged after an odd number of `quarter_turns`.
     """
     run = cell.half_diagonal * math.cos(cell.corner_angle)
     rise = cell.half_diagonal * math.sin(cell.corner_angle)

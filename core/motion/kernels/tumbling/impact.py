@@ -31,10 +31,12 @@ def delassus(cell: Cell, s: float, c: float) -> tuple[float, float, float]:
 
 @compiled
 def push(cell: Cell, state: Floats, s: float, c: float, normal: float, tangential: float) -> None:
-    """Apply an impulse per mass (i_n, i_t) in m/s at a corner to the state.
+    """Change the velocities in `state` of a tumbling part by an impulse per mass at one corner.
 
-    x' + i_t, y' + i_n and xi' - kappa (i_n cos s + i_t sin s)/rho; `s` and `c` are sine and cosine
-    of the corner's angle (theory 2.2). i_n = `normal`, i_t = `tangential`.
+    x' + i_t, y' + i_n and xi' - kappa (i_n cos s + i_t sin s)/rho, with i_n = `normal` and i_t =
+    `tangential` in m/s, velocities x', y' of the centre along and normal to the plane, pitch rate
+    xi', inertia ratio kappa and half diagonal rho of the part in `cell` (theory 2.2). `s` and `c`
+    are sine and cosine of the corner's angle s at the centre.
     """
     state[STATE.along_rate] += tangential
     state[STATE.up_rate] += normal
@@ -47,12 +49,13 @@ def push(cell: Cell, state: Floats, s: float, c: float, normal: float, tangentia
 def arrest(
     nn: float, nt: float, tt: float, u_n: float, u_t: float, friction: float
 ) -> tuple[float, float]:
-    """Return the impulse (normal, tangential) that brings u_n <= 0 to 0 with Coulomb friction.
+    """Return the impulse per mass that stops the approach of a corner, with Coulomb friction.
 
-    Per mass in m/s; `nn`, `nt`, `tt` are the corner's Delassus numbers, `u_n` and `u_t` its
-    velocities off and along the plane. i_n = (-u_n - G_nt i_t)/G_nn, with the i_t that stops the
-    slip, u_t + G_nt i_n + G_tt i_t = 0, if it lies in the cone |i_t| <= mu i_n; else at the edge of
-    the cone (theory 5.3).
+    The compression phase of an impact (theory 5.3): (i_n, i_t) in m/s, normal and tangential. `nn`,
+    `nt`, `tt` are the corner's Delassus numbers G (velocity per impulse per mass, [1]), `u_n` <= 0
+    and `u_t` its velocities off and along the plane in m/s, `friction` is mu. i_n = (-u_n - G_nt
+    i_t)/G_nn, with the i_t that stops the slip, u_t + G_nt i_n + G_tt i_t = 0, if |i_t| <= mu i_n;
+    else with i_t at that limit.
     """
     stop = -u_n / nn
     coupling = nt / nn
@@ -72,11 +75,13 @@ def arrest(
 def compress(
     cell: Cell, state: Floats, right: int, left: int, after: Floats
 ) -> tuple[float, float, float]:
-    """Set `after` to the state in which no corner approaches; return the impulses of that.
+    """Set `after` to the state in which no touching corner approaches; return the impulses for it.
 
-    Normal impulses per mass at the right and left corner, and that of friction, in m/s. `right` is
-    the corner, or the right one of two that touch together; `left` is -1 for one corner. On a side
-    both corners slide alike, so that friction is one force (theory 1.4, 5.3).
+    The compression phase of an impact (theory 5.3). The results are normal impulses per mass at the
+    right and left corner, and that of friction, in m/s. `right` is the corner, or the right one of
+    two that touch together; `left` is -1 for one corner. On a side both corners slide alike, so
+    that friction is one force. States have the columns of `STATE` (SI), `cell` holds the part's
+    numbers.
     """
     rho, kappa, mu = cell.half_diagonal, cell.inertia_ratio, cell.friction_kinetic
     copy(state, after)
@@ -117,11 +122,15 @@ def compress(
 
 @compiled
 def strike(cell: Cell, state: Floats, after: Floats) -> bool:
-    """Apply an impact of the touching corners to the state; return True if there was one.
+    """Apply an impact of the touching corners of a part to its state; True if there was one.
 
-    Moreau's law scales the compression by 1 + eps; that of Pfeiffer and Glocker adds an expansion
-    with eps times the normal impulses (theory 5.3). If a corner still approaches, which one impact
-    of two corners may leave, compressions follow. `after` is a work array.
+    There is none if no touching corner approaches the plane. A compression first stops the
+    approach. Moreau's law then scales this change by 1 + eps; the law of Pfeiffer and Glocker adds
+    an expansion with eps times the normal impulses, and friction that may stop the slip (theory
+    5.3). If a corner still approaches, as may be with two corners, further compressions follow.
+
+    `cell` holds the numbers of the part and its law, `state` the columns of `STATE` (SI), changed
+    in place, with the kinetic energy lost per mass added; `after` is a work array of the same size.
     """
     touch, slow = TOUCH * cell.half_diagonal, SLOW * speed_scale(cell)
     right = left = -1

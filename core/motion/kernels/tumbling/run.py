@@ -31,10 +31,11 @@ class TumblingRun(NamedTuple):
 
 @compiled
 def start_of(cell: Cell, state: Floats) -> None:
-    """Set the state to the start of a run: pitch, velocities, and height, from the cell.
+    """Set the state of a tumbling part to the start of its run, from the numbers of the cell.
 
-    The height of the centre is y = rho max sin s + gap, with the half diagonal rho, the angles s of
-    the corners, and the gap below the lowest corner.
+    `state` (columns of `STATE`, SI) gets pitch, pitch rate, velocities, and the height of the
+    centre y = rho max sin s + gap, with the half diagonal rho, the angles s of the corners below
+    the centre, and the gap between the lowest corner and the plane.
     """
     state[:] = 0.0
     state[STATE.pitch], state[STATE.pitch_rate] = cell.pitch, cell.pitch_rate
@@ -48,9 +49,10 @@ def start_of(cell: Cell, state: Floats) -> None:
 
 @compiled
 def record(cell: Cell, state: Floats, time: float, support: int, row: Floats) -> None:
-    """Write time, state, lowest gap and touching corners into a row of a path (columns of `PATH`).
+    """Write time, state, lowest gap and touching corners of a part into a row of its path.
 
-    `support` is a corner's number, `FLAT` or `FREE`; `time` in s.
+    `row` has the columns of `PATH` and `state` those of `STATE` (SI), `time` is in s; `support` is
+    what carries the part: a corner's number, `FLAT` for a side with two corners, or `FREE`.
     """
     row[:] = 0.0
     row[PATH.time] = time
@@ -68,10 +70,11 @@ def record(cell: Cell, state: Floats, time: float, support: int, row: Floats) ->
 def record_until(
     cell: Cell, state: Floats, time: float, support: int, times: Floats, written: int, rows: Floats
 ) -> int:  # fmt: skip
-    """Write the state into the rows of the wanted times up to `time`; return the number written.
+    """Write the state of a tumbling part into the rows of all wanted times up to `time` (s).
 
-    `times` are ascending in s, of which `written` are done; `rows` have the columns of `PATH`.
-    `support` is what carries the part.
+    `times` are ascending in s, of which the first `written` are done; the new number is returned.
+    `rows` have the columns of `PATH`. `support` is what carries the part: a corner's number, `FLAT`
+    or `FREE`.
     """
     while written < times.size and times[written] <= time:
         record(cell, state, times[written], support, rows[written])
@@ -101,9 +104,11 @@ def side_of(cell: Cell, support: int, pitch: float) -> int:
 
 @compiled
 def fill(cell: Cell, run: TumblingRun, state: Floats, row: Floats) -> None:
-    """Write the results of a run into a row of the table, columns of `COLUMN`.
+    """Write the results of the run of a tumbling part into its row of the table.
 
-    `state` is that at the end. A part that settled has its mean velocity over the whole duration.
+    `row` has the columns of `COLUMN`: pitch and side at the end, settling time, impacts, largest
+    bounce, mean velocity, energy lost per mass. `state` (columns of `STATE`, SI) is that at the
+    end. A part that settled has its mean velocity over the whole duration.
     """
     row[COLUMN.pitch] = state[STATE.pitch]
     row[COLUMN.resting_side] = run.side

@@ -37,11 +37,13 @@ MAX_SWEEPS = 500  # over corners that touch at once; what they still change is r
 
 @compiled
 def arrest_all(cell: Cell, state: Floats, near: Flags, target: Floats, impulse: Floats) -> None:
-    """Apply impulses at several corners by projected Gauss-Seidel, one corner at a time.
+    """Apply impulses at all corners of a part in the plane, so that none approaches too fast.
 
-    `near` is 1 for the corners that take part; `target` (2, 4) holds the velocities off and along
-    the plane in m/s that they are to end at, at least; `impulse` (2, 4) is filled with their
-    impulses per mass.
+    By projected Gauss-Seidel: one corner at a time, until the impulses stand still. `near` is 1 for
+    the corners that take part; `target` (2, 4) holds the least velocities off the plane, and those
+    along it that friction aims at, in m/s, at the end; `impulse` (2, 4) is filled with normal and
+    friction impulse per mass of each corner in m/s. The velocities in `state` (columns of `STATE`,
+    SI) are changed.
     """
     impulse[:] = 0.0
     mu = cell.friction_kinetic
@@ -70,10 +72,11 @@ def arrest_all(cell: Cell, state: Floats, near: Flags, target: Floats, impulse: 
 
 @compiled
 def slides_without_solution(cell: Cell, state: Floats, middle: Floats, near: Flags) -> bool:
-    """True if the only near corner slides where m tau <= 0, so that there is no solution.
+    """True if the only corner in the plane slides in a way for which contact laws have no solution.
 
-    m tau is its normal acceleration over the normal force (`response_of`). `state` is that at the
-    start of a step, `middle` that in its middle, `near` 1 for the corner.
+    That is m tau <= 0, its normal acceleration over the normal force: a force would press it in.
+    `state` is that at the start of a step, `middle` that in its middle (columns of `STATE`, SI),
+    `near` is 1 for the corner.
     """
     corner = int(np.argmax(near))
     s, c = corner_at(cell, corner, middle[STATE.pitch])
@@ -90,10 +93,25 @@ def set_targets(
 ) -> tuple[int, bool]:  # fmt: skip
     """Find the corners in the plane in mid-step, and the velocities that they are to end it with.
 
-    -eps g_N' off the plane, and after an impact -eps g_T' along it (theory 5.3). `near` and
-    `target` are filled; `state` is that at the start, `middle` that in the middle of the `step`
-    (s); `upward` is the size of the free acceleration off the plane. Return the number of near
-    corners, and True if one strikes.
+    -eps g_N' off the plane, and after an impact -eps g_T' along it, with the restitution eps and
+    the velocities g' before (theory 5.3). Return the number of near corners, and True if one
+    strikes.
+
+    Parameters
+    ----------
+    cell
+        Numbers of the part.
+    state, middle
+        State at the start and in the middle of the step (columns of `STATE`).
+    step
+        Duration of the step in s.
+    upward
+        Size of the free acceleration off the plane in m/s^2.
+    near
+        Filled with 1 for a corner in the plane, else 0.
+    target
+        Filled with velocities in m/s, a row for each direction (off the plane, along it), a column
+        a corner.
     """
     touching, struck = 0, False
     target[:] = 0.0
@@ -114,9 +132,10 @@ def set_targets(
 
 @compiled
 def carrying(impulse: Floats) -> int:
-    """Return the corner with a normal impulse i_n > 0, which carries the part; `FLAT` for two.
+    """Return the corner that carries a tumbling part after a time step: that with a normal impulse.
 
-    `FREE` without any; `impulse` (2, 4) holds normal and friction impulses.
+    `FLAT` if two corners have one (a side lies on the plane), `FREE` if none has. `impulse`, shape
+    (2, 4), holds normal and friction impulses per mass of each corner in m/s.
     """
     support = FREE
     for corner in range(impulse.shape[1]):
@@ -135,12 +154,17 @@ def drift(state: Floats, rates: Floats, time: float) -> None:
 
 @compiled
 def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop) -> TumblingRun:
-    """Simulate one cell by the midpoint rule of Moreau and Jean, with Moreau's law of impact.
+    """Simulate one tumbling part by time stepping with Moreau's law of impact; return its run.
 
-    u(t + h) = u(t) + h a(t + h/2) + i,    q(t + h) = q(t) + h (u(t) + u(t + h))/2.
+    The midpoint rule of Moreau and Jean, with velocities u, positions q, acceleration a, step h and
+    the impulses i of all corners in the plane (theory 13.9):
 
-    `state` is set to that at the end; `times` are ascending in s, `rows`, filled at these times,
-    have the columns of `PATH`; `stop` is a flag that ends the work (theory 13.9).
+        u(t + h) = u(t) + h a(t + h/2) + i,    q(t + h) = q(t) + h (u(t) + u(t + h))/2.
+
+    `cell` holds the part's numbers (SI). `state` (columns of `STATE`) is set to that at the end;
+    `rows` (columns of `PATH`) are filled at the ascending `times` in s; `stop` is a flag that ends
+    the work. The record has status, times, impacts, largest bounce, and the side that lies on the
+    plane.
     """
     corners = corner_count(cell)
     near = np.zeros(corners, dtype=np.int64)

@@ -40,11 +40,13 @@ from core.motion.kernels.tumbling.tables import (
 
 @compiled
 def holds(cell: Cell, support: int, sigma: int, state: Floats, time: float) -> bool:
-    """True if the state still fits its support and direction of slip.
+    """True if the state of a tumbling part still fits its support and direction of slip.
 
-    No other corner in the plane, normal force n >= 0, |t| <= mu_s n if held (`sigma` 0), sigma g_T'
-    >= 0 and m tau > 0 if it slips, with the friction force t, slip g_T' and response m tau of the
-    corner. `support` is a corner's number, `FLAT` or `FREE`; `time` in s (theory 2.3, 2.4).
+    No other corner is in the plane, the normal force n is >= 0, |t| <= mu_s n if the support is
+    held (`sigma` 0), and sigma g_T' >= 0 and m tau > 0 if it slips, with the friction force t, the
+    slip velocity g_T', and m tau, the normal acceleration over the force. `support` is a corner's
+    number, `FLAT` or `FREE`; `state` has the columns of `STATE` (SI), `time` in s gives the phase
+    of the drive (theory 2.3, 2.4).
     """
     overlap, deep = OVERLAP * cell.half_diagonal, DEEP * cell.half_diagonal
     if support == FLAT:
@@ -82,8 +84,9 @@ def holds(cell: Cell, support: int, sigma: int, state: Floats, time: float) -> b
 def stop_corner(cell: Cell, state: Floats, corner: int, slip_too: bool) -> None:
     """Remove a small remaining velocity of a corner by an impulse, which cannot add energy.
 
-    Off the plane by -u_n/G_nn, or with the slip (`slip_too`) by G^-1 (-u_n, -u_t), with the
-    Delassus numbers G, det G = 1 + kappa.
+    Before a corner counts as support. Off the plane alone by -u_n/G_nn, or with the slip if
+    `slip_too` is True by G^-1 (-u_n, -u_t), with its velocities u_n, u_t and Delassus numbers G,
+    det G = 1 + kappa, kappa the inertia ratio. `state` (columns of `STATE`, SI) is changed.
     """
     s, c = corner_at(cell, corner, state[STATE.pitch])
     nn, nt, tt = delassus(cell, s, c)
@@ -99,11 +102,16 @@ def stop_corner(cell: Cell, state: Floats, corner: int, slip_too: bool) -> None:
 
 @compiled
 def choose_corner(cell: Cell, state: Floats, time: float, corner: int) -> tuple[int, int]:
-    """Return support and slip direction if the corner `corner` alone touches without approaching.
+    """Return support and slip direction of a part of which only the corner `corner` touches.
 
-    Held (0) if n_0 >= 0 and |t_0| <= mu_s n_0 for the force (n_0, t_0) that keeps it at rest; else
-    free if its normal acceleration without force, chi, is above 0, or it slips against t_0;
-    `PARADOX` if m tau <= 0 (theory 2.3, 2.4). `time` is in s.
+    (corner, 0) if the corner is held: its slip is 0, and the force (n_0, t_0) that keeps it at rest
+    has n_0 >= 0 and |t_0| <= mu_s n_0. Else (`FREE`, 0) if its normal acceleration without force,
+    chi, is above 0, or (corner, 1 or -1) for a slip, from rest against t_0; `PARADOX` if m tau <=
+    0, the normal acceleration over the force, where contact laws have no single solution (theory
+    2.3, 2.4).
+
+    `state` (columns of `STATE`, SI) is put onto the corner; `time` in s gives the phase of the
+    drive.
     """
     slow = SLOW * speed_scale(cell)
     stop_corner(cell, state, corner, False)
@@ -132,12 +140,16 @@ def choose_corner(cell: Cell, state: Floats, time: float, corner: int) -> tuple[
 
 @compiled
 def choose(cell: Cell, state: Floats, time: float) -> tuple[int, int]:
-    """Return support and slip direction after an event, and put the state onto the support.
+    """Return the support of a tumbling part and its slip direction after an event.
 
-    The support is a corner's number, `FLAT`, `FREE` or `PARADOX`; the direction 1, -1, or 0 if
-    held. From the touching corners that neither approach nor leave: the contact laws of
-    accelerations decide, for two by `flat_force` and `side_forces`, for one by `choose_corner`
-    (theory 2.3, 2.4). `time` is in s.
+    The support is a corner's number, `FLAT` for a side, `FREE` for none, or `PARADOX` if the
+    contact laws have no single solution; the direction 1, -1, or 0 if held. Corners that touch and
+    neither approach nor leave take part, and the laws of contact decide by the accelerations: for
+    two corners a side that may tip over one of them, for one as in `choose_corner` (theory 2.3,
+    2.4).
+
+    `state` (columns of `STATE`, SI) is put exactly onto the support; `time` in s gives the phase of
+    the drive.
     """
     touch, slow = TOUCH * cell.half_diagonal, SLOW * speed_scale(cell)
     first = second = -1
@@ -183,9 +195,10 @@ def rests_for_ever(cell: Cell, support: int, sigma: int, state: Floats) -> bool:
     """True if the part is at rest and no phase of the drive can move it.
 
     g_y >= |P_y| and, with m = min(mu_s, half/height), m (g_y - P_y sin) >= |g_x - P_x sin| at both
-    ends of the swing: neither slip nor tipping to either side. g is the pull, P the drive, half and
-    height are those of the side that lies flat. `support` is a corner's number, `FLAT` or `FREE`;
-    `sigma` the direction of slip, 0 if held.
+    ends of the swing: neither slip nor tipping to either side. g is the pull, P the drive (both in
+    m/s^2), half and height are half the length of the side that lies flat and the height of the
+    centre above it. `state` has the columns of `STATE`; `support` is a corner's number, `FLAT` or
+    `FREE`; `sigma` is the direction of slip, 0 if held.
     """
     if sigma != 0:
         return False

@@ -48,20 +48,24 @@ def reference_path(
 ) -> Path:
     """Return the positions of one part at given phases, accurate to about twelve digits.
 
+    By the method `reference`, for checks of others.
+
     Parameters
     ----------
-    phases
-        Array_like, shape (n,) Ascending; the given state is that at the first.
-    position, velocity
-        Sequence of 3 floats Along, across and normal, in g/w^2 (w = 2 pi f) and g/w.
-    spin
-        Float As in `core.motion.methods.stepping.stepped_path`.
-
-    Other parameters are those of `reference_motion`.
+    groups, contacts, absolute_speed
+        Dimensionless groups of the part, the surfaces that it can touch, and True if the speed in
+        space counts in a curve, as in `reference_motion`.
+    phases : array_like, shape (n,)
+        Ascending, in rad; the given state is that at the first.
+    position, velocity : sequence of 3 floats
+        Along, across and normal, in g/w^2 (w = 2 pi f) and g/w.
+    spin : float
+        Velocity across in g/w that the spin of a cylinder gives its lowest point; 0 of a block.
 
     Returns
     -------
     Path
+        Phases, positions and velocities, shape (n, 3); NaN from where the method failed.
     """
     asked = np.atleast_1d(np.asarray(phases, dtype=np.float64))
     if not np.all(np.isfinite(asked)) or np.any(np.diff(asked) < 0.0):
@@ -88,22 +92,22 @@ def reference_motion(
     """Return the repeating motion of one part with its error; arrays without dimensions.
 
     `error` covers what is left of the transient, what the cycle changes if it is followed more
-    finely, and rounding at every event, each with what the cycle makes of it. A motion that was
-    not shown to repeat, and to attract, is `aperiodic`: its means are over the second half of the
+    finely, and rounding at every event, each with what the cycle makes of it. A motion that was not
+    shown to repeat, and to attract, is `aperiodic`: its means are over the second half of the
     periods run, its spread is that of the single periods, and its error comes from their scatter;
-    whether it runs away is for the reader to see. One that was still on its way, to a cycle or
-    from one that does not attract, has no mean yet: `limit_reached`. So has one under numbers
-    whose squares are none.
+    whether it runs away is for the reader to see. One that was still on its way, to a cycle or from
+    one that does not attract, has no mean yet: `limit_reached`. So has one under numbers whose
+    squares are outside double precision.
 
     Parameters
     ----------
     groups : Groups
-        Of one part.
+        Dimensionless numbers of one part.
     contacts : Contacts
-        What it can touch.
+        The surfaces that it can touch, and if it rolls.
     absolute_speed : bool
-        Whether the centripetal acceleration is that of the speed in space; else of the speed
-        relative to the track.
+        If the centripetal acceleration is that of the speed in space; else of the speed relative to
+        the track.
     max_periods : int
         Periods after which the motion counts as aperiodic.
     watch : Watch, optional
@@ -157,13 +161,16 @@ def _numbers(groups: Groups) -> list[Array]:
 
 
 def _scatter(means: Array, most: float) -> float:
-    """Return the error of the mean of single periods' means; `most` at least if they drift.
+    """Return the error of the mean velocity of a motion that does not repeat.
 
-    What 99.9 % of Student's distribution allow for the mean of up to 8 stretches, plus the
-    difference of the second half of `means` from the first, plus the largest distance from a steady
-    travel over the number of periods. If the halves differ by more than the scatter between
-    stretches explains, a transient goes on, and nobody knows where it ends: the error is then at
-    least `most`, the drive's speed and more.
+    `means` are the mean velocities of single periods in g/w (w = 2 pi f), as is the result; `most`
+    is the drive's speed and more, the error if they drift or are fewer than two.
+
+    The error is what 99.9 % of Student's distribution allow for the mean of up to 8 stretches, plus
+    the difference of the second half of `means` from the first, plus the largest distance from a
+    steady travel over the number of periods. If the halves differ by more than the scatter between
+    stretches explains, a transient goes on, whose end is unknown: the error is then at least
+    `most`.
     """
     if means.size < 2:
         return most
@@ -191,10 +198,11 @@ def _result(
     multiple: int,
     status: str,
 ) -> Motion:
-    """Return a motion whose shares and counts are those of the last `periods` periods of a run.
+    """Return the motion of a run: its mean velocity, and shares and counts of the last periods.
 
-    `velocity`, `error` and `spread` are in g/w (w = 2 pi f); `multiple` is the number of periods
-    after which it repeats, 0 if it does not; `status` the name of its status.
+    `velocity`, `error` and `spread` are in g/w (w = 2 pi f); `run` holds what happened in each
+    period, of which the last `periods` count; `multiple` is the number of periods after which the
+    motion repeats, 0 if it does not; `status` is the name of its status, such as `periodic`.
     """
     tallies = run.tallies[-periods:]
     phase = 2.0 * math.pi * periods
@@ -221,7 +229,10 @@ def _result(
 
 
 def _follow(contacts: Contacts) -> Follow:
-    """Return the function of the motion equation, which computes one cell after another."""
+    """Return the function of the motion equation by the method `reference`, cell after cell.
+
+    It follows parts with these `contacts`: the floor, and maybe a wall; and if they roll.
+    """
 
     def motion(*, groups: Groups, max_periods: Array, watch: Watch | None = None) -> Motion:
         """Return the motion from rest by collocation between events, theory 13.9.
@@ -261,10 +272,11 @@ def _slides_away(part: Groups, contacts: Contacts) -> bool:
 
 
 def _price(cells: Priced) -> Price:
-    """Return the seconds to simulate a cell: until it repeats, or for all periods if it does not.
+    """Return the likely and the largest time to simulate each cell by the method `reference` [s].
 
-    To find a cycle takes `FINDING` periods, and to measure it some more. `cells` tells settings and
-    drive of the cells; the result holds likely and largest times.
+    A motion that repeats needs `FINDING` periods to be found and some more to be measured, one that
+    does not all that are allowed. `cells` describes settings and drive of the cells: steps or
+    orders of the wave, push across, and the share of restless motions.
     """
     allowed = cells.setting("max_periods")
     plain = 1.3e-3 + 1.4e-4 * cells.steps + (0.0 if cells.steps else 1.1e-3 * cells.orders)

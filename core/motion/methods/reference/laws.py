@@ -85,10 +85,10 @@ class ReferenceLaws:
             yield ReferenceLaws(self.groups, self.contacts, self.absolute_speed, drive), reached
 
     def free(self, phase: Numbers, ux: Numbers) -> tuple[Numbers, Numbers, Numbers]:
-        """Return the acceleration (3) of a free part relative to the track in g (theory 13.1).
+        """Return the acceleration of a free part relative to the track in g (theory 13.1).
 
-        `phase` is that of the drive, `ux` the velocity along in g/w (w = 2 pi f): in a curve it
-        acts across.
+        Along, across and normal. `phase` is that of the drive, `ux` the velocity along in g/w (w =
+        2 pi f): in a curve it acts across. Both may be arrays.
         """
         p, (along, across, normal) = self.groups, self.drive.push(phase)
         across = across - p.gravity_number_across
@@ -98,9 +98,12 @@ class ReferenceLaws:
         return along - p.gravity_number_along, across, normal - p.gravity_number_normal
 
     def forces(self, phase: Numbers, mode: Mode, ux: Numbers, e: tuple[Numbers, Numbers]) -> Forces:
-        """Return contact forces and rates of velocity in a mode, at a phase and velocity along.
+        """Return contact forces and rates of the velocities of a part in a mode of contact.
 
-        `ux` is in g/w (w = 2 pi f); `e` is the direction of slip (two components).
+        Forces in units of the weight, rates of u_x, u_y, u_z and spin in g, by the phase. `phase`
+        is in rad, `mode` says which contacts carry the part and if they slip, `ux` is the velocity
+        along in g/w (w = 2 pi f), `e` the direction of slip (two components). All may be arrays
+        over phases.
         """
         p, (dx, dy, dz) = self.groups, self.free(phase, ux)
         if mode.floor and mode.wall:
@@ -128,10 +131,10 @@ class ReferenceLaws:
         return Forces(0.0, 0.0, (dx, dy, dz, 0.0))
 
     def slip(self, mode: Mode, state: Array) -> tuple[float, float]:
-        """Return the two components of the slip at one contact, or at floor and wall.
+        """Return the two components of the slip at the contacts of a mode, in g/w (w = 2 pi f).
 
-        In g/w (w = 2 pi f). `mode` holds the contacts that carry the part, `state` position (3),
-        velocity (3) and spin.
+        Along, and across on the floor, normal at the wall, spin at both. `mode` holds the contacts
+        that carry the part, `state` position (3), velocity (3) and spin.
         """
         if mode.floor and mode.wall:  # the floor has (u_x, spin), the wall (u_x, -spin)
             return float(state[UX]), float(state[SPIN])
@@ -142,10 +145,11 @@ class ReferenceLaws:
     def sliding(
         self, phase: Numbers, mode: Mode, size: Numbers, angle: Numbers
     ) -> tuple[Numbers, Numbers]:
-        """Return the rate of the slip's size in g, and the rate of its angle times its size.
+        """Return the rate of a slip's size in g, and the rate of its angle times its size, in g.
 
-        `size` in g/w (w = 2 pi f) and `angle` in rad are those of the slip, at `phase`, in a mode
-        that slips.
+        Both by the phase, from the forces on a part that slips with the `size` in g/w (w = 2 pi f)
+        in the direction `angle` in rad, at the `phase` in rad; all may be arrays. `mode` holds the
+        contacts, which determine the two axes of the slip.
         """
         e = np.cos(angle), np.sin(angle)
         ax, ay, az, spin = self.forces(phase, mode, size * e[0], e).rates
@@ -153,10 +157,11 @@ class ReferenceLaws:
         return e[0] * ax + e[1] * second, e[0] * second - e[1] * ax
 
     def impending(self, phase: Numbers, mode: Mode) -> tuple[Numbers, Numbers, Numbers, Numbers]:
-        """Return the push on a part at rest (two components), and sliding and static friction.
+        """Return the push on a part at rest (two components), kinetic and static friction, in g.
 
-        In g, in the two directions in which the contacts of the mode may slip. At the `phase` in
-        rad.
+        A slip begins where the push exceeds static friction. The components are those in the two
+        directions in which the contacts of `mode` may slip: along, and across on the floor, normal
+        at the wall, 0 at both. `phase` is in rad, or an array of phases.
         """
         p, (dx, dy, dz) = self.groups, self.free(phase, 0.0)
         if mode.floor and mode.wall:
@@ -172,10 +177,11 @@ class ReferenceLaws:
         return first * first + (second / self.response) ** 2 - hold * hold
 
     def onset_direction(self, phase: float, mode: Mode) -> tuple[float, float]:
-        """Return the direction (two components) in which slip begins at `phase`.
+        """Return the direction in which a slip begins at `phase` in rad: a unit vector (2).
 
-        By the secular equation of theory 7.3: the slip follows the push less friction. At the
-        contacts of the `mode`.
+        The slip follows the push less kinetic friction, whose direction is the slip's own
+        (`secular`, theory 7.3). `mode` holds the contacts that carry the part, which determine the
+        two axes of the slip. Without any push at this phase, that shortly afterwards is taken.
         """
         first, second, slide, _ = self.impending(phase, mode)
         if first == 0.0 == second:  # without friction slip begins before there is a push
@@ -183,10 +189,12 @@ class ReferenceLaws:
         return self.secular(first, second, slide)
 
     def secular(self, first: float, second: float, slide: float) -> tuple[float, float]:
-        """Return the slip's direction under a push (`first`, `second`) and friction `slide`.
+        """Return the direction of a slip under a push and kinetic friction, a unit vector.
 
-        e = (first/(z + slide), second/(z + r slide)) with the z >= 0 that makes it a unit vector,
-        and the response r of the second component to friction (theory 7.3).
+        `first` and `second` are the components of the push or slip without friction, `slide` the
+        friction in the same unit. e = (first/(z + slide), second/(z + r slide)) with the z >= 0
+        that makes it a unit vector, and the response r of the second component, which is not 1 for
+        a cylinder (theory 7.3).
         """
         response, size = self.response, math.hypot(first, second)
         if response == 1.0:
@@ -204,9 +212,11 @@ class ReferenceLaws:
         return e[0] / math.hypot(*e), e[1] / math.hypot(*e)
 
     def stopping(self, first: float, second: float, limit: float) -> tuple[float, float]:
-        """Return the friction impulse that stops a slip, or one of size `limit` if that is less.
+        """Return the friction impulse that stops a slip, or one of size `limit` if less (2).
 
-        `first` and `second` are the slip's components; all in g/w (w = 2 pi f).
+        `first` and `second` are the components of the slip before; all in g/w (w = 2 pi f), per
+        mass. An impulse changes the second by `response` times itself, as spin takes part. If
+        `limit` cannot stop the slip, the impulse is opposite to the slip that is left (`secular`).
         """
         if math.hypot(first, second / self.response) <= limit:
             return -first, -second / self.response

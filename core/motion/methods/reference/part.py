@@ -129,10 +129,11 @@ class Part:
     # --- modes
 
     def choose(self, opened: str) -> Mode:
-        """Return the contact mode in which the part continues.
+        """Return the contact mode in which the part continues: what carries it, and if it slips.
 
         `opened` is the contact just lost ("floor", "wall"), "slip" if friction has just given way,
-        or "".
+        or "". A contact carries if it touches and is pressed; a slip of 0 sticks as long as static
+        friction suffices. Raises `FailedError` if no mode fits.
         """
         self.settle()
         for _ in range(3):
@@ -160,10 +161,11 @@ class Part:
         raise FailedError
 
     def settle(self) -> None:
-        """Put a part that has stopped beside a contact onto it, if it is pressed towards it.
+        """Put a part that has stopped beside floor or wall onto it, if it is pressed towards it.
 
-        A slip along the wall may stop during the last hops on the floor; it would begin anew with a
-        stretch longer than a hop, for ever.
+        Beside means within `TOUCHING`, stopped within `STOPPED`; distance and velocity become 0. A
+        slip along the wall may stop during the last hops on the floor: it would otherwise begin
+        anew for ever, with a stretch longer than a hop.
         """
         s = self.state
         _, dy, dz = self.laws.free(self.phase, float(s[UX]))
@@ -175,7 +177,12 @@ class Part:
             s[Y], s[UY], self.on_wall = 0.0, 0.0, True
 
     def stop(self, mode: Mode) -> None:
-        """Set a slip that is zero up to rounding to exactly zero, at the contacts of the mode."""
+        """Set a slip that has come to zero within rounding to exactly zero.
+
+        `mode` holds the contacts that carry the part. A block loses its velocity along the contact;
+        a cylinder that does not touch both floor and wall keeps the second component, and gets the
+        spin with which it rolls.
+        """
         s, rolling = self.state, self.laws.contacts.rolling
         s[UX] = 0.0
         if mode.floor and mode.wall:
@@ -190,9 +197,12 @@ class Part:
     # --- events
 
     def first_event(self, mode: Mode, stretch: Stretch, begins: bool) -> tuple[float, str]:
-        """Return the first event of a stretch: a point from 0 to 1, and its name; 1, "" if none.
+        """Return the first event of a stretch of motion: its point from 0 to 1, and its name.
 
-        `begins` is True if a slip starts from rest there. `mode` holds the contacts of the stretch.
+        (1, "") if there is none. `stretch` is the motion over some phase, as polynomials; `mode`
+        says which contacts carry the part and if they slip; `begins` is True if a slip starts from
+        rest. Each event is the first root of a condition, such as a gap, a load, or what static
+        friction has left.
         """
         events = [(1.0, "")]
 
@@ -223,12 +233,12 @@ class Part:
         return min(events, key=lambda one: one[0])
 
     def returns(self, stretch: Stretch, axis: int, speed: int) -> float:
-        """Return the point, from 0 to 1, at which the part returns to a contact; else infinity.
+        """Return the point of a stretch, 0 to 1, at which the part strikes a contact; else inf.
 
-        `axis` and `speed` are the indices of the distance and of its velocity in the state. If the
-        part starts at the contact, the distance is divided by its root at the start, a double one
-        if it has no speed there: that distinguishes small hops and grazes from none. The `stretch`
-        is the one that is followed.
+        `stretch` is the motion over some phase, as polynomials; `axis` and `speed` are the indices
+        of the distance and of its velocity in the state (7 numbers). If the part starts at the
+        contact, the distance is divided by its root at the start, a double one if it has no speed
+        there: so small hops and grazes differ from none.
         """
         if self.state[axis] > TOUCHING:
             return first_fall(stretch.states[axis])
@@ -237,9 +247,11 @@ class Part:
         return fall_from_start(MEAN_TWICE @ stretch.rates[speed - UX])
 
     def missed(self) -> str:
-        """Return the impact ("land", "bump") that is due at once, hidden by another event; or "".
+        """Return the impact ("land", "bump") that is due at once, or "" if there is none.
 
-        The integrator sees an event only where its condition changes sign later on.
+        A part that is on or in the floor (wall) and moves into it. The search for events finds only
+        conditions that change sign later on, so that an impact at the very phase of another event
+        would be missed.
         """
         s = self.state
         if s[Z] <= 0.0 and s[UZ] < -STOPPED:
@@ -249,9 +261,12 @@ class Part:
         return ""
 
     def happen(self, event: str, mode: Mode) -> str:
-        """Change the state by an event; return the contact that it opened, or "slip", or "".
+        """Change the state of the part by an event; return the contact lost, "slip", or "".
 
-        `event` is a name from `first_event`, `mode` the contacts up to there.
+        `event` is "lift" (off the floor), "leave" (the wall), "slip" (static friction gives way),
+        "stop", "land", "bump" (against the wall), or "" for none. "floor", "wall" or "slip" is
+        returned, as the next mode must not undo it. `mode` holds the contacts before the event.
+        Impacts count in the tally.
         """
         if event:
             self.tally.events.append(event)
@@ -277,10 +292,11 @@ class Part:
     # --- going on
 
     def advance(self, end: float, asked: Array | None = None, rows: Array | None = None) -> None:
-        """Advance to the phase `end` in rad, event by event; fill rows of asked phases on the way.
+        """Advance the part to the phase `end` in rad, event by event; fill states at asked phases.
 
-        Where the push jumps a stretch ends, and the mode is chosen anew. `rows` has a state for
-        each of the phases in `asked`.
+        Where the push jumps a stretch ends, and the mode is chosen anew. `asked` holds ascending
+        phases in rad, and `rows`, shape (n, 7), gets the states there; both may be None. Raises
+        `FailedError` after too many events.
         """
         if asked is not None and rows is not None:
             rows[asked <= self.phase] = self.state
@@ -291,7 +307,10 @@ class Part:
             self.smoothly(reached, asked, rows)
 
     def rest_on(self, mode: Mode) -> bool:
-        """Record the contacts of a mode that carry the part; True if a slip begins from rest."""
+        """Record the contacts of a mode that carry the part; True if a slip begins from rest.
+
+        `mode` is the one that follows, with its contacts and if it slips.
+        """
         self.on_floor = mode.floor
         # Without slip a block stays at the wall though it does not press on it.
         held = mode.floor and not mode.slips and self.laws.contacts.rolling == 0.0
@@ -300,9 +319,11 @@ class Part:
         return mode.slips and touching and math.hypot(*self.laws.slip(mode, self.state)) == 0.0
 
     def smoothly(self, end: float, asked: Array | None, rows: Array | None) -> None:
-        """Advance to the phase `end`, up to which the drive has no jump; fill rows of asked phases.
+        """Advance the part to the phase `end` in rad by events; the drive has no jump before.
 
-        Raises `FailedError` after too many events.
+        `asked` holds ascending phases in rad at which states are wanted, and `rows`, shape (n, 7),
+        gets those states; both may be None. Raises `FailedError` if events follow each other
+        without end, and `StoppedError` if the watch ends the work.
         """
         opened, still = "", 0
         for _ in range(MAX_EVENTS):
@@ -333,11 +354,13 @@ class Part:
         raise FailedError
 
     def follow(self, mode: Mode, end: float, begins: bool) -> Stretch:
-        """Return a solved stretch of motion, up to phase `end`, that the nodes resolve.
+        """Return a stretch of the motion in one contact mode, short enough to be resolved.
 
-        `begins` is True if a slip starts from rest. A slip turns the faster the smaller it is: the
-        length of the next stretch goes with its size. `mode` holds the contacts that carry the
-        part.
+        It starts at the present phase and ends at phase `end` in rad at the latest; it is cut until
+        the last coefficients of its polynomials are within the tolerance. `mode` holds the contacts
+        that carry the part, `begins` is True if a slip starts from rest. A slip turns the faster
+        the smaller it is: the length of the next stretch is set in proportion to its size. Raises
+        `FailedError` after 100 cuts.
         """
         length = min(self.care.longest / max(1, self.laws.drive.order), end - self.phase)
         slips = mode.slips and (mode.floor or mode.wall)
@@ -361,9 +384,9 @@ class Part:
     def close(self, mode: Mode, end: float) -> bool:
         """Follow a turning, nearly zero slip along a straight line to its stop; True if it did.
 
-        The stop must lie before phase `end`. Only if friction takes more than the push: between
-        what a slip takes and what friction holds, a slip may turn away from zero. `mode` holds the
-        contacts that carry the part.
+        The stop must lie before phase `end` in rad. Only if friction takes more than the push:
+        between what a slip takes and what friction holds, a slip may turn away from zero. `mode`
+        holds the contacts that carry the part.
         """
         if not mode.slips or not (mode.floor or mode.wall):
             return False
@@ -391,7 +414,13 @@ class Part:
         return True
 
     def impact(self, floor: bool, wall: bool) -> None:
-        """Apply the impulses of an impact on the `floor`, the `wall`, or both (theory 13.1)."""
+        """Change the state by the impulses of an impact on the `floor`, on the `wall`, or on both.
+
+        Newton's law of restitution normal to each, Coulomb friction along it, which stops the slip
+        if it can; one contact after the other, repeated until the impulses stand still (theory
+        13.1). Contacts without velocity off them carry the part afterwards. Raises `FailedError` if
+        500 rounds do not suffice.
+        """
         p, rolling, s = self.laws.groups, self.laws.contacts.rolling, self.state
         _, dy, dz = self.laws.free(self.phase, float(s[UX]))
         target_z = (
@@ -442,11 +471,12 @@ class Part:
             s[UY] = 0.0 if self.on_wall else s[UY]
 
     def rebound(self, approach: float, restitution: float, press: float) -> float:
-        """Return the speed after an impact in g/w: 0 where a sequence of shrinking hops ends.
+        """Return the speed of a part after an impact in g/w; 0 if a run of hops ends here.
 
-        `approach` is the speed before, `press` the acceleration in g that presses the part on. The
-        impact that ends a run is one without rebound: the impulses then add up exactly (theory
-        13.5). Here w = 2 pi f.
+        `approach` is the speed before (w = 2 pi f), `restitution` eps, `press` the acceleration in
+        g that presses the part onto the contact. Hops that last less than the settings resolve are
+        left out: their run ends with an impact without rebound, with which the impulses add up
+        exactly (theory 13.5).
         """
         speed = restitution * approach
         if restitution < 1.0 and press > 0.0:
@@ -457,10 +487,11 @@ class Part:
         return speed if speed > STOPPED else 0.0
 
     def falling(self, approach: float, damping: float, press: float) -> float:
-        """Return the speed after an impact with speed-dependent restitution; 0 where it is tiny.
+        """Return the speed after an impact whose restitution falls with speed; 0 if tiny.
 
-        `approach` is the speed before in g/w (w = 2 pi f), `damping` b that of the contact, `press`
-        the load n in g. Such hops never end; their speed falls as exp(-b n t/3) (theory 18.3).
+        `approach` is the speed before in g/w (w = 2 pi f), `damping` b that of a Hunt-Crossley
+        contact, `press` the load n in g. Such hops never end by themselves: their speed falls as
+        exp(-b n t/3), and what is left is taken as a contact (theory 18.3).
         """
         speed = approach * float(soft_contact.hunt_crossley(np.asarray(damping * approach)))
         if press > 0.0 and 3.0 * speed / (damping * press) < SOFT_HOP:
@@ -470,10 +501,11 @@ class Part:
     # --- counting
 
     def note(self, mode: Mode, stretch: Stretch, at: float) -> None:
-        """Add a stretch, up to a point `at` from 0 to 1, to the tally, by its direction.
+        """Add a stretch of motion, up to a point `at` from 0 to 1, to the sums of the period.
 
-        The direction is that along the track; heights and the distance from the wall are noted,
-        too. `mode` holds the contacts of the stretch.
+        Its time counts as stick, forward, backward or flight; height, and distance from the wall,
+        are kept if they are extreme. `stretch` is the motion as polynomials, `mode` holds its
+        contacts.
         """
         tally, duration = self.tally, at * stretch.length
         if self.laws.contacts.wall:
@@ -497,9 +529,10 @@ class Part:
                 )
 
     def count(self, mode: Mode, ux: float, duration: float) -> None:
-        """Add a duration in rad to the tally: flight, or by the sign of the velocity along `ux`.
+        """Add a duration in rad to the sums of a period, in the mode in which it was spent.
 
-        `mode` holds the contacts meanwhile.
+        Flight if `mode` has no floor contact, else by the sign of the velocity along, `ux` in g/w
+        (w = 2 pi f): forward, backward or stick.
         """
         if not mode.floor:
             self.tally.flight += duration

@@ -27,9 +27,11 @@ NARROWEST = 2.0**-44
 
 
 def _columns(terms: int, function: object, length: int = TERMS) -> Array:
-    """Return the matrix whose columns are a function of the unit polynomials, padded with 0.
+    """Return the matrix of a linear function of `terms` coefficients, shape (`length`, `terms`).
 
-    Shape (`length`, `terms`): it applies the function, which must be linear, to any coefficients.
+    Column k is the `function` (a callable from coefficients to coefficients) of the k-th unit
+    polynomial, padded with 0 or cut to `length`. A product with the matrix then applies the
+    function, such as an integral, to any polynomial.
     """
     columns = np.zeros((length, terms))
     for k, unit in enumerate(np.eye(terms)):
@@ -96,10 +98,10 @@ def _sense(rises: bool) -> int:
 def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
     """Yield the roots of a polynomial in order, from 0 to 1, each with 1 (rising) or -1 (falling).
 
-    The stretch is cut into halves until the Chebyshev coefficients prove that the polynomial keeps
-    its sign there (the first is larger than all others together), or that its derivative does: then
-    the signs at the ends tell of the one root. Only a pair of roots can be missed between which the
-    polynomial is 0 up to rounding.
+    `coefficients` are those of its Chebyshev polynomials on [0, 1]. The stretch is cut into halves
+    until they prove that the polynomial keeps its sign there (the first is larger than all others
+    together), or that its derivative does: then the signs at the ends tell of the one root. Only a
+    pair of roots can be missed between which the polynomial is 0 up to rounding.
     """
     above: bool | None = None
     stack = [(0.0, 1.0, coefficients)]
@@ -143,8 +145,8 @@ def first_fall(coefficients: Array) -> float:
 def _root(c: Array, slope: Array, low: float, high: float) -> float:
     """Return the root, from 0 to 1, of a monotonic polynomial, by Newton's method within bounds.
 
-    `c` and `slope` are the coefficients of the polynomial and of its derivative, `low` and `high`
-    its values at 0 and 1, of opposite signs.
+    `c` and `slope` are the Chebyshev coefficients of the polynomial and of its derivative, `low`
+    and `high` its values at 0 and 1, of opposite signs. Events of a motion are such roots.
     """
     left, right = 0.0, 1.0
     at = low / (low - high)

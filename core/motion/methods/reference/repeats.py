@@ -136,7 +136,11 @@ class ReferenceRun:
         self.refused, self.lingers = 0, False
 
     def follow(self) -> None:
-        """Follow the motion for one more period of the drive, and record states and tally."""
+        """Follow the motion for one more period of the drive, and record its states and sums.
+
+        States at the start and end, the contacts that touched at the start, and the `Tally` of
+        times and events are appended to the lists of the run.
+        """
         part = self.part
         part.tally, part.phase = Tally(), 0.0
         self.before.append(part.state.copy())
@@ -165,7 +169,8 @@ class ReferenceRun:
         """Return the indices of the state that must come back after `multiple` periods.
 
         The distance from the wall is among them, unless the wall was untouched over the cycle and
-        the part does not near it. Of a cylinder without a wall only the slip across plays a part.
+        the part does not near it. Without a wall no place across counts; of a cylinder there only
+        the slip across does.
         """
         indices = [Z, UX, UY, UZ]
         if not self.laws.contacts.wall:
@@ -193,10 +198,11 @@ class ReferenceRun:
         return self.laws.contacts.wall and self.at_large(periods) and self.nearing(1) > 0.0
 
     def comparable(self, state: Array) -> Array:
-        """Return a state in the form in which two states are compared.
+        """Return a state in the form in which two states are compared, to see if a motion repeats.
 
-        A cylinder that rolls has its slip in the place of its velocity across: at which speed it
-        rolls does not matter.
+        `state` has 7 numbers: position, velocity, spin. For a cylinder without a wall its slip,
+        velocity plus spin, takes the place of the velocity across: at which speed it rolls does not
+        matter.
         """
         if self.laws.contacts.rolling and not self.laws.contacts.wall:
             state = state.copy()
@@ -204,9 +210,10 @@ class ReferenceRun:
         return state
 
     def off(self, multiple: int, back: int = 0) -> Array | None:
-        """Return the end of `multiple` periods less their start; None before a whole cycle.
+        """Return the state after `multiple` periods less that before, shape (7,): 0 if it repeats.
 
-        As states, shape (7,). The cycle ends `back` periods before the last one.
+        In g/w^2 and g/w (w = 2 pi f), as states are compared. The cycle ends `back` periods before
+        the last one; None before a whole cycle has been followed.
         """
         last = len(self.after) - back
         first = last - multiple
@@ -234,8 +241,8 @@ class ReferenceRun:
     def cycle(self) -> int:
         """Return the number of periods after which the motion repeats; 0 if not known yet.
 
-        The first, up to 32, after which the state comes back, no longer comes nearer, and no
-        shorter cycle nearly repeats.
+        It is the first, up to 32, after which the state comes back and no longer comes nearer, and
+        of which no divisor nearly repeats.
         """
         for multiple in range(1, min(MAX_MULTIPLE, len(self.after) - self.plain_since) + 1):
             indices = self.indices(multiple)
@@ -254,8 +261,9 @@ class ReferenceRun:
     def is_on_its_way(self) -> bool:
         """True if the motion was still approaching a cycle, or leaving an unstable one.
 
-        Over the last quarter of the periods the same events came again and again, and the state
-        came back ever more nearly, or ever less so.
+        Its means are then no means of a motion that does not repeat. Over the last quarter of the
+        periods the same events came again and again, and the state came back ever more nearly, or
+        ever less so.
         """
         quarter = (len(self.after) - self.plain_since) // 4
         for multiple in range(1, min(MAX_MULTIPLE, quarter // FEWEST_CYCLES) + 1):
@@ -272,10 +280,11 @@ class ReferenceRun:
     # --- looking ahead
 
     def hasten(self) -> None:
-        """Replace the state by one nearer to the cycle, if the motion approaches one.
+        """Move the state nearer to where the motion repeats, if it slowly approaches that.
 
-        By a step of Newton's method (`look`) or, on its way to the wall, by skipping cycles
-        (`drift`).
+        By a step of Newton's method (`look`) or, for a part on its way to the wall whose motion
+        repeats otherwise, by skipping cycles (`drift`). Only if the last two cycles had the same
+        events.
         """
         if len(self.after) < self.look_at or self.slides_free:
             return
@@ -301,9 +310,10 @@ class ReferenceRun:
         return events[-multiple:] == events[-2 * multiple : -multiple]
 
     def drift(self, multiple: int) -> None:
-        """Skip cycles of `multiple` periods that repeat but for the distance from the wall.
+        """Skip cycles of a part on its way to the wall whose motion repeats otherwise.
 
-        Until the part is near the wall.
+        Each cycle of `multiple` periods brings it nearer to the wall by the same distance: the
+        state is moved by as many of them as leave it short of the wall.
         """
         nearing = self.nearing(multiple)
         room = min(tally.nearest for tally in self.tallies[-multiple:])
@@ -313,10 +323,11 @@ class ReferenceRun:
             self.plain_since = len(self.after)
 
     def look(self, multiple: int) -> None:
-        """Take one step of Newton's method towards the cycle of `multiple` periods.
+        """Take one step of Newton's method towards the state with which the motion repeats.
 
-        The step is kept if the cycle attracts and a cycle from the new state comes back more
-        nearly.
+        The cycle has `multiple` periods. The step is kept if the cycle attracts and, followed from
+        the new state, comes back more nearly; else the next try waits longer. Nothing if it costs
+        more than it may.
         """
         if not self.affords(multiple):
             return
@@ -336,7 +347,8 @@ class ReferenceRun:
     def affords(self, multiple: int) -> bool:
         """True if a look at a cycle of `multiple` periods is worth its cost; then counts it.
 
-        Looks may take as many periods as were followed, and 20 more.
+        A look follows the cycle again for each number of the state, and once more. Looks may take
+        as many periods as were followed, and 20 more.
         """
         takes = multiple * (len(self.indices(multiple)) + 1)
         if self.looked + takes > len(self.after) + LOOKS:
@@ -345,9 +357,12 @@ class ReferenceRun:
         return True
 
     def comes_back(self, state: Array, multiple: int, indices: list[int], within: Array) -> bool:
-        """True if a state is possible and a cycle of `multiple` periods from it comes back closely.
+        """True if a cycle of `multiple` periods from a state comes back to it closely.
 
-        Over the `indices` of the state by at most the largest of `within`.
+        The state (7 numbers) is a guess, by Newton's method, of where the motion repeats. It must
+        not lie in floor or wall. At the end the largest difference over the `indices` of the state
+        may be no more than the largest entry of `within` there. False if the part cannot be
+        followed.
         """
         if state[Z] < 0.0 or (self.laws.contacts.wall and state[Y] < 0.0):
             return False
@@ -359,9 +374,10 @@ class ReferenceRun:
         return float(off[indices].max(initial=0.0)) <= float(within[indices].max(initial=0.0))
 
     def followed(self, state: Array, flags: tuple[bool, bool], multiple: int, care: Care) -> Part:
-        """Return the part after one cycle of `multiple` periods from a state.
+        """Return the part after one cycle of `multiple` periods that starts from a given state.
 
-        `flags` tell if floor and wall touch at the start, `care` how finely it is followed.
+        `state` has 7 numbers, `flags` say if floor and wall touch at the start, `care` holds the
+        accuracy settings. Raises `FailedError` if the part cannot be followed.
         """
         part = Part(self.laws, state.copy(), care, self.watch)
         part.on_floor, part.on_wall = flags
@@ -372,9 +388,11 @@ class ReferenceRun:
         return part
 
     def measured(self, multiple: int) -> Growth:
-        """Return the map by which small changes at the start of the last cycle act on its end.
+        """Return the map of small changes of the state from the start of the last cycle to its end.
 
-        The cycle has `multiple` periods; each change is followed through it.
+        The map M of changes over `multiple` periods, measured by following each change through
+        them: it tells if the cycle attracts, and what errors do to the mean velocity. NaN in a
+        column that failed.
         """
         start, end, flags = self.before[-multiple], self.after[-1], self.flags[-multiple]
         fixed = ([Z, UZ] if flags[0] else []) + ([Y, UY] if flags[1] else [])
@@ -399,13 +417,13 @@ class ReferenceRun:
     # --- the mean velocity
 
     def mean(self, multiple: int) -> tuple[float, float]:
-        """Return the mean velocity of the last `multiple` periods with its error, in g/w.
+        """Return the mean velocity over the last cycle of `multiple` periods, and its error.
 
-        NaN and infinite if the cycle does not attract. What is left of the transient, what the
-        cycle changes if it is followed more finely, and rounding at every event shift the state by
-        a little in each round: the cycle moves by (1 - M)^-1 of it, M the map of changes over a
-        round. The first two are known: the velocity counts them, and the error still does. Here w =
-        2 pi f.
+        NaN and infinite if the cycle does not attract. The rest of the transient, what the cycle
+        changes if it is followed more finely, and rounding at every event shift the state by a
+        little in each round: the cycle moves by (1 - M)^-1 of it, M the map of small changes over a
+        round. The first two are known: they are counted in the velocity, and in the error
+        nevertheless. Both in g/w, w = 2 pi f.
         """
         if self.refused and not self.affords(multiple):
             return math.nan, math.inf

@@ -98,10 +98,12 @@ class Stretch:
 def solve(
     laws: ReferenceLaws, mode: Mode, state: Array, start: float, length: float, begins: bool
 ) -> Stretch | None:
-    """Return the motion of a part over a stretch in a mode; None if the iteration fails.
+    """Return the motion of a part over a stretch of phase in one contact mode, as polynomials.
 
-    `state` is that at the phase `start`; the stretch lasts `length` rad; `begins` says that a slip
-    starts from rest.
+    By collocation at Gauss's nodes; None if the iteration for a slip fails. `laws` gives the
+    forces, `mode` says which contacts carry the part and if they slip, `state` (7 numbers) is that
+    at the phase `start` in rad; the stretch lasts `length` rad; `begins` is True if a slip starts
+    from rest.
     """
     phases = start + length * AT
     slip: Slip | None = Slip(np.zeros(NODES), np.zeros(NODES), (0.0, 0.0), 0.0)
@@ -139,11 +141,13 @@ def solve(
 def _slip(
     laws: ReferenceLaws, mode: Mode, state: Array, phases: Array, length: float, begins: bool
 ) -> Slip | None:
-    """Return the slip at the nodes of a stretch; None if the iteration fails.
+    """Return the slip of a part over a stretch of phase, at Gauss's nodes; None if it fails.
 
-    `phases` are those of the nodes, `state` is that at the start, `length` in rad. The slip keeps
-    its direction if nothing turns it by more than `STRAIGHT`. If the part `begins` to slip here,
-    its direction is that of the push less friction. `mode` holds the contacts, which slip.
+    Size, rate and direction at the nodes. The slip keeps its direction if nothing turns it by more
+    than `STRAIGHT`, else an iteration finds how it turns. If the part `begins` to slip here, its
+    direction is that of the push less friction. `laws` gives the forces, `mode` the contacts, which
+    slip; `state` (7 numbers) is that at the start, `phases` are those of the nodes and `length` the
+    duration, in rad.
     """
     first, second = laws.slip(mode, state)
     size = math.hypot(first, second)
@@ -174,11 +178,20 @@ def _straight(
     start: tuple[float, float],
     rate: Array,
 ) -> Slip | None:
-    """Return a slip with constant direction at the nodes; None if the iteration fails.
+    """Return a slip with a constant direction, at Gauss's nodes of a stretch; None if it fails.
 
-    `start` is its size in g/w (w = 2 pi f) and angle in rad at the start, `rate` a guess of the
-    rate of its size at the nodes, `phases` are those of the nodes, `length` in rad. `mode` holds
-    the contacts, which slip.
+    The rate of its size is found by Newton's iteration, as in a curve forces depend on the speed.
+
+    Parameters
+    ----------
+    laws, mode
+        Forces on the part, and its contacts, which slip.
+    phases, length
+        Phases of the nodes, shape (NODES,), and duration of the stretch, in rad.
+    start
+        Size of the slip in g/w (w = 2 pi f) and its angle in rad at the start.
+    rate
+        Guess of the rate of its size at the nodes in g, shape (NODES,).
     """
     size0, angle = start
     reach = length * NODES_INTEGRAL
@@ -209,11 +222,22 @@ def _turning(
     rate: Array,
     angular: Array,
 ) -> Slip | None:
-    """Return a slip that turns, at the nodes; None if the iteration fails.
+    """Return a slip whose direction turns, over a stretch of phase; None if the iteration fails.
 
-    `start` is its size in g/w (w = 2 pi f) and angle in rad at the start, `rate` and `angular` are
-    guesses of the rates of both at the nodes, `phases` those of the nodes, `length` in rad. By
-    Newton's iteration. `mode` holds the contacts, which slip.
+    Size s and angle a of the slip fulfil s' = pull(s, a), s a' = turn(s, a) at Gauss's nodes. The
+    unknowns of Newton's iteration are the rates s' and a' at the nodes; `reach` integrates rates to
+    values at the nodes.
+
+    Parameters
+    ----------
+    laws, mode
+        Forces on the part, and its contacts, which slip.
+    phases, length
+        Phases of the nodes, shape (NODES,), and duration of the stretch, in rad.
+    start
+        Size of the slip in g/w (w = 2 pi f) and its angle in rad at the start of the stretch.
+    rate, angular
+        Guesses of s' in g and of a' at the nodes, shape (NODES,).
     """
     size0, angle0 = start
     reach = length * NODES_INTEGRAL

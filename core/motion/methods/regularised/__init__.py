@@ -83,12 +83,12 @@ def follow_run(
 def _cells(
     part: Groups, slip: float, stiffness: float, softer: float, kept: Sequence[int]
 ) -> list[Cell]:
-    """Return a cell with the laws asked for, then cells with laws once and twice as coarse.
+    """Return a cell with the regularised laws asked for, and two with coarser laws, for the error.
 
-    `slip` is the slip speed in g/(2 pi f), `stiffness` that of the floor over mass times (2 pi
-    f)^2; coarser cells have 4 times the slip speed and 1/`softer` of the stiffness. `kept` are the
-    indices of the axes: (0, 2) in the plane, (0, 1, 2) in space. `part` holds the dimensionless
-    numbers of one cell.
+    `part` holds the dimensionless groups of one cell, `slip` is the slip speed in g/(2 pi f),
+    `stiffness` that of the floor over mass times (2 pi f)^2; coarser cells have 4 and 16 times the
+    slip speed and 1/`softer` and 1/`softer`^2 of the stiffness. `kept` are the indices of the axes:
+    (0, 2) in the plane, (0, 1, 2) in space.
     """
     kinetic, static, rebound = part.friction_kinetic, part.friction_static, part.restitution
     drive, gravity = (tuple(three[i] for i in kept) for three in (part.drive, part.gravity))
@@ -106,10 +106,13 @@ def _cell_motion(
     max_periods: int,
     watch: Watch,
 ) -> dict[str, float | str]:
-    """Return the fields of `Motion` for one cell, with the name of its status.
+    """Return the fields of `Motion` for one cell by name, with the name of its status.
 
-    `coarse` are the same cell with coarser laws, once and twice, whose velocities give the error;
-    `solver`, `tolerance` and `max_periods` are those of `regularised_motion`.
+    `cell` is the part with steep friction and a stiff floor; `coarse` are the same cell with
+    coarser laws, once and twice, whose velocities give the error. `solver`, `tolerance` and
+    `max_periods` are those of `regularised_motion`; `watch` may stop the work. Velocities in g/w,
+    heights in g/w^2 (w = 2 pi f); NaN where the motion does not repeat, but for the mean velocity
+    of a run that came to a limit.
     """
     nothing: dict[str, float | str] = {**dict.fromkeys(Motion._fields, math.nan), "multiple": 0}
     if cell.gravity[-1] <= 0:  # the part falls off the floor
@@ -174,28 +177,28 @@ def regularised_motion(
     Parameters
     ----------
     groups
-        Groups A static friction below the kinetic one counts as equal to it. Values of the
-        restitution below about (8/stiffness^(1/2))^(2/3)/4, 0 among them, all give this share; see
-        `damping_ratio`.
+        Dimensionless groups of the cells. A static friction below the kinetic one counts as equal
+        to it. Values of the restitution below about (8/stiffness^(1/2))^(2/3)/4, 0 among them, all
+        give this share; see `damping_ratio`.
     slip_speed
-        Array_like Speed below which friction gives way, in g/(2 pi f).
+        Speed below which friction gives way, in g/(2 pi f); array_like.
     contact_stiffness
-        Array_like Stiffness of the floor, over mass times w^2.
+        Stiffness of the floor, over mass times w^2 with w = 2 pi f; array_like.
     tolerance
-        Array_like Relative error of a step of the integrator; up to a thousandth of the slip speed,
-        lest the integrator's scatter hide what the laws' errors are.
+        Relative error of a step of the integrator; up to a thousandth of the slip speed, lest the
+        integrator's scatter hide what the laws' errors are; array_like.
     max_periods
-        Array_like of int Periods of the drive after which a cell is given up.
+        Periods of the drive after which a cell is given up; array_like of int.
     solver
-        Str One of `SOLVERS`. LSODA takes the least time, but may stay with its explicit formula
-        after a landing until the evaluations are used up; Radau did not fail.
+        One of `SOLVERS`. LSODA takes the least time, but may stay with its explicit formula after a
+        landing until the evaluations are used up; Radau did not fail.
     planar
-        Bool True for motion along and normal to the track only; the groups across must then be 0.
+        True for motion along and normal to the track only; the groups across must then be 0.
     softer
-        Float Factor of the stiffness for the estimate of the error; 1 where the stiffness is that
-        of a lining, and no error.
+        Factor of the stiffness for the estimate of the error; 1 where the stiffness is that of a
+        lining, and no error.
     watch
-        Watch, optional May stop it; what is not finished is `not_computed`.
+        May stop the work; cells that are not finished have the status `not_computed`.
 
     Returns
     -------
@@ -207,14 +210,13 @@ def regularised_motion(
         that run and, divided by 5, to one where both are applied twice, plus three times that to a
         run with 10 times the tolerance: 4.5 times the error at those powers, 9 at order 1.
 
-        A part at rest creeps: it is `periodic` with the mean velocity of the creep, of the order
-        of the slip speed, and a stick of 1; the status `at_rest` is never given. Sticking means
-        slower than 3 slip speeds, flight no force of the floor. Hops are counted as far as the
-        integrator resolves them. The status is `limit_reached` where the motion has not repeated
-        within 8 periods of the drive when the periods or a million evaluations are used up, or
-        where the integrator gives up: the velocity is then the mean of the later half, and the
-        rest is NaN. It is `no_solution` where
-        an argument is not a number or out of its range.
+        A part at rest creeps: it is `periodic` with the mean velocity of the creep, of the order of
+        the slip speed, and a stick of 1; the status `at_rest` is never given. Sticking means slower
+        than 3 slip speeds, flight no force of the floor. Hops are counted as far as the integrator
+        resolves them. The status is `limit_reached` where the motion has not repeated within 8
+        periods of the drive when the periods or a million evaluations are used up, or where the
+        integrator gives up: the velocity is then the mean of the later half, and the rest is NaN.
+        It is `no_solution` where an argument is not a number or out of its range.
     """
     if solver not in SOLVERS:
         raise ValueError(f"solver is {solver!r}; it must be one of {', '.join(SOLVERS)}")
@@ -259,9 +261,16 @@ HOPPING, SLIDING = 40.0, 15.0
 def _pricing(seconds: float, waves: float, hops: float, tolerance: float, slip: float) -> Pricing:
     """Return the function that estimates the time of a cell in s for one of the integrators.
 
-    `seconds` is the time of a part that slides under a sine with the default settings; it grows
-    with the order of the drive to the power `waves`, by the factor `hops` where a part hops, and
-    with the inverse of the settings to the powers `tolerance` and `slip`.
+    Parameters
+    ----------
+    seconds
+        Time of a part that slides under a sine, with the default settings, for all its periods [s].
+    waves
+        Power of the order of the drive with which the time grows.
+    hops
+        Factor by which it grows where a part hops.
+    tolerance, slip
+        Powers of the inverse of the settings `tolerance` and `slip_speed` with which it grows.
     """
 
     def price(cells: Priced) -> Price:
@@ -281,8 +290,8 @@ def _pricing(seconds: float, waves: float, hops: float, tolerance: float, slip: 
 def sprung(solver: str, softer: float = SOFTER) -> Follow:
     """Return the function of the motion equation for a sprung floor, by one of the integrators.
 
-    `softer` is the factor by which the stiffness is reduced to estimate the error; 1 if the
-    stiffness is that of a lining, and no error. `solver` is one of `SOLVERS`.
+    `solver` names the integrator, one of `SOLVERS`. `softer` is the factor by which the stiffness
+    is reduced to estimate the error; 1 if the stiffness is that of a lining, and no error.
     """
 
     def motion(
@@ -314,9 +323,9 @@ def sprung(solver: str, softer: float = SOFTER) -> Follow:
 
 
 def _by(name: str, solver: str, seconds_a_cell: Pricing) -> Method:
-    """Return the method of this name that uses one of the integrators of scipy.
+    """Return the simulation method of this name that uses one of the integrators of scipy.
 
-    `solver` is one of `SOLVERS`, `seconds_a_cell` estimates its time.
+    `solver` is one of `SOLVERS`, `seconds_a_cell` estimates the time of a cell in s.
     """
 
     def follow(contacts: Contacts) -> Follow:

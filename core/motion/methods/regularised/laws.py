@@ -62,10 +62,11 @@ class RegularisedLaws:
     def friction(self, speed: float) -> tuple[float, float]:
         """Return friction over (normal force times speed), and its derivative by speed over speed.
 
-        `speed` is the slip speed in g/w (w = 2 pi f). The coefficient falls from the static to the
-        kinetic one as a Gaussian of the speed, whose height and width give the force its maximum,
-        the static coefficient exactly, at `PEAK` slip speeds: shapes with a lower or higher peak
-        would break loose at a wrong load however small the slip speed is.
+        A steep function of the slip `speed` in g/w (w = 2 pi f) in place of a jump at 0, for
+        implicit integrators. The coefficient falls from the static to the kinetic one as a Gaussian
+        of the speed, whose height and width give the force its maximum, the static coefficient
+        exactly, at `PEAK` slip speeds: shapes with a lower or higher peak would break loose at a
+        wrong load however small the slip speed is.
         """
         square = speed * speed
         root = math.sqrt(square + self.slip_speed * self.slip_speed)
@@ -91,10 +92,11 @@ class RegularisedLaws:
         return spring - self.damping * min(1.0, spring / self.onset) * velocity
 
     def normal(self, height: float, velocity: float) -> tuple[float, float, float]:
-        """Return the floor's force over the weight, never negative, and its derivatives.
+        """Return the force of a stiff, damped floor over the weight, and its two derivatives.
 
-        By `height` in g/w^2 (w = 2 pi f) (negative in the floor) and by `velocity` off the floor in
-        g/w.
+        By `height` in g/w^2 (w = 2 pi f; negative in the floor) and by `velocity` off the floor in
+        g/w; all 0 above the floor, and where the damper would make it pull. An implicit integrator
+        needs the derivatives.
         """
         force = self.unclamped(height, velocity) if height < 0 else 0.0
         if force <= 0:
@@ -107,15 +109,15 @@ class RegularisedLaws:
 
 
 def damping_ratio(restitution: float, stiffness: float) -> float:
-    """Return the damping ratio that gives a floor without adhesion a restitution.
+    """Return the damping ratio by which a floor without adhesion gives a restitution [1].
 
     With a damping ratio sin a an impact ends, when the force is 0, at the share exp(-(pi - 2a) tan
     a) of its speed; with cosh b at exp(-2b coth b). Both are independent of the speed, as Newton's
     law asks; with Hunt and Crossley's damper they are not. A restitution of 0 needs endless
     damping, which would let the part sink and rise slowly. The ratio stays below
     (stiffness^(1/2)/8)^(1/3), but at least 1: there a landing at g/(2 pi f) under the full weight
-    ends without any rebound, and the floor still recovers in a time of order stiffness^(-1/3). The
-    stiffness is over mass times (2 pi f)^2.
+    ends without any rebound, and the floor still recovers in a time of order stiffness^(-1/3).
+    `stiffness` is that of the floor over mass times (2 pi f)^2 [1].
     """
     most = max(1.0, (math.sqrt(stiffness) / 8) ** (1 / 3))
     if restitution >= 1:
@@ -189,7 +191,7 @@ class Cell:
         return state
 
     def push(self, phase: float) -> list[float]:
-        """Return the drive acceleration at a phase in g, along, (across,) and normal."""
+        """Return the drive acceleration in g at a phase in rad: along, (across,) normal."""
         if self.piece is None:
             sine = math.sin(phase)
             return [d * sine for d in self.drive]
@@ -197,9 +199,10 @@ class Cell:
         return [along, normal] if self.coordinates == 2 else [along, across, normal]
 
     def pieces(self, begin: float, end: float) -> Iterator[tuple[Cell, float]]:
-        """Yield the cell for each stretch between jumps of the drive, with the phase of its end.
+        """Yield copies of the cell for the stretches between jumps of its drive, with end phases.
 
-        From phase `begin` to `end` in rad; each has the piece of the wave in force there.
+        From phase `begin` to `end` in rad; each copy has the smooth piece of the wave in force
+        there. The cell itself, once, under a sine.
         """
         if self.wave is None:
             yield self, end
@@ -218,10 +221,11 @@ class Cell:
         return 1 if self.wave is None else max(1, int(self.wave.harmonics.shape[2]))
 
     def rate(self, phase: float, state: Array) -> list[float]:
-        """Return the derivative of the state by phase, in g/w and g (theory 13.1).
+        """Return the derivative of the state by the phase, for scipy's integrators (theory 13.1).
 
-        `state` holds position and velocity; friction and floor are the regularised laws. Here w = 2
-        pi f.
+        `state` holds the coordinates, of which the last is the height, then their velocities, in
+        g/w^2 and g/w (w = 2 pi f); `phase` is in rad. The forces are those of a stiff floor and of
+        friction that grows steeply with the slip speed.
         """
         n = self.coordinates
         position, *velocity = state[n - 1 :].tolist()
@@ -235,7 +239,11 @@ class Cell:
         return velocity + free
 
     def jacobian(self, phase: float, state: Array) -> Array:
-        """Return the derivative of `rate` by the state, shape (2 n, 2 n) for n coordinates."""
+        """Return the derivative of `rate` by the state, shape (2 n, 2 n) for n coordinates.
+
+        scipy's implicit integrators need it. `state` holds coordinates and velocities in g/w^2 and
+        g/w (w = 2 pi f); the `phase` does not matter.
+        """
         del phase  # the drive does not depend on the state
         n = self.coordinates
         position, *velocity = state[n - 1 :].tolist()

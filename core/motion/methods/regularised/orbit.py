@@ -92,9 +92,10 @@ class RegularisedRun:
         }
 
     def rate(self, cell: Cell, phase: float, state: Array) -> list[float]:
-        """Return the derivative of the state; raise `SpentError` if all evaluations are used.
+        """Return the derivative of the cell's state by the phase, and count the evaluation.
 
-        Raises `StoppedError` if the watch has stopped the work.
+        `state` is the one at `phase` in rad. Raises `SpentError` if all evaluations are used, and
+        `StoppedError` if the watch has stopped the work.
         """
         if self.left <= 0:
             raise SpentError
@@ -104,9 +105,12 @@ class RegularisedRun:
         return cell.rate(phase, state)
 
     def period(self, state: Array) -> _Period:
-        """Return the motion over one period from a state, whose position is set to 0 first.
+        """Return the motion over one period of the drive from a state, its positions set to 0.
 
-        The height is kept. No step leaps over a jump of the push.
+        `state` holds the coordinates, of which the last is the height, then their velocities, in
+        g/w^2 and g/w (w = 2 pi f). The height is kept, the positions along and across are counted
+        from the start of the period. The integration restarts at jumps of the drive, so that no
+        step leaps over one.
         """
         start = state.copy()
         start[: self.cell.coordinates - 1] = 0.0
@@ -117,11 +121,12 @@ class RegularisedRun:
         return _Period(tuple(pieces))
 
     def _smoothly(self, cell: Cell, phase: float, end: float, start: Array) -> list[_Piece]:
-        """Return the motion from `phase` to `end`, between which the drive has no jump.
+        """Return the motion of a cell from `phase` to `end` in rad, between jumps of the drive.
 
-        `start` is the state at first. A step may have to be shorter than ten spacings of the phase,
-        where an integrator ends; a new piece then goes on with the time counted from there, whose
-        spacings are as short as need be. Raises `SpentError` after too many pieces.
+        As pieces in the order of time; `start` is the state at first. A step may have to be shorter
+        than ten spacings of floating-point numbers at that phase, where an integrator ends; a new
+        piece then goes on with the time counted from there, whose spacings are as short as need be.
+        Raises `SpentError` after too many pieces.
         """
         pieces: list[_Piece] = []
         for _ in range(MAX_RESTARTS):
@@ -133,9 +138,11 @@ class RegularisedRun:
         raise SpentError
 
     def _from(self, cell: Cell, phase: float, end: float, start: Array) -> Any:
-        """Return scipy's solution from `phase` to `end`, or up to where the integrator gives up.
+        """Return scipy's solution of the motion from a phase to `end`, or to where it gives up.
 
-        `start` is the state at first; the solution's time counts from there.
+        `phase` and `end` are in rad, `start` is the state at `phase`; the solution's time counts
+        from there. `cell` gives the derivatives of the state, with a drive that is smooth up to
+        `end`.
         """
 
         def rate(since: float, state: Array) -> list[float]:
@@ -171,10 +178,13 @@ class Orbit:
 
 
 def orbit_of(run: RegularisedRun, state: Array, max_periods: int, closeness: float) -> Orbit:
-    """Return the motion once it repeats, or its end if all periods or evaluations are used.
+    """Return the motion of a part once it repeats, or the end of a run that did not.
 
-    `state` is that at the start; `closeness` is the distance in g/w (w = 2 pi f) at which states
-    count as equal. `run` integrates period by period, `max_periods` at most.
+    `run` integrates period by period from `state` (coordinates and velocities in g/w^2 and g/w, w =
+    2 pi f), `max_periods` at most; `closeness` is the distance in g/w at which states count as
+    equal. The result has the states at the ends of the last periods, the mean velocity in g/w (NaN
+    for a runaway), the periods after which the motion repeats, 0 if it does not, and the status
+    `periodic`, `runaway` or `limit_reached`.
     """
     n = run.cell.coordinates
     weight = run.cell.laws.friction_kinetic * run.cell.gravity[-1]
@@ -230,11 +240,11 @@ def orbit_of(run: RegularisedRun, state: Array, max_periods: int, closeness: flo
 def _crossings(
     function: Callable[[Array], float], state_at: Callable[[float], Array], phases: Array
 ) -> list[float]:
-    """Return the phases at which a function of the state changes sign.
+    """Return the phases at which a function of the part's state changes sign, for its events.
 
-    `state_at` gives the state at a phase; `phases` are ascending, so dense that a pair of changes
-    lies between no two. scipy's own search for events fails where an interpolant misses the end of
-    a step by rounding.
+    `function` takes a state, `state_at` gives the state at a phase; `phases` in rad are ascending,
+    so dense that a pair of changes lies between no two. scipy's own search for events fails where
+    an interpolant misses the end of a step by rounding.
     """
 
     def value(phase: float) -> float:
@@ -252,8 +262,10 @@ def _crossings(
 def measures_of(run: RegularisedRun, orbit: Orbit) -> dict[str, float]:
     """Return shares of the four modes, impacts a period, landing speed and hop height of a cycle.
 
-    The cycle of the orbit is followed once more; speeds in g/w (w = 2 pi f), heights in g/w^2.
-    Raises `SpentError` if the evaluations are used up. `run` integrates it.
+    By the names of the fields of `Motion`; speeds in g/w (w = 2 pi f), heights in g/w^2. The cycle
+    of `orbit` is followed once more by the integrator `run`: a part sticks where it slips by less
+    than 3 slip speeds, and flies where the floor does not press on it. Raises `SpentError` if the
+    evaluations are used up.
     """
     n = run.cell.coordinates
     law = run.cell.laws
