@@ -129,7 +129,10 @@ def _check_name(file: Path, force: bool) -> None:
 
 
 def _check_kind(kind: str, answers: Mapping[str, str]) -> None:
-    """Exit if the kind is unknown, or if answers were given, which its example does not use."""
+    """Exit if a kind of study is unknown, or if answers were given, which its example does not use.
+
+    `kind` is the option of `vibrafeed new`; `answers` are those given as options, by question.
+    """
     message = "the example study of --kind uses no answers"
     problems = [Problem(_flag(name), message, "Leave it out") for name in answers]
     if kind not in KINDS:

@@ -31,8 +31,9 @@ _SHARE = re.compile(r"(\d{1,9})/(\d{1,9})")
 def run_share(studies: Mapping[Path, Prepared], targets: Mapping[Path, str], share: str) -> None:
     """Compute one share of a study and store its record; a share with a record is skipped.
 
-    `share` is typed as `k/n`, with k from 0. `studies` and `targets` are by the study's file, and
-    have one entry.
+    Shares are computed by separate runs, perhaps on other machines, and joined later. `share` is
+    typed as `k/n`, with k from 0. `studies` and `targets` (paths or URLs of results) are by the
+    study's file, and have one entry.
     """
     path, target = single_study(studies, targets)
     number, count = _numbers(path, share)
@@ -52,9 +53,19 @@ def run_share(studies: Mapping[Path, Prepared], targets: Mapping[Path, str], sha
 
 
 def join_shares(path: Path, shares: Shares, history: str) -> None:
-    """Join all computed shares of a study into its result; exit and name the missing shares.
+    """Join the computed shares of a study into its result, and print the size of the result.
 
-    `path` is the study's file; `history` is the CF attribute of the result.
+    A share are those cells that a process of its own, such as a job of a cluster, has computed
+    and stored. If shares are missing or damaged, their numbers are printed, and the command exits.
+
+    Parameters
+    ----------
+    path : Path
+        The study's file, for messages.
+    shares : Shares
+        The shares, which know the place of the result (`where`).
+    history : str
+        The attribute `history` of the result: time and command.
     """
     with report_errors(path, shares.where):
         try:
@@ -72,7 +83,11 @@ def join_shares(path: Path, shares: Shares, history: str) -> None:
 
 
 def single_study(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) -> tuple[Path, str]:
-    """Return file and target of the study of a command that takes one; exit if there are more."""
+    """Return the study's file and the result's path for a command that takes one study.
+
+    `studies` and `targets`, the paths or URLs of results, are by the study's file. Exit if there
+    are several.
+    """
     if len(studies) > 1:
         problem = Problem(
             "share",
@@ -84,9 +99,21 @@ def single_study(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) 
 
 
 def shares_of(path: Path, prepared: Prepared, target: str, count: int) -> Shares:
-    """Return the shares of a study cut into `count`; exit if this study or target has no shares.
+    """Divide the cells of a study into `count` shares that separate processes compute.
 
-    `path` is the study's file; `target` is the path or URL of its result.
+    Exits with the problem if that is impossible: a study that is no sweep, a result of the wrong
+    format (Zarr for a plain sweep, NetCDF for a reduced one), or a count outside 1 to `MAX_PARTS`.
+
+    Parameters
+    ----------
+    path : Path
+        The study's file, for messages.
+    prepared : Prepared
+        The study, ready to be computed.
+    target : str
+        Path or URL of the result.
+    count : int
+        Number of shares.
     """
     problem = None
     if not prepared.shares_as:

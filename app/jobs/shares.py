@@ -50,7 +50,12 @@ def sensible_count(prepared: Prepared) -> int:
 
 
 def is_in_shares(prepared: Prepared, settings: Settings) -> bool:
-    """True if a job is computed in shares: a reduction, or a result too large for memory."""
+    """True if several calls on workers compute a study, each a share of its cells.
+
+    That is any reduced sweep, and a plain sweep whose result has more cells or bytes than one file
+    may have, if the library `obstore` is installed with which its Zarr group is written. `prepared`
+    is the study, ready to be computed; `settings` are those of the service.
+    """
     if prepared.shares_as == ARRAYS:
         return True
     large = prepared.cells > settings.max_cells or prepared.bytes > settings.max_bytes
@@ -58,7 +63,7 @@ def is_in_shares(prepared: Prepared, settings: Settings) -> bool:
 
 
 def check_length(prepared: Prepared, settings: Settings) -> None:
-    """Raise `LimitError` if the result of a study in shares is too large or takes too long.
+    """Raise `LimitError` if a study is too large or takes too long to be computed in shares.
 
     The error names a number of cells that would be accepted. The expected time is that of all
     workers together; the size of a Zarr group is limited by the quota of the disk.
@@ -82,7 +87,7 @@ def check_length(prepared: Prepared, settings: Settings) -> None:
 
 
 def shares_of_job(store: Store, key: str, prepared: Prepared) -> Shares:
-    """Return the shares of a job, which write below the study's folder; `key` is its identifier.
+    """Return the shares into which a job's study is cut; they are written below the study's folder.
 
     `key` is the study's identifier. Their number depends on the study alone, so that a restarted
     service cuts it alike.
@@ -92,10 +97,10 @@ def shares_of_job(store: Store, key: str, prepared: Prepared) -> Shares:
 
 
 def count_of(prepared: Prepared) -> int:
-    """Return the number of shares of a job.
+    """Return the number of shares into which a job cuts a study.
 
-    A sweep that is written as a Zarr group has one per tile; a reduction has shares of a second or
-    two.
+    A sweep that is written as a Zarr group has one for each tile (block of cells in a file); a
+    reduction, which stores statistics only, has shares that take a second or two.
     """
     most = min(prepared.boxes, MAX_SHARES)
     if prepared.shares_as == SHARDS:

@@ -113,7 +113,11 @@ def encode_slice_of(
 
 
 def encode_slice(cut: SliceCut, form: str, threads: int | None = None) -> bytes:
-    """Compute a slice and return it encoded as `form`, ``json`` or ``binary``."""
+    """Compute a slice of a sweep and return it as the body of a reply.
+
+    `cut` is the slice, prepared but not computed; `form` is ``json``, or ``binary`` for a JSON
+    header with raw values behind it.
+    """
     piece = compute_slice(cut, threads)
     if form == "binary":
         return encode_binary(piece)

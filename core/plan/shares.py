@@ -103,7 +103,11 @@ class Shares(ABC):
         return
 
     def digests(self) -> dict[str, str]:
-        """Return the SHA-256 of every shard that the shares have written, by key."""
+        """Return the SHA-256 of every file (shard) that shares of a study have written.
+
+        A shard is a file with a piece of the result; by its key, later checks find whether its
+        bytes are intact.
+        """
         records = (self.records.read(self.name(share)) for share in range(self.count))
         return {
             key: digest
@@ -122,7 +126,10 @@ class Shares(ABC):
         return self._is_ours(self.records.read(self.name(share)), share)
 
     def compute(self, share: int, watch: Watch | None = None) -> bytes:
-        """Compute a share and write its shards; return its record as bytes, not stored yet.
+        """Compute a share of a study and write its shards; return its record as bytes.
+
+        A share is a slab of the grid that may be computed on any machine; the record says which
+        study it belongs to, has its seconds, and what is needed to join all shares.
 
         Raises
         ------
@@ -191,9 +198,10 @@ class Shares(ABC):
     def _check(
         self, watch: Watch, is_usable: Callable[[Record], bool] = lambda _: True
     ) -> list[Mapping[str, Any]]:
-        """Return the fields of all shares' records, after checking that each is there and sound.
+        """Return the fields of all shares' records, after checking that all are there and whole.
 
-        `is_usable` checks the content of a record. Raises `SharesMissingError` with the missing and
+        A share is a slab of the study that may be computed elsewhere and leaves a record.
+        `is_usable` checks the content of a record. Raises `PartsMissingError` with the missing and
         the damaged shares, `StoppedError` if `watch` stops it.
         """
         missing, damaged, fields = [], [], []
@@ -218,7 +226,11 @@ class Shares(ABC):
         return fields
 
     def _records(self) -> Iterator[Record]:
-        """Yield the records of all shares; raise `SharesMissingError` for a missing one."""
+        """Yield the records that the shares of a study have left on disk, in order.
+
+        A share is a slab of the study's grid that may be computed on another machine. Raises
+        `PartsMissingError` at the first one that is missing or not readable.
+        """
         for share in range(self.count):
             record = self.records.read(self.name(share))
             if record is None:
@@ -229,7 +241,7 @@ class Shares(ABC):
 def ranges(numbers: list[int]) -> str:
     """Return sorted numbers in the notation of job queues, such as ``3,17-19``.
 
-    It names the parts of a study that are to be computed again.
+    It names the shares of a study that are to be computed again.
     """
     intervals: list[str] = []
     start = before = -2

@@ -49,7 +49,11 @@ def problems_of_names(
 
 
 def _of_codes(asked: Reduction, outputs: Collection[str]) -> Iterator[Problem]:
-    """Yield the problems of statistics of outputs that are codes, such as a status."""
+    """Yield the problems of statistics of outputs whose numbers are codes, such as a status.
+
+    A mean of codes says nothing. `asked` is the section `reduce` of a study, `outputs` are the
+    names of the study's outputs.
+    """
     fix = "Ask for shares or regimes instead"
     named = [(f"reduce.of.{k}", name) for k, name in enumerate(asked.of)]
     named += [(f"reduce.levels.{key}.output", level.output) for key, level in asked.levels.items()]

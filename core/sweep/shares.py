@@ -70,7 +70,7 @@ class Shards(Shares):
     def _computed(
         self, start: int, stop: int, watch: Watch
     ) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
-        """Compute and write the tiles from `start` to `stop` of a sweep that is done in parts.
+        """Compute and write the tiles from `start` to `stop` of a sweep that is done in shares.
 
         A tile is a piece of all arrays. No arrays are returned, but the digests of the files
         (shards) that were written, by path, for later checks. Raises `StoppedError` if `watch`
@@ -91,7 +91,7 @@ class Shards(Shares):
         return {}, growing.digests
 
     def _joined(self, watch: Watch, history: str | None) -> Table:
-        """Finish the Zarr group of a sweep whose parts are all written, and return its table.
+        """Finish the Zarr group of a sweep whose shares are all written, and return its table.
 
         The sweep is verified and all files (shards) are checked first; `watch` may stop that.
         `history` is the CF attribute.

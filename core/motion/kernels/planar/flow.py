@@ -136,7 +136,11 @@ def kept(value: float) -> float:
 
 @compiled
 def sine_rounded(drive: SineDrive) -> SineDrive:
-    """Return a drive with all numbers rounded to 32 bits, if the part then still lifts off."""
+    """Return a drive with all numbers rounded to 32 bits, if the part then still lifts off.
+
+    Else the drive itself. Where rounding decides the motion, neighbouring studies so have the same
+    runs.
+    """
     few = sine_of(
         kept(drive.c), kept(drive.s), kept(drive.gs), kept(drive.gn),
         kept(drive.mu_s), kept(drive.mu_k),
