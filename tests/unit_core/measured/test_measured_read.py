@@ -177,9 +177,14 @@ def test_yaw_turns_the_sensor_from_along_to_across():
         ("ax,ax\n1,2", "two columns have the name 'ax'. Rename one."),
         (
             "ax,az\n1,2\n1",
-            "line 3 has 1 cell, the header has 2. Correct the line, or leave it out.",
+            "line 3 of the recording has 1 cell, but its header has 2. Correct the line, or "
+            "leave it out.",
         ),
-        ('ax,az\n"1,2', "line 2 has 1 cell, the header has 2. Correct the line, or leave it out."),
+        (
+            'ax,az\n"1,2',
+            "line 2 of the recording has 1 cell, but its header has 2. Correct the line, or "
+            "leave it out.",
+        ),
         (",".join(map(str, range(300))) + "x\n1", "it has 300 columns. Keep the 256 that are used"),
     ],
 )
@@ -271,7 +276,7 @@ def test_times_that_are_none():
         "samples per second, or time = the name of the column of times."
     ]
     assert refused(TEXT.replace("time [s]", "time [h]"))[0].startswith(
-        "time: 'h' is not a unit of time. Write s, ms, us or min"
+        "time: the time column has the unit 'h', which is not a unit of time"
     )
     both = Recording(along="ax", time="time", rate=2000)
     assert refused(TEXT, both)[0].startswith(
@@ -354,7 +359,7 @@ def test_a_crest_that_is_rounded_is_not_clipped(steps, rate):
         (Recording(sensor="axy"), "sensor: sensor does not name three columns. Name the columns"),
         (
             Recording(along="ax", sensor=("ax", "ax", "ax")),
-            "sensor: both sensor and along are given",
+            "sensor: the drive gives both sensor and along",
         ),
         (
             Recording(along="ax", unit="furlong"),
@@ -362,7 +367,7 @@ def test_a_crest_that_is_rounded_is_not_clipped(steps, rate):
         ),
         (
             Recording(along="ax", unit="g"),
-            "unit: the header says m s-2 for column 'ax', unit says g",
+            "unit: column 'ax' has two units: m s-2 in its header, g in",
         ),
     ],
 )
@@ -372,8 +377,8 @@ def test_channels_that_cannot_be_told(recording, message):
 
 def test_a_channel_without_a_unit_is_told_where_to_write_it():
     assert refused(TEXT.replace("ax [m s-2]", "ax")) == [
-        "unit: nothing says the unit of column 'ax'. Give unit = one of m s-2, mm s-2, cm/s2, g, "
-        "mg, or write it in the header: 'ax [g]'."
+        "unit: the unit of column 'ax' is not given. Give unit = one of m s-2, mm s-2, cm/s2, g, "
+        "mg, or write the unit in the header: 'ax [g]'."
     ]
     assert refused(TEXT.replace("ax [m s-2]", "ax [V]"))[0].startswith(
         "along: 'V' is not a unit of acceleration. Known: m s-2"

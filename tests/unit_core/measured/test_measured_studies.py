@@ -116,7 +116,8 @@ def test_a_sweep_of_closed_forms_has_no_measured_drive():
 
 def test_a_part_that_tumbles_has_no_measured_drive():
     assert refused(study(scene="rectangle-isolated")) == [
-        "drive: rectangle-isolated supports only the plain sine. Choose among rectangle-on-plane, "
+        "drive: rectangle-isolated takes only a sine drive, not a section drive. Choose among "
+        "rectangle-on-plane, "
         "cylinder-on-plane, rectangle-on-track."
     ]
 
@@ -125,7 +126,7 @@ def test_a_part_that_tumbles_has_no_measured_drive():
     ("drive", "problems"),
     [
         ({"alogn": "ax", "data": TEXT},
-         ["drive.alogn: 'alogn' is not a key of the drive. Did you mean 'along'?"]),
+         ["drive.alogn: 'alogn' is not a key of the section drive. Did you mean 'along'?"]),
         ({"along": "ax"},
          ["drive: the drive names no recording. Give file = the name of the recording, or data = "
           "the text of the "
