@@ -207,7 +207,7 @@ class Settings(BaseSettings):
     retention_days: float = Field(
         default=30.0,
         gt=0,
-        description="Time in days after which jobs and studies that nobody used are removed.",
+        description="Time in days after which unused jobs and studies are removed.",
     )
     disk_quota_bytes: int = Field(
         default=50_000_000_000,

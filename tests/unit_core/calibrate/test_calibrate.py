@@ -503,7 +503,7 @@ def test_the_old_key_of_the_outlier_probability_still_works():
 def test_other_pictures_are_not_those_of_a_calibration(rail):
     from core.plots import PlotError
 
-    with pytest.raises(PlotError, match="a calibration is not drawn as contour"):
+    with pytest.raises(PlotError, match="cannot be drawn as kind contour"):
         vibrafeed.plot(rail, kind="contour")
     motion = vibrafeed.simulate(
         scene="rectangle-on-plane", **DRIVE, friction=0.3, amplitude=[1e-4, 2e-4]

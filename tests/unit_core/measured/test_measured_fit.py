@@ -335,7 +335,7 @@ def test_few_periods_and_few_samples_are_refused():
 def test_frequencies_out_of_reach_are_refused_together():
     signal = signal_of(DRIVE)._replace(frequency=1200.0, line_frequency=5.0)
     text = refusal(signal)
-    assert "frequency: 2,000 samples a second cannot resolve 1200 Hz. Record 2,667 a second" in text
+    assert "2,000 samples per second, which cannot resolve 1200 Hz. Record at least 2,667" in text
     assert "line_frequency: 0.4 s hold 2 periods of 5 Hz" in text
 
 

@@ -225,7 +225,7 @@ def test_the_error_of_a_speed_is_that_of_what_comes_from_the_recording():
         "drive: the study takes no number from the recording. Remove the parameters of the "
         "drive, so that "
         "they come from the recording.",
-        "draws: 3 draws are too few or too many. Give 20 to 10,000.",
+        "draws: draws is 3, which is outside the limits. Give 20 to 10,000 draws.",
     ]
 
 

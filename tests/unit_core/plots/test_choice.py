@@ -141,7 +141,7 @@ def test_units_are_those_of_the_study_or_asked_for(motion: xarray.Dataset):
     found = problem(motion, units="kelvin")
     assert (found.place, found.message) == (
         "units",
-        "'kelvin' is not a unit of any quantity in vibrafeed",
+        "'kelvin' is not a unit that vibrafeed knows",
     )
 
 

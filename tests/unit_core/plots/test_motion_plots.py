@@ -187,7 +187,11 @@ def test_map_of_a_file(plane: xarray.Dataset, tmp_path: Path, target: str):
 @pytest.mark.parametrize(
     ("asked", "place", "words"),
     [
-        ({"kind": "map", "axes": ("beta",)}, "kind", "kind map needs two axes, there is one, beta"),
+        (
+            {"kind": "map", "axes": ("beta",)},
+            "kind",
+            "kind map needs two axes, but there is only beta",
+        ),
         ({"kind": "map", "variable": "speed"}, "variable", "'speed' is unknown"),
         ({"kind": "mapp"}, "kind", "Did you mean 'map'?"),
         ({"kind": "map", "axes": ("beta", "alpha")}, "axes", "no dimension 'alpha'"),

@@ -103,7 +103,7 @@ MAX = {"statistics": ["max"]}
         ({"over": ["beta"], "shares": {"a": []}}, "reduce.shares.a: it has no condition"),
         (
             {"over": ["beta"], "shares": {"A b": ["throw_number < 1"]}},
-            "reduce.shares.A b: 'A b' cannot be the name of a variable",
+            "reduce.shares.A b: 'A b' is not a valid name of a variable",
         ),
         (
             {
@@ -131,7 +131,7 @@ MAX = {"statistics": ["max"]}
                 "over": ["beta"],
                 "levels": {"a": {"output": "throw_number", "along": "beta", "at": 1, "level": 1}},
             },
-            "reduce.levels.a.at: 'at' is not a key of reduce",
+            "reduce.levels.a.at: 'at' is not a key of the section reduce",
         ),
     ],
 )

@@ -88,9 +88,9 @@ def test_numbers_of_numpy_stand_wherever_numbers_do():
 @pytest.mark.parametrize(
     ("beta", "message"),
     [
-        (np.ones((2, 2)), "it is an array of 2 dimensions"),
+        (np.ones((2, 2)), "the value is an array of 2 dimensions"),
         (range(10**12), "too long"),
-        (np.array([]), "beta is an empty list"),
+        (np.array([]), "the list of values of beta is empty"),
         (np.array([1.0, np.nan]), "nan is not a finite number"),
         (np.array([True]), "true is not a number"),
         (1j, "1j is not a number"),

@@ -105,8 +105,9 @@ def test_parameters_outside_of_their_place_are_one_problem():
         "Write them below the line [parameters], in JSON within that object."
     ]
     assert told(with_parameters(outputs=["conveying_velocity"])) == [
-        "parameters.outputs: 'outputs' is a key of the study, and stands among the parameters. "
-        "Move it above the line [parameters]."
+        "parameters.outputs: 'outputs' is a key of the study, but stands in the section "
+        "[parameters]. "
+        "Move outputs above the line [parameters]."
     ]
 
 

@@ -26,7 +26,7 @@ WRONG = [
     (
         {"parameters": {**PARAMETERS, "amplitude": []}},
         "parameters.amplitude",
-        "amplitude is an empty list",
+        "the list of values of amplitude is empty",
         "Give at least one value",
     ),
     (
