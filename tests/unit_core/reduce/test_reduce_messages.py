@@ -58,8 +58,8 @@ MAX = {"statistics": ["max"]}
         ),
         (
             {"over": ["beta"], "quantiles": [50]},
-            "reduce.quantiles.0: '50' is not a quantile. Write a number from 0 to 1: 0.5 is the "
-            "median.",
+            "reduce.quantiles.0: '50' is not a quantile. Write a number from 0 to 1, such as "
+            "0.5 for the median.",
         ),
         (
             {"over": ["beta"]},
