@@ -361,7 +361,11 @@ def unknown_variables(names: Iterable[str]) -> list[Problem]:
     """
     known = [PREFIX + name.upper() for name in Settings.model_fields]
     return [
-        Problem(name, "vibrafeed has no setting of this name", suggestion(name.upper(), known))
+        Problem(
+            name,
+            "no setting of vibrafeed is read from an environment variable of this name",
+            suggestion(name.upper(), known),
+        )
         for name in sorted(names)
         if name.upper().startswith(PREFIX) and name.upper() not in (*known, *TEST_SWITCHES)
     ]

@@ -101,8 +101,8 @@ def single_study(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) 
 def shares_of(path: Path, prepared: Prepared, target: str, count: int) -> Shares:
     """Divide the cells of a study into `count` shares that separate processes compute.
 
-    Exits with the problem if that is impossible: a study that is no sweep, a result of the wrong
-    format (Zarr for a plain sweep, NetCDF for a reduced one), or a count outside 1 to `MAX_PARTS`.
+    Exits with the problem if that is impossible: a study that is no sweep, a result that is not
+    Zarr (of a plain sweep) or not NetCDF (of a reduced one), or a count outside 1 to `MAX_SHARES`.
 
     Parameters
     ----------

@@ -219,7 +219,9 @@ def _there() -> Iterator[None]:
     try:
         yield
     except FileNotFoundError:
-        raise NotFoundError("The result was removed from the service. Request it again.") from None
+        raise NotFoundError(
+            "The result was removed from the service. Post its study again."
+        ) from None
 
 
 def _names(headers: list[str], etag: str, *, strong: bool = False) -> bool:

@@ -181,9 +181,10 @@ def contact_acceleration(
 ) -> Any:
     """Return the normal force per mass of a corner slipping right, -chi/(m tau) [m s-2].
 
-    chi = rho xi'^2 sin(s) - g, with half the diagonal rho, the pitch rate xi' and the angle s of
-    the diagonal; m tau is the corner's response to a force (theory 2.2). Pitch in degrees, pitch
-    rate in rad/s, numbers of mpmath.
+    The reference value, by many digits, for a rectangle on one corner on a plane at rest. chi = rho
+    xi'^2 sin(s) - g, with half the diagonal rho, the pitch rate xi' and the angle s of the diagonal
+    above the plane; m tau is the corner's response to a force (theory 2.2). `height`, `length` in
+    m, `pitch` in degrees, `pitch_rate` in rad/s, `gravity` in m s-2; numbers of mpmath.
     """
     s = mp.atan2(height, length) + _radians(pitch)
     rho = mp.hypot(height, length) / 2

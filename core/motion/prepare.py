@@ -336,7 +336,9 @@ def _all_exact(prepared: Simulation) -> bool:
 
     That is so for motion in the plane of track and normal, under a sine, by the method `events`,
     with constant restitution. It is decided from names and bounds of the parameters, without
-    computing.
+    computing: a drive across (azimuth `alpha`) and a lean of the track (`delta`) have to be 0
+    throughout, and a wall only straight. Scenes without a part on a floor, such as tumbling parts
+    and rows, are never exact.
     """
     grid, scene = prepared.grid, prepared.plan.scene
     is_sine = all(equation.gives != "wave" for equation in prepared.plan.equations)

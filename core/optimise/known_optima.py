@@ -110,8 +110,10 @@ def is_front(problem: OptimisationProblem) -> bool:
 def groups(problem: OptimisationProblem, design: Mapping[str, Array]) -> dict[str, Array]:
     """Return the inputs of the closed forms and compiled methods in SI units, shape (cells,) each.
 
-    They are the drive's acceleration, gravity along and normal (and across), friction, and angles
-    that are not variables. `design` has the fixed parameters, SI units, shape (cells,).
+    They are the drive's acceleration, gravity along and normal (and across), friction, and the
+    angles of the drive. `design` has the fixed parameters, SI units, shape (cells,). Variables
+    stand at their lower bounds, on which none of these hangs but the angles themselves: closed
+    forms do not read an angle that is a variable.
     """
     known = problem.known(np.broadcast_to(problem.lower[:, None], (len(problem.names), 1)), design)
     names = ("vibration_acceleration", "gravity_along", "gravity_normal", "friction_kinetic")

@@ -83,8 +83,10 @@ class _Smooth:
     def kept(self, z: Array) -> Array:
         """Return the constraints of a smooth problem at a point `z`, which have to be positive.
 
-        The size of another output has a kink; it becomes a variable of its own, the last of `z`,
-        that bounds the output from both sides.
+        `z` holds the variables as shares of their bounds. Of the rows of the search the first is
+        the output to maximise, the second the output whose size the criterion weighs (if `extra`),
+        and the others are constraints. The size has a kink: the last of `z`, a variable of its
+        own, takes its place and bounds the output from both sides.
         """
         rows = self.single.rows(z[: self.single.variables])[:, 0]
         return (

@@ -134,7 +134,9 @@ def _check(lower: Array, upper: Array, budget: int, tolerance: float) -> None:
     if not 1 <= lower.size <= MAX_VARIABLES:
         raise ValueError(f"the search takes 1 to {MAX_VARIABLES} variables")
     if not (np.isfinite(lower).all() and np.isfinite(upper).all() and (lower <= upper).all()):
-        raise ValueError("lower and upper have to be finite, and lower at most upper")
+        raise ValueError(
+            "the bounds lower and upper of each variable have to be finite, lower at most upper"
+        )
     if budget < FEWEST_EVALUATIONS:
         raise ValueError(f"budget has to be at least {FEWEST_EVALUATIONS} evaluations")
     if not tolerance > 0:

@@ -201,7 +201,7 @@ class Shares(ABC):
         """Return the fields of all shares' records, after checking that all are there and whole.
 
         A share is a slab of the study that may be computed elsewhere and leaves a record.
-        `is_usable` checks the content of a record. Raises `PartsMissingError` with the missing and
+        `is_usable` checks the content of a record. Raises `SharesMissingError` with the missing and
         the damaged shares, `StoppedError` if `watch` stops it.
         """
         missing, damaged, fields = [], [], []
@@ -229,7 +229,7 @@ class Shares(ABC):
         """Yield the records that the shares of a study have left on disk, in order.
 
         A share is a slab of the study's grid that may be computed on another machine. Raises
-        `PartsMissingError` at the first one that is missing or not readable.
+        `SharesMissingError` at the first one that is missing or not readable.
         """
         for share in range(self.count):
             record = self.records.read(self.name(share))

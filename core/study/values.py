@@ -218,7 +218,7 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
     unknown = [key for key in raw if key not in RANGE_KEYS]
     if unknown:
         raise UnitError(
-            f"'{str(unknown[0])[:40]}' is not a key of a range of values",
+            f"'{str(unknown[0])[:40]}' is not a key of the range of {name}",
             suggestion(str(unknown[0]), RANGE_KEYS),
         )
     if "start" not in raw or "stop" not in raw or ("num" in raw) == ("step" in raw):

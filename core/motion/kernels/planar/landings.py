@@ -151,8 +151,12 @@ def land_until(
 ) -> bool:
     """Find the landings of run `number` up to the time `until`; False if there is no more room.
 
-    `until` in rad since the start of the run. A run `ended` if it nears a cycle, hops too often, or
-    a landing is not found; it does so after the same landing, however far it is followed at a time.
+    `until` in rad since the start of the run. The part flies under `drive` and rebounds by `e`; its
+    state and landings go into `landings`. A run `ended` if it nears a cycle, hops too often, or a
+    landing is not found; it does so after the same landing, however far it is followed at a time.
+    Only the first `SEARCHES` runs look for a cycle, and leave its last landing to who follows it. A
+    part that came to rest takes off anew with a jolt, of another size each time, so that runs
+    differ. Raising `stop` interrupts: the result is then True, and the run is not at its end.
     """
     state, table = landings.states[number], landings.tables[number]
     is_searched = number < SEARCHES
