@@ -126,9 +126,9 @@ def _level(beta: float, block: Block) -> Level:
 def _across(X: float, k: float, at: Level) -> float:
     """Return |a_y| of a part for a drive along the track less gravity D_x = X.
 
-    `k` is gravity along -x; `at` has the drive's q = cos(beta) and friction at one elevation beta.
-    All are in units of the drive acceleration P. |a_y| = Y (1 - m/R), with Y the drive across and
-    R^2 = X^2 + Y^2.
+    `k` is gravity along -x; `at` has the drive's q = cos(beta) and kinetic friction m = mu n at one
+    elevation beta. All are in units of the drive acceleration P. |a_y| = Y (1 - m/R), with the
+    drive across Y^2 = q^2 - (X + k)^2 and R^2 = X^2 + Y^2; Y where R is 0.
     """
     q = at.q
     R = math.sqrt(max(q * q - k * k - 2 * k * X, 0.0))

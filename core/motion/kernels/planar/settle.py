@@ -65,13 +65,16 @@ def settle_bracketed(
 ) -> Settled:
     """Return the slip velocity with which a cycle repeats, for equal friction coefficients.
 
-    Coulomb friction never drives two motions under the same normal force apart: the map f from the
-    slip u at the start of a cycle to that at its end has 0 <= f' <= 1, so that f(u) - u falls with
-    u and its sign brackets the root. Newton's step is u + (f(u) - u)/(1 - f').
+    Coulomb friction never drives two motions under the same normal force apart: the map F from the
+    slip u at the start of a cycle to that at its end has 0 <= F' <= 1, so that F(u) - u falls with
+    u and its sign brackets the root. Newton's step is u + (F(u) - u)/(1 - F'); where F' = 1, steps
+    of F(u) - u double (theory 13.8).
 
     `rows` hold the `count` segments of the cycle normal to the floor, `u` is the first guess in g/w
-    (w = 2 pi f), `tolerance` is relative to the drive, `sums` and `log` are work arrays. The result
-    is velocity and its error in g/w, cycles (1, or 0 if it is not known), and status (theory 13.8).
+    (w = 2 pi f), `tolerance` is relative to the size of the drive, D = c + |gs| (drive and gravity
+    along), `sums` and `log` are work arrays. The result is velocity and its error in g/w, cycles
+    (1, or 0 if it is not known), and status. The error is |F(u) - u|/(1 - F') and what rounding
+    leaves, `EPSILON` D/(1 - F'); the status is `limit_reached` where that is above `MAX_UNSURE` D.
     """
     scale = drive.c + abs(drive.gs)
     low, high, stride = -math.inf, math.inf, 1.0

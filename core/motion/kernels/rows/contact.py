@@ -235,9 +235,10 @@ def _set_apart(row: Row, first: int, end: int, way: int, is_forced: bool) -> Non
     """Set the modes of the parts of a chain that start to slide; open contacts to resting ones.
 
     The chain of touching parts is `first` to before `end`, `way` the direction of the push (1, -1);
-    `row.value` holds the accelerations of its blocks in this direction, of which those above 0
-    start. If `is_forced`, the block that moves most starts in any case, since its limit has just
-    been reached. Contacts between moving and resting parts, and to a stop, are opened.
+    `row.value` holds the accelerations of its blocks along the track, positive forward; those start
+    whose acceleration in the direction of the push is above `RESOLVED`. If `is_forced`, the block
+    that moves most starts in any case, since its limit has just been reached. Contacts between
+    moving and resting parts, and to a stop, are opened.
     """
     farthest = end - 1 if way > 0 else first
     most = way * row.value[farthest]

@@ -143,11 +143,12 @@ def stepped_chain(
 
 @compiled
 def moved(row: Row, before: Floats, h: float, tally: Floats, swept: Floats) -> None:
-    """Move all parts of a row over a time step of `h` rad by their mean speeds.
+    """Move all parts of a row over a time step of `h` rad by their mean speeds, h (u + u')/2.
 
-    `before` holds the speeds before the step in g/w (w = 2 pi f), `row` those after. Contacts are
-    closed where gap and relative speed are next to nothing. `tally[0]` gets the phase times the
-    closed contacts, `swept` the integral of each gap.
+    `before` holds the speeds u before the step in g/w (w = 2 pi f), `row` the speeds u' after it.
+    Gaps change by the difference of two parts, and are at least 0. A contact is closed where gap
+    and relative speed after the step are at most `TOUCHES`. `tally[0]` gets h times the closed
+    contacts between parts, `swept` h times each gap between parts at the end of the step.
     """
     parts = row.mass.size
     for i in range(row.speed.size):

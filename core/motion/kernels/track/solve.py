@@ -228,10 +228,12 @@ def settled_anew(
 ) -> tuple[float, bool]:  # fmt: skip
     """Return the largest difference of other runs from a mean velocity, True if it is confirmed.
 
-    With rebounds, the last digits may decide in which of several motions a part ends. So it is run
-    again from rest with shorter series and a restitution smaller by 1e-12. The mean is not
-    confirmed if this run strays on the way from the first by more than 0.1 of the drive's speed;
-    three more runs then take part in the difference, in g/w (w = 2 pi f). NaN if a run fails.
+    With rebounds, the last digits may decide in which of several motions a part ends (theory
+    13.13). So it is run again from rest with shorter series and restitutions smaller by 1e-12 of
+    themselves (`changed`). The mean is not confirmed if the velocity along at the ends of its
+    periods is anywhere more than 0.1 of the drive's speed from that of the first run; three more
+    runs, of yet smaller restitutions, then take part in the difference, the largest |v' - v| of
+    their means v' from `velocity` v, in g/w (w = 2 pi f). NaN if a run fails.
 
     Parameters
     ----------
