@@ -50,7 +50,8 @@ def _listed(raw: object) -> object:
             return json.loads(raw)
         except (ValueError, RecursionError):
             raise ValueError(
-                "the value begins like a JSON list but is not valid JSON: correct it, or "
+                "the value of this environment variable begins like a JSON list but is not "
+                "valid JSON: correct it, or "
                 "separate entries by commas"
             ) from None
     return [word.strip() for word in raw.split(",") if word.strip()]
@@ -216,15 +217,20 @@ class Settings(BaseSettings):
         "the least recently used ones are removed.",
     )
     max_slice_cells: int = Field(
-        default=1_000_000, gt=0, description="Maximum number of values in one slice of a sweep."
+        default=1_000_000,
+        gt=0,
+        description="Maximum number of values in one slice of a sweep that a client reads.",
     )
     max_table_rows: int = Field(
-        default=1_000_000, gt=0, description="Maximum number of rows of a CSV or Parquet table."
+        default=1_000_000,
+        gt=0,
+        description="Maximum number of rows of a result sent as a CSV or Parquet table.",
     )
     max_sheet_rows: int = Field(
         default=100_000,
         gt=0,
-        description="Maximum number of rows of an XLSX table, which is slow to write.",
+        description="Maximum number of rows of a result sent as an XLSX table, which is "
+        "slow to write.",
     )
     zarr_cache_bytes: int = Field(
         default=64_000_000,

@@ -39,7 +39,8 @@ def atlas(
     resolution: Annotated[
         str,
         typer.Option(
-            help="full; or coarse, which is computed in seconds, but has larger errors and "
+            help="Resolution of the atlas: full; or coarse, which is computed in seconds, "
+            "but has larger errors and "
             "more cells without a value."
         ),
     ] = "full",

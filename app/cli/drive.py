@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from core.measured import Fit, Recording
 
 COLUMN = (
-    "Name of the column that holds the acceleration {}; a minus sign before the name reverses it."
+    "Name of the recording's column with the acceleration {}; a minus sign before the name "
+    "reverses it."
 )
 
 
@@ -39,7 +40,8 @@ def drive(
     sensor: Annotated[
         str | None,
         typer.Option(
-            help="Names of the three columns of a triaxial sensor (axes x, y, z), as in "
+            help="Names of the recording's three columns of a triaxial sensor (axes x, y, "
+            "z), as in "
             "ax,ay,az; give them instead of --along, --normal and --across."
         ),
     ] = None,
@@ -64,7 +66,8 @@ def drive(
     time: Annotated[
         str | None,
         typer.Option(
-            help="Name of the time column; a column named `time` or `t` is found automatically."
+            help="Name of the recording's time column; a column named `time` or `t` is "
+            "found automatically."
         ),
     ] = None,
     line_frequency: Annotated[
@@ -164,7 +167,8 @@ def _fit_recording(recording: Path, asked: Recording, plot: Path | None) -> Fit:
             problems.append(
                 Problem(
                     "--along",
-                    f"the command names no acceleration column; the file has the columns {columns}",
+                    f"the command names no acceleration column; the recording has the "
+                    f"columns {columns}",
                     fix,
                 )
             )

@@ -21,7 +21,8 @@ def friction(
     words: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Show only pairs of materials whose row contains all of these words, as "
+            help="Show only pairs of materials whose row in the table contains all of these "
+            "words, as "
             "in: steel abs."
         ),
     ] = None,

@@ -46,8 +46,8 @@ def join(
 ) -> None:
     """Join the shares computed by `vibrafeed run --share` into one result.
 
-    Each share is checked by its digest. Exit code 1 means that some are missing or damaged; which,
-    is told as a queue takes it: compute these again, and join again.
+    Each share is checked by its digest. Exit code 1 means that some shares are missing or damaged;
+    their numbers are printed as a job queue takes them: compute these again, and join again.
     """
     studies = prepare_all([file])
     refuse_others(studies, {file: output}, force=force)

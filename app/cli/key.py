@@ -52,18 +52,23 @@ def add(
     ] = "run",
     requests: Annotated[
         float | None,
-        typer.Option(help="Maximum number of requests per second; by default no limit."),
+        typer.Option(
+            help="Maximum number of requests per second with this key; by default the key "
+            "has no limit."
+        ),
     ] = None,
     jobs: Annotated[
         float | None,
         typer.Option(
-            help="Maximum number of jobs of this key that run or wait at once; by default no limit."
+            help="Maximum number of jobs of this key that run or wait at once; by default "
+            "the key has no limit."
         ),
     ] = None,
     cells: Annotated[
         float | None,
         typer.Option(
-            help="Maximum number of cells (grid points) of one study; by default no limit."
+            help="Maximum number of cells (grid points) of one study of this key; by "
+            "default the key has no limit, but the service has."
         ),
     ] = None,
     most_bytes: Annotated[
@@ -71,7 +76,7 @@ def add(
         typer.Option(
             "--bytes",
             help="Maximum size in bytes of the results that the service stores for this "
-            "key; by default no limit.",
+            "key; by default the key has no limit, but the service has.",
         ),
     ] = None,
     days: Annotated[
@@ -81,9 +86,10 @@ def add(
         ),
     ] = None,
 ) -> None:
-    """Make a key and print it; a service that runs takes it within seconds.
+    """Make an access key of the HTTP service and print it; a running service accepts it in seconds.
 
-    What a limit is left out of has none. The key is shown once: a hash of it is kept.
+    A limit whose option is left out does not apply to the key; the limits that the settings of the
+    service set for all keys still do. The key is shown only now: just a hash of it is stored.
     """
     asked = Key(
         name,
@@ -146,7 +152,7 @@ def list_keys(as_json: Json = False) -> None:
 def withdraw(name: Name) -> None:
     """Withdraw a key: a running service refuses it within seconds.
 
-    Studies and results of it stay.
+    Studies and results posted with it stay.
     """
     with _database() as database:
         try:

@@ -68,7 +68,8 @@ def lookup(
         typer.Option(
             "-o",
             "--output",
-            help="Write the values to this file; its suffix sets the format: .csv, .nc or "
+            help="Write the values looked up to this file; its suffix sets the format: "
+            ".csv, .nc or "
             "another one.",
         ),
     ] = None,
@@ -78,8 +79,8 @@ def lookup(
 ) -> None:
     """Look up speed, regime and shares of motion in an atlas, each with its error.
 
-    The atlas answers inside a regime and in its range, and says where it does not. Exit code 1
-    means that it did not answer everything, 2 that a parameter or a file is wrong.
+    The atlas answers inside a regime and in the range of its axes, and says where it does not. Exit
+    code 1 means that it did not answer everything, 2 that a parameter or a file is wrong.
     """
     shown = units_asked(units)
     table = _look_up_or_exit(atlas, assignments or [], rows, simulate=simulate)

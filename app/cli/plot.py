@@ -54,7 +54,9 @@ def plot(
     at: Annotated[
         list[str] | None,
         typer.Option(
-            "--at", help="Draw the result at this value of another axis, as in `frequency=60 Hz`."
+            "--at",
+            help="Draw the result at this value of an axis that the picture does not show, "
+            "as in `frequency=60 Hz`.",
         ),
     ] = None,
     kind: Annotated[
@@ -90,7 +92,7 @@ def plot(
         bool,
         typer.Option(
             "--nearest",
-            help="If the value of --at is not on its axis, use the nearest value that is.",
+            help="If the value of --at is not one of the result, use the nearest one that is.",
         ),
     ] = False,
     dark: Annotated[

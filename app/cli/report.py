@@ -56,9 +56,9 @@ def report(
 ) -> None:
     """Measure accuracy and run time of methods; write a page, pictures and datasets.
 
-    Closed forms against 50 digits, methods of motion, optimisers and files, each on random cells
-    of the study. Exit code 2 means that a file is wrong, 1 that a result could not be written, that
-    a hard case came out wrong, or that it was stopped by Ctrl-C: what was measured by then is
+    Closed forms against 50 digits, methods of motion, optimisers and files, each on random cells of
+    the study. Exit code 2 means that a study file is wrong, 1 that a result could not be written,
+    that a hard case came out wrong, or that it was stopped by Ctrl-C: what was measured by then is
     written.
     """
     files = files or []

@@ -120,11 +120,11 @@ def run(
 ) -> None:
     """Run studies and write one result file each: NetCDF, or the format of the output's suffix.
 
-    All files are checked before the first is run. Exit code 2 means that a file is wrong, or that
-    a result is there already, 1 that a result could not be written, that a verification failed,
-    or that a study was stopped, by Ctrl-C or the time limit, while it was computed or verified:
-    what was finished is written, of a large sweep where --resume finds it. Exit code 3: all is
-    done, and an optimisation has no solution.
+    All files are checked before the first is run. Exit code 2 means that a study file is wrong, or
+    that a result is there already, 1 that a result could not be written, that a verification
+    failed, or that a study was stopped, by Ctrl-C or the time limit, while it was computed or
+    verified: what was finished is written, of a large sweep where --resume finds it. Exit code 3:
+    all is done, and an optimisation has no solution.
     """
     in_shares = share is not None or scheduler is not None
     to_standard = is_standard(output) and not dry_run
@@ -202,7 +202,7 @@ def _refuse_together(*, as_json: bool, to_standard: bool, in_shares: bool) -> No
         problem = Problem(
             option,
             "a share of a sweep (--share, --scheduler) is not written to standard output",
-            "Leave it out",
+            f"Leave out {option}",
         )
     if problem is not None:
         refuse({Path("options"): [problem]})

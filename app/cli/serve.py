@@ -46,8 +46,8 @@ def serve(
 ) -> None:
     """Serve the HTTP interface.
 
-    Other machines are answered only where there are keys: `vibrafeed key add` makes one. Exit code
-    2 means that a setting is wrong, or that the data directory cannot be used.
+    Other machines are answered only if the service has access keys: `vibrafeed key add` makes one.
+    Exit code 2 means that a setting is wrong, or that the data directory cannot be used.
     """
     settings = settings_in_force()
     if show_settings:

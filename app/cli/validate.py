@@ -91,7 +91,8 @@ def validate(
     answers: Annotated[
         Path | None,
         typer.Option(
-            help="JSON file with the answers of another program, which are judged by the "
+            help="JSON file with another program's answers to these problems, which are "
+            "judged by the "
             "same tolerances.",
             show_default=False,
         ),
@@ -176,7 +177,9 @@ def _outcomes_of_other_program(
         _refuse(
             [
                 Problem(
-                    "family", "the file has no answer to a problem of the requested families", fix
+                    "family",
+                    "the file of --answers has no answer to a problem of the requested families",
+                    fix,
                 )
             ]
         )

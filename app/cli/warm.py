@@ -20,15 +20,16 @@ def warm(
     check: Annotated[
         bool,
         typer.Option(
-            "--check", help="Only check if all code is compiled; exit with code 1 if not."
+            "--check",
+            help="Only check if all simulation code is compiled; exit with code 1 if not.",
         ),
     ] = False,
     as_json: Json = False,
 ) -> None:
     """Compile the simulation code for this processor, once; takes about a minute.
 
-    Without it the first study of each kind waits. Compiled code is kept in NUMBA_CACHE_DIR, or
-    among the user's caches.
+    Without it the first study of each kind waits for the compilation. Compiled code is kept in
+    NUMBA_CACHE_DIR, or among the user's caches.
     """
     if check:
         warm_already = is_warm()

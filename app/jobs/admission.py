@@ -280,7 +280,8 @@ class Admission:
         held = self.ownership.of(who.name, key)
         if held is None and self.store.manifest(key) is None:
             raise NotOwnerError(
-                "The result file of this study does not exist. POST the study yourself to "
+                "The result file of this study does not exist. POST the study to /sweeps "
+                "yourself to "
                 "have the file made."
             )
         if held is None or held.result:
@@ -348,7 +349,8 @@ class Admission:
             if self.ownership.of(who.name, key) is None:
                 if not who.sees_all:
                     raise NotOwnerError(
-                        "Only the owner of a sweep may share it. POST the study yourself to "
+                        "Only the owner of a sweep may share it. POST the study to /sweeps "
+                        "yourself to "
                         "become an owner."
                     )
                 if key not in self.ownership.studies():

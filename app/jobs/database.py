@@ -218,7 +218,7 @@ class Database:
             version = connection.execute(VERSION.select()).scalar_one()
             if version > len(UPGRADES):
                 raise LaterLedgerError(
-                    f"the tables of the database have version {version}, made by a later "
+                    f"the tables of the job database have version {version}, made by a later "
                     f"vibrafeed; this vibrafeed reads up to version {len(UPGRADES)}: update it"
                 )
             for upgrade in UPGRADES[version:]:

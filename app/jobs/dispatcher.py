@@ -159,7 +159,7 @@ class Dispatcher:
             if not limit.expired():
                 raise
             raise TooLongError(
-                f"The job was stopped at the time limit of {most:g} s. Post its study "
+                f"The job was stopped at the service's time limit of {most:g} s. Post its study "
                 "again to continue with the blocks that are done."
             ) from error
 

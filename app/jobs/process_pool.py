@@ -109,7 +109,7 @@ class ProcessPool:
                     return call.result()
                 if left <= 0:
                     raise StoppedError(
-                        f"The computation was stopped at the time limit of {seconds:g} s."
+                        f"The computation was stopped at the service's time limit of {seconds:g} s."
                     )
                 if look is not None:
                     await look()

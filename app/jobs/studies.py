@@ -209,4 +209,4 @@ def _not_own(key: str, prepared: Prepared | None) -> VibrafeedError:
 
 def unknown(key: str) -> NotFoundError:
     """Return the error for an unknown study."""
-    return NotFoundError(f"There is no study '{key[:80]}'. POST the study first.")
+    return NotFoundError(f"There is no study '{key[:80]}'. POST the study to /sweeps first.")

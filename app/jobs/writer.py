@@ -87,7 +87,7 @@ class Writer:
         manifest = await asyncio.to_thread(self._store.manifest, key)
         if manifest is None:
             raise NoRoomError(
-                "The result file was just removed to make room for others. Ask for it again."
+                "The result file was just removed to make room for others. Send the request again."
             )
         return manifest
 

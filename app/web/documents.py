@@ -92,10 +92,10 @@ class StatusInfo(BaseModel):
     finished: datetime | None = None
     updated: datetime
     progress: int = Field(
-        ge=0, le=100, description="Percentage of the blocks of the job that are computed."
+        ge=0, le=100, description="Percentage of the blocks of the job that are computed so far."
     )
     cells: int = Field(description="Number of cells (grid points) of the study.")
-    cellsDone: int = Field(description="Approximate number of cells that are computed.")  # noqa: N815
+    cellsDone: int = Field(description="Approximate number of cells of the study computed so far.")  # noqa: N815
     secondsLeft: float | None = Field(  # noqa: N815
         default=None,
         description="Expected remaining time in seconds, from the speed since the server "
@@ -129,7 +129,9 @@ class JobList(BaseModel):
 class ResultFile(Link):
     """A result by reference."""
 
-    length: int = Field(description="Size in bytes of the file, or of all files of a Zarr group.")
+    length: int = Field(
+        description="Size in bytes of the result file, or of all files of a Zarr group."
+    )
     elapsedSeconds: float = Field(description="Computing time in seconds.")  # noqa: N815
     cellsPerSecond: float  # noqa: N815
 

@@ -125,7 +125,7 @@ def read_execution(content: object, kind: str) -> Execution:
         problem = Problem(
             "kind",
             f"this process takes studies of kind '{kind}', not of kind {str(named)[:60]!r}",
-            f"Write kind = '{kind}', or post to the process of the other kind",
+            f"Write kind = '{kind}', or post the study to the process of its own kind",
         )
         raise StudyError([problem])
     return Execution({"kind": kind, **content}, as_document)
@@ -144,13 +144,19 @@ def _read_wishes(content: Mapping[str, Any]) -> bool:
         problems.append(Problem("response", message, "Write 'raw' or 'document'"))
     outputs = content.get("outputs") or {}
     if not isinstance(outputs, Mapping):
-        problems.append(Problem("outputs", "outputs is not a JSON object", "Leave it out"))
+        problems.append(
+            Problem(
+                "outputs",
+                "outputs of the execute request is not a JSON object",
+                "Leave outputs out",
+            )
+        )
     else:
         problems += [
             Problem(
                 f"outputs.{str(name)[:60]}",
                 f"a process has no output {str(name)[:60]!r}",
-                "Request the only output, dataset",
+                "In outputs, request the only output, dataset",
             )
             for name in outputs
             if name != "dataset"

@@ -102,13 +102,13 @@ def answers_of(content: object) -> ProgramAnswers:
         problems.append(
             Problem(
                 "program",
-                "program is not a text of at most 200 characters",
+                "program in the file of answers is not a text of at most 200 characters",
                 'Write the name of the program, such as "Another 1.2"',
             )
         )
     answers = content.get("answers")
     if not isinstance(answers, Mapping) or not answers:
-        problems.append(Problem("answers", "the file holds no answers", _FORM))
+        problems.append(Problem("answers", "the file of answers holds no answers", _FORM))
         raise StudyError(problems)
     asked, unknown = _asked(answers)
     problems += unknown
@@ -180,7 +180,8 @@ def _random(names: Collection[str]) -> tuple[dict[tuple[str, int], int], list[Pr
             problems.append(
                 Problem(
                     f"answers.{name}",
-                    "the name of this random problem has too high a number, or one seed too many",
+                    "the name of this random problem in answers has too high a number, or "
+                    "one seed too many",
                     fix,
                 )
             )

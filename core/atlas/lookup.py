@@ -178,8 +178,8 @@ def lookup_rows(
     problems = [
         Problem(
             f"parameters.{name}",
-            f"{name} is given twice: as a parameter, and as a column of the rows",
-            "Leave out one of the two",
+            f"{name} is given twice: as a parameter for all rows, and as a column of the rows",
+            "Leave out the parameter or the column",
         )
         for name in shared
         if name in arrays

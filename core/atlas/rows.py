@@ -38,7 +38,8 @@ def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
     names, units, problems = _headings(heading)
     problems += [
         Problem(f"row {number}",
-                f"row {number} has {len(row)} cells, but the heading has {len(heading)}",
+                f"row {number} of the CSV file has {len(row)} cells, but its heading has "
+                f"{len(heading)}",
                 "Give the row one cell for each column")
         for number, row in enumerate(body, 1)
         if len(row) != len(heading)

@@ -177,13 +177,19 @@ def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
         elif not given and row.regime is None:
             fix = "Give conveying_velocity with its unit, feed_rate, or regime"
             problems.append(
-                Problem(f"observations row {k}", f"the run in row {k} has no measured value", fix)
+                Problem(
+                    f"observations row {k}",
+                    f"the run in row {k} of the observations has no measured value",
+                    fix,
+                )
             )
     used = [name for name in OBSERVED if any(getattr(row, name) is not None for row in rows)]
     if len(used) > 1 and not problems:
         message = "some runs give conveying_velocity, others feed_rate"
         problems.append(
-            Problem("observations", message, "Give the same one of the two in all runs")
+            Problem(
+                "observations", message, "Give the same one of the two in all runs of observations"
+            )
         )
     return (used or list(OBSERVED))[0], problems
 

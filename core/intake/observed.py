@@ -149,7 +149,9 @@ def _workbook(path: Path) -> Iterable[list[Any]]:
     except (OSError, ValueError):
         raise
     except Exception as error:  # what a damaged workbook raises is of many kinds
-        raise ValueError("the file is not an XLSX workbook, or is damaged") from error
+        raise ValueError(
+            "the file of observations is not an XLSX workbook, or is damaged"
+        ) from error
     try:
         for line in book.worksheets[0].iter_rows(values_only=True, max_row=MAX_RUNS + 2):
             cells = ["" if cell is None else cell for cell in line]

@@ -67,7 +67,7 @@ def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
     key = f"uncertain.{name}.{CALIBRATION}"
     fix = "Name the NetCDF file that `vibrafeed run` wrote of a study of kind 'calibrate'"
     if not isinstance(path, str):
-        return Problem(key, "calibration is not the path of a file", fix)
+        return Problem(key, "the key calibration is not the path of a file", fix)
     try:
         table = read_netcdf(Path(path), most_bytes=MAX_BYTES)
     except Exception as error:  # of a strange file the library raises of many kinds

@@ -145,7 +145,13 @@ def _source(drive: RecordedDrive, files: bool) -> str | Path:
         return drive.data
     if not files:
         raise StudyError(
-            [Problem("drive.file", "the service cannot read files of your computer", _which(files))]
+            [
+                Problem(
+                    "drive.file",
+                    "the service cannot read the recording from your computer",
+                    _which(files),
+                )
+            ]
         )
     assert drive.file is not None
     return drive.file

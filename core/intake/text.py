@@ -122,7 +122,7 @@ def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(content) < len(pairs):
         names = [name for name, _ in pairs]
         twice = next(name for k, name in enumerate(names) if name in names[:k])
-        raise ValueError(f"the key '{_shown(twice)}' appears twice in one object")
+        raise ValueError(f"the key '{_shown(twice)}' appears twice in one JSON object")
     return content
 
 

@@ -81,7 +81,9 @@ class RecordingTable:
             return None
         for fault in column.faults:
             message = f"line {fault.line} of column '{name}' is not a number: {fault.text[:40]!r}"
-            problems.append(Problem(path, message, "Correct the line, or leave it out", name))
+            problems.append(
+                Problem(path, message, "Correct the line of the recording, or remove it", name)
+            )
         if column.faulty > SHOWN:
             message = f"{column.faulty:,} cells of column '{name}' are not finite numbers"
             problems.append(Problem(path, message, "Export the recording again", name))
@@ -247,7 +249,7 @@ def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str])
             "recording",
             f"line {line} of the recording has {count} cell{'s' * (count != 1)}, but "
             f"its header has {len(names)}",
-            "Correct the line, or leave it out",
+            "Correct the line of the recording, or remove it",
         )
         for line, count in odd[:SHOWN]
     ]

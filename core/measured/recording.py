@@ -177,7 +177,8 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
             problems.append(
                 Problem(
                     "mounting",
-                    "mounting applies only to a sensor with three axes, which is not given",
+                    "mounting applies only together with sensor (three columns), which is "
+                    "not given",
                     fix,
                 )
             )
@@ -187,7 +188,9 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
         problems.append(Problem("sensor", f"the drive gives both sensor and {own[0][0]}", fix))
     if isinstance(sensor, str) or len(sensor) != 3:
         fix = 'Name the columns of x, y and z: sensor = ["ax", "ay", "az"]'
-        problems.append(Problem("sensor", "sensor does not name three columns", fix))
+        problems.append(
+            Problem("sensor", "sensor does not name three columns of the recording", fix)
+        )
         return []
     return [(f"sensor.{axis}", name) for axis, name in zip("xyz", sensor, strict=True)]
 
@@ -228,7 +231,9 @@ def _factor(
     listed = ", ".join(UNITS)
     if not said:
         fix = f"Give unit = one of {listed}, or write the unit in the header: '{name} [g]'"
-        problems.append(Problem("unit", f"the unit of column '{name}' is not given", fix))
+        problems.append(
+            Problem("unit", f"the unit of the recording's column '{name}' is not given", fix)
+        )
         return None
     for text, factor in factors.items():
         if factor is None:
@@ -239,7 +244,11 @@ def _factor(
         message = (
             f"column '{name}' has two units: {column.unit} in its header, {unit} in the key unit"
         )
-        problems.append(Problem("unit", message, "Leave out the key unit, or correct the header"))
+        problems.append(
+            Problem(
+                "unit", message, "Leave out the key unit, or correct the header of the recording"
+            )
+        )
         return None
     return next(iter(factors.values()))
 

@@ -64,7 +64,8 @@ def read_times(
         problems.append(
             Problem(
                 "time",
-                f"the time column has the unit '{column.unit[:40]}', which is not a unit of time",
+                f"the recording's time column has the unit '{column.unit[:40]}', which is "
+                f"not a unit of time",
                 fix,
             )
         )
@@ -90,9 +91,9 @@ def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> 
     if backward.size:
         return Problem(
             "time",
-            f"the times in column '{name}' do not increase in {backward.size} "
+            f"the times in the recording's column '{name}' do not increase in {backward.size} "
             f"place{'s' * (backward.size > 1)}, first in line {lines[backward[0] + 1]}",
-            "Write the times with more digits, or give rate and leave time out",
+            "Write the times with more digits, or give the sampling rate (rate) and leave time out",
         )
     usual = float(np.median(steps))
     away = np.abs(steps / usual - 1.0)
@@ -101,7 +102,7 @@ def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> 
     worst = int(away.argmax())
     return Problem(
         "time",
-        f"the times in column '{name}' are not evenly spaced: steps are "
+        f"the times in the recording's column '{name}' are not evenly spaced: steps are "
         f"{1e3 * steps.min():.4g} to {1e3 * steps.max():.4g} ms, usually "
         f"{1e3 * usual:.4g} ms; the most uneven one is before line "
         f"{lines[worst + 1]}",

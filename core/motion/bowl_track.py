@@ -136,7 +136,7 @@ def _without_bowl(name: str) -> Problem:
     return Problem(
         f"parameters.{name}",
         message,
-        "Add the bowl drive unit: spring_radius, moving_inertia, base_inertia",
+        "Add the parameters of the bowl drive unit: spring_radius, moving_inertia, base_inertia",
     )
 
 

@@ -216,7 +216,11 @@ def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
     if np.all(np.isnan(wave.steps[waves.ENDS])):
         message = "all steps of the drive have a duration of 0"
         return [
-            Problem("parameters.duration_1", message, "Give at least one step a duration above 0")
+            Problem(
+                "parameters.duration_1",
+                message,
+                "Give at least one step of the drive a duration above 0",
+            )
         ]
     axis = next(axis for i, axis in enumerate(AXES) if np.all(np.isnan(wave.steps[i]).any(axis=0)))
     message = f"the mean acceleration {axis} is not 0: the track would run away"

@@ -383,7 +383,11 @@ def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> 
     if axes:
         ranged = ", ".join(QUANTITIES[name].label.lower() for name in axes)
         fix = f"Give one value of {', '.join(axes)}, or leave trajectory out"
-        problems.append(Problem("trajectory", f"it shows one point, and {ranged} is ranged", fix))
+        problems.append(
+            Problem(
+                "trajectory", f"trajectory shows one point, but {ranged} has a range of values", fix
+            )
+        )
     methods = methods_of(scene.name)
     followed = [name for name in scene.variants if methods[name].course is not None]
     if method not in followed:

@@ -31,20 +31,22 @@ def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Pr
         if name in FLAGS:
             yield Problem(
                 place,
-                f"{name} has names as values, not numbers, and cannot be optimised",
+                f"the output {name} has names as values, not numbers, and cannot be optimised",
                 "Choose another output",
             )
     if len(set(study.criterion_outputs())) < len(study.criterion_outputs()):
         yield Problem(
             "criterion.against",
             "the second output of the criterion is the same as the first",
-            "Name another output as against",
+            "Name another output as against in [criterion]",
         )
     for name in study.bounds():
         if name in values:
             fix = f"Remove {name} from the variables or from the parameters"
             yield Problem(
-                f"variables.{name}", f"{name} is given twice: as a variable and as a parameter", fix
+                f"variables.{name}",
+                f"{name} is given twice: in [variables] and in [parameters]",
+                fix,
             )
     yield from _problems_of_constraints(study)
 
@@ -70,7 +72,9 @@ def _problems_of_constraints(study: OptimiseStudy) -> Iterable[Problem]:
             yield Problem(path, "lower is above upper", "Swap them")
         if constraint.absolute and constraint.upper is not None and constraint.upper < 0:
             yield Problem(
-                f"{path}.upper", "the upper bound of an absolute value is below 0", "Give 0 or more"
+                f"{path}.upper",
+                "the constraint's upper bound of an absolute value is below 0",
+                "Give 0 or more",
             )
         for name, _ in constraint.ends():
             if name in seen:
@@ -117,7 +121,7 @@ def problems_of_intervals(
         yield Problem(
             "quantile",
             "quantile is given, but only robust = 'quantile' uses it",
-            'Remove it, or set robust = "quantile"',
+            'Remove quantile, or set robust = "quantile"',
         )
     if study.robust is not None and not intervals:
         fix = "Add [uncertain], for example friction = { lower = 0.2, upper = 0.4 }"

@@ -35,7 +35,7 @@ def nodes_over(interval: ArrayLike, how: str, nodes: int = NODES) -> tuple[Array
     low, high = (float(end) for end in np.asarray(interval, dtype=np.float64))
     if not low <= high:
         raise ValueError(
-            "lower and upper of the interval have to be finite, and lower at most upper"
+            "the argument interval has to be a lower and an upper end, the lower at most the upper"
         )
     if nodes < (2 if how == "worst" else 1):
         raise ValueError("too few nodes")
@@ -44,7 +44,7 @@ def nodes_over(interval: ArrayLike, how: str, nodes: int = NODES) -> tuple[Array
     if how == "mean":
         roots, weights = np.polynomial.legendre.leggauss(nodes)
         return low + (high - low) * (roots + 1) / 2, weights / 2
-    raise ValueError(f"how has to be 'worst' or 'mean', not '{how}'")
+    raise ValueError(f"the argument how has to be 'worst' or 'mean', not '{how}'")
 
 
 def over_nodes(values: Array, weights: Array | None) -> Array:

@@ -129,18 +129,20 @@ def _check(lower: Array, upper: Array, budget: int, tolerance: float) -> None:
     """
     if lower.shape != upper.shape or lower.ndim != 1:
         raise ValueError(
-            "lower and upper have different shapes; give one bound of each for every variable"
+            "the arguments lower and upper have different shapes; give one bound of each "
+            "for every variable"
         )
     if not 1 <= lower.size <= MAX_VARIABLES:
         raise ValueError(f"the search takes 1 to {MAX_VARIABLES} variables")
     if not (np.isfinite(lower).all() and np.isfinite(upper).all() and (lower <= upper).all()):
         raise ValueError(
-            "the bounds lower and upper of each variable have to be finite, lower at most upper"
+            "the arguments lower and upper, the bounds of the variables, have to be finite, "
+            "and lower at most upper"
         )
     if budget < FEWEST_EVALUATIONS:
-        raise ValueError(f"budget has to be at least {FEWEST_EVALUATIONS} evaluations")
+        raise ValueError(f"the argument budget has to be at least {FEWEST_EVALUATIONS} evaluations")
     if not tolerance > 0:
-        raise ValueError("tolerance has to be a number above 0")
+        raise ValueError("the argument tolerance has to be a number above 0")
 
 
 class _StoppedError(Exception):

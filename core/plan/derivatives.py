@@ -252,7 +252,7 @@ def _run(equation: Equation, arguments: Mapping[str, Any], parameter: str) -> An
                     f"outputs.{equation.gives}",
                     f"the equation of {equation.gives} has no exact derivative by {parameter}: "
                     f"{error}",
-                    "Leave out this derivative, or compare two points of a sweep",
+                    f"Leave {parameter} out of sensitivities, or compare two points of a sweep",
                 )
             ]
         ) from error

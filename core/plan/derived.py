@@ -187,7 +187,11 @@ def asked_of(
     known = [name for name in (*part.parameters, *part.defaults) if QUANTITIES[name].parameter]
     names = wish if isinstance(wish, tuple) else tuple(name for name in parameters if name in known)
     problems = [
-        Problem(SECTION, f"no requested output depends on '{name[:60]}'", suggestion(name, known))
+        Problem(
+            SECTION,
+            f"no requested output depends on '{name[:60]}', which sensitivities names",
+            suggestion(name, known),
+        )
         for name in names
         if name not in known
     ]

@@ -108,7 +108,9 @@ def _animate_file(
 
     if len(files) > 1:
         raise PlotError(
-            "dataset", "an animation shows one result, but several files are given", "Give one"
+            "dataset",
+            "an animation shows one result, but several files are given",
+            "Give one result file",
         )
     if kind not in (None, "animation", "trajectory"):
         fix = "End the name in .png, .svg or .pdf, or leave the kind out"
@@ -130,7 +132,7 @@ def check_format(target: Path) -> None:
     """Raise `PlotError` if pictures cannot be saved in the format of a file name."""
     if target.suffix.lower() not in FORMATS:
         message = f"'{target.suffix}': unknown picture format"
-        raise PlotError("output", message, "End the name in .png, .svg or .pdf")
+        raise PlotError("output", message, "End the name of the picture in .png, .svg or .pdf")
 
 
 def save(figure: Figure, target: Path) -> None:

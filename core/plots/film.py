@@ -129,14 +129,14 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
         raise PlotError(
             "dataset",
             "the dataset has no motion to draw, because the simulation found no cycle",
-            "Draw another",
+            "Draw another result",
         )
     span = max(float(np.hypot(np.ptp(along), np.ptp(normal))), float(height.max()))
     if span == 0:
         raise PlotError(
             "dataset",
             "the dataset has no motion to draw: neither the track nor the part moves",
-            "Draw another",
+            "Draw another result",
         )
     shown = units.of("m", span)
     length = PART_LENGTH * span
@@ -203,7 +203,7 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     )
     followed = np.isfinite(along) & np.isfinite(upward) & np.isfinite(pitch)
     if followed.sum() < 2:
-        raise PlotError("dataset", "the dataset has no values of the motion", "Draw another")
+        raise PlotError("dataset", "the dataset has no values of the motion", "Draw another result")
     end = time[followed][-1]
     settled = float(dataset["settling_time"]) if "settling_time" in dataset else np.nan
     if np.isfinite(settled):

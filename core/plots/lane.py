@@ -56,7 +56,7 @@ def draw_lane(
         raise PlotError(
             "dataset",
             "the dataset does not give the length of the parts",
-            "Set length in the study, and run the study again",
+            "Set the parameter length in the study, and run the study again",
         )
     slow = slow or nice(PERIOD_SHOWN * float(dataset["frequency"]))
     times = 1000.0 * row.times / row.time.factor

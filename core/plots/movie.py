@@ -76,7 +76,7 @@ def animate(
     suffix = target.suffix.lower()
     if suffix not in MOVING:
         message = f"'{target.suffix}': unknown animation format"
-        raise PlotError("output", message, "End the name in .gif or .mp4")
+        raise PlotError("output", message, "End the name of the animation in .gif or .mp4")
     style, shown = Style(dark=dark, small=small), units_of(dataset, units)
     if FIRST in dataset:
         frames = draw_lane(dataset, shown, style, DOTS[suffix], slow=slow, title=title)

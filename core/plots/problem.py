@@ -15,4 +15,4 @@ class PlotError(VibrafeedError):
 
 def unreadable(message: str) -> PlotError:
     """Return the error of a dataset that lacks what `vibrafeed run` writes."""
-    return PlotError("dataset", message, "Draw a file that `vibrafeed run` wrote")
+    return PlotError("dataset", message, "Draw a result file that `vibrafeed run` wrote")

@@ -323,7 +323,9 @@ def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> 
         return tuple(name for name in ranged if name in longest)
     if len(names) not in (1, 2) or len(set(names)) < len(names):
         raise PlotError(
-            "axes", "axes has to name one or two different axes", "Write, say, beta,alpha"
+            "axes",
+            "axes has to name one or two different axes of the result",
+            "Name them, as in beta,alpha",
         )
     for name in names:
         if name in whole.dims and name not in ranged:

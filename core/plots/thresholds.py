@@ -79,7 +79,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
         raise PlotError(
             "axes",
             f"a picture of kind thresholds takes one axis, not {len(axes)}",
-            "Write, say, amplitude",
+            "Name one axis, such as amplitude",
         )
     variable = options.variable or (SPEED if SPEED in dataset.data_vars else None)
     selection = select(dataset, variable, axes, at, "line", units, nearest=nearest)

@@ -154,7 +154,7 @@ def _output(datasets: Sequence[xarray.Dataset], asked: str | None) -> str:
     if not shared:
         told = "; ".join(f"{_name(d)} has {_listed(outputs_of(d))}" for d in datasets)
         raise PlotError(
-            "variable", f"the files have no output in common: {told}", "Draw each by itself"
+            "variable", f"the result files have no output in common: {told}", "Draw each by itself"
         )
     return shared[0]
 
@@ -168,8 +168,8 @@ def _axis(datasets: Sequence[xarray.Dataset], output: str, asked: tuple[str, ...
     if asked is not None and len(asked) != 1:
         raise PlotError(
             "axes",
-            "several files in one picture are drawn over exactly one axis",
-            "Write, say, amplitude",
+            "several result files in one picture are drawn over exactly one axis",
+            "Name one axis, such as amplitude",
         )
     ranged = [
         [str(dim) for dim in d[output].dims if d.sizes[dim] > 1 and dim in d.coords]

@@ -168,7 +168,7 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
         raise PlotError(
             "dataset",
             "the dataset has no motion to draw, because the simulation found no cycle",
-            "Draw another",
+            "Draw another result",
         )
     horizontal = shown_in(dataset["position_along"], units)
     position = horizontal.factor * values_of(dataset["position_along"])

@@ -87,7 +87,7 @@ def read_tumbling(dataset: xarray.Dataset, units: ShownUnits) -> TumblingTraject
         np.asarray(dataset[name].values, dtype=np.float64) for name in NEEDED[:4]
     )
     if not np.isfinite(upward).all():
-        raise PlotError("dataset", "the dataset has no values of the motion", "Draw another")
+        raise PlotError("dataset", "the dataset has no values of the motion", "Draw another result")
     corners = (
         0.5
         * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])

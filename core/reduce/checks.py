@@ -60,7 +60,9 @@ def _of_codes(asked: Reduction, outputs: Collection[str]) -> Iterator[Problem]:
     for place, name in named:
         if name in FLAGS:
             yield Problem(
-                place, f"{name} has codes as values, not numbers, so statistics do not apply", fix
+                place,
+                f"the output {name} has codes as values, not numbers, so statistics do not apply",
+                fix,
             )
     if (asked.statistics or asked.quantiles) and not asked.of and set(outputs) <= set(FLAGS):
         yield Problem(

@@ -267,7 +267,9 @@ def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
         if name in values:
             fix = f"Remove {name} from [uncertain] or from [parameters]"
             yield Problem(
-                f"uncertain.{name}", f"{name} is given twice: as uncertain and as a parameter", fix
+                f"uncertain.{name}",
+                f"{name} is given twice: in [uncertain] and in [parameters]",
+                fix,
             )
     if len(uncertain) > MAX_INPUTS:
         message = f"{len(uncertain)} parameters are uncertain"
@@ -276,7 +278,9 @@ def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
         if name in FLAGS:
             fix = 'Ask for its probability: [[demands]] regime = "hopping"'
             yield Problem(
-                "outputs", f"{name} has names as values, not numbers, so it has no statistics", fix
+                "outputs",
+                f"the output {name} has names as values, not numbers, so it has no statistics",
+                fix,
             )
     if study.verify is not None:
         message = "statistics of sampled points have errors, which the result states"
@@ -299,7 +303,8 @@ def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
             fix = 'Name the regime, for example regime = "hopping"'
             yield Problem(
                 f"{path}.output",
-                f"{demand.output} has names as values, not numbers, so it cannot be limited",
+                f"the output {demand.output} has names as values, not numbers, so it cannot "
+                f"be limited",
                 fix,
             )
         if demand.name in seen:

@@ -134,7 +134,11 @@ def _read_probability(raw: object) -> object:
     if isinstance(raw, int | float) and not isinstance(raw, bool) and 0 < raw < 0.5:
         return float(raw)
     fix = "Write a number above 0 and below 0.5, such as 0.01"
-    raise refusal(f"{reprlib.repr(raw)[:40]} is not a probability between 0 and 0.5", fix)
+    raise refusal(
+        f"{reprlib.repr(raw)[:40]} is not a probability between 0 and 0.5 that an observed "
+        f"regime is wrong",
+        fix,
+    )
 
 
 _PROBABILITY_SCHEMA = {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 0.5}

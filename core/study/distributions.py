@@ -197,7 +197,7 @@ def _normal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Normal:
         raise UnitError(message, "Swap them")
     if not lower <= mean <= upper:
         message = f"the mean of {name} ({mean:g}) is not between its bounds ({lower:g}, {upper:g})"
-        raise UnitError(message, "Change the mean or the bounds")
+        raise UnitError(message, "Change mean, lower or upper of this distribution")
     return normal
 
 

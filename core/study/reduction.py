@@ -123,7 +123,7 @@ def _read_name(raw: object) -> str:
     """
     if not isinstance(raw, str) or not _NAME.fullmatch(raw):
         raise refusal(
-            f"{str(raw)[:60]!r} is not a valid name of a variable",
+            f"{str(raw)[:60]!r} is not a valid name of a variable of the result",
             "Use lower-case letters, digits and underscores, 40 at most, beginning with a letter",
         )
     return raw

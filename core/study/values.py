@@ -131,7 +131,7 @@ def read_between(name: str, raw: object, quantity: Quantity | None = None) -> Be
         raise UnitError(
             f"the upper bound of {name} ({upper:g} {quantity.unit}) is not above its "
             f"lower bound ({lower:g} {quantity.unit})",
-            "Swap the bounds, or give one value in [parameters]",
+            "Swap lower and upper, or give one value in [parameters]",
         )
     return Between(lower, upper)
 
@@ -230,7 +230,7 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
     stop = read_number(name, quantity, raw["stop"])
     if stop <= start:
         raise UnitError(
-            f"stop ({stop:g} {quantity.unit}) of the range is not above start "
+            f"stop ({stop:g} {quantity.unit}) of the range of {name} is not above start "
             f"({start:g} {quantity.unit})",
             "Swap start and stop, or give one value instead of a range",
         )
@@ -243,7 +243,7 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
             )
     elif spacing != "linear":
         raise UnitError(
-            f"{str(spacing)[:40]!r} is not a spacing of a range",
+            f"{str(spacing)[:40]!r} is not a spacing of the range of {name}",
             "Write spacing = 'linear' or 'log', or leave out spacing",
         )
     if "step" in raw:

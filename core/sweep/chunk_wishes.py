@@ -53,7 +53,7 @@ def read_wishes(text: str, sizes: Mapping[str, int], most: int) -> dict[str, int
             Problem(
                 "chunks",
                 message,
-                "Write all instead of a number, for the largest chunks that are possible",
+                "Write all instead of a number in chunks, for the largest chunks that are possible",
             )
         )
     if problems:

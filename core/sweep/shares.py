@@ -86,7 +86,7 @@ class Shards(Shares):
             growing.close()
         if target.left:
             raise StoppedError(
-                "it was stopped before this share of the sweep was written; run it again"
+                "the run was stopped before this share of the sweep was written; run it again"
             )
         return {}, growing.digests
 

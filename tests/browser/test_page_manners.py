@@ -67,9 +67,12 @@ def test_a_key_is_kept_for_the_tab_and_in_no_link(page, service, browser):
     expect(said).to_have_text("The service needs an access key: enter yours.")
     for wrong, sentence in [
         ("wrong", "The access key is unknown."),
-        ("ключ", "A key consists of English letters, digits and punctuation, without spaces."),
+        (
+            "ключ",
+            "An access key consists of English letters, digits and punctuation, without spaces.",
+        ),
     ]:
-        page.get_by_label("Key, stored until this tab is closed").fill(wrong)
+        page.get_by_label("Access key, stored until this tab is closed").fill(wrong)
         page.get_by_role("button", name="Use it").click()
         expect(said).to_have_text(sentence)
     page.locator("#key").fill(KEY)

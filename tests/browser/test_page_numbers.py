@@ -226,7 +226,7 @@ def test_ends_of_a_slider_are_typed_and_an_unusual_value_is_said(page: Page, add
     upper.fill("0,2")
     upper.press("Enter")  # the value, 0.3, is above it
     expect(page.locator(".slider [role=alert]")).to_contain_text(
-        "The upper end has to be above the lower end"
+        "The upper end of the slider has to be above the lower end"
     )
     upper.fill("0.32")
     upper.press("Enter")

@@ -155,7 +155,7 @@ export class Controls {
         axis[which],
         parameter.unit,
         (value) => this.change({ [place]: { ...axis, [which]: value } }),
-        { check: (value) => (isOrdered[which](value) ? "" : "The lower end of the range has to be below the upper end") },
+        { check: (value) => (isOrdered[which](value) ? "" : "The lower end of the axis has to be below the upper end") },
       );
     field.append(
       element("div", { class: "ends" }, end("from"), "to", end("to")),
@@ -235,7 +235,7 @@ export class Controls {
     );
     if (view.band) {
       const share = numberInput(
-        "Known within, in per cent",
+        "Uncertain parameter known within, in per cent",
         100 * view.band.share,
         "%",
         (value) => this.change({ band: { ...view.band, share: value / 100 } }),

@@ -77,8 +77,8 @@ export function knob(parameter, value, { ends = null, onmove, ontake, onends }, 
       },
       { class: "end", check: (taken) => (isFit(taken) ? "" : problem) },
     );
-  const lower = end("Lower", (taken) => taken < high && taken <= current, "The lower end has to be below the upper end, and not above the value");
-  const upper = end("Upper", (taken) => taken > low && taken >= current, "The upper end has to be above the lower end, and not below the value");
+  const lower = end("Lower", (taken) => taken < high && taken <= current, "The lower end of the slider has to be below the upper end, and not above the value");
+  const upper = end("Upper", (taken) => taken > low && taken >= current, "The upper end of the slider has to be above the lower end, and not below the value");
   follow();
   const field = element(
     "div",

@@ -34,8 +34,8 @@ export class Measured {
     this.wrong = element("span", { class: "wrong", role: "alert" });
     const list = (id, text, value) =>
       element("span", {}, element("label", { for: id }, text), element("input", { id, value, autocomplete: "off", onchange: () => this.read(unit) }));
-    const error = numberInput("Error of each speed, in per cent", 100 * this.error, "%", (value) => (this.error = value / 100), {
-      check: (value) => (value > 0 && value < 100 ? "" : "The error of the speeds has to be between 0 and 100 %"),
+    const error = numberInput("Error of each measured speed, in per cent", 100 * this.error, "%", (value) => (this.error = value / 100), {
+      check: (value) => (value > 0 && value < 100 ? "" : "The error of the measured speeds has to be between 0 and 100 %"),
     });
     fill(
       this.host,

@@ -63,7 +63,7 @@ export class Notice {
         event.preventDefault();
         const given = field.value.trim();
         if (!KEY.test(given)) {
-          said.textContent = "A key consists of English letters, digits and punctuation, without spaces.";
+          said.textContent = "An access key consists of English letters, digits and punctuation, without spaces.";
           return;
         }
         key.set(given);
@@ -76,7 +76,7 @@ export class Notice {
           "form",
           { onsubmit: use },
           said,
-          element("label", { for: "key" }, "Key, stored until this tab is closed "),
+          element("label", { for: "key" }, "Access key, stored until this tab is closed "),
           field,
           element("button", {}, "Use it"),
         ),

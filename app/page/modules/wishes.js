@@ -63,7 +63,7 @@ export class Wishes {
     const name = FIGURES[best.kind];
     const against = scene.outputs.find((one) => one.name === best.against);
     const unit = name === "limit" ? (against?.unit ?? "1") : "1";
-    const told = { limit: "Limit of the magnitude", weight: "Weight", points: "Points of the trade-off" }[name];
+    const told = { limit: "Limit of the magnitude", weight: "Weight", points: "Number of points of the trade-off" }[name];
     const [, unitShown] = shown(unit);
     const isPoints = name === "points";
     return element(
@@ -94,9 +94,9 @@ export class Wishes {
                 id: "criterion-figure",
                 "aria-label": null,
                 check: (value) => {
-                  if (!isPoints) return value >= 0 ? "" : "The limit or weight has to be at least 0";
+                  if (!isPoints) return value >= 0 ? "" : "The limit or weight of the second output has to be at least 0";
                   const isFit = Number.isInteger(value) && value >= 2 && value <= MAX_POINTS;
-                  return isFit ? "" : `The number of points has to be a whole number from 2 to ${MAX_POINTS}`;
+                  return isFit ? "" : `The number of points of the trade-off has to be a whole number from 2 to ${MAX_POINTS}`;
                 },
               },
             ),

@@ -55,12 +55,14 @@ def parse_interval(text: str | None) -> tuple[float | None, float | None]:
         return None, None
     words = text.split("/")
     if len(words) > 2 or set(words) <= {"", ".."}:
-        raise ValueError("datetime is neither a time nor an interval START/END")
+        raise ValueError("the query parameter datetime is neither a time nor an interval START/END")
     ends: list[float | None] = []
     for word in words:
         time_ = None if word in ("", "..") else datetime.fromisoformat(word)
         if time_ is not None and time_.tzinfo is None:
-            raise ValueError(f"{word[:40]!r} has no time zone: write it as in 2026-01-01T00:00:00Z")
+            raise ValueError(
+                f"{word[:40]!r} in datetime has no time zone: write it as in 2026-01-01T00:00:00Z"
+            )
         ends.append(None if time_ is None else time_.timestamp())
     return ends[0], ends[-1]
 
@@ -174,14 +176,14 @@ def dismiss_job(number: Number, admission: AdmissionOf, base: BaseOf, who: WhoOf
     return json_reply(status_info(job, base))
 
 
-@router.patch("/{number}", summary="Share a job with all keys, or stop sharing it",
+@router.patch("/{number}", summary="Share a job with all access keys, or stop sharing it",
               response_model=StatusInfo,
               responses={**NO_JOB, **NOT_OWNER, **NO_SHARING},
               openapi_extra=SHARING_BODY, dependencies=[hold_slot()])  # fmt: skip
 def share_job(
     number: Number, body: Body, admission: AdmissionOf, base: BaseOf, who: WhoOf
 ) -> Response:
-    """Let all keys read a job and its results, or its owner only."""
+    """Let holders of all access keys read a job and its results, or only its owner."""
     job = admission.share_job(number, read_sharing(body), who)
     if job is None:
         raise no_such_job(number)

@@ -57,7 +57,7 @@ NO_RESULT = problems(
 )
 @router.head("/{number}/results", include_in_schema=False)
 def get_results(number: Number, admission: AdmissionOf, base: BaseOf) -> Response:
-    """Return the address, the size and the cost of the dataset."""
+    """Return the address, the size and the computing time of the dataset."""
     return results_reply(admission, find_job(admission, number), base)
 
 
@@ -132,7 +132,7 @@ def _stored_table(
     if ZARR in manifest.files:
         raise NotFoundError(
             "The result is a Zarr group, not a file: open the address of the group in "
-            "a Zarr client. The results of the job name it."
+            "a Zarr client. GET /jobs/ID/results names it."
         )
     name = JSON if form == "json" else NETCDF
     if name not in manifest.files:
@@ -175,8 +175,8 @@ def _stored_table(
 def get_group(request: Request, number: Number, path: ZarrKey, admission: AdmissionOf) -> Response:
     """Return a key of the Zarr v3 group of a sweep too large for one file.
 
-    Clients open the address without the key, as in `xarray.open_zarr(".../results/zarr")`. It can
-    be read as soon as the job runs: a shard that is not there yet is 404, which clients read as
+    Clients open the address without the Zarr key, as in `xarray.open_zarr(".../results/zarr")`. It
+    can be read as soon as the job runs: a shard that is not there yet is 404, which clients read as
     NaN, or as regime 0.
     """
     job = find_job(admission, number)
@@ -230,7 +230,7 @@ def get_file(
     ],
     admission: AdmissionOf,
 ) -> Response:
-    """Return a page or a picture that the results name."""
+    """Return a page or a picture of an accuracy report, as named in the results of its job."""
     job = find_job(admission, number)
     manifest = manifest_of(admission, job)
     if isinstance(manifest, Response):
@@ -238,7 +238,7 @@ def get_file(
     # Only names that the manifest holds reach the disk.
     if name not in manifest.files or name == ZARR:
         raise NotFoundError(
-            f"The job has no file '{name[:80]}'. The results of the job list its files."
+            f"The job has no file '{name[:80]}'. GET /jobs/ID/results lists its files."
         )
     file = admission.store.folder(job.key) / name
     return file_reply(

@@ -141,7 +141,7 @@ def get_sweep(key: SweepKey, admission: AdmissionOf, who: WhoOf) -> Response:
 
 @router.patch(
     "/{key}",
-    summary="Share a sweep with all keys, or stop sharing it",
+    summary="Share a sweep with all access keys, or stop sharing it",
     response_model=SweepDescription,
     responses={
         **problems(s404="No such sweep", s409="The sweep is another version's: post it again"),
@@ -152,7 +152,7 @@ def get_sweep(key: SweepKey, admission: AdmissionOf, who: WhoOf) -> Response:
     dependencies=[hold_slot()],
 )
 def share_sweep(key: SweepKey, body: Body, admission: AdmissionOf, who: WhoOf) -> Response:
-    """Let all keys read a sweep, or those only who have posted it."""
+    """Let holders of all access keys read a sweep, or only those who have posted it."""
     sweep = admission.store.sweep(key)
     admission.share_sweep(key, read_sharing(body), who)
     return json_reply(_describe_sweep(admission, key, sweep, who))

@@ -84,9 +84,9 @@ async def get_zarr(
 ) -> Response:
     """Return a key of the read-only Zarr v3 group of a sweep.
 
-    Clients open the address without the key, as in `xarray.open_zarr(".../sweeps/{key}/zarr")`. A
-    chunk is computed when it is read, whatever the size of the sweep. HEAD tells sizes and ETags
-    without computing anything.
+    Clients open the address without the Zarr key, as in
+    `xarray.open_zarr(".../sweeps/{key}/zarr")`. A chunk is computed when it is read, whatever the
+    size of the sweep. HEAD tells sizes and ETags without computing anything.
     """
     wanted = path
     if path.startswith(CHUNKS):

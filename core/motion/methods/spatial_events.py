@@ -101,7 +101,7 @@ def spatial_path(
         If phases are negative, do not ascend, or are beyond `MAX_TURNS` periods.
     """
     if phases.size and (phases[0] < 0.0 or np.any(np.diff(phases) < 0.0)):
-        raise ValueError("phases has to hold numbers of at least 0 in ascending order")
+        raise ValueError("the argument phases has to hold numbers of at least 0 in ascending order")
     if phases.size and phases[-1] > MAX_TURNS * 2 * np.pi:
         raise ValueError(f"phases reach beyond {MAX_TURNS:,} periods")
     (cell,), _ = cells_of(groups, tolerance=tolerance, max_periods=max_periods)

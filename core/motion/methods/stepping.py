@@ -205,7 +205,7 @@ def stepped_path(
     """
     asked = np.atleast_1d(np.asarray(phases, dtype=np.float64))
     if asked.ndim != 1 or asked.size == 0 or not np.all(np.isfinite(asked)):
-        raise ValueError("phases has to be a one-dimensional array of finite numbers")
+        raise ValueError("the argument phases has to be a one-dimensional array of finite numbers")
     if np.any(np.diff(asked) < 0.0):
         raise ValueError("phases must ascend")
     _check(steps_per_period, 8, 1.0, contacts)
@@ -242,7 +242,9 @@ def _check(steps_per_period: int, max_periods: int, tolerance: float, contacts: 
     return, `contacts.rolling` is m r^2/I of a cylinder.
     """
     if steps_per_period < FEWEST or max_periods < FEWEST:
-        raise ValueError(f"steps_per_period and max_periods have to be at least {FEWEST}")
+        raise ValueError(
+            f"the arguments steps_per_period and max_periods have to be at least {FEWEST}"
+        )
     if 4 * steps_per_period * max_periods > MAX_STEPS:
         raise ValueError(
             "a cell takes steps_per_period * max_periods steps, and the limit is "
@@ -250,7 +252,7 @@ def _check(steps_per_period: int, max_periods: int, tolerance: float, contacts: 
         )
     rolling = contacts.rolling
     if not (tolerance >= 0.0 and rolling >= 0.0 and math.isfinite(tolerance + rolling)):
-        raise ValueError("tolerance and rolling have to be finite and at least 0")
+        raise ValueError("the arguments tolerance and rolling have to be finite and at least 0")
 
 
 def _follow(contacts: Contacts) -> Follow:

@@ -228,7 +228,7 @@ def tumbling_path(
     """
     moments = np.atleast_1d(np.asarray(times, dtype=float))
     if moments.ndim != 1 or not moments.size or moments[0] < 0 or np.any(np.diff(moments) < 0):
-        raise ValueError("times has to hold ascending numbers, the first at least 0")
+        raise ValueError("the argument times has to hold ascending numbers, the first at least 0")
     end = max(moments[-1], np.finfo(float).tiny)
     cells, shape = _cells(throw._replace(duration=end))
     if shape != ():
@@ -305,9 +305,9 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
         if not np.all(named[name] >= 0):
             raise ValueError(f"{name} may not be negative")
     if not np.all(named["friction_static"] >= named["friction_kinetic"]):
-        raise ValueError("friction_static has to be at least friction_kinetic")
+        raise ValueError("the argument friction_static has to be at least friction_kinetic")
     if not np.all(named["restitution"] <= 1):
-        raise ValueError("restitution has to be at most 1")
+        raise ValueError("the argument restitution has to be at most 1")
     return rows, shape
 
 
@@ -330,7 +330,7 @@ def _check(method: Way, law: Law) -> None:
     `method` is "events" or "stepping"; the latter has `law` "moreau" only.
     """
     if method not in ("events", "stepping"):
-        raise ValueError("method has to be 'events' or 'stepping'")
+        raise ValueError("the argument method has to be 'events' or 'stepping'")
     if method == "stepping" and law != "moreau":
         raise ValueError("the method 'stepping' has Moreau's impact law only: set law to 'moreau'")
 

@@ -72,9 +72,11 @@ def test_every_problem_is_told_at_once(tmp_path):
     assert result.exit_code == 2
     assert result.output.splitlines() == [
         f"{RECORDING}: 6 problems",
-        "  plot: '.bmp': unknown picture format. End the name in .png, .svg or .pdf.",
+        "  plot: '.bmp': unknown picture format. End the name of the picture in .png, .svg "
+        "or .pdf.",
         "  rate: 'x' is not a unit. Write rate = \"5 kHz\" (a bare number is in Hz).",
-        "  mounting: mounting applies only to a sensor with three axes, which is not given. Give "
+        "  mounting: mounting applies only together with sensor (three columns), which is "
+        "not given. Give "
         "sensor = three columns instead of "
         "along, across and normal.",
         "  along: the recording has no column 'bx'. Known: ax, ay, az, time.",

@@ -66,7 +66,7 @@ def test_answers_of_another_program_are_judged(tmp_path):
     told = json.loads(run("--answers", file, "--format", "json", code=1).stdout)
     assert (told["judged"], told["right"]) == (2, 1)
     assert (
-        "the file has no answer to a problem of the requested families"
+        "the file of --answers has no answer to a problem of the requested families"
         in run("--answers", file, "--family", "Z", code=2).stderr
     )
 

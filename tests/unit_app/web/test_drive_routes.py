@@ -45,7 +45,7 @@ def test_no_file_of_the_server_is_read(client, tmp_path):
     assert told == [
         {
             "place": "drive.file",
-            "message": "the service cannot read files of your computer",
+            "message": "the service cannot read the recording from your computer",
             "fix": "Give data = the text of the recording's CSV",
         }
     ]

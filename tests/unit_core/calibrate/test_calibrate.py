@@ -345,7 +345,7 @@ def test_a_study_as_a_whole_is_told_all_its_problems():
         "parameters.gamma: it has several values",
         "observations row 2, amplitude: other runs have amplitude",
         "observations row 2, error: other runs have an error",
-        "observations row 3: the run in row 3 has no measured value",
+        "observations row 3: the run in row 3 of the observations has no measured value",
         "parameters.frequency: frequency stands in the parameters and in the observations",
         "unknowns.beta: beta is unknown, and given in the parameters",
         "offsets.alpha: there is no alpha among",
@@ -441,7 +441,7 @@ def test_observations_stand_in_a_workbook(tmp_path):
         prepare_content(study(str(tmp_path / "runs.xlsx"), error="5 %"), files=True)
     (problem,) = error.value.problems
     assert problem.place == "observations row 2"
-    assert problem.message == "the run in row 2 has no measured value"
+    assert problem.message == "the run in row 2 of the observations has no measured value"
 
 
 @pytest.mark.parametrize(

@@ -239,7 +239,7 @@ def test_cells_that_are_no_numbers_are_told_by_line(cell):
     (line,) = refused(changed(17, f"0.0075,{cell},1.5"))
     assert line == (
         f"along: line 17 of column 'ax' is not a number: {cell!r}. "
-        "Correct the line, or leave it out."
+        "Correct the line of the recording, or remove it."
     )
 
 
@@ -276,7 +276,7 @@ def test_times_that_are_none():
         "samples per second, or time = the name of the column of times."
     ]
     assert refused(TEXT.replace("time [s]", "time [h]"))[0].startswith(
-        "time: the time column has the unit 'h', which is not a unit of time"
+        "time: the recording's time column has the unit 'h', which is not a unit of time"
     )
     both = Recording(along="ax", time="time", rate=2000)
     assert refused(TEXT, both)[0].startswith(
@@ -286,12 +286,14 @@ def test_times_that_are_none():
     back = signal.times.copy()
     back[100] = back[99]
     assert refused(csv_of(signal._replace(times=back))) == [
-        "time: the times in column 'time' do not increase in 1 place, first in line 102. Write the "
-        "times with more digits, or give rate and leave time out."
+        "time: the times in the recording's column 'time' do not increase in 1 place, first "
+        "in line 102. Write the "
+        "times with more digits, or give the sampling rate (rate) and leave time out."
     ]
     gap = signal.times + 0.0015 * (np.arange(400) > 99)
     assert refused(csv_of(signal._replace(times=gap))) == [
-        "time: the times in column 'time' are not evenly spaced: steps are 0.5 to 2 ms, usually "
+        "time: the times in the recording's column 'time' are not evenly spaced: steps are "
+        "0.5 to 2 ms, usually "
         "0.5 ms; the most uneven one is before line 102. Cut out a piece of the recording without "
         "gaps, or record again: time steps may differ by 50 %."
     ]
@@ -354,9 +356,12 @@ def test_a_crest_that_is_rounded_is_not_clipped(steps, rate):
         ),
         (
             Recording(sensor=("ax", "az")),
-            "sensor: sensor does not name three columns. Name the columns",
+            "sensor: sensor does not name three columns of the recording. Name the columns",
         ),
-        (Recording(sensor="axy"), "sensor: sensor does not name three columns. Name the columns"),
+        (
+            Recording(sensor="axy"),
+            "sensor: sensor does not name three columns of the recording. Name the columns",
+        ),
         (
             Recording(along="ax", sensor=("ax", "ax", "ax")),
             "sensor: the drive gives both sensor and along",
@@ -377,7 +382,8 @@ def test_channels_that_cannot_be_told(recording, message):
 
 def test_a_channel_without_a_unit_is_told_where_to_write_it():
     assert refused(TEXT.replace("ax [m s-2]", "ax")) == [
-        "unit: the unit of column 'ax' is not given. Give unit = one of m s-2, mm s-2, cm/s2, g, "
+        "unit: the unit of the recording's column 'ax' is not given. Give unit = one of m "
+        "s-2, mm s-2, cm/s2, g, "
         "mg, or write the unit in the header: 'ax [g]'."
     ]
     assert refused(TEXT.replace("ax [m s-2]", "ax [V]"))[0].startswith(

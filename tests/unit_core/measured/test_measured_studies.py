@@ -171,7 +171,8 @@ def test_a_study_of_the_network_reads_no_file_and_no_long_recording(tmp_path, mo
     path = tmp_path / "recording.csv"
     path.write_text(TEXT)
     assert refused(study({"file": str(path), "along": "ax"}), files=False) == [
-        "drive.file: the service cannot read files of your computer. Give data = the text of the "
+        "drive.file: the service cannot read the recording from your computer. Give data = "
+        "the text of the "
         "recording's CSV."
     ]
     prepare_content(study())

@@ -385,7 +385,7 @@ class TestProblems:
 
     def test_a_trajectory_shows_one_point(self):
         found = problems(trajectory=50, parameters={"friction": [0.1, 0.2]})
-        assert "it shows one point" in found["trajectory"]
+        assert "trajectory shows one point" in found["trajectory"]
 
     @pytest.mark.parametrize("method", ["reference", "regularised"])
     def test_some_methods_give_means_only(self, method):

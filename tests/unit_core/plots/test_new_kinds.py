@@ -166,7 +166,7 @@ class TestTogether:
         )  # fmt: skip
         other.encoding["source"] = "closed.nc"
         told = str(problem([dry, other]))
-        assert "the files have no output in common" in told
+        assert "the result files have no output in common" in told
         assert "closed.nc has acceleration_x" in told
         elsewhere = vibrafeed.simulate(**{**DRIVE, "beta": [20, 30]}, amplitude=3e-4, friction=0.3)
         assert "has no axis in common" in str(problem([dry, elsewhere]))

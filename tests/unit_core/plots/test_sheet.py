@@ -70,4 +70,4 @@ def test_the_command_writes_a_pdf_and_replaces_nothing_unasked(dataset, tmp_path
     assert CliRunner().invoke(app, ["sheet", str(file)]).exit_code == 2
     wrong = CliRunner().invoke(app, ["sheet", str(file), "-o", str(tmp_path / "x.docx")])
     assert wrong.exit_code == 2
-    assert "End the name in .png, .svg or .pdf" in wrong.output
+    assert "End the name of the picture in .png, .svg or .pdf" in wrong.output

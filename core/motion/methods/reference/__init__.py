@@ -69,7 +69,7 @@ def reference_path(
     """
     asked = np.atleast_1d(np.asarray(phases, dtype=np.float64))
     if not np.all(np.isfinite(asked)) or np.any(np.diff(asked) < 0.0):
-        raise ValueError("phases has to hold finite numbers in ascending order")
+        raise ValueError("the argument phases has to hold finite numbers in ascending order")
     if not _is_finite(groups):
         raise ValueError("groups must be finite")
     state = np.array([*position, *velocity, spin], dtype=np.float64)
