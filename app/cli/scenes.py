@@ -33,7 +33,7 @@ def scenes(
         str | None,
         typer.Option(
             help="Variant of the closed-form equations to describe, such as derived; by "
-            "default that of the scene."
+            "default the scene's default variant."
         ),
     ] = None,
     method: Annotated[

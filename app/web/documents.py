@@ -98,11 +98,12 @@ class StatusInfo(BaseModel):
     cellsDone: int = Field(description="Approximate number of cells of the study computed so far.")  # noqa: N815
     secondsLeft: float | None = Field(  # noqa: N815
         default=None,
-        description="Expected remaining time in seconds, from the speed since the server "
+        description="Expected remaining time of the job in seconds, from the speed since "
+        "the server "
         "began; absent while unknown.",
     )
     elapsedSeconds: float = Field(  # noqa: N815
-        description="Computing time so far in seconds, summed over all workers."
+        description="Computing time of the job so far in seconds, summed over all workers."
     )
     study: str = Field(
         description="Identifier of the study; equal studies have the same identifier and "

@@ -331,7 +331,7 @@ def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
     if other is None:
         return Problem("outputs", f"{message}, a {here} does not", f'Set kind = "{kind}"', name)
     message += f"; a {here} gives {other}"
-    return Problem("outputs", message, f'Ask for {other}, or set kind = "{kind}"', name)
+    return Problem("outputs", message, f'Ask for {other} in outputs, or set kind = "{kind}"', name)
 
 
 def _doubled(parameters: Collection[str]) -> list[Problem]:

@@ -52,8 +52,8 @@ class Reduced(Prepared):
         """The problem with computing cells on reading: a reduction has none."""
         return Problem(
             "reduce",
-            "a study with reduce stores statistics, not cells that can be read",
-            "Remove reduce",
+            "a study with [reduce] stores statistics, not cells that can be read",
+            "Remove [reduce]",
         )
 
     @property

@@ -273,7 +273,11 @@ def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
             )
     if len(uncertain) > MAX_INPUTS:
         message = f"{len(uncertain)} parameters are uncertain"
-        yield Problem("uncertain", message, f"Keep the {MAX_INPUTS} parameters that matter most")
+        yield Problem(
+            "uncertain",
+            message,
+            f"Keep the {MAX_INPUTS} parameters that matter most in [uncertain]",
+        )
     for name in study.outputs:
         if name in FLAGS:
             fix = 'Ask for its probability: [[demands]] regime = "hopping"'

@@ -172,7 +172,7 @@ def position_on_axis(
         If the axis does not have it; the nearest values are named.
     """
     if not math.isfinite(wanted):
-        raise UnitError(f"{wanted} is not a value of {name}", "Give a finite number")
+        raise UnitError(f"{wanted} is not a value of the axis {name}", "Give a finite number")
     distance = np.abs(values - wanted)
     nearest = int(distance.argmin())
     gap = float(np.abs(np.diff(values)).min(initial=np.inf)) if values.size > 1 else 0.0
@@ -186,7 +186,7 @@ def position_on_axis(
     asked, *others = (f"{value * read.factor:.10g}" for value in (wanted, *near))
     shown = " and ".join(others) + f" {read.unit}".rstrip()
     raise UnitError(
-        f"{asked} {read.unit}".rstrip() + f" is not a value of {name}",
+        f"{asked} {read.unit}".rstrip() + f" is not a value of the axis {name}",
         f"The nearest are {shown}" if len(near) > 1 else f"Its only value is {shown}",
     )
 

@@ -52,8 +52,8 @@ async def describe_scene(
         str | None,
         Query(
             max_length=100,
-            description="Variant of the closed-form equations, such as derived; by default that "
-            "of the scene.",
+            description="Variant of the closed-form equations, such as derived; by default the "
+            "scene's default variant.",
         ),
     ] = None,
     method: Annotated[

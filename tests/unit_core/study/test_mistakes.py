@@ -78,12 +78,12 @@ def test_an_output_of_another_kind_of_study_is_told_so():
     (message,) = told({**TRACK, "outputs": ["transport_velocity"]})
     assert message == (
         "outputs: a sweep gives transport_velocity; a simulation gives conveying_velocity. "
-        'Ask for conveying_velocity, or set kind = "sweep".'
+        'Ask for conveying_velocity in outputs, or set kind = "sweep".'
     )
     reverse = with_parameters({**TRACK, "kind": "sweep", "outputs": ["conveying_velocity"]})
     assert told(reverse) == [
         "outputs: a simulation gives conveying_velocity; a sweep gives transport_velocity. "
-        'Ask for transport_velocity, or set kind = "simulate".'
+        'Ask for transport_velocity in outputs, or set kind = "simulate".'
     ]
 
 
@@ -180,7 +180,8 @@ def test_the_nearest_values_of_an_axis_are_told_in_the_unit_that_people_read():
     with pytest.raises(UnitError) as caught:
         position_on_axis("amplitude", values, 0.0007, "trade")
     assert str(caught.value) == (
-        "0.7 mm is not a value of amplitude. The nearest are 0.6984949833 and 0.7088277592 mm"
+        "0.7 mm is not a value of the axis amplitude. The nearest are 0.6984949833 and "
+        "0.7088277592 mm"
     )
 
 
