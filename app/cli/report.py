@@ -42,8 +42,8 @@ def report(
         bool,
         typer.Option(
             "--extremes",
-            help="Also run about 200 hard cases, and list what a study of each scene does "
-            "not load.",
+            help="Also run about 200 hard cases, and list the equations, memory and program "
+            "modules that a study of one output of each scene needs.",
         ),
     ] = False,
     seconds: Annotated[

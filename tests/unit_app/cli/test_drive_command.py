@@ -37,7 +37,8 @@ def test_without_a_column_the_options_and_the_columns_are_named():
     result = run("drive", RECORDING)
     assert result.exit_code == 2
     assert (
-        "no acceleration column; the file has the columns time, ax, ay, az. Give" in result.output
+        "no acceleration column; the recording has the columns time, ax, ay, az. Give"
+        in result.output
     )
 
 

@@ -177,13 +177,13 @@ def test_yaw_turns_the_sensor_from_along_to_across():
         ("ax,ax\n1,2", "two columns have the name 'ax'. Rename one."),
         (
             "ax,az\n1,2\n1",
-            "line 3 of the recording has 1 cell, but its header has 2. Correct the line, or "
-            "leave it out.",
+            "line 3 of the recording has 1 cell, but its header has 2. Correct the line of "
+            "the recording, or remove it.",
         ),
         (
             'ax,az\n"1,2',
-            "line 2 of the recording has 1 cell, but its header has 2. Correct the line, or "
-            "leave it out.",
+            "line 2 of the recording has 1 cell, but its header has 2. Correct the line of "
+            "the recording, or remove it.",
         ),
         (",".join(map(str, range(300))) + "x\n1", "it has 300 columns. Keep the 256 that are used"),
     ],
@@ -352,7 +352,7 @@ def test_a_crest_that_is_rounded_is_not_clipped(steps, rate):
         ),
         (
             Recording(along="ax", mounting=(0, 0, 90)),
-            "mounting: mounting applies only to a sensor with",
+            "mounting: mounting applies only together with sensor",
         ),
         (
             Recording(sensor=("ax", "az")),

@@ -119,7 +119,7 @@ def test_all_mistakes_are_told_at_once():
         (
             {"variables": {"friction": {"lower": 0, "upper": 1}}},
             "variables.friction",
-            "as a variable and as a parameter",
+            "in [variables] and in [parameters]",
         ),
         ({"variables": {"mass": {"lower": 0.1, "upper": 1}}}, "variables.mass", "not used"),
         ({"constraints": [{"output": "throw_number"}]}, "constraints.0", "neither lower nor upper"),
