@@ -106,7 +106,7 @@ def run(
         str | None,
         typer.Option(
             help="Compute the shares of a sweep on the Dask scheduler at this address, as "
-            "in tcp://host:8786."
+            "in tcp://localhost:8786."
         ),
     ] = None,
     shares: Annotated[

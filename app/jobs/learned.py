@@ -1,4 +1,4 @@
-"""What studies took beside their prices by formula: a factor for each kind and method, learned.
+"""Factors on prices by formula, one for each kind and method, learned from studies that ended.
 
 A formula is wrong in the same way for all studies of a method on a machine. The ledger keeps the
 last of each kind and method that ended; the median of their ratios is the factor on the next price.

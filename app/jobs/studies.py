@@ -153,7 +153,7 @@ class Studies:
         return [key for _, key in sorted(uses)]
 
     def used(self, key: str) -> float:
-        """Return when a study was last used [s since the epoch], exact to an hour; 0 if it is gone.
+        """Return the time of a study's last use [s since the epoch], to an hour; 0 if it is gone.
 
         `key` is the study's identifier.
         """

@@ -57,13 +57,13 @@ def manifest_of(admission: Admission, job: Job) -> Manifest | Response:
         )
     manifest = None if job.state == "dismissed" else admission.store.manifest(job.key)
     if manifest is None and job.state == "successful":
-        found = admission.store.fetch(job.key)
-        if found is None:
+        is_there = admission.store.fetch(job.key)
+        if is_there is None:
             raise BusyError(
                 f"The results of the job {job.id} are being fetched from the object store. "
                 "Request them again in a few seconds."
             )
-        manifest = admission.store.manifest(job.key) if found else None
+        manifest = admission.store.manifest(job.key) if is_there else None
     if manifest is None:
         raise _recompute(admission, job)
     return manifest

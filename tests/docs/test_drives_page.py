@@ -81,12 +81,12 @@ def test_a_wave_that_one_level_closes_is_the_one_that_gives_it() -> None:
         ({"acceleration_along_1": 4, "duration_1": 0}, "a single step is not a complete drive"),
         ({"acceleration_along_1": 4, "duration_1": 0, "duration_2": 0}, "have a duration of 0"),
         ({"acceleration_along_1": 4, "amplitude_along_1": 1e-4}, "also gives harmonics"),
-        ({"amplitude": 1e-4, "amplitude_along_1": 1e-4}, "it belongs to the plain sine"),
-        ({"beta": 20, "amplitude_along_1": 1e-4}, "it belongs to the plain sine"),
+        ({"amplitude": 1e-4, "amplitude_along_1": 1e-4}, "belongs to the plain sine, but"),
+        ({"beta": 20, "amplitude_along_1": 1e-4}, "belongs to the plain sine, but"),
         ({"phase_along_1": 20}, "it is missing"),
         ({"acceleration_along_1": 4, "acceleration_along_4": -4}, "it is missing"),
         ({"duration_1": 1}, "steps need an acceleration"),
-        ({"kind": "sweep", "amplitude_along_1": 1e-4}, "takes only a sine drive"),
+        ({"kind": "sweep", "amplitude_along_1": 1e-4}, "supports only the plain sine"),
     ],
 )
 def test_messages_are_those_of_the_page(given: dict[str, Any], message: str) -> None:

@@ -24,6 +24,7 @@ from night import count
 from services import QUICK, Server
 
 KILLS = count(1, 4, "KILLS")
+FREQUENCIES = 160 if KILLS == 1 else 320  # the last kill is to meet work
 
 STUDY: dict[str, Any] = {
     "kind": "sweep",
@@ -31,7 +32,7 @@ STUDY: dict[str, Any] = {
     "outputs": ["transport_velocity", "throw_number"],
     "verify": 3,
     "parameters": {
-        "frequency": {"start": "20 Hz", "stop": "120 Hz", "num": 320},
+        "frequency": {"start": "20 Hz", "stop": "120 Hz", "num": FREQUENCIES},
         "amplitude": {"start": "0.1 mm", "stop": "1 mm", "num": 80},
         "alpha": {"start": 0, "stop": 90, "num": 13},
         "beta": {"start": 0, "stop": 90, "num": 80},
@@ -72,7 +73,12 @@ def test_it_is_read_while_it_grows_and_survives_kills(server: Server, tmp_path: 
     assert job["status"] == "running"
     growing = group(server, number)
     assert "being written" in growing.attrs["comment"]
-    assert dict(growing.sizes) == {"frequency": 320, "amplitude": 80, "alpha": 13, "beta": 80}
+    assert dict(growing.sizes) == {
+        "frequency": FREQUENCIES,
+        "amplitude": 80,
+        "alpha": 13,
+        "beta": 80,
+    }
     assert float(growing.frequency[-1]) == 120
     there = growing.transport_velocity.isel(amplitude=3, alpha=2, beta=7).values
     assert np.isfinite(there).any()

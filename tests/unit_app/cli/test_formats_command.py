@@ -170,7 +170,9 @@ def test_export_refuses_what_is_no_result(tmp_path):
     (tmp_path / "x.csv").write_text("a\n1\n")
     result = run("export", tmp_path / "x.csv", "-o", tmp_path / "y.xlsx")
     assert result.exit_code == 2
-    assert "it is not a result of vibrafeed. Give a NetCDF file or a Zarr group" in result.output
+    assert (
+        "the file is not a result of vibrafeed. Give a NetCDF file or a Zarr group" in result.output
+    )
     result = run("export", tmp_path / "absent.nc", "-o", tmp_path / "y.xlsx")
     assert result.exit_code == 1
     assert "cannot be read: No such file" in result.output

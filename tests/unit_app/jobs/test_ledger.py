@@ -201,13 +201,13 @@ def test_an_owner_leaves_room_for_the_next_one(ledgers):
     for number in range(5):
         here.check_queue(10, "a")  # one owner has 10/2
         post(here, f"a{number}", owner="a")
-    with pytest.raises(QueueFullError, match="5 of the 10 places"):
+    with pytest.raises(QueueFullError, match="5 of 10 places"):
         there.check_queue(10, "a")
     post(here, "a0", owner="a")  # the same study takes no other place
     for number in range(3):
         there.check_queue(10, "b")  # each of two has 10/3
         post(there, f"b{number}", owner="b")
-    with pytest.raises(QueueFullError, match="3 are its share"):
+    with pytest.raises(QueueFullError, match="its share is 3 of 10 places"):
         here.check_queue(10, "b")
     here.check_queue(10, "c")
     here.check_queue(10)  # where no keys are, all is one owner's

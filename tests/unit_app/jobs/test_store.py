@@ -394,7 +394,7 @@ class TestDesk:
         tight, loose = ({"disk_quota_bytes": needed + spare} for spare in (10, 1000))
         admission(**tight).post(prepare_content(SIMULATION), "simulate")
         other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": 0.5}}
-        with pytest.raises(NoRoomError, match="are reserved for other jobs"):
+        with pytest.raises(NoRoomError, match="are reserved for running jobs"):
             admission(**tight).post(prepare_content(other), "simulate")
         with pytest.raises(NoRoomError):
             admission(**tight).keep(prepare_content(SWEEP))

@@ -55,7 +55,7 @@ def test_a_long_recording_is_refused_before_it_is_fitted(client):
     rows = np.zeros(MAX_ROWS_SENT + 1, dtype=int)
     (told,) = refused(client, study(data="ax,az\n" + "\n".join(f"{row},0" for row in rows), rate=1))
     assert told["place"] == "drive.data"
-    assert told["message"] == "it has 20,001 rows, the limit over HTTP is 20,000"
+    assert told["message"] == "the recording has 20,001 rows, the limit over HTTP is 20,000"
 
 
 def test_a_study_of_numbers_and_their_origin_is_taken_as_it_is(client):

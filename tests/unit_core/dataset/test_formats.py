@@ -247,7 +247,7 @@ def test_what_is_no_result_of_ours(tmp_path):
     xarray.Dataset({"x": ("y", [1.0])}).to_netcdf(other)
     (tmp_path / "text.nc").write_text("x")
     for place in (other, tmp_path / "text.nc", tmp_path):
-        with pytest.raises(VibrafeedError, match="it is not a result of vibrafeed"):
+        with pytest.raises(VibrafeedError, match="the file is not a result of vibrafeed"):
             read_result(str(place))
     with pytest.raises(FileNotFoundError):
         read_result(str(tmp_path / "absent.nc"))

@@ -245,7 +245,7 @@ def test_every_error_is_told_with_its_place():
     assert "neither" in told["demands.1"]
     assert "at_least" in told["demands.2"]
     assert "names as values" in told["demands.5.output"]
-    assert "needs exactly two bounds" in told["demands.6"]
+    assert "a regime has no bounds" in told["demands.6"]
     assert "verify" in told
     told = problems(demands=[{"regime": "hopping"}, {"regime": "hoping"}])
     assert "flight" in told["demands.0.regime"]
