@@ -97,7 +97,7 @@ class Blocks(Studies):
         if computed is None:
             path.unlink(missing_ok=True)
             raise TornBlockError(
-                f"block {index} of study {key} is damaged: its bytes differ from those written"
+                f"block {index} of study {key} was damaged on the disk; it is computed again"
             )
         return computed
 

@@ -314,10 +314,11 @@ def _sizes(log: Array) -> Array:
 def _score(likelihood: Likelihood, boxes: PosteriorBoxes, log: Array) -> Array:
     """Return the gain expected from halving each box of the unknowns, shape (boxes,), without unit.
 
-    The boxes with the largest gain are halved next. It is the share of the posterior mass in the
-    box times the variance of predictions within it over the variance of their errors, summed over
-    the measured runs, at most 10, with a term for the border of an observed regime. Boxes that
-    cannot be halved further have 0.
+    The boxes with the largest gain of accuracy are halved next. It is the share of the posterior
+    mass in the box times the variance of predictions within it over that of the errors of
+    measurement, prediction and discrepancy, summed over the measured runs, at most 10, with a term
+    for the border of an observed regime. Of the variance the part that is linear in the unknowns
+    (`change`) counts a tenth, the rest (`rough`) whole. Boxes that cannot be halved have 0.
 
     Parameters
     ----------

@@ -287,8 +287,8 @@ def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
                 fix,
             )
     if study.verify is not None:
-        message = "statistics of sampled points have errors, which the result states"
-        yield Problem("verify", message, "Leave out verify, or verify a simulation or a sweep")
+        message = "a sensitivity study states the errors of its statistics and cannot be verified"
+        yield Problem("verify", message, "Leave out verify")
     yield from _problems_of_demands(study.demands)
 
 

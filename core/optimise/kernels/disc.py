@@ -233,12 +233,14 @@ def _within_limit(X: float, low: float, high: float, k: float, at: Level, e: flo
 
 @compiled
 def _slope_along(X: float, held: int, at: Level, block: Block) -> float:
-    """Return the derivative of the best a_x over the elevation beta, in units of P per rad.
+    """Return the slope over the elevation beta of the part's largest a_x, in units of P per rad.
 
-    P is the drive acceleration; D_x = X is the drive along the track less gravity that gives the
-    best a_x. `held` is the code of what limits D_x, such as a bound of the azimuth, and so how D_x
-    moves with beta. `at` has drive and friction at this beta with their slopes, `block` gravity and
-    bounds.
+    P is the drive acceleration, a_x the acceleration of the part along the track, the largest over
+    the azimuths allowed; a search for the best beta needs its slope. D_x = X is the drive along
+    less gravity that gives it. `held` is the code of what limits D_x: `NEAREST` or `FARTHEST`
+    azimuth, `STICK_EDGE` where static friction would hold the part, `ACROSS_LIMIT` of |a_y|; else
+    D_x is free and a_x has no slope by it. `at` has q = cos(beta), kinetic and static friction m
+    and ms with their slopes dq, dm, dms, `block` gravity k along -x and the azimuths a0, a1 [rad].
     """
     k, q, dq, m, dm = block.k, at.q, at.dq, at.m, at.dm
     R2 = q * q - k * k - 2 * k * X
