@@ -291,6 +291,21 @@ def no_chain() -> Chain:
 
 
 @compiled
+def is_owned(owner: Floats, drive: Drive, e: Restitution, start: float) -> bool:
+    """True if `owner` has the numbers of a motion normal to the floor; it has them afterwards.
+
+    They are its first five: drive and gravity normal to the floor in g, both numbers of the
+    restitution `e`, and the phase `start` in rad. NaN, as waves have, is never the same.
+    """
+    normal, load = normal_numbers(drive)
+    is_same = True
+    for place, number in enumerate((normal, load, e.constant, e.damping, start)):
+        is_same = is_same and owner[place] == number
+        owner[place] = number
+    return is_same
+
+
+@compiled
 def cycle_in(
     chain: Chain, drive: Drive, start: float, e: Restitution, max_periods: int, most_growth: float
 ) -> tuple[int, int, int]:
@@ -300,13 +315,9 @@ def cycle_in(
     arguments are those of `normal_cycle`; a chain is for one value of `most_growth`.
     """
     summary = chain.summary
-    normal, load = normal_numbers(drive)
-    is_same = lifts(drive)
-    numbers = (normal, load, e.constant, e.damping, start, float(max_periods))
-    for column, number in enumerate(numbers):
-        is_same = is_same and summary[column] == number
-        summary[column] = number
-    if not is_same:
+    is_same = is_owned(summary, drive, e, start) and summary[SUMMARY.most] == max_periods
+    summary[SUMMARY.most] = max_periods
+    if not (is_same and lifts(drive)):
         first, end, periods = normal_cycle(drive, start, e, max_periods, most_growth, chain.rows)
         summary[SUMMARY.first], summary[SUMMARY.end], summary[SUMMARY.periods] = first, end, periods
     return int(summary[SUMMARY.first]), int(summary[SUMMARY.end]), int(summary[SUMMARY.periods])

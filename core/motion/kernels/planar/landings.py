@@ -28,6 +28,7 @@ from core.motion.kernels.planar.cycle import (
     FIRST_LOOK,
     LONGEST_CYCLE,
     find_cycle,
+    is_owned,
     write_segment,
 )
 from core.motion.kernels.planar.drive import (
@@ -35,7 +36,6 @@ from core.motion.kernels.planar.drive import (
     hop_height,
     landing,
     lift_off,
-    normal_numbers,
     rise,
     to_lift_off,
 )
@@ -99,13 +99,7 @@ def belong_to(landings: Landings, drive: Drive, e: Restitution, phase: float) ->
 
     `phase` in rad is the study's own start. Landings of waves are begun for each cell.
     """
-    normal, load = normal_numbers(drive)
-    numbers = (normal, load, e.constant, e.damping, phase)
-    is_same = True
-    for place, number in enumerate(numbers):
-        is_same = is_same and landings.owner[place] == number
-        landings.owner[place] = number
-    if is_same:
+    if is_owned(landings.owner, drive, e, phase):
         return
     sums, no_log = np.zeros(SUMS), np.empty((0, len(PIECE)))
     landings.states[:] = 0.0
