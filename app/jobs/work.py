@@ -9,6 +9,7 @@ from __future__ import annotations
 import socket
 import threading
 import time
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
@@ -133,6 +134,17 @@ def compute_block(
             raise StoppedError(UNWANTED)
         store.write_block(key, cells, index, computed)
     return time.perf_counter() - started
+
+
+def compute_blocks(
+    directory: str, key: str, process: str, cells: int, indices: Sequence[int], claim: str = ""
+) -> float:
+    """Compute some blocks of a study, one after another; return the seconds that they took.
+
+    The arguments and errors are those of `compute_block`, with the numbers of the blocks. Each is
+    stored when it is done, and those before are kept if one fails.
+    """
+    return sum(compute_block(directory, key, process, cells, index, claim) for index in indices)
 
 
 def write_result(directory: str, key: str, process: str, cells: int, seconds: float) -> float:

@@ -122,13 +122,28 @@ def test_work_is_carried_out(tmp_path):
     workers = Workers()
     job = carried_out(tmp_path, workers)
     assert (job.state, job.done) == ("successful", job.blocks)
-    assert workers.calls == ["compute_block"] * job.blocks + ["write_result"]
+    assert workers.calls == ["compute_blocks"] * job.blocks + ["write_result"]
     assert Store(tmp_path).manifest(job.key) is not None
+
+
+def test_blocks_much_shorter_than_priced_share_calls(tmp_path, monkeypatch):
+    monkeypatch.setattr("app.jobs.work.cells_of_piece", lambda prepared, seconds: 1)
+    amplitude = {"start": "0.1 mm", "stop": "0.4 mm", "num": 400}
+    monkeypatch.setitem(STUDY["parameters"], "amplitude", amplitude)
+
+    def in_no_time(*arguments: Any) -> float:
+        return 0.0 * work.compute_blocks(*arguments)
+
+    workers = Workers(compute_blocks=in_no_time)
+    job = carried_out(tmp_path, workers)
+    assert (job.state, job.blocks, job.done) == ("successful", 400, 400)
+    # Some at a time, but never more than leave as many for each of the calls under way.
+    assert 2 * workers.count < len(workers.calls) < 60
 
 
 def test_time_runs_out_while_a_block_runs(tmp_path):
     done = threading.Event()
-    workers = Workers(1, compute_block=lambda *_: done.wait(PATIENCE))
+    workers = Workers(1, compute_blocks=lambda *_: done.wait(PATIENCE))
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: admission.ledger.job(job.id).state == "failed")
@@ -156,7 +171,7 @@ def test_time_does_not_run_out_while_a_job_waits_and_it_says_for_what(tmp_path, 
 
 def test_a_worker_that_does_not_stop_what_was_dismissed_is_killed(tmp_path):
     done = threading.Event()
-    workers = Workers(1, compute_block=lambda *_: done.wait(PATIENCE))
+    workers = Workers(1, compute_blocks=lambda *_: done.wait(PATIENCE))
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: admission.ledger.job(job.id).state == "running")
@@ -169,7 +184,7 @@ def test_a_worker_that_does_not_stop_what_was_dismissed_is_killed(tmp_path):
 
 def test_a_worker_without_a_nanny_is_waited_for(tmp_path, caplog):
     done = threading.Event()
-    workers = Workers(1, compute_block=lambda *_: done.wait(PATIENCE))
+    workers = Workers(1, compute_blocks=lambda *_: done.wait(PATIENCE))
     workers.nannies = False
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
@@ -186,7 +201,7 @@ def test_a_worker_without_a_nanny_is_waited_for(tmp_path, caplog):
 
 def test_a_worker_that_stops_in_time_is_left_alone(tmp_path):
     done = threading.Event()
-    workers = Workers(1, compute_block=lambda *_: done.wait(PATIENCE))
+    workers = Workers(1, compute_blocks=lambda *_: done.wait(PATIENCE))
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: admission.ledger.job(job.id).state == "running")
@@ -201,9 +216,9 @@ def test_a_worker_that_stops_in_time_is_left_alone(tmp_path):
 
 def test_a_worker_without_the_shared_files_is_told(tmp_path):
     def blind(directory: str, *arguments: Any) -> float:
-        return work.compute_block(str(tmp_path / "elsewhere"), *arguments)
+        return work.compute_blocks(str(tmp_path / "elsewhere"), *arguments)
 
-    job = carried_out(tmp_path, Workers(compute_block=blind))
+    job = carried_out(tmp_path, Workers(compute_blocks=blind))
     assert (job.problem["status"], job.problem["kind"]) == (500, "workers")
     assert job.problem["title"] == "A worker does not see the data directory"
     assert "VIBRAFEED_DATA_DIRECTORY" in job.problem["detail"]
@@ -224,10 +239,10 @@ def test_that_there_are_no_workers_is_told_while_work_waits_for_them(tmp_path, m
 def test_workers_that_go_and_come_again_are_noticed(tmp_path, monkeypatch):
     monkeypatch.setattr("app.jobs.executor.LOOK_AT_WORKERS", 0.1)
     go_on = threading.Event()
-    workers = Workers(1, compute_block=lambda *_: go_on.wait(PATIENCE))
+    workers = Workers(1, compute_blocks=lambda *_: go_on.wait(PATIENCE))
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
-        await awaited(lambda: "compute_block" in workers.calls)
+        await awaited(lambda: "compute_blocks" in workers.calls)
         assert runner.fault() is None
         workers.count = 0
         await awaited(lambda: runner.fault() == "there are no workers")
@@ -336,14 +351,14 @@ def test_too_many_open_files_fail_no_job(tmp_path, monkeypatch):
     def full(*arguments: Any) -> float:
         if open_files:
             raise open_files.pop()
-        return work.compute_block(*arguments)
+        return work.compute_blocks(*arguments)
 
-    assert carried_out(tmp_path, Workers(compute_block=full)).state == "successful"
+    assert carried_out(tmp_path, Workers(compute_blocks=full)).state == "successful"
 
 
 def test_a_study_of_another_version_is_told(tmp_path):
     def other(*arguments: Any) -> float:
         raise OtherVersionError("Post it again.")
 
-    job = carried_out(tmp_path, Workers(compute_block=other))
+    job = carried_out(tmp_path, Workers(compute_blocks=other))
     assert (job.problem["status"], job.problem["kind"]) == (409, "version")
