@@ -15,6 +15,7 @@ from core.motion.drive_units import on_unit, unit_of
 from core.motion.driven import driven
 from core.motion.drives import shape_of, what_is_open
 from core.motion.groups import Contacts
+from core.motion.in_common import families_of
 from core.motion.method import Method
 from core.motion.part_load import price_of_load
 from core.motion.price import Priced, prices_of, sampled_parameters, seconds_of, some_cells
@@ -179,6 +180,12 @@ def tried_price(
     chosen, count = sampled_parameters(plan, grid, free or {}, TRIED_CELLS)
     contacts = CONTACTS.get(plan.scene.name, Contacts())
     priced = some_cells(plan, chosen, {}, contacts)
+    families = None
+    if not free and "groups" in priced.known and np.any(priced.restless):
+        families = families_of(plan, grid, contacts, TRIED_CELLS)
+    if families is not None:
+        chosen, count = dict(families.singles), families.count
+        priced = some_cells(plan, chosen, {}, contacts)
 
     def price(periods: float | None) -> Array:
         asked = priced
@@ -189,7 +196,8 @@ def tried_price(
         return np.asarray(told * pace())
 
     kinds = np.broadcast_to(priced.across if "groups" in priced.known else False, (count,))
-    return Trial(plan, chosen, kinds, price, method.fewest_periods).seconds_a_cell(cells)
+    trial = Trial(plan, chosen, kinds, price, method.fewest_periods, families)
+    return trial.seconds_a_cell(cells)
 
 
 def _with_all_motions(plan: Plan, method: Method, seconds: Array | float) -> Array:

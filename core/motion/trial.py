@@ -16,6 +16,7 @@ import numpy as np
 
 from core.errors import StoppedError
 from core.mechanics.arrays import Array
+from core.motion.in_common import Families
 from core.motion.result import STATUS
 from core.plan.equations import run_equations
 from core.plan.plan import Plan
@@ -55,8 +56,12 @@ TRUST = 0.9
 """Weight, as a power, of the time by some periods beside the price by formula."""
 
 SURPRISE = 3.0
-"""Ratio of time and price from which on the first cell is followed again: it may have loaded
-code."""
+"""Ratio of time and price from which on cells of the first batches are followed again: they may
+have loaded code."""
+
+SURPRISING = 2
+"""Number of batches that may have loaded code: motions that do not repeat have some of their own,
+and the first cell may repeat."""
 
 REPEATS = [STATUS[name] for name in ("periodic", "at_rest", "neutral")]
 
@@ -89,6 +94,8 @@ class Trial:
         formula of each cell when followed for these [s], shape (count,).
     fewest_periods : int
         Least number of periods that the method can follow.
+    families : Families or None
+        Where cells of the study have landings in common: its `singles` are then the parameters.
     """
 
     plan: Plan
@@ -96,6 +103,7 @@ class Trial:
     kinds: Array
     price: Callable[[float | None], Array]
     fewest_periods: int = 1
+    families: Families | None = None
 
     @property
     def count(self) -> int:
@@ -108,13 +116,21 @@ class Trial:
         `cells` is the number of cells in the study, which limits the time spent on this.
         """
         self._load()
+        each, done = self._seconds_alone(cells)
+        return each if self.families is None or not done else each * self._in_common(each, done)
+
+    def _seconds_alone(self, cells: float) -> tuple[float, int]:
+        """Return the mean time of a cell [s], and how many were followed to their end for it.
+
+        `cells` is the number of cells in the study.
+        """
         prices = self.price(None)
         each, spent, done = float(prices.mean()), 0.0, 0
         batches: list[tuple[int, float]] = []
         if prices[0] > _budget(cells * each):
             outcome, each = self._some_periods(cells, prices)
             if not outcome.repeats:
-                return each
+                return each, 0
             spent, done = outcome.seconds, 1
             batches.append((1, outcome.seconds))
         while done < self.count:
@@ -125,19 +141,38 @@ class Trial:
             if size < 1 or (batches and batches[-1][1] > left):
                 break
             outcome = self._follow(done, done + size, None, left)
-            if not done and outcome.seconds > SURPRISE * prices[0]:  # it may have loaded code
-                outcome = self._follow(0, 1, None, left)
+            dear = outcome.seconds > SURPRISE * prices[done : done + size].sum()
+            if dear and len(batches) < SURPRISING:  # it may have loaded code
+                outcome = self._follow(done, done + size, None, left)
             spent += outcome.seconds
             done += size
             if not outcome.ended:
                 if done == 1:  # longer than its price: how long, some of its periods tell
                     each = self._some_periods(cells, prices)[1]
-                return max(each, BROKEN_OFF * spent / done)
+                return max(each, BROKEN_OFF * spent / done), 0
             batches.append((size, outcome.seconds))
             each = _slope(batches)
             if done < ENOUGH:
                 each *= float(prices.mean() / prices[:done].mean())
-        return each
+        return each, done
+
+    def _in_common(self, each: float, done: int) -> float:
+        """Return the time of a cell beside all its siblings over its time alone, from 0 to 1.
+
+        Some of the cells are followed alone and then with siblings: what these add is what each
+        needs for itself, and the rest is found once for all. `each` is the time of a cell alone
+        [s], and `done` the number of cells known to end.
+        """
+        families = self.families
+        assert families is not None
+        count = max(1, min(done, int(LEAST / (each * (1 + families.each)))))
+        alone = self._follow(0, count, None, MOST)
+        beside = self._follow(0, count * families.each, None, MOST, families.siblings)
+        if not (alone.ended and beside.ended):
+            return 1.0
+        added = (beside.seconds - alone.seconds) / ((families.each - 1) * alone.seconds)
+        own = float(np.clip(added, 0.0, 1.0))
+        return own + (1.0 - own) / families.size
 
     def _some_periods(self, cells: float, prices: Array) -> tuple[_Followed, float]:
         """Follow the first cell for doubling numbers of periods, while the budget of time lasts.
@@ -182,16 +217,23 @@ class Trial:
                 self._follow(place, place + 1, float(self.fewest_periods), MOST)
                 _loaded.add(name)
 
-    def _follow(self, start: int, stop: int, periods: float | None, left: float) -> _Followed:
+    def _follow(
+        self,
+        start: int,
+        stop: int,
+        periods: float | None,
+        left: float,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> _Followed:
         """Follow some cells of a study, to measure their time; return it with the outcome.
 
         The cells with indices from `start` to before `stop`. `periods` is the number of periods to
         follow, None for all allowed ones; `left` is the processor time after which the work is
-        broken off [s].
+        broken off [s]. `parameters` are those of other cells than the trial's own.
         """
         known = {
             name: value[start:stop] if np.ndim(value) else value
-            for name, value in self.parameters.items()
+            for name, value in (parameters or self.parameters).items()
         }
         if periods is not None and "max_periods" in self._settings:
             known["max_periods"] = np.asarray(periods)

@@ -7,10 +7,13 @@ import pytest
 
 import core.kernel_cache
 from core.intake import prepare_content
+from core.motion.groups import Contacts
+from core.motion.in_common import Families, families_of
 from core.motion.trial import FIRST, LEAST, MOST, UNFINISHED, Trial, _Followed
 from core.plan.prepared import TRIED_FROM
 
 CALL = 2e-3  # s of a call, besides its cells
+LANDINGS, OWN = 9e-3, 1e-3  # s of a cell: what it has in common with others, and its own
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,11 @@ class Told(Trial):
     def _settings(self):
         return self.parameters
 
-    def _follow(self, start, stop, periods, left):
+    def _follow(self, start, stop, periods, left, parameters=None):
+        if parameters is not None:  # siblings: each family needs its landings once
+            families = (stop - start) // self.families.each
+            seconds = CALL + families * LANDINGS + (stop - start) * OWN
+            return _Followed(seconds, ended=True, repeats=False)
         each = min(100.0 if periods is None else periods, self.repeat_after) * self.a_period
         seconds = CALL + each * (stop - start)
         self.asked.append((start, stop, periods, min(seconds, left)))
@@ -111,6 +118,14 @@ def test_cells_that_take_too_long_are_not_waited_for():
     assert len(told.asked) < 4
 
 
+@pytest.mark.parametrize("size", [2, 100])
+def test_what_cells_have_in_common_counts_once(size):
+    """Beside its siblings a cell takes its own time, and its part of the landings of all."""
+    families = Families(256, size, {}, {}, min(size, 4))
+    told = trial(1e-3, a_period=(LANDINGS + OWN) / 100.0, families=families)
+    assert told.seconds_a_cell(1e6) == pytest.approx(LANDINGS / size + OWN, rel=0.1)
+
+
 HOPS = {"frequency": 50, "amplitude": "2.1 mm", "beta": 41, "friction": 0.4, "restitution": 0.6}
 
 
@@ -152,3 +167,36 @@ def test_only_a_study_that_is_worth_it_is_tried(monkeypatch):
     long = prepare_content(study(friction={"start": 0.3, "stop": 0.5, "num": 10_000_000}))
     assert long.seconds > TRIED_FROM
     assert long.stated_seconds == pytest.approx(1e7)
+
+
+AXES = {
+    "amplitude": {"start": "0.5 mm", "stop": "2.1 mm", "num": 5},
+    "friction": {"start": 0.2, "stop": 0.6, "num": 9},
+    "gamma": {"start": -2, "stop": 2, "num": 3},
+    "restitution": {"start": 0.2, "stop": 0.6, "num": 3},
+}
+
+
+def test_a_sample_has_cells_of_every_motion_normal_to_the_floor_and_their_siblings():
+    prepared = prepare_content(study(**AXES))
+    found = families_of(prepared.plan, prepared.grid, Contacts(), 256)
+    assert (found.count, found.size, found.each) == (45, 9, 4)
+    normal = [name for name in AXES if name != "friction"]
+    singles = np.array([found.singles[name] for name in normal])
+    assert np.unique(singles, axis=1).shape == (3, 45)
+    siblings = np.array([found.siblings[name] for name in normal])
+    assert np.array_equal(siblings, np.repeat(singles, 4, axis=1))
+    frictions = found.siblings["friction"].reshape(45, 4)
+    assert all(np.unique(row).size == 4 for row in frictions)
+    assert np.array_equal(frictions[:, 0], found.singles["friction"])
+
+
+def test_where_no_cells_have_landings_in_common_there_are_no_families():
+    alone = {name: values for name, values in AXES.items() if name != "friction"}
+    prepared = prepare_content(study(**alone))
+    assert families_of(prepared.plan, prepared.grid, Contacts(), 256) is None
+    waves = {"amplitude_normal_1": "0.5 mm", "amplitude_along_2": "0.2 mm"}
+    content = study(**waves, friction=AXES["friction"])
+    del content["parameters"]["amplitude"], content["parameters"]["beta"]
+    prepared = prepare_content(content)
+    assert families_of(prepared.plan, prepared.grid, Contacts(), 256) is None
