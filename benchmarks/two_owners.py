@@ -9,11 +9,14 @@ of a slice, quiet and loaded, and the median of the ratios of the pairs.
 from __future__ import annotations
 
 import http.client
+import itertools
 import json
+import multiprocessing
+import os
 import statistics
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 
 from benchmarks.attacks import ELSEWHERE, LARGE, SMALL, varied
@@ -47,15 +50,18 @@ def slices(server: Served, path: str, seconds: float) -> list[float]:
 
 
 class Crowd:
-    """Clients of the other owner, who ask one after another while the load is on."""
+    """Clients of the other owner, who ask one after another while the load is on.
+
+    They are a process of their own, of low priority, as they would be another machine: what they
+    read would else hold up the one who measures.
+    """
 
     def __init__(self, server: Served, call: Call):
         self._server, self._call = server, call
-        self._on, self._over = threading.Event(), threading.Event()
-        self._number = 0
-        self._threads = [threading.Thread(target=self._ask, daemon=True) for _ in range(CLIENTS)]
-        for thread in self._threads:
-            thread.start()
+        fork = multiprocessing.get_context("fork")  # a call may refer to anything
+        self._on = fork.Event()
+        self._process = fork.Process(target=self._ask_all, daemon=True)
+        self._process.start()
 
     def turn(self, on: bool) -> None:
         """Begin to ask, or stop."""
@@ -63,16 +69,20 @@ class Crowd:
 
     def end(self) -> None:
         """End all clients."""
-        self._over.set()
-        self._on.set()
-        for thread in self._threads:
-            thread.join()
+        self._process.terminate()
+        self._process.join()
 
-    def _ask(self) -> None:
-        while not self._over.is_set():
+    def _ask_all(self) -> None:
+        os.nice(19)
+        numbers = itertools.count(1)
+        threads = [threading.Thread(target=self._ask, args=(numbers,)) for _ in range(CLIENTS)]
+        for thread in threads:
+            thread.start()
+
+    def _ask(self, numbers: Iterator[int]) -> None:
+        while True:
             self._on.wait()
-            self._number += 1
-            method, path, body = self._call(self._number)
+            method, path, body = self._call(next(numbers))
             connection = http.client.HTTPConnection(*self._server.place, timeout=60)
             with suppress(OSError, http.client.HTTPException):
                 connection.request(method, path, body)
