@@ -7,6 +7,7 @@ import contextlib
 import logging
 import os
 import threading
+from collections import Counter
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -119,6 +120,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.views = ZarrViews(store, settings.zarr_cache_bytes)
     app.state.unsent = Unsent(settings.max_unsent_bytes)
     app.state.warmth = Warmth()  # started where the service is served
+    app.state.uploads = Counter()  # bodies on their way, by address: `app.web.connections`
     app.state.metrics = Metrics()  # other parts add gauges
     # Of (name, check): see `app.web.routes.health.readyz`.
     app.state.readiness = [("jobs", runner.fault), ("ledger", ledger.fault)]

@@ -4,8 +4,9 @@ A client that sends its request, or reads its reply, too slowly is cut off; wher
 connections, one without a request under way makes room for the next, so that whoever comes last is
 heard, /healthz too. It is one of the address that has the most of them: an address that opens many
 closes its own. The application begins with a request when its body has come, since beginning costs
-more than all that a slow client sends. A body in crumbs costs a thousand times what it holds, and
-is refused.
+more than all that a slow client sends; of the bodies that are longer than a connection holds, it
+begins with a few of each address. A body in crumbs costs a thousand times what it holds, and is
+refused.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ MAX_LINES = 100  # of a head: each is parsed, and searched by every layer; brows
 FREE_CHUNKS, LEAST_CHUNK = 500, 16  # chunks of any size, and bytes on average of those beyond
 FREE_BYTES = 64_000  # that may have come beside twice the body: sizes and extensions of chunks
 
+UPLOADS = 16  # requests of an address that may have begun before their whole body is here
 ACCEPTED_AT_ONCE = 64  # between two of them connections that make room are really closed
 SPARE = 64  # connections beyond the requests that may be under way
 CUT_AT_ONCE = 32  # connections closed at a time: finding the longest idle ones takes time
@@ -126,11 +128,12 @@ class Connection(H11Protocol):
         super().__init__(*arguments, **options)
         self.conn = ThriftyParser()
         self._serve, self.app = self.app, self._serve_when_here
-        settings = self.config.app.state.settings  # type: ignore[union-attr]
+        state = self.config.app.state  # type: ignore[union-attr]
+        settings, self._uploads = state.settings, state.uploads
         self._most = settings.max_requests + SPARE
         self._longest_body = settings.max_body_bytes
         self._address = ""
-        self._is_stopping = False
+        self._is_stopping = self._waits_for_others = False
         self._since = self._sent = self.loop.time()
         self._received = 0
         self._was_answered = False
@@ -216,19 +219,38 @@ class Connection(H11Protocol):
         while self._is_awaited(cycle):
             cycle.message_event.clear()
             await cycle.message_event.wait()
-        if not cycle.disconnected:
+        self._waits_for_others = False
+        if cycle.disconnected:
+            return
+        is_upload = cycle.more_body
+        self._uploads[self._address] += is_upload
+        try:
             await self._serve(scope, receive, send)
+        finally:
+            self._uploads[self._address] -= is_upload
+            if is_upload:
+                self._wake_waiting()
+
+    def _wake_waiting(self) -> None:
+        """Let requests that wait for the body of another one look whether they may begin."""
+        for one in self.connections:
+            if isinstance(one, Connection) and one._waits_for_others:
+                one.cycle.message_event.set()
 
     def _is_awaited(self, cycle: RequestResponseCycle) -> bool:
         """True while the rest of a request's body has to come before the application begins.
 
         It begins at once with what is refused by its length, and with a client that asks whether to
-        send its body at all; of a long body, when as much of it is here as a connection takes.
+        send its body at all; of a long body, when as much of it is here as a connection takes, and
+        few others of its address are on their way.
         """
         if not cycle.more_body or cycle.disconnected or self._is_stopping:
             return False
-        if cycle.waiting_for_100_continue or len(cycle.body) > HIGH_WATER_LIMIT:
+        if cycle.waiting_for_100_continue:
             return False
+        if len(cycle.body) > HIGH_WATER_LIMIT:
+            self._waits_for_others = self._uploads[self._address] >= UPLOADS
+            return self._waits_for_others
         lengths = [value for name, value in self.headers if name == b"content-length"]
         return not lengths or int(lengths[0]) <= self._longest_body
 

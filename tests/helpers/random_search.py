@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import shutil
 import threading
 import time
 import urllib.error
@@ -21,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from app.settings import Settings
 from benchmarks.serving import Served, served
 from core.catalogue import describe
 from core.errors import StudyError, VibrafeedError
@@ -222,6 +224,8 @@ class Search:
         """Post a study, and look at what becomes of it."""
         status, document = self._ask("POST", f"/processes/{content['kind']}/execution", content)
         self._count(str(status))
+        if status == 507 and self._is_too_large(content):
+            return
         if status >= 500:
             self._tell(f"{status} {document.get('detail')}", content)
         elif status == 200:
@@ -251,6 +255,13 @@ class Search:
             prepare_content(content)
         except VibrafeedError as error:
             self._tell(f"accepted, and refused here: {error}", content)
+
+    def _is_too_large(self, content: Content) -> bool:
+        """True if a result cannot be stored here: beyond the quota, or the disk is smaller."""
+        prepared = prepare_content(content)
+        quota = Settings.model_fields["disk_quota_bytes"].default
+        free = shutil.disk_usage(self._server.data).free
+        return prepared.bytes + prepared.computed_bytes > min(quota, free)
 
     def _ask(self, method: str, path: str, content: Any = None) -> tuple[int, Any]:
         data = None if content is None else json.dumps(content).encode()

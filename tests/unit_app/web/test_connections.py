@@ -5,6 +5,7 @@ from __future__ import annotations
 import socket
 import sys
 import threading
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 from types import SimpleNamespace
@@ -12,7 +13,7 @@ from types import SimpleNamespace
 import pytest
 import uvicorn
 
-from app.web.connections import SPARE, Connection
+from app.web.connections import SPARE, UPLOADS, Connection
 from waiting import PATIENCE, wait_for
 
 LONGEST = 1_000_000  # bytes of a body
@@ -30,7 +31,7 @@ class Application:
     def __init__(self):
         self.begun = []
         self.state = SimpleNamespace(
-            settings=SimpleNamespace(max_requests=1, max_body_bytes=LONGEST)
+            settings=SimpleNamespace(max_requests=1, max_body_bytes=LONGEST), uploads=Counter()
         )
 
     async def __call__(self, scope, receive, send):
@@ -152,6 +153,18 @@ def test_it_begins_before_where_it_has_to(running, line, size):
         content = bytes(size)
         client.sendall(b"%x\r\n%s\r\n" % (size, content) if "chunked" in line else content)
     wait_for(lambda: running.posted() == 1)
+
+
+@several_addresses
+def test_of_long_bodies_of_an_address_it_begins_with_a_few(running):
+    begun = head("Content-Length: 200000") + bytes(100_000)
+    clients = [running.client(begun) for _ in range(UPLOADS + 2)]
+    wait_for(lambda: running.posted() == UPLOADS)
+    other = running.client(begun, bytes(100_000), source="127.0.0.2")
+    assert reply(other).endswith(b"200000 bytes")
+    for client in clients:  # each that ends makes room for the next
+        client.sendall(bytes(100_000))
+        assert reply(client).endswith(b"200000 bytes")
 
 
 def test_who_asks_whether_to_send_is_answered(running):
