@@ -6,8 +6,9 @@ import asyncio
 import logging
 import time
 from collections import Counter, deque
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from app.jobs import work
 from app.jobs.cluster import Cluster
@@ -23,6 +24,7 @@ from core.errors import VibrafeedError
 from core.kinds import KINDS
 
 logger = logging.getLogger("vibrafeed.jobs")
+_T = TypeVar("_T")
 
 MAX_TORN = 3  # times that one block is found damaged
 # In times of a block: calls that last longer count as long, and leave one worker to short ones.
@@ -242,8 +244,8 @@ class Dispatcher:
         item, total = progress.item, 0.0
         progress.done = max(0, item.blocks - len(missing))
         waiting = deque(missing)
-        running: dict[asyncio.Task[float], int] = {}
-        finished: set[asyncio.Task[float]] = set()
+        running: dict[asyncio.Task[list[float]], list[int]] = {}
+        finished: set[asyncio.Task[list[float]]] = set()
         try:
             while True:
                 # Most of them wait for their turn; no worker is to wait for them.
@@ -253,41 +255,44 @@ class Dispatcher:
                     indices = [waiting.popleft() for _ in range(count)]
                     call = self._on_worker(
                         progress, count, work.compute_blocks, item.key, item.process,
-                        item.block_cells, indices, item.owner,
+                        item.block_cells, indices, item.owner, self._settings.block_seconds,
                     )  # fmt: skip
-                    running[asyncio.create_task(call)] = count
+                    running[asyncio.create_task(call)] = indices
                 if not running:
                     return total
                 finished, _ = await asyncio.wait(running, return_when=asyncio.FIRST_COMPLETED)
+                seconds: list[float] = []
                 for task in finished:
-                    count, seconds = running.pop(task), task.result()
-                    self.work_progress.computed(item, [seconds / count] * count)
-                    self._plan_calls(progress, count, seconds)
-                    progress.done += count
-                    total += seconds
-                await self._note(progress, sum(task.result() for task in finished))
+                    indices, took = running.pop(task), task.result()
+                    waiting.extendleft(reversed(indices[len(took) :]))
+                    self._plan_calls(progress, took)
+                    seconds += took
+                self.work_progress.computed(item, seconds)
+                progress.done += len(seconds)
+                total += sum(seconds)
+                await self._note(progress, sum(seconds))
         finally:
             for task in running:
                 task.cancel()
             await asyncio.gather(*running, *finished, return_exceptions=True)
 
-    def _plan_calls(self, progress: _Progress, count: int, seconds: float) -> None:
+    def _plan_calls(self, progress: _Progress, took: list[float]) -> None:
         """Let the next calls of an item have as many blocks as a worker computes in a block's time.
 
         A call takes some 10 ms of this server and of a worker besides, and blocks that turn out
-        shorter than they were priced would take less than that each. `count` is the number of
-        blocks of a call that has ended, and `seconds` its time [s].
+        shorter than they were priced would take less than that each. `took` are the times of the
+        blocks of a call that has ended [s].
         """
         if progress.item.process not in KINDS:  # those of an accuracy report differ
             return
-        progress.seconds = seconds / count
+        progress.seconds = sum(took) / len(took)
         fitting = int(self._settings.block_seconds / max(progress.seconds, 1e-6))
-        progress.blocks = max(1, min(fitting, MORE * count))
+        progress.blocks = max(1, min(fitting, MORE * len(took)))
 
     async def _on_worker(
-        self, progress: _Progress, blocks: int, function: Any, *arguments: Any
-    ) -> float:
-        """Run a function on a worker of the cluster and return the seconds that it took.
+        self, progress: _Progress, blocks: int, function: Callable[..., _T], *arguments: Any
+    ) -> _T:
+        """Run a function on a worker of the cluster and return its result.
 
         The time limit of the item runs only while a worker executes the call, not while the call
         waits for a free worker.

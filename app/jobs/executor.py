@@ -7,7 +7,7 @@ import contextlib
 import logging
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from distributed import KilledWorker
 from distributed.client import FutureCancelledError
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 logger = logging.getLogger("vibrafeed.jobs")
+_T = TypeVar("_T")
 
 LOOK_AT_WORKERS = 5.0  # s between looks at whether there are some, while a call does not end
 SETTLE = 1.0  # s within which a worker that was given a call reports that it has begun
@@ -42,7 +43,7 @@ class _Call:
     """
 
     future: Any
-    result: asyncio.Task[float]
+    result: asyncio.Task[Any]
     begun: asyncio.Future[None]
     loaded: asyncio.Future[None]
     worker: str = ""
@@ -83,9 +84,9 @@ class Executor:
         share: str,
         seconds: float,
         began: Callable[[], Awaitable[None]],
-        function: Callable[..., float],
+        function: Callable[..., _T],
         *arguments: Any,
-    ) -> float:
+    ) -> _T:
         """Run a function on a worker of the cluster when its turn comes, and return its result.
 
         A caller that is cancelled need not wait for the worker: the call is then abandoned, and a
@@ -119,7 +120,8 @@ class Executor:
             while True:
                 call = await self._submit(function, arguments)
                 try:
-                    return await self._await_result(call, began)
+                    result: _T = await self._await_result(call, began)
+                    return result
                 except KilledWorker as error:
                     if error.last_worker.address not in self._killed:
                         raise WorkersDieError(
@@ -149,13 +151,12 @@ class Executor:
         """Return the reason why new work has to wait, such as busy workers; None if it has not."""
         return self.trouble or ("all workers are busy" if self._fair_queue.waiting else None)
 
-    async def _submit(self, function: Callable[..., float], arguments: Any) -> _Call:
+    async def _submit(self, function: Callable[..., Any], arguments: Any) -> _Call:
         """Submit a call to the Dask cluster, register it, and return its record.
 
-        `function` is a module function that returns its computing time [s]; it is sent by name, as
-        workers import their own code. `arguments` are its arguments. The record has the future of
-        the result, and two futures that the worker's reports set: when it has begun, and when its
-        code is loaded.
+        `function` is a module function; it is sent by name, as workers import their own code.
+        `arguments` are its arguments. The record has the future of the result, and two futures that
+        the worker's reports set: when it has begun, and when its code is loaded.
         """
         client = await self._client()
         future = client.submit(by_name(function), *arguments, pure=False)
@@ -178,7 +179,7 @@ class Executor:
             if not event.done():
                 event.set_result(None)
 
-    async def _await_result(self, call: _Call, began: Callable[[], Awaitable[None]]) -> float:
+    async def _await_result(self, call: _Call, began: Callable[[], Awaitable[None]]) -> Any:
         """Wait for the result of a call on a worker and return it.
 
         `began` is awaited once, when a worker has loaded the code of the call. While nothing
@@ -272,7 +273,6 @@ class Executor:
         return client
 
 
-async def _result_of(future: Any) -> float:
+async def _result_of(future: Any) -> Any:
     """Wait for a future of the cluster and return its result."""
-    seconds: float = await future
-    return seconds
+    return await future

@@ -6,6 +6,7 @@ is computed goes to the disk.
 
 from __future__ import annotations
 
+import math
 import socket
 import threading
 import time
@@ -137,14 +138,26 @@ def compute_block(
 
 
 def compute_blocks(
-    directory: str, key: str, process: str, cells: int, indices: Sequence[int], claim: str = ""
-) -> float:
-    """Compute some blocks of a study, one after another; return the seconds that they took.
+    directory: str,
+    key: str,
+    process: str,
+    cells: int,
+    indices: Sequence[int],
+    claim: str = "",
+    most: float = math.inf,
+) -> list[float]:
+    """Compute blocks of a study, one after another; return the seconds that each took.
 
-    The arguments and errors are those of `compute_block`, with the numbers of the blocks. Each is
-    stored when it is done, and those before are kept if one fails.
+    Each is stored when it is done, and those before are kept if one fails. After `most` seconds no
+    other begins: blocks of equal size may take very different times. The other arguments and the
+    errors are those of `compute_block`, with the numbers of the blocks.
     """
-    return sum(compute_block(directory, key, process, cells, index, claim) for index in indices)
+    took: list[float] = []
+    for index in indices:
+        if sum(took) >= most:
+            break
+        took.append(compute_block(directory, key, process, cells, index, claim))
+    return took
 
 
 def write_result(directory: str, key: str, process: str, cells: int, seconds: float) -> float:

@@ -131,14 +131,39 @@ def test_blocks_much_shorter_than_priced_share_calls(tmp_path, monkeypatch):
     amplitude = {"start": "0.1 mm", "stop": "0.4 mm", "num": 400}
     monkeypatch.setitem(STUDY["parameters"], "amplitude", amplitude)
 
-    def in_no_time(*arguments: Any) -> float:
-        return 0.0 * work.compute_blocks(*arguments)
+    def in_no_time(*arguments: Any) -> list[float]:
+        return [0.0] * len(work.compute_blocks(*arguments))
 
     workers = Workers(compute_blocks=in_no_time)
     job = carried_out(tmp_path, workers)
     assert (job.state, job.blocks, job.done) == ("successful", 400, 400)
     # Some at a time, but never more than leave as many for each of the calls under way.
     assert 2 * workers.count < len(workers.calls) < 60
+
+
+def test_blocks_that_turn_out_long_are_given_back(tmp_path, monkeypatch):
+    """After a block's time a call begins with no other, and the rest is computed by others."""
+    monkeypatch.setattr("app.jobs.work.cells_of_piece", lambda prepared, seconds: 1)
+    amplitude = {"start": "0.1 mm", "stop": "0.4 mm", "num": 60}
+    monkeypatch.setitem(STUDY["parameters"], "amplitude", amplitude)
+    asked: list[int] = []
+
+    def at_first_short(*arguments: Any) -> list[float]:
+        *others, indices, claim, _ = arguments
+        asked.append(len(indices))
+        is_short = len(asked) < 12
+        took = work.compute_blocks(*others, indices if is_short else indices[:1], claim)
+        return [0.0 if is_short else 1.0] * len(took)
+
+    job = carried_out(tmp_path, Workers(compute_blocks=at_first_short))
+    assert (job.state, job.blocks, job.done) == ("successful", 60, 60)
+    assert max(asked) > 1
+    assert asked[-1] == 1
+
+
+def test_no_block_begins_after_the_time_of_a_call(tmp_path, monkeypatch):
+    monkeypatch.setattr(work, "compute_block", lambda *_: 0.4)
+    assert work.compute_blocks("", "", "sweep", 1, range(9), "", 1.0) == [0.4] * 3
 
 
 def test_time_runs_out_while_a_block_runs(tmp_path):
@@ -215,7 +240,7 @@ def test_a_worker_that_stops_in_time_is_left_alone(tmp_path):
 
 
 def test_a_worker_without_the_shared_files_is_told(tmp_path):
-    def blind(directory: str, *arguments: Any) -> float:
+    def blind(directory: str, *arguments: Any) -> list[float]:
         return work.compute_blocks(str(tmp_path / "elsewhere"), *arguments)
 
     job = carried_out(tmp_path, Workers(compute_blocks=blind))
@@ -348,7 +373,7 @@ def test_too_many_open_files_fail_no_job(tmp_path, monkeypatch):
     monkeypatch.setattr("app.jobs.runner.RETRY", 0.1)
     open_files = [OSError(errno.EMFILE, "Too many open files")]
 
-    def full(*arguments: Any) -> float:
+    def full(*arguments: Any) -> list[float]:
         if open_files:
             raise open_files.pop()
         return work.compute_blocks(*arguments)
