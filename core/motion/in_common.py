@@ -100,7 +100,7 @@ def _axes_in_common(plan: Plan, grid: Grid, contacts: Contacts) -> list[str]:
     groups = groups_at(here)
     if groups is None or groups.wave is not None:  # landings under waves are found for each cell
         return []
-    found = []
+    shared = []
     for name, size in grid.shape.items():
         others = groups_at({**here, name: (here[name] + 1) % size})
         changed = [
@@ -111,8 +111,8 @@ def _axes_in_common(plan: Plan, grid: Grid, contacts: Contacts) -> list[str]:
             if not np.array_equal(number, other, equal_nan=True)
         ]
         if changed and not set(changed) & set(SETS_LANDINGS):
-            found.append(name)
-    return found
+            shared.append(name)
+    return shared
 
 
 def _positions(grid: Grid, names: Sequence[str], flat: Indices) -> Positions:
