@@ -90,20 +90,22 @@ def jolted(number: int, gn: float) -> float:
 
 
 @borrowing
-def share_out(travel: Floats, begin: float, end: float, distance: float) -> int:
+def share_out(travel: Floats, period: int, begin: float, end: float, distance: float) -> int:
     """Add a distance to the periods in which it was covered; return the number of complete periods.
 
     The mean velocities of periods, or groups of them, show the error of a mean. `travel` has one
-    entry a period; `begin` and `end` are phases in rad since the start of the first period. Each
-    period gets the share of `distance` in g/w^2 (w = 2 pi f) that its overlap has in [begin, end],
-    as if the speed were steady between two landings.
+    entry a period; `begin` and `end` are phases in rad since the start of the first period, and
+    `period` were complete at `begin`. Each period gets the share of `distance` in g/w^2 (w = 2 pi
+    f) that its overlap has in [begin, end], as if the speed were steady between two landings.
     """
-    period = int(begin // TURN)
     while period < travel.size and period * TURN < end:
-        inside = min(end, (period + 1) * TURN) - max(begin, period * TURN)
+        over = (period + 1) * TURN
+        inside = min(end, over) - max(begin, period * TURN)
         travel[period] += distance * inside / (end - begin)
+        if end < over:
+            break
         period += 1
-    return min(travel.size, int(end // TURN))
+    return period
 
 
 @borrowing
@@ -289,7 +291,9 @@ def long_run(
         if count >= MAX_SEGMENTS - LONGEST_CYCLE - 2:
             count, look_at = 0, FIRST_LOOK
         if began < math.inf:
-            complete = share_out(travel, since, total - began, sums[DISTANCE] - covered)
+            complete = share_out(
+                travel, complete, since, total - began, sums[DISTANCE] - covered
+            )
             slips_down = slips_down and u * gs < 0
     away = ran_away(slips_down, gs, u_began, u, sums)
     time = max(0.0, total - began)

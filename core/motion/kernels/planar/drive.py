@@ -228,6 +228,26 @@ def fly(drive: Drive, u: float, tau: float, d: float) -> tuple[float, float]:
     return flow(drive, AIR, u, tau, d)
 
 
+@_by_drive(sine_flight.air_swings, wave_flight.air_swings)
+def air_swings(drive: Drive, tau: float, d: float) -> tuple[float, float]:
+    """Return two numbers of a flight that cells which land at the same times have in common.
+
+    `swung_along` has velocity and distance along from them, without a sine. The flight begins at
+    phase `tau` and lasts for the phase `d`, in rad.
+    """
+    raise NotImplementedError
+
+
+@_by_drive(sine_flight.swung_along, wave_flight.swung_along)
+def swung_along(drive: Drive, u: float, d: float, swing: float, sway: float) -> tuple[float, float]:
+    """Return velocity and distance along the track as `fly` does, from the flight's `air_swings`.
+
+    In g/w (w = 2 pi f) and g/w^2, at the phase `d` in rad after a take-off with the velocity `u`
+    along. `swing` and `sway` are the two numbers.
+    """
+    raise NotImplementedError
+
+
 # --- on the floor
 
 

@@ -187,6 +187,16 @@ def flow(v: float, C: float, k: float, sine: float, cosine: float, d: float) -> 
     and sway of `swings`; `sine` and `cosine` are those of the phase at the start (theory 13.2).
     """
     swing, sway = swings(sine, cosine, d)
+    return swung(v, C, k, d, swing, sway)
+
+
+@compiled
+def swung(v: float, C: float, k: float, d: float, swing: float, sway: float) -> tuple[float, float]:
+    """Return velocity and distance as `flow` does, from the `swings` of its phases.
+
+    u = v + C swing - k D and x = v D + C sway - k D^2/2, with the velocity `v` before and the phase
+    D = `d`, under u' = C sin(tau) - k.
+    """
     return v + C * swing - k * d, v * d + C * sway - k * d * d / 2
 
 

@@ -2,7 +2,7 @@
 
 The motion normal to the floor knows nothing of friction, nor of the drive along the track: cells
 with the same drive and gravity normal to the floor and the same rebound land at the same times.
-To find a landing takes six times as long as to follow the slip from it to the next. So the landings
+To find a landing takes ten times as long as to follow the slip from it to the next. So the landings
 of the last such motion are kept, and a cell that has the same goes through them again.
 """
 
@@ -33,6 +33,7 @@ from core.motion.kernels.planar.cycle import (
 )
 from core.motion.kernels.planar.drive import (
     Drive,
+    air_swings,
     hop_height,
     landing,
     lift_off,
@@ -57,12 +58,13 @@ FIRST_ROOM = (
 ON_ITS_WAY, ENDED = 0.0, 1.0
 """Whether more landings of a run can be found."""
 
-Landing = namedtuple("Landing", "phase span speed rebound stays fastest highest")
+Landing = namedtuple("Landing", "phase span speed rebound stays fastest highest swing sway")
 """Columns of the landings of a run, a row a landing, of the flight that ends there.
 
 `phase` and `span` of the flight in rad, `speed` of the landing and `rebound` in g/w (w = 2 pi f);
 `stays` is 1 if the part then stays on the floor until its lift-off, else 0. `fastest` and `highest`
-are the largest landing speed and height in g/w^2 of the run so far.
+are the largest landing speed and height in g/w^2 of the run so far; `swing` and `sway` are the
+flight's `air_swings`.
 """
 
 Normal = namedtuple("Normal", "phase rebound time landings hops look jolt ended")
@@ -76,7 +78,7 @@ Landings = namedtuple("Landings", "owner states segments tables")
 
 `owner` has the numbers of `normal_numbers`, the rebound law and the phase at the start, shape (5,);
 `states` the columns of `Normal`, shape (8, 8); `segments` those of `SEGMENT`, for the runs that
-look for cycles, shape (3, capacity, 5); `tables` those of `Landing`, shape (8, room, 7).
+look for cycles, shape (3, capacity, 5); `tables` those of `Landing`, shape (8, room, 9).
 """
 
 LANDING, NORMAL = Landing(*range(len(Landing._fields))), Normal(*range(len(Normal._fields)))
@@ -137,6 +139,7 @@ def write_landing(
     row[LANDING.speed], row[LANDING.rebound] = speed, up
     stays = rests(drive, (tau + span) % TURN, up, e, SETTLED_ROUGHLY)
     row[LANDING.stays] = 1.0 if stays else 0.0
+    row[LANDING.swing], row[LANDING.sway] = air_swings(drive, tau, span)
 
 
 @compiled

@@ -15,6 +15,8 @@ from core.motion.kernels.planar.flow import (
     distance_after,
     flow,
     phase_to,
+    swings,
+    swung,
     velocity_after,
 )
 
@@ -35,6 +37,26 @@ def track_speed(drive: SineDrive, tau: float) -> float:
     Minus the integral of the drive acceleration c sin(tau), c its amplitude in g. Here w = 2 pi f.
     """
     return drive.c * math.cos(tau)
+
+
+@compiled
+def air_swings(drive: SineDrive, tau: float, d: float) -> tuple[float, float]:
+    """Return the `swings` of a flight from phase `tau` for the phase `d`, the same for every drive.
+
+    Velocity and distance along that a drive of 1 g gives.
+    """
+    return swings(math.sin(tau), math.cos(tau), d)
+
+
+@compiled
+def swung_along(
+    drive: SineDrive, u: float, d: float, swing: float, sway: float
+) -> tuple[float, float]:
+    """Return velocity and distance along after a flight for the phase `d`, in g/w and g/w^2.
+
+    `u` is the velocity at take-off, `swing` and `sway` are the `air_swings` (w = 2 pi f).
+    """
+    return swung(u, drive.c, drive.gs, d, swing, sway)
 
 
 @compiled

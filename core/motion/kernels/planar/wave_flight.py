@@ -56,6 +56,27 @@ def track_speed(drive: WaveDrive, tau: float) -> float:
 
 
 @borrowing
+def air_swings(drive: WaveDrive, tau: float, d: float) -> tuple[float, float]:
+    """Return velocity and distance along after a flight from phase `tau`, taken off without slip.
+
+    In g/w and g/w^2 (w = 2 pi f), at the phase `d` after take-off.
+    """
+    return flow(drive, AIR, 0.0, tau, d)
+
+
+@borrowing
+def swung_along(
+    drive: WaveDrive, u: float, d: float, swing: float, sway: float
+) -> tuple[float, float]:
+    """Return velocity and distance along after a flight for the phase `d`, in g/w and g/w^2.
+
+    u + u0 and u D + x0, with the slip `u` at take-off, D = `d`, and u0 = `swing` and x0 = `sway` of
+    a flight without slip (w = 2 pi f).
+    """
+    return u + swing, u * d + sway
+
+
+@borrowing
 def push_slope(drive: WaveDrive, tau: float) -> tuple[float, float]:
     """Return NaN: a wave has steps and several harmonics, so its slope is not used."""
     return math.nan, math.nan

@@ -23,7 +23,7 @@ from core.motion.kernels.planar.chaos import (
     slowed,
     stay,
 )
-from core.motion.kernels.planar.drive import Drive, fly, rounded
+from core.motion.kernels.planar.drive import Drive, rounded, swung_along
 from core.motion.kernels.planar.flow import TURN, kept
 from core.motion.kernels.planar.landings import (
     LANDING,
@@ -94,13 +94,13 @@ def follow_on(
     """
     no_log = np.empty((0, len(PIECE)))
     u, time, number = run[RUN.slip], run[RUN.time], int(run[RUN.impacts])
+    period = int(time // TURN)
     while time < until:
         if number >= landed:
             return False
         row = table[number]
-        tau, span, up = row[LANDING.phase], row[LANDING.span], row[LANDING.rebound]
-        stays = row[LANDING.stays] > 0.0
-        u, distance = fly(drive, u, tau, span)
+        span, up, stays = row[LANDING.span], row[LANDING.rebound], row[LANDING.stays] > 0.0
+        u, distance = swung_along(drive, u, span, row[LANDING.swing], row[LANDING.sway])
         u = slowed(u, drive.mu_k, row[LANDING.speed], 0.0 if stays else up)
         number += 1
         began, covered = time, sums[DISTANCE]
@@ -108,10 +108,10 @@ def follow_on(
         sums[TIMES + MODE.flight] += span
         time += span
         if stays:
-            tau = (tau + span) % TURN
+            tau = (row[LANDING.phase] + span) % TURN
             u, _, span = stay(drive, tau, after_hops(drive, tau, u, up), sums, no_log)
             time += span
-        share_out(travel, began, time, sums[DISTANCE] - covered)
+        period = share_out(travel, period, began, time, sums[DISTANCE] - covered)
         if u * drive.gs >= 0:
             run[RUN.upheld] = time
     run[RUN.slip], run[RUN.time], run[RUN.impacts] = u, time, number
