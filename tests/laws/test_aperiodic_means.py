@@ -12,6 +12,9 @@ from benchmarks.honest_estimates import Groups, random_groups
 from benchmarks.motion import SETTINGS
 from benchmarks.motion import groups as grid
 from benchmarks.motions import planar_motion
+from benchmarks.waves import as_harmonic
+from core.motion.groups import Groups as Part
+from core.motion.methods import events
 from core.motion.result import STATUS, Motion
 from tests.helpers import night
 
@@ -72,6 +75,21 @@ def test_a_finer_tolerance_changes_no_mean(chaotic: tuple[Groups, Motion]) -> No
     found, known = followed(few, 9e-4), followed(few, 1e-12)
     np.testing.assert_array_equal(found.velocity, known.velocity)
     np.testing.assert_array_equal(found.status, known.status)
+
+
+def test_a_sine_and_the_same_as_a_harmonic(chaotic: tuple[Groups, Motion]) -> None:
+    """What a flight does to the slip is kept in other numbers of a wave than of a sine."""
+    groups, _ = chaotic
+    few = Part(**some(groups, np.arange(60)))
+    sine, wave = (
+        events.planar_motion(part, tolerance=0.03, max_periods=1000.0)
+        for part in (few, as_harmonic(few))
+    )
+    both = (sine.status == CHAOTIC) & (wave.status == CHAOTIC)
+    assert both.sum() > 50
+    apart = np.abs(sine.velocity - wave.velocity)
+    assert np.mean(apart[both] > (sine.error + wave.error)[both]) <= 0.05
+    assert np.median(np.abs(sine.flight - wave.flight)[both]) < 0.02
 
 
 def test_motion_that_repeats_is_no_further_off_than_said() -> None:

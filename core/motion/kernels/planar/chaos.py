@@ -78,7 +78,7 @@ class FollowedRun(NamedTuple):
     hops: int
 
 
-@compiled
+@borrowing
 def jolted(number: int, gn: float) -> float:
     """Return a tiny take-off speed for the `number`-th lift-off from rest, different for every one.
 
@@ -137,7 +137,7 @@ def flight(
     return speed, up, slowed(u, drive.mu_k, speed, 0.0 if stays else up), distance, stays
 
 
-@compiled
+@borrowing
 def first_flight(
     run: int, phase: float, drive: Drive, sums: Floats, no_log: Floats
 ) -> tuple[float, float, float, float, bool]:
@@ -291,9 +291,7 @@ def long_run(
         if count >= MAX_SEGMENTS - LONGEST_CYCLE - 2:
             count, look_at = 0, FIRST_LOOK
         if began < math.inf:
-            complete = share_out(
-                travel, complete, since, total - began, sums[DISTANCE] - covered
-            )
+            complete = share_out(travel, complete, since, total - began, sums[DISTANCE] - covered)
             slips_down = slips_down and u * gs < 0
     away = ran_away(slips_down, gs, u_began, u, sums)
     time = max(0.0, total - began)

@@ -11,7 +11,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from core.compiled import compiled
+from core.compiled import borrowing, compiled
 from core.motion.kernels.arrays import Floats, Stop
 from core.motion.kernels.cells import Cell
 from core.motion.kernels.planar.chaos import (
@@ -48,9 +48,17 @@ SHARE = 0.8
 """Factor from the error at 99 % to that at 95 %, with a margin for repeated looks."""
 
 Run = namedtuple("Run", "slip time impacts upheld fastest highest")
-"""Columns of a run on its way along the track: what it goes on from, and what it has seen.
+"""Columns of the state of a run on its way along the track: what it goes on from, and has seen.
 
 `upheld` is the last time at which it did not slip downhill.
+"""
+
+Runs = namedtuple("Runs", "states sums travel marks")
+"""The eight runs of a cell, a row a run, as they are now.
+
+`states` with the columns of `Run`, shape (8, 6); `sums`, distance and times in modes, (8, 5);
+`travel`, the distance of each period in g/w^2, (8, periods); `marks`, the sums at the last marks
+with time, impacts and slip there, (8, 5, 8).
 """
 
 RUN = Run(*range(len(Run._fields)))
@@ -59,50 +67,59 @@ TIME, IMPACTS, SLIP, MARK = SUMS, SUMS + 1, SUMS + 2, SUMS + 3
 
 
 @compiled
-def start(number: int, phase: float, drive: Drive, sums: Floats, run: Floats) -> None:
-    """Fill state and sums of a long run with its first lift-off from rest.
+def no_runs(most: int) -> Runs:
+    """Return room for eight runs of `most` periods."""
+    return Runs(
+        np.zeros((PHASES, len(RUN))),
+        np.zeros((PHASES, SUMS)),
+        np.zeros((PHASES, most)),
+        np.zeros((PHASES, DROPPED + 1, MARK)),
+    )
+
+
+@borrowing
+def start(runs: Runs, phase: float, drive: Drive, no_log: Floats) -> None:
+    """Fill states and sums of new `runs` with their first lift-offs from rest.
 
     Several such runs, whose means are those of a motion that rounding decides, start at phases of
-    their own, each with a jolt of its own. `number` is that of the run, `phase` the study's own
-    start in rad; `run` has the columns of `RUN`, `sums` holds distance and times in modes.
+    their own, each with a jolt of its own. `phase` is the study's own start in rad; `no_log` is an
+    empty log.
     """
-    sums[:], run[:] = 0.0, 0.0
-    no_log = np.empty((0, len(PIECE)))
-    u, _, _, time, _ = first_flight(number, phase, drive, sums, no_log)
-    run[RUN.slip], run[RUN.time] = u, time
+    for number in range(PHASES):
+        run = runs.states[number]
+        u, _, _, time, _ = first_flight(number, phase, drive, runs.sums[number], no_log)
+        run[RUN.slip], run[RUN.time] = u, time
 
 
-@compiled
+@borrowing
 def follow_on(
-    run: Floats, until: float, table: Floats, landed: int, drive: Drive, travel: Floats,
-    sums: Floats,
-) -> bool:  # fmt: skip
+    runs: Runs, number: int, until: float, landings: Landings, drive: Drive, no_log: Floats
+) -> bool:
     """Follow a run along the track up to the time `until`; False if its landings end before.
 
     Parameters
     ----------
-    run
-        State of the run, columns of `RUN`; changed to that at the end.
+    runs, number
+        The runs, and which of them; its state and sums are changed to those at the end.
     until
         Phase in rad since the start of the run.
-    table, landed
-        Its landings, columns of `LANDING`, and how many there are.
-    travel
-        Filled with the distance of each period in g/w^2 (w = 2 pi f).
-    sums
-        Distance and times in modes, as in `contact`.
+    landings
+        Those of all runs.
+    no_log
+        An empty log.
     """
-    no_log = np.empty((0, len(PIECE)))
-    u, time, number = run[RUN.slip], run[RUN.time], int(run[RUN.impacts])
+    run, sums, travel = runs.states[number], runs.sums[number], runs.travel[number]
+    table, landed = landings.tables[number], int(landings.states[number, NORMAL.landings])
+    u, time, hop = run[RUN.slip], run[RUN.time], int(run[RUN.impacts])
     period = int(time // TURN)
     while time < until:
-        if number >= landed:
+        if hop >= landed:
             return False
-        row = table[number]
+        row = table[hop]
         span, up, stays = row[LANDING.span], row[LANDING.rebound], row[LANDING.stays] > 0.0
         u, distance = swung_along(drive, u, span, row[LANDING.swing], row[LANDING.sway])
         u = slowed(u, drive.mu_k, row[LANDING.speed], 0.0 if stays else up)
-        number += 1
+        hop += 1
         began, covered = time, sums[DISTANCE]
         sums[DISTANCE] += distance
         sums[TIMES + MODE.flight] += span
@@ -114,14 +131,38 @@ def follow_on(
         period = share_out(travel, period, began, time, sums[DISTANCE] - covered)
         if u * drive.gs >= 0:
             run[RUN.upheld] = time
-    run[RUN.slip], run[RUN.time], run[RUN.impacts] = u, time, number
-    if number > 0:
-        run[RUN.fastest] = table[number - 1, LANDING.fastest]
-        run[RUN.highest] = table[number - 1, LANDING.highest]
+    run[RUN.slip], run[RUN.time], run[RUN.impacts] = u, time, hop
+    if hop > 0:
+        run[RUN.fastest] = table[hop - 1, LANDING.fastest]
+        run[RUN.highest] = table[hop - 1, LANDING.highest]
     return True
 
 
-@compiled
+@borrowing
+def set_mark(runs: Runs, number: int, mark: int) -> None:
+    """Keep what run `number` of the `runs` has so far as its mark k = `mark`, of which few stay."""
+    run, own = runs.states[number], runs.marks[number, mark % (DROPPED + 1)]
+    for column in range(SUMS):
+        own[column] = runs.sums[number, column]
+    own[TIME], own[IMPACTS], own[SLIP] = run[RUN.time], run[RUN.impacts], run[RUN.slip]
+
+
+@borrowing
+def fill_quarters(travel: Floats, periods: int, size: int, quarters: Floats) -> None:
+    """Fill in the mean velocities of the four quarters, of `size` periods each, of several runs.
+
+    `travel` has the distance of each period in g/w^2 (w = 2 pi f), a row a run, of which the first
+    `periods` are done; `quarters` gets the velocities in g/w, shape (runs, 4).
+    """
+    for number in range(travel.shape[0]):
+        for quarter in range(QUARTERS):
+            covered, first = 0.0, periods - (QUARTERS - quarter) * size
+            for period in range(first, first + size):
+                covered += travel[number, period]
+            quarters[number, quarter] = covered / (size * TURN)
+
+
+@borrowing
 def runs_off(run: Floats, mark: Floats, sums: Floats, drive: Drive) -> bool:
     """True if a run has slipped downhill at all landings since a mark and is faster now.
 
@@ -142,7 +183,7 @@ def end_of(mark: int, most: int) -> int:
     return min(most, round(FIRST_STAGE * 2.0 ** (0.5 * mark)))
 
 
-@compiled
+@borrowing
 def cut_error(travel: Floats, begin: int, end: int, velocity: float) -> float:
     """Return the error of mean velocities because runs end anywhere within a near repetition.
 
@@ -179,49 +220,35 @@ def means_within(
     if most < end_of(FIRST_ASKED, most + 1):
         return UNREPEATED, landings
     belong_to(landings, drive, e, phase)
-    runs, all_sums = np.empty((PHASES, len(RUN))), np.empty((PHASES, SUMS))
-    travel, marks = np.zeros((PHASES, most)), np.zeros((PHASES, DROPPED + 1, MARK))
+    runs, no_log = no_runs(most), np.empty((0, len(PIECE)))
     quarters = np.empty((PHASES, QUARTERS))
-    for number in range(PHASES):
-        start(number, phase, drive, all_sums[number], runs[number])
+    start(runs, phase, drive, no_log)
     settled = drive.c / max(1e-300, drive.mu_k * drive.gn * TURN)
     mark, periods, error = 0, 0, math.inf
     while periods < most:
         periods, begin = end_of(mark, most), end_of(mark - DROPPED, most)
+        until = periods * TURN
         for number in range(PHASES):
-            run, own, until = runs[number], marks[number, mark % (DROPPED + 1)], periods * TURN
-            while not land_until(landings, number, until, drive, e, stop):
+            while landings.states[number, NORMAL.time] < until and not land_until(
+                landings, number, until, drive, e, stop
+            ):
                 landings = with_room(landings)
-            landed = int(landings.states[number, NORMAL.landings])
-            table, covered = landings.tables[number], all_sums[number]
-            if not follow_on(run, until, table, landed, drive, travel[number], covered):
+            if not follow_on(runs, number, until, landings, drive, no_log):
                 return UNREPEATED, landings
-            for column in range(SUMS):
-                own[column] = all_sums[number, column]
-            own[TIME], own[IMPACTS], own[SLIP] = run[RUN.time], run[RUN.impacts], run[RUN.slip]
+            set_mark(runs, number, mark)
         mark += 1
         if mark <= FIRST_ASKED:
             continue
-        size = (periods - begin) // QUARTERS
-        for number in range(PHASES):
-            for quarter in range(QUARTERS):
-                first = periods - (QUARTERS - quarter) * size
-                covered = travel[number, first : first + size].sum()
-                quarters[number, quarter] = covered / (size * TURN)
+        fill_quarters(runs.travel, periods, (periods - begin) // QUARTERS, quarters)
         velocity = quarters.mean()
-        error = SHARE * batch_error(quarters) + cut_error(travel, begin, periods, velocity)
+        error = SHARE * batch_error(quarters) + cut_error(runs.travel, begin, periods, velocity)
         if begin >= settled and error <= cell.tolerance * abs(velocity):
             break
-    first = mark % (DROPPED + 1)
-    status = fill(runs, marks[:, first], all_sums, quarters, error, drive, result)
-    return status, landings
+    return fill(runs, mark, quarters, error, drive, result), landings
 
 
 @compiled
-def fill(
-    runs: Floats, marks: Floats, all_sums: Floats, quarters: Floats, error: float, drive: Drive,
-    result: Floats,
-) -> int:  # fmt: skip
+def fill(runs: Runs, end: int, quarters: Floats, error: float, drive: Drive, result: Floats) -> int:
     """Fill `result` with means of eight runs of a motion that rounding decides; return its status.
 
     Each run counts from its mark, the end of the periods that are left out. The status is
@@ -229,10 +256,10 @@ def fill(
 
     Parameters
     ----------
-    runs, all_sums
-        State now (columns of `RUN`), and distance and times in modes, a row a run.
-    marks
-        A row a run: the sums at its mark, then time, impacts and slip.
+    runs
+        All of them, now.
+    end
+        The mark at which they would stand next; the oldest that is kept is theirs.
     quarters
         Mean velocities of the four quarters of each run in g/w (w = 2 pi f), shape (8, 4).
     error
@@ -242,16 +269,17 @@ def fill(
     result
         Row with the columns of `COLUMN`.
     """
+    marks = runs.marks[:, end % (DROPPED + 1)]
     for number in range(PHASES):
-        if runs_off(runs[number], marks[number], all_sums[number], drive):
+        if runs_off(runs.states[number], marks[number], runs.sums[number], drive):
             return UNREPEATED
     result[:] = 0.0
     velocities = np.empty(PHASES)
     for number in range(PHASES):
-        run, mark = runs[number], marks[number]
+        run, mark = runs.states[number], marks[number]
         time = run[RUN.time] - mark[TIME]
         for mode in range(MODES):
-            spent = all_sums[number, TIMES + mode] - mark[TIMES + mode]
+            spent = runs.sums[number, TIMES + mode] - mark[TIMES + mode]
             result[COLUMN.stick + mode] += spent / (time * PHASES)
         result[COLUMN.impacts] += (run[RUN.impacts] - mark[IMPACTS]) * TURN / (time * PHASES)
         result[COLUMN.landing_speed] = max(result[COLUMN.landing_speed], run[RUN.fastest])
