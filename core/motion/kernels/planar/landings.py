@@ -2,8 +2,8 @@
 
 The motion normal to the floor knows nothing of friction, nor of the drive along the track: cells
 with the same drive and gravity normal to the floor and the same rebound land at the same times.
-To find a landing takes nine times as long as to follow the slip from it to the next. So the landings
-of the last such motion are kept, and a cell that has the same goes through them again.
+To find a landing takes nine times as long as to follow the slip from it to the next. So the
+landings of the last such motion are kept, and a cell that has the same goes through them again.
 """
 
 from __future__ import annotations
