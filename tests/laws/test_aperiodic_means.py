@@ -40,6 +40,7 @@ def chaotic() -> tuple[Groups, Motion]:
     return groups, followed(groups, 1e-12, LONG)
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("tolerance", [0.01, 0.03, 0.1])
 def test_the_stated_error_is_seldom_exceeded(
     chaotic: tuple[Groups, Motion], tolerance: float

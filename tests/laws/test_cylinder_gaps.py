@@ -16,8 +16,9 @@ from core.mechanics.cylinder_contact import cylinder_contact
 from core.mechanics.cylinder_impact import is_apart
 from core.mechanics.cylinders import Cylinder
 from core.quantities import REGIMES
+from night import count
 
-PAIRS = 200
+PAIRS = count(day=100, night=200)
 STEPS = 1000
 # A contact that rises by less counts as a line or a face: `core.mechanics.rectangle_contact.ALIKE`.
 ALIKE = 1e-9

@@ -24,6 +24,7 @@ from core.motion.kernels.planar.slope_tables import (
 )
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import MODE
+from night import first_by_day
 from plain_kernels import plain
 
 SLOPES, DERIVE = plain(slopes), plain(derive)
@@ -109,12 +110,12 @@ def number_of(expression, numbers):
     return float(expression.subs({**NUMBERS, **numbers}).evalf(25))
 
 
-@pytest.mark.parametrize("stops", [False, True])
-@pytest.mark.parametrize("sign", [-1, 0, 1])
+@pytest.mark.parametrize(
+    ("sign", "stops"),
+    first_by_day([(-1, False), (0, False), (1, True), (-1, True), (1, False)], day=3),
+)
 def test_a_slip_or_a_flight(sign, stops):
     """Its end, its way, its time, and the work of friction over it."""
-    if sign == 0 and stops:
-        return  # a flight does not stop
     numbers = {at: 0.4, end: 1.5}
     u = velocity(sign)
     last = u.subs(x, end)

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+import night
 from core.errors import StudyError
 from core.intake import parse_study, prepare_content
 from core.kinds import run_study
@@ -107,7 +108,9 @@ def test_the_track_works_for_heat_impacts_and_lift_in_the_plane(drive):
 )
 def test_the_track_works_for_heat_impacts_and_lift_in_space(drive, contacts, curved):
     """What drifts off the wall climbs the lean."""
-    groups = random_groups(drive, 40, 3, across=True, wall=contacts.wall, curved=curved)
+    groups = random_groups(
+        drive, night.count(20, 40), 3, across=True, wall=contacts.wall, curved=curved
+    )
     motion, energy = both(groups, contacts)
     lift = groups.gravity_number_along * motion.velocity
     for number, part in enumerate(each(groups)[0]):

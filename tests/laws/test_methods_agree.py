@@ -15,7 +15,7 @@ import pytest
 import vibrafeed
 from night import count
 
-CELLS = count(day=4, night=1000)
+CELLS = count(day=2, night=1000)
 """Of each scene and drive: some forty in all by day."""
 pytestmark = pytest.mark.timeout(1800 + 10 * CELLS)
 METHODS = ("events", "reference", "time-stepping")

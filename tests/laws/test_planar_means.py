@@ -32,7 +32,7 @@ from core.motion.planar import waves_of
 from core.motion.result import STATUS, Motion
 from night import count
 
-CELLS = count(day=300, night=10_000)
+CELLS = count(day=150, night=10_000)
 DECIDED_BY_ROUNDING = [STATUS["aperiodic"], STATUS["sensitive"]]
 CLOSE = 1e-12
 """Of the drive: some thousand roundings of a cycle of some twenty flows."""

@@ -291,9 +291,10 @@ def test_what_has_no_mean_says_so(monkeypatch):
 
 def test_arguments_broadcast_and_wrong_requests_are_refused():
     given = GROUPS["stick-slip"]
-    found = motion(given, friction_kinetic=[[0.25], [0.3]], slip_speed=[1e-2, 1e-3])
+    soft = {"contact_stiffness": 1e4, "tolerance": 1e-4}  # it is no matter of accuracy
+    found = motion(given, friction_kinetic=[[0.25], [0.3]], slip_speed=[1e-1, 1e-2], **soft)
     assert all(field.shape == (2, 2) for field in found)
-    single = motion(given, friction_kinetic=0.3, slip_speed=1e-3)
+    single = motion(given, friction_kinetic=0.3, slip_speed=1e-2, **soft)
     assert found.velocity[1, 1] == single.velocity
     with pytest.raises(ValueError, match="solver"):
         motion(given, solver="RK45")
