@@ -16,7 +16,7 @@ from exact_planes import Point, digits
 from many_digits import mp, mpf
 from night import count
 
-RANDOM, EXTREME = count(400, 2000), count(100, 300)
+RANDOM, EXTREME = count(120, 2000), count(40, 300)
 TUNED = 8  # points for each threshold, three in a row
 
 

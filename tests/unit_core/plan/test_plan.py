@@ -114,7 +114,7 @@ def test_a_plan_of_the_drive_alone_assesses_no_contact():
     assert (plan.conditions, plan.regimes) == ((), ("not_assessed",))
 
 
-@pytest.mark.by_day(25)
+@pytest.mark.by_day(12)
 @pytest.mark.parametrize(("name", "variant"), EVERY_VARIANT)
 def test_every_equation_of_a_plan_is_needed(name, variant):
     scene = SCENES[name]

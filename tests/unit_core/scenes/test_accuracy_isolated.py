@@ -23,7 +23,7 @@ from night import count
 BAR = 8
 DIGITS = 50
 STEP = mpf(10) ** -18
-RANDOM, EXTREME = count(400, 2000), count(100, 300)
+RANDOM, EXTREME = count(120, 2000), count(40, 300)
 ACROSS = {"rectangle-isolated": "height", "cylinder-isolated": "diameter"}
 
 
