@@ -126,7 +126,7 @@ def read_errors(report: Path) -> dict[str, list[str]]:
 
 @pytest.fixture(scope="module")
 def complaints(
-    files: dict[str, Path], compliance_checker: str, tmp_path_factory: pytest.TempPathFactory
+    compliance_checker: str, files: dict[str, Path], tmp_path_factory: pytest.TempPathFactory
 ) -> dict[str, list[str]]:
     def make(folder: Path) -> None:
         cf_errors(compliance_checker, list(files.values()), folder / "report.json")
@@ -138,7 +138,7 @@ def complaints(
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_ncdump_opens_the_file(name: str, files: dict[str, Path], ncdump: str) -> None:
+def test_ncdump_opens_the_file(name: str, ncdump: str, files: dict[str, Path]) -> None:
     header = run(ncdump, "-h", files[name])
     assert header.returncode == 0, header.stderr
     assert f"netcdf {name} {{" in header.stdout
@@ -149,7 +149,7 @@ def test_ncdump_opens_the_file(name: str, files: dict[str, Path], ncdump: str) -
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_ncdump_reads_compressed_data(name: str, files: dict[str, Path], ncdump: str) -> None:
+def test_ncdump_reads_compressed_data(name: str, ncdump: str, files: dict[str, Path]) -> None:
     # The header alone opens even where the compression is unknown.
     variable = "transport_velocity_count" if name in REDUCED else "regime"
     data = run(ncdump, "-v", variable, files[name])
@@ -166,7 +166,7 @@ def test_cf_1_11_has_no_complaint(name: str, complaints: dict[str, list[str]]) -
 
 
 def test_cf_check_finds_a_wrong_unit(
-    files: dict[str, Path], compliance_checker: str, tmp_path: Path
+    compliance_checker: str, files: dict[str, Path], tmp_path: Path
 ) -> None:
     """The check above is not empty: a unit that UDUNITS does not know is found."""
     wrong = tmp_path / "wrong.nc"
