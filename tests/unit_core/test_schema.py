@@ -9,8 +9,8 @@ import pytest
 
 from core.kinds import KINDS
 from core.quantities import QUANTITIES
-from core.schema import by_reference, study_schema
-from schemas import expanded
+from core.schema import by_reference
+from schemas import expanded, whole_schema
 
 MOST = 300_000  # bytes as `vibrafeed schema` prints it; it was 4.8 million
 NAMED = ("scene", "outputs", "variant", "method")
@@ -18,8 +18,8 @@ NAMED = ("scene", "outputs", "variant", "method")
 
 
 @pytest.fixture(scope="module")
-def whole() -> dict[str, Any]:
-    return study_schema()
+def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    return whole_schema(tmp_path_factory)
 
 
 def test_it_is_small_and_every_reference_leads_somewhere(whole):

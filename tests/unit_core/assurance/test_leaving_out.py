@@ -76,7 +76,7 @@ def expected_calls(scene, variant, outputs, parameters):
     return +run
 
 
-@pytest.mark.by_day(25)
+@pytest.mark.by_day(12)
 @pytest.mark.parametrize(("scene", "variant"), CLOSED, ids=ids)
 def test_every_single_output_runs_what_it_depends_on_once_and_nothing_else(scene, variant):
     for output in scene.outputs(variant):
@@ -101,7 +101,7 @@ def dependencies(scene, variant, output, parameters):
     return of(output)
 
 
-@pytest.mark.by_day(25)
+@pytest.mark.by_day(12)
 @pytest.mark.parametrize(("scene", "variant"), CLOSED, ids=ids)
 def test_every_output_keeps_the_axes_that_it_depends_on_and_no_others(scene, variant):
     for output in scene.outputs(variant)[:-1]:
@@ -113,6 +113,7 @@ def test_every_output_keeps_the_axes_that_it_depends_on_and_no_others(scene, var
         assert set(table.variables[output].dims) == expected, output
 
 
+@pytest.mark.by_day(9)
 @pytest.mark.parametrize(("scene", "variant"), MOVING, ids=ids)
 def test_a_motion_is_computed_once_whatever_is_asked_of_it(scene, variant):
     for output in scene.outputs(variant):

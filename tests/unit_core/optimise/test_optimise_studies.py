@@ -19,9 +19,8 @@ from core.kinds import KINDS, run_study
 from core.optimise import METHODS
 from core.optimise.codes import STATUS
 from core.quantities import REGIMES
-from core.schema import study_schema
 from local_client import local_client
-from schemas import expanded
+from schemas import expanded, whole_schema
 
 CONFIGS = sorted((Path(__file__).parents[3] / "configs").glob("optimise-*.toml"))
 # The data of figure 5.1 of the source, less strong: below lift-off at the best angles.
@@ -163,8 +162,8 @@ def test_equal_studies_share_one_key_and_come_back_from_their_canonical_form():
     assert parse_json(wide.canonical()).key() == wide.key() != one.key()
 
 
-def test_the_schema_tells_criteria_apart_and_names_the_methods():
-    whole = study_schema()
+def test_the_schema_tells_criteria_apart_and_names_the_methods(tmp_path_factory):
+    whole = whole_schema(tmp_path_factory)
     schema = expanded(whole["oneOf"][[*KINDS].index("optimise")], whole)
     assert set(schema["properties"]["criterion"]["discriminator"]["mapping"]) == {
         "weighted", "limit", "pareto", "maximise", "minimise",

@@ -46,6 +46,7 @@ def check(output, parameter, found, derivative, given):
     assert error <= allowed, (output, parameter, found, mp.nstr(exact, 20), mp.nstr(error, 3))
 
 
+@pytest.mark.by_day(5)
 @pytest.mark.parametrize(
     ("scene", "variant"), [(s, v) for s in FORMULAS for v in SCENES[s].variants]
 )

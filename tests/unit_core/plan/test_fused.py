@@ -61,7 +61,7 @@ def few_cells(monkeypatch):
         cached.cache_clear()
 
 
-@pytest.mark.by_day(12)
+@pytest.mark.by_day(8)
 @pytest.mark.usefixtures("few_cells")
 @pytest.mark.parametrize(("name", "variant"), VARIANTS)
 def test_loops_give_the_bits_of_numpy(name, variant):

@@ -24,9 +24,8 @@ from core.quantities.row import MAX_NUMBERED
 from core.quantities.row import NUMBERS as OF_PARTS
 from core.scenes import ALIASES, SCENES, Condition, Equation
 from core.scenes.scene import Scene
-from core.schema import study_schema
 from core.sweep.prepare import prepare
-from schemas import expanded
+from schemas import expanded, whole_schema
 
 READABLE = re.compile(r"[A-Z][a-z']+,? (?! )[^`\[\]]*(?<! )\.")
 """A description: it begins with a word, and has no marks of code and no units in brackets."""
@@ -440,8 +439,8 @@ class TestScenes:
             )  # fmt: skip
 
 
-def test_the_schema_knows_every_scene_output_and_parameter():
-    whole = study_schema()
+def test_the_schema_knows_every_scene_output_and_parameter(tmp_path_factory):
+    whole = whole_schema(tmp_path_factory)
     kinds = expanded(whole["oneOf"], whole)
     assert [kind["properties"]["kind"]["const"] for kind in kinds] == list(KINDS)
     for schema in kinds:

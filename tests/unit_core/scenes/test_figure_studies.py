@@ -18,7 +18,7 @@ BESIDE = {"cycle_time", "quantile", "level", "uncertain"}  # dimensions of no pa
 PAIRS = [(n, n + 1) for n in range(1, 21, 2)]
 
 
-@pytest.mark.by_day(20)
+@pytest.mark.by_day(13)
 @pytest.mark.parametrize("path", STUDIES, ids=lambda path: path.stem)
 def test_study_runs_and_its_regime_tells_of_every_cell(path: Path) -> None:
     prepared = prepare(load_study(path))

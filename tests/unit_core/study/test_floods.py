@@ -72,6 +72,7 @@ MAX_CALLS = 20
 """Of functions, for a character of the body: 10 at most, of searches among some 400 names."""
 
 
+@pytest.mark.by_day(7)
 @pytest.mark.parametrize("name", FLOODS)
 def test_a_flood_of_mistakes_is_refused_soon_and_in_few_words(name):
     body = json.dumps(FLOODS[name])

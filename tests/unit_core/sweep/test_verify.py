@@ -22,8 +22,8 @@ from core.kinds import KINDS, tabulate
 from core.motion.methods import METHODS
 from core.plan.pieces import Computed, Cut, carry_out, join
 from core.plan.sample import chosen_positions
-from core.schema import study_schema
 from core.watch import Watch
+from schemas import whole_schema
 from verified_studies import BEST, BOUND, DRIVE, MOTION, PAIR, STUDIES, SWEEP, number, told
 
 motion_prepare = importlib.import_module("core.motion.prepare")  # a function has its name
@@ -280,8 +280,8 @@ def test_what_would_take_too_long_is_refused(monkeypatch):
     assert few.seconds_to_verify == 16 * few.seconds_a_verified_cell  # it has 16 cells
 
 
-def test_the_schema_has_it():
-    known = json.dumps(study_schema())
+def test_the_schema_has_it(tmp_path_factory):
+    known = json.dumps(whole_schema(tmp_path_factory))
     assert known.count('"verify": {') == len(KINDS)
 
 
