@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
@@ -16,10 +16,6 @@ from tools import absent
 
 # `scripts/test` has compiled everything: services that tests start need not look.
 os.environ.setdefault("VIBRAFEED_WARM_AT_START", "false")
-
-# What is imported and collected stays to the end; to look through it for garbage again and again
-# takes a third of the time of collecting, in each process.
-gc.disable()
 
 HERE = Path(__file__).parent
 DURATIONS: dict[str, float] = json.loads((HERE / "durations.json").read_text())
@@ -32,6 +28,20 @@ measured: dict[str, float] = {}
 def name_of(node: str) -> str:
     """Return file and name of a test, without the case."""
     return node.removeprefix("tests/").partition("[")[0]
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Look for no garbage while tests are collected: all that is imported and collected stays.
+
+    To look through it again and again takes a third of the time of collecting, in each process.
+    """
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -51,12 +61,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             if seconds >= SLOW:
                 item.add_marker(pytest.mark.slow)
     items.sort(key=lambda item: -whole[item.path])
-
-
-def pytest_collection_finish() -> None:
-    """Look for garbage again, among what tests leave."""
-    gc.freeze()
-    gc.enable()
 
 
 def by_name(items: list[pytest.Item]) -> dict[str, list[pytest.Item]]:
