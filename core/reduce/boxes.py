@@ -71,6 +71,8 @@ class Boxes:
         self.field, self._asked, self._grid = field, asked, grid
         self._valid = valid_regimes(plan, asked)
         self.flags = tuple(int(REGIMES[name].value) for name in plan.regimes)
+        # A cell has one regime: those of the last are what is left, and spare the loop some steps.
+        self._counted_flags = self.flags[:-1] or self.flags
         depends = field.plan.depends_on(grid.axes)
         self._dims = {n: grid.dims(depends[n]) for n in (*field.plan.outputs, "regime")}
         shape = tuple(grid.shape[dim] for dim in field.dims)
@@ -82,7 +84,7 @@ class Boxes:
         self._loop: FieldLoop | None = None
         self._at_once = takes_long(field.plan)
         if not self._at_once and max(shape, default=0) <= LONGEST_AXIS:
-            self._loop = field_loop(field, grid, asked, self._valid, self.flags)
+            self._loop = field_loop(field, grid, asked, self._valid, self._counted_flags)
         self._order = self._loop.order if self._loop else stored_order(field, grid, asked)
         self.cutting = Cutting.of(shape, goes, cells, tile=self._tile())
         self.cells_a_slot = seen
@@ -130,14 +132,19 @@ class Boxes:
         total.
         """
         field, state = self.field, State()
-        counters = len(field.outputs) + len(self.flags) * field.regimes + len(field.shares)
+        flags = self._counted_flags if field.regimes else ()
+        counters = len(field.outputs) + len(flags) + len(field.shares)
         totals = Totals(self._slots(box), counters)
         loop.gather(self._ends(box), self._lanes(), totals)
         for counter, name in enumerate(field.outputs):
             state |= totals.state(name, counter)
-        counted = [*(str(flag) for flag in self.flags if field.regimes), *field.shares]
+        counted = [*(str(flag) for flag in flags), *field.shares]
         for counter, name in enumerate(counted, start=len(field.outputs)):
             state[f"{name}.count"] = totals.counts[counter]
+        if field.regimes and len(flags) < len(self.flags):
+            cells = math.prod(stop - start for start, stop in box) // self._slots(box)
+            counted_cells = sum(state[f"{flag}.count"] for flag in flags)
+            state[f"{self.flags[-1]}.count"] = cells - counted_cells
         return state
 
     def _slots(self, box: Box) -> int:
