@@ -24,29 +24,32 @@ LONGEST_ROW = 1024
 """Most cells of a row that a loop takes at once: the rows that it keeps stay in the first and
 second cache."""
 
-UPDATES: dict[str, tuple[int, tuple[str, ...]]] = {
-    "store": (1, ("{0} = {value}",)),
-    "sum": (1, ("{0} += {value}",)),
-    "largest": (1, ("{0} = choose({value} > {0}, {value}, {0}) + 0.0",)),
-    "least": (1, ("{0} = choose({value} < {0}, {value}, {0}) + 0.0",)),
+UPDATES: dict[str, tuple[int, tuple[str, ...], str]] = {
+    "store": (1, ("{0} = {value}",), ""),
+    "sum": (1, ("{0} += {value}",), ""),
+    "largest": (1, ("{0} = choose({value} > {0}, {value}, {0})",), " + 0.0"),
+    "least": (1, ("{0} = choose({value} < {0}, {value}, {0})",), " + 0.0"),
     "first_largest": (
         2,
         (
-            "better = ({value} > {0}) | (({value} == {0}) & (number < {1}))",
-            "{0} = choose(better, {value}, {0}) + 0.0",
-            "{1} = choose(better, number, {1}) + 0.0",
+            "better = ({value} > {0}) | (({value} == {0}) & ({number} < {1}))",
+            "{0} = choose(better, {value}, {0})",
+            "{1} = choose(better, {number}, {1})",
         ),
+        " + 0.0",
     ),
     "first_least": (
         2,
         (
-            "better = ({value} < {0}) | (({value} == {0}) & (number < {1}))",
-            "{0} = choose(better, {value}, {0}) + 0.0",
-            "{1} = choose(better, number, {1}) + 0.0",
+            "better = ({value} < {0}) | (({value} == {0}) & ({number} < {1}))",
+            "{0} = choose(better, {value}, {0})",
+            "{1} = choose(better, {number}, {1})",
         ),
+        " + 0.0",
     ),
 }
-"""What is done with the value of a cell: how many arrays it takes, and what happens at its place.
+"""What is done with the value of a cell: how many arrays it takes, what happens at its place, and
+what is added when a lane is written back.
 
 What is no number changes no extreme. Adding 0 makes one of the two zeros; without it the compiler
 would write only where something changes, which costs a processor several times as much.
@@ -65,11 +68,14 @@ class Lanes:
         Cells of a row for each value of its first axis.
     piece : int
         Most cells of a row that are taken at once: whole periods.
+    pairs : bool
+        Whether rows that gather in the same lanes are taken two at a time.
     """
 
     updates: tuple[str, ...]
     period: int
     piece: int
+    pairs: bool = False
 
 
 @dataclass(frozen=True)
@@ -152,6 +158,8 @@ class _Writer:
         self.nodes = [self.steps[number] for number in sorted(self.steps)]
         self.kept = self._kept()
         self.here: set[int] = set()
+        self.pairs = bool(lanes and lanes.pairs and is_last and self.deepest)
+        self.second = False
 
     def _need(self, node: Node) -> None:
         """Collect the operations of a loop: a node of the traced graph and all nodes it depends on.
@@ -204,16 +212,25 @@ class _Writer:
         """
         number = node.number
         if number in self.columns:
-            return f"c{number}[done + i]"
+            return f"c{number}[done + cells + i]" if self.second else f"c{number}[done + i]"
         if number in self.used:
             if not self.order.is_row(node):
-                return f"a{number}_"
-            row = f"a{number}_[i]"
+                return self._input(node)
+            row = f"{self._input(node)}[i]"
         elif number in self.kept and number not in self.here:
             row = f"r{number}[i]"
         else:
-            return f"t{number}"
+            return self._value(node)
         return f"({row} != 0.0)" if node.dtype == np.bool_ else row
+
+    def _input(self, node: Node) -> str:
+        """Return the local name of an element or row of an input array at its loop's turn."""
+        is_second = self.second and self.order.level(node) == self.deepest
+        return f"a{node.number}_{'b' * is_second}"
+
+    def _value(self, node: Node) -> str:
+        """Return the local name of the value of a step; the second row of a pair has its own."""
+        return f"t{node.number}{'b' * (self.second and node.number in self.here)}"
 
     def write(self) -> Loop:
         """Return the loop: its source text, and the nodes of the graph that are its arguments.
@@ -225,8 +242,12 @@ class _Writer:
         lines: list[str] = []
         for level in range(self.deepest + 1):
             pad = "    " * (level + 2)
+            first = f"ends[{level}, 0]"
+            if level == self.deepest and self.pairs:
+                lines += self._paired(arrays, pad)
+                first = "unpaired"
             if level:
-                lines.append(f"{pad[4:]}for i{level} in range(ends[{level}, 0], ends[{level}, 1]):")
+                lines.append(f"{pad[4:]}for i{level} in range({first}, ends[{level}, 1]):")
             lines += self._at_level(level, arrays, pad)
         names = [
             *(f"a{node.number}" for node in arrays),
@@ -259,13 +280,51 @@ class _Writer:
         self.here = {node.number for node in here}
         plain = [node for node in here if not self._is_row(node)]
         rows = [node for node in here if self._is_row(node)]
-        lines = [self._taken(one) for one in arrays if self.order.level(one) == level]
-        lines += [f"t{node.number} = {self._step(node)}" for node in plain]
+        lines = self._outside_row(level, arrays, plain)
         if level == self.deepest:
             lines += [*self._starts(), *self._row(rows, self._updated()), "done += cells"]
         elif rows:
             lines += self._row(rows, [])
         return [f"{pad}{line}" for line in lines]
+
+    def _outside_row(self, level: int, arrays: Sequence[Node], plain: Sequence[Node]) -> list[str]:
+        """Return the lines that take inputs at a level of the loops and compute the steps `plain`.
+
+        `arrays` are the inputs that numpy has computed.
+        """
+        lines = [self._taken(one) for one in arrays if self.order.level(one) == level]
+        return lines + [f"{self._value(node)} = {self._step(node)}" for node in plain]
+
+    def _paired(self, arrays: Sequence[Node], pad: str) -> list[str]:
+        """Return the lines of the innermost outer loop that take two rows at a time.
+
+        Both rows are gathered in the same lanes, one after the other in each lane, as if they were
+        taken singly: the bits are the same. What rows have in common is read once, and a lane is
+        read and written once for two cells. Where the rows have lanes of their own, and for an odd
+        last row, the loop of single rows follows, from `unpaired` on. `arrays` are the inputs that
+        numpy has computed, `pad` is the indentation.
+        """
+        level = self.deepest
+        here = [node for node in self.nodes if self._level(node) == level]
+        self.here = {node.number for node in here}
+        plain = [node for node in here if not self._is_row(node)]
+        rows = [node for node in here if self._is_row(node)]
+        outside, steps, updates = [], [], []
+        for self.second in (False, True):
+            outside += self._outside_row(level, arrays, plain)
+            outside += self._numbers() if self.second else self._starts()
+            steps += self._steps(rows)
+            updates += self._gathered()
+        self.second = False
+        inside = [*self._read(), *updates, *self._written()]
+        row = ["for i in range(cells):", *(f"    {line}" for line in [*steps, *inside])]
+        count = f"ends[{level}, 1] - ends[{level}, 0]"
+        pairs = f"({count}) // 2 * 2 if strides[{level - 1}] == 0 else 0"
+        return [
+            f"{pad[4:]}unpaired = ends[{level}, 0] + ({pairs})",
+            f"{pad[4:]}for i{level} in range(ends[{level}, 0], unpaired, 2):",
+            *(f"{pad}{line}" for line in [*outside, *row, "done += 2 * cells"]),
+        ]
 
     def _taken(self, node: Node) -> str:
         """Return the line of a loop's source that takes an element or a row of an input array.
@@ -274,10 +333,10 @@ class _Writer:
         whose axes it depends, and gives the element, or a row of it for the innermost loop, a local
         name.
         """
-        turns = {name: f"i{k + 1}" for k, name in enumerate(self.order.outer)}
+        turns = dict(zip(self.order.outer, self._turns(), strict=True))
         index = ", ".join(turns[name] for name in self.order.kept(node))
         taken = f"a{node.number}[{index}]" if index else f"a{node.number}"
-        return f"a{node.number}_ = {taken}{'[at:stop]' if self.order.is_row(node) else ''}"
+        return f"{self._input(node)} = {taken}{'[at:stop]' if self.order.is_row(node) else ''}"
 
     def _starts(self) -> list[str]:
         """Return the source lines that find where results of a row begin in their arrays.
@@ -288,12 +347,25 @@ class _Writer:
         lines = []
         if self.lanes:
             lines += [f"start = {self._lane_index('strides')}"]
-            lines += [f"number = 0.0 + ({self._lane_index('numbers')})"]
+            lines += self._numbers()
         elif self.is_last:
             turns = [f"i{k + 1} * strides[{k}]" for k in range(self.deepest)]
             lines += [f"start = {' + '.join([*turns, 'at'])}"]
         start = "start" if self.is_last else "done"
         return lines + [f"o{k}_ = o{k}[{start}:{start} + cells]" for k in range(self.arrays)]
+
+    def _numbers(self) -> list[str]:
+        """Return the line that names the number of a row's first cell, by which places are told."""
+        return [f"{self._number()} = 0.0 + ({self._lane_index('numbers')})"]
+
+    def _number(self) -> str:
+        """Return the local name of the number of a row's first cell."""
+        return "numberb" if self.second else "number"
+
+    def _turns(self) -> list[str]:
+        """Return the source texts for the turns of the outer loops, of the row that is written."""
+        turns = [f"i{k + 1}" for k in range(self.deepest)]
+        return [*turns[:-1], f"({turns[-1]} + 1)"] if self.second else turns
 
     def _row(self, rows: Sequence[Node], updates: Sequence[str]) -> list[str]:
         """Return the source lines of the loop along a row, the innermost one.
@@ -301,15 +373,20 @@ class _Writer:
         They compute the nodes `rows` of the graph in order, store those that later loops need, and
         then have the lines `updates`, which store or gather results.
         """
-        lines = ["for i in range(cells):"]
+        lines = [*self._steps(rows), *updates]
+        return ["for i in range(cells):", *(f"    {line}" for line in lines)]
+
+    def _steps(self, rows: Sequence[Node]) -> list[str]:
+        """Return the lines that compute the nodes `rows` for a cell, and store what is kept."""
+        lines = []
         for node in rows:
-            lines.append(f"    t{node.number} = {self._step(node)}")
+            value = self._value(node)
+            lines.append(f"{value} = {self._step(node)}")
             if node.number in self.kept:
-                value = f"t{node.number}"
                 if node.dtype == np.bool_:
                     value = f"choose({value}, 1.0, 0.0)"
-                lines.append(f"    r{node.number}[i] = {value}")
-        return [*lines, *(f"    {line}" for line in updates)]
+                lines.append(f"r{node.number}[i] = {value}")
+        return lines
 
     def _lane_index(self, strides: str) -> str:
         """Return the source text for the index of a row's first cell among lanes.
@@ -318,7 +395,7 @@ class _Writer:
         each loop.
         """
         assert self.lanes is not None
-        turns = [f"i{k + 1}" for k in range(self.deepest)] + [f"at // {self.lanes.period}"]
+        turns = [*self._turns(), f"at // {self.lanes.period}"]
         terms = [f"{turn} * {strides}[{k}]" for k, turn in enumerate(turns)]
         return " + ".join([*terms, f"{strides}[{len(turns)}]"])
 
@@ -328,13 +405,36 @@ class _Writer:
         A result is stored, or gathered into a total such as a sum or a largest value: an entry of
         `UPDATES`.
         """
+        return [*self._read(), *self._gathered(), *self._written()]
+
+    def _read(self) -> list[str]:
+        """Return the lines that read what the lanes of a cell hold into local variables."""
+        return [f"v{k} = o{k}_[i]" for k, update in self._updates_by_array() if update != "store"]
+
+    def _gathered(self) -> list[str]:
+        """Return the lines that take the results of a cell into these variables, or store them."""
         lines, free = [], 0
         for update, term in zip(self.updates, self._terms(), strict=True):
-            count, texts = UPDATES[update]
-            places = [f"o{free + k}_[i]" for k in range(count)]
-            lines += [text.format(*places, value=term) for text in texts]
+            count, texts, _ = UPDATES[update]
+            places = [
+                f"o{k}_[i]" if update == "store" else f"v{k}" for k in range(free, free + count)
+            ]
+            lines += [text.format(*places, value=term, number=self._number()) for text in texts]
             free += count
         return lines
+
+    def _written(self) -> list[str]:
+        """Return the lines that write these variables back to the lanes."""
+        return [
+            f"o{k}_[i] = v{k}{UPDATES[update][2]}"
+            for k, update in self._updates_by_array()
+            if update != "store"
+        ]
+
+    def _updates_by_array(self) -> list[tuple[int, str]]:
+        """Return the number of each array of results, with what is done with it."""
+        names = [update for update in self.updates for _ in range(UPDATES[update][0])]
+        return list(enumerate(names))
 
     def _terms(self) -> list[str]:
         """Return the source texts for the results in the last loop."""

@@ -17,6 +17,7 @@ from boxes import assert_same_bits
 from core.intake import prepare_content
 from core.kinds import tabulate
 from core.plan.loops.lanes import DEPTH, MAX_LANES
+from core.plan.loops.program import program_of
 from core.quantities import REGIMES
 from core.reduce.arrays import reduced_arrays
 from core.reduce.run import Units
@@ -127,6 +128,26 @@ def test_so_has_one_with_functions_of_numpy_between_its_loops(monkeypatch) -> No
     asked = {"over": ["amplitude", "beta"], "statistics": ["mean", "argmin"], "cells": "all"}
     study = {**STUDY, "outputs": ["travel_time"], "reduce": asked}
     both_ways(prepare_content(study), monkeypatch)
+
+
+@pytest.mark.parametrize("over", [("frequency", "alpha"), ("amplitude", "beta")], ids="-".join)
+def test_rows_taken_in_pairs_have_the_bits_of_stored_cells(over, monkeypatch) -> None:
+    """Rows in the same lanes are paired, and an odd one is left; those in their own are not."""
+    monkeypatch.setattr("core.plan.loops.program.PAIRED_CELLS", 1)
+    program_of.cache_clear()
+    axes = {name: {**AXES[name], "num": num} for name, num in PAIRED.items()}
+    asked = {**ASKED, "over": list(over), "quantiles": [], "shares": {}}
+    parameters = {**STUDY["parameters"], **axes}
+    study = {**STUDY, "outputs": [SPEED], "parameters": parameters, "reduce": asked}
+    prepared = prepare_content(study)
+    order = prepared.work.boxes[0]._loop.order
+    last = order.outer[-1]
+    assert (last in over and order.steps[last] in (3, 5, 7)) == ("frequency" in over)
+    both_ways(prepared, monkeypatch)
+    program_of.cache_clear()
+
+
+PAIRED = {"frequency": 14, "amplitude": 15, "alpha": 20, "beta": 20}
 
 
 def both_ways(prepared: Any, monkeypatch: pytest.MonkeyPatch) -> None:
