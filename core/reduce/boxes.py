@@ -138,13 +138,13 @@ class Boxes:
         loop.gather(self._ends(box), self._lanes(), totals)
         for counter, name in enumerate(field.outputs):
             state |= totals.state(name, counter)
-        counted = [*(str(flag) for flag in flags), *field.shares]
-        for counter, name in enumerate(counted, start=len(field.outputs)):
+        names = [*(str(flag) for flag in flags), *field.shares]
+        for counter, name in enumerate(names, start=len(field.outputs)):
             state[f"{name}.count"] = totals.counts[counter]
         if field.regimes and len(flags) < len(self.flags):
             cells = math.prod(stop - start for start, stop in box) // self._slots(box)
-            counted_cells = sum(state[f"{flag}.count"] for flag in flags)
-            state[f"{self.flags[-1]}.count"] = cells - counted_cells
+            counted = [state[f"{flag}.count"] for flag in flags]
+            state[f"{self.flags[-1]}.count"] = cells - np.sum(counted, axis=0)
         return state
 
     def _slots(self, box: Box) -> int:
