@@ -237,10 +237,12 @@ def tabulate_curves(measured: Sequence[Measured], attributes: Mapping[str, str])
         **_columns(curves, CURVE_NUMBERS),
         **_further(points),
     }
-    for family in measured:
-        variables |= {f"cell_{name}": variable for name, variable in family.cells.items()}
-    cells = next((v.values.size for v in variables.values() if v.dims == ("cell",)), 0)
-    if cells:
+    of_cells = {
+        f"cell_{name}": variable for family in measured for name, variable in family.cells.items()
+    }
+    cells = next((v.values.size for v in of_cells.values() if v.dims == ("cell",)), 0)
+    if cells:  # none, if the time was too short to follow any
+        variables |= of_cells
         count = np.arange(cells, dtype=np.int32)
         coordinates["cell"] = TableVariable(("cell",), count, {"long_name": "number of the cell"})
     return Table(coordinates, variables, attributes)
