@@ -22,7 +22,7 @@ MAX_FAILURES = 10  # workers that die under one block
 BEGUN = "vibrafeed-begun"  # Dask's topic under which workers report the calls that they begin
 RESTART = 30.0  # s that a worker may take to end and come again
 PATIENCE = 1.0  # s that a worker may take to end before it is killed
-POLITE = 19  # niceness of our own workers: the service answers while they work
+POLITE = 10  # niceness of our own workers: the service answers while they work
 
 
 class Cluster:
