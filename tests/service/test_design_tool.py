@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -64,14 +65,19 @@ def test_it_finds_simulates_and_draws(access, tmp_path):
     assert ((pixels == [1, 0, 0]).all(axis=-1)).sum() > 100  # the star, on the map and its legend
 
 
-def test_what_the_service_refuses_is_told(access):
-    done = run(*access, "--scene", "nowhere")
-    assert done.returncode == 1
-    assert "'nowhere' is none of the scenes" in done.stderr
-    assert "rectangle-on-track" in done.stderr
-    done = run(*access, "--outputs", "acceleration")
-    assert done.returncode == 1
-    assert "outputs: " in done.stderr
-    done = run(*access[:2])
-    assert done.returncode == 1
-    assert "A key is needed" in done.stderr
+def test_what_the_service_refuses_is_told(access, monkeypatch):
+    main = runpy.run_path(str(TOOL))["main"]
+
+    def told(*arguments: str) -> str:
+        """Return what Python says on the error stream as it ends with 1."""
+        monkeypatch.setattr(sys, "argv", [str(TOOL), *arguments])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        assert isinstance(ended.value.code, str)
+        return ended.value.code
+
+    wrong = told(*access, "--scene", "nowhere")
+    assert "'nowhere' is none of the scenes" in wrong
+    assert "rectangle-on-track" in wrong
+    assert "outputs: " in told(*access, "--outputs", "acceleration")
+    assert "A key is needed" in told(*access[:2])
