@@ -102,10 +102,15 @@ def proxied(nginx, folder, service):
         process.wait(PATIENCE)
 
 
-def test_a_proxy_with_tls_and_a_path(serve, tmp_path):
+@pytest.fixture(scope="module")
+def service(serve):
+    """Return a service as it stands behind a proxy; by itself it is asked without the path."""
+    return serve(root_path="/vibrafeed", workers=1)
+
+
+def test_a_proxy_with_tls_and_a_path(service, tmp_path):
     nginx = tool("nginx")
     tool("openssl")
-    service = serve(root_path="/vibrafeed", workers=1)
     with proxied(nginx, tmp_path, service) as (address, context):
         # Every link of the landing page, and of a job, leads through the proxy to what it names.
         links = ask(address, "/", context=context)["links"]
@@ -139,13 +144,14 @@ def shell(commands, **variables):
     subprocess.run(["sh", "-eu", "-c", commands], env=environment, check=True, timeout=PATIENCE)
 
 
-def test_backup_and_restore(serve, tmp_path):
+def test_backup_and_restore(service, tmp_path):
     for program in ("sqlite3", "rsync"):
         tool(program)
     backup, restore = blocks("sh", "Backup and restore")
-    service = serve(workers=1)
     number = ask(service.address, "/processes/sweep/execution", SWEEP)["jobID"]
     assert finished(service.address, number)["status"] == "successful"
+    jobs = ask(service.address, "/jobs")["jobs"]
+    assert number in [job["jobID"] for job in jobs]
     content = ask(service.address, f"/jobs/{number}/results/dataset")
     data = service.folder / "data"
     shell(backup, DATA=data, BACKUP=tmp_path / "backup")
@@ -153,7 +159,7 @@ def test_backup_and_restore(serve, tmp_path):
     shutil.rmtree(data)
     shell(restore, DATA=data, BACKUP=tmp_path / "backup")
     service.start()
-    assert [job["jobID"] for job in ask(service.address, "/jobs")["jobs"]] == [number]
+    assert ask(service.address, "/jobs")["jobs"] == jobs
     assert ask(service.address, f"/jobs/{number}/results/dataset") == content
     assert ask(service.address, "/processes/sweep/execution", SWEEP)["status"] == "successful"
 
@@ -196,8 +202,7 @@ def test_the_container_is_as_the_page_tells():
     assert f"user {values['USER']}" in PAGE
 
 
-def test_every_metric_is_told(serve):
-    service = serve()
+def test_every_metric_is_told(service):
     found = set(
         re.findall(r"^# TYPE (vibrafeed_\w+)", ask(service.address, "/metrics").decode(), re.M)
     )
