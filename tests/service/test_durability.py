@@ -32,8 +32,8 @@ from services import QUICK, Server
 from waiting import PATIENCE, wait_for
 
 KILLS = count(2, 20, "KILLS")
-JOBS = 4 if KILLS <= 4 else 8
-SIZE = 61 if KILLS <= 4 else 301  # of two axes: the last kill is to meet work
+JOBS = 3 if KILLS <= 4 else 8
+SIZE = 51 if KILLS <= 4 else 301  # of two axes: the last kill is to meet work
 
 
 ELSEWHERE = {}  # settings of a test whose ledger is no file
@@ -133,8 +133,8 @@ def test_jobs_survive_kills_of_server_and_workers(tmp_path):
 
 def test_a_database_that_is_restarted_under_jobs_loses_none(tmp_path, in_postgresql):
     """Stopped, crashed, and crashed at the same time as the server."""
-    studies = [simulation(number) for number in range(3)]
-    with serving(tmp_path, **QUICK) as server:
+    studies = [simulation(number) for number in range(2)]
+    with serving(tmp_path, **QUICK, workers=1) as server:
         numbers = [server.post(study) for study in studies]
         server.begun(numbers[0])
         in_postgresql.stop()
@@ -155,7 +155,7 @@ def test_a_database_that_is_restarted_under_jobs_loses_none(tmp_path, in_postgre
         in_postgresql.start()
         server.launch()
         jobs = [server.finished(number) for number in numbers]
-        assert [job["status"] for job in jobs] == ["successful"] * 3, jobs
+        assert [job["status"] for job in jobs] == ["successful"] * 2, jobs
         contents = [server.ask(f"/jobs/{number}/results/dataset") for number in numbers]
         assert not (tmp_path / "data" / "jobs.sqlite3").exists()
     assert PASSWORD not in (tmp_path / "log").read_text()
@@ -301,7 +301,7 @@ def refusal(call):
 def test_a_full_and_a_read_only_disk_are_told_and_lose_nothing(tmp_path):
     data = tmp_path / "data"
     small = {**simulation(0), "parameters": {**simulation(0)["parameters"], "beta": 30}}
-    with small_disk(data, 3), serving(tmp_path, **QUICK) as server:
+    with small_disk(data, 3), serving(tmp_path, **QUICK, workers=1) as server:
         first = server.post(small)
         assert server.finished(first)["status"] == "successful"
         kept = server.ask(f"/jobs/{first}/results/dataset")
