@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Page, expect
 
+from night import NIGHT
 from tools import tool
 from waiting import wait_for
 
@@ -105,6 +106,7 @@ def test_borders_lie_where_the_part_lifts_off(page: Page, address: str) -> None:
     assert min(max(ring) for ring in inside if len(ring) > 50) < 1.5
 
 
+@pytest.mark.by_day(2)  # a map and lines
 @pytest.mark.parametrize("link", [CLOSED, MOTION, MOTION.replace("&y=beta:5:60", "&y=&p.beta=30")])
 def test_a_saved_picture_says_what_it_shows(
     page: Page, address: str, tmp_path: Path, link: str
@@ -162,7 +164,9 @@ def test_nothing_moves_while_the_page_opens(
 ) -> None:
     page.add_init_script(SHIFTS)
     page.set_viewport_size({"width": size[0], "height": size[1]})
-    for question in ("speed", "drive", "thesis", "all"):
+    questions = ("speed", "drive", "thesis", "all")
+    # By day each at one size: the two with most beside the picture on a phone.
+    for question in questions if NIGHT else questions[size[0] < 1000 :: 2]:
         page.goto("about:blank")
         opened(page, f"{address}/#question={question}")
         assert page.evaluate("window.shifted") < MAX_SHIFT, question

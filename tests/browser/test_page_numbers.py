@@ -12,6 +12,14 @@ from night import count
 FRICTION = "#value-friction"
 NONSENSE = ("abc", "1e400", "", "0.3.1", "3 mm", "--")[: count(2, 6)]
 
+NUMBERS = (
+    (FRICTION, "friction", "0,35", 0.35),
+    ("#value-frequency", "frequency", "3300 rpm", 55.0),
+    ("#value-frequency", "frequency", "3000/60", 50.0),
+    (FRICTION, "friction", "25 %", 0.25),
+    ("#value-frequency", "frequency", "53,5", 53.5),
+)[: count(2, 5)]
+
 
 def settled(page: Page) -> None:
     expect(page.locator("#picture")).to_have_attribute("aria-busy", "false")
@@ -50,13 +58,7 @@ def test_what_is_no_number_changes_nothing(page: Page, address: str) -> None:
 
 def test_numbers_as_people_type_them(page: Page, address: str) -> None:
     opened(page, address)
-    for field, name, text, value in (
-        (FRICTION, "friction", "0,35", 0.35),
-        (FRICTION, "friction", "25 %", 0.25),
-        ("#value-frequency", "frequency", "3000/60", 50.0),
-        ("#value-frequency", "frequency", "3300 rpm", 55.0),
-        ("#value-frequency", "frequency", "53,5", 53.5),
-    ):
+    for field, name, text, value in NUMBERS:
         typed(page, field, "0.31" if name == "friction" else "49")
         typed(page, field, text)
         assert in_address(page, name) == pytest.approx(value, rel=1e-12)
