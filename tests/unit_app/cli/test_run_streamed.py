@@ -20,7 +20,10 @@ import xarray
 from typer.testing import CliRunner
 
 from app.cli import app
+from night import count
 from waiting import PATIENCE
+
+KILLS = count(1, 2, "KILLS")
 
 STUDY = """
 kind = "sweep"
@@ -101,11 +104,11 @@ def test_a_killed_run_leaves_nothing_and_goes_on_to_the_same_result(study, tmp_p
     target, whole = tmp_path / options[0], tmp_path / f"whole-{options[0]}"
     assert run(study, "-o", whole, *options[1:]).exit_code == 0
     folder = tmp_path / f".{target.name}.partial"
-    for kill in range(2):
+    for kill in range(KILLS):
         more = ["--resume"] if kill else []
         process = started(0.05, study, "-o", target, *options[1:], *more)
         before = records(folder) if kill else 0
-        while records(folder) < before + 3 and process.poll() is None:
+        while records(folder) < before + 6 // KILLS and process.poll() is None:
             time.sleep(0.01)
         process.kill()
         process.communicate()

@@ -23,6 +23,12 @@ def client(tmp_path: Path):
 
 
 @pytest.fixture
+def without_studies(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the OpenAPI document be without the models of studies, which take it some seconds."""
+    monkeypatch.setattr("app.web.openapi._components", dict)
+
+
+@pytest.fixture
 def address(client: TestClient) -> str:
     """Return where the study stands once it is posted."""
     return f"/sweeps/{client.post('/sweeps', json=STUDY).json()['id']}"

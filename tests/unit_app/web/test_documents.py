@@ -24,7 +24,7 @@ def test_the_quantities_page_is_up_to_date():
     assert PAGE.read_text(encoding="utf-8") == page()
 
 
-def test_every_route_is_documented(tmp_path):
+def test_every_route_is_documented(tmp_path, without_studies):
     routes = create_app(Settings(data_directory=tmp_path)).openapi()["paths"]
     text = (ROOT / "docs/api.md").read_text()
     for path, methods in routes.items():

@@ -68,7 +68,7 @@ class TestKeys:
         problem(behind.get(f"{path}/scenes"), 401, "key")
         assert behind.get(f"{path}/jobs", headers=BEARER).status_code == 200
 
-    def test_every_documented_route_but_the_open_ones_needs_a_key(self, client):
+    def test_every_documented_route_but_the_open_ones_needs_a_key(self, client, without_studies):
         paths = client.get("/openapi.json").json()["paths"]
         guarded = 0
         for path, operations in paths.items():
@@ -149,7 +149,7 @@ class TestKeys:
         assert digest == hashlib.sha256(key.encode()).hexdigest()
         assert key != KEY
 
-    def test_without_keys_the_document_says_that_they_are_optional(self, tmp_path):
+    def test_without_keys_the_document_says_that_they_are_optional(self, tmp_path, without_studies):
         document = serving(tmp_path).get("/openapi.json").json()
         assert set(document["components"]["securitySchemes"]) == {"bearer", "header"}
         told = document["paths"]["/scenes"]["get"]["security"]

@@ -14,7 +14,7 @@ from local_client import local_client
 
 
 @pytest.mark.parametrize("root", ["", "/vibrafeed"])
-def test_the_document_comes_from_memory_with_an_etag(tmp_path, root, monkeypatch):
+def test_the_document_comes_from_memory_with_an_etag(tmp_path, root, monkeypatch, without_studies):
     app = create_app(Settings(data_directory=tmp_path))
     client = local_client(app, root_path=root)
     first = client.get("/openapi.json")

@@ -161,7 +161,7 @@ class TestZarr:
             response.headers.pop("vary", None)  # of small replies that are not compressed, either
             assert dict(head.headers) == dict(response.headers)
 
-    def test_the_sweep_names_its_group(self, client, address):
+    def test_the_sweep_names_its_group(self, client, address, without_studies):
         assert client.get(address).json()["links"]["zarr"] == f"{address}/zarr"
         documented = client.get("/openapi.json").json()["paths"]["/sweeps/{key}/zarr/{path}"]
         assert set(documented["get"]["responses"]) == {
