@@ -20,10 +20,10 @@ import xarray
 from typer.testing import CliRunner
 
 from app.cli import app
-from night import count
+from night import NIGHT
 from waiting import PATIENCE
 
-KILLS = count(1, 2, "KILLS")
+KILLS = 2 if NIGHT else 1
 
 STUDY = """
 kind = "sweep"

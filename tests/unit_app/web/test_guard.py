@@ -96,7 +96,7 @@ class TestKeys:
         assert client.options("/sweeps").status_code == 401
 
     @pytest.mark.parametrize("path", OPEN)
-    def test_open_paths_need_none(self, client, path):
+    def test_open_paths_need_none(self, client, path, without_studies):
         # Whether it is ready, an app that was not started may well deny.
         assert client.get(path).status_code in ((200, 503) if path == "/readyz" else (200,))
 

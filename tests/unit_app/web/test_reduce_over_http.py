@@ -74,9 +74,9 @@ def test_a_short_one_is_replied_to_at_once(client: TestClient) -> None:
 
 
 def test_a_job_of_more_cells_than_may_be_stored(client: TestClient, tmp_path) -> None:
-    reply = client.post(PATH, json=study(30_000), headers=ASIDE)
+    reply = client.post(PATH, json=study(10_000), headers=ASIDE)
     path = file_of(client, reply, tmp_path)
-    want = tabulate(prepare_content(study(30_000))).to_xarray()
+    want = tabulate(prepare_content(study(10_000))).to_xarray()
     with xarray.open_dataset(path) as found:
         for name in want.data_vars:
             assert found[name].dims == want[name].dims
