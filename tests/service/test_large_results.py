@@ -24,7 +24,7 @@ from night import count
 from services import QUICK, Server
 
 KILLS = count(1, 4, "KILLS")
-FREQUENCIES = 160 if KILLS == 1 else 320  # the last kill is to meet work
+FREQUENCIES = 110 if KILLS == 1 else 320  # the last kill is to meet work
 
 STUDY: dict[str, Any] = {
     "kind": "sweep",
