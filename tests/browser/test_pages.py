@@ -13,7 +13,7 @@ from links import links
 from night import NIGHT, count
 from waiting import PATIENCE
 
-LINKS = count(12, 500, "VIBRAFEED_FUZZ_LINKS")
+LINKS = count(8, 500, "VIBRAFEED_FUZZ_LINKS")
 
 # Follow a link within the page; return what it shows once it is at rest.
 FOLLOWED = """async (link) => {
