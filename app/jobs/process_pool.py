@@ -24,7 +24,7 @@ from core.errors import StoppedError, VibrafeedError
 
 LOOK = 0.5  # s between checks that the client still waits for the result
 CALLS = 500  # calls of a process before a new one replaces it: memory does not pile up
-POLITE = 10  # niceness: the event loop comes first
+POLITE = 5  # niceness: the event loop comes first
 ENVIRONMENT = {
     # Calculations share the cores: each has one thread.
     "OMP_NUM_THREADS": "1",

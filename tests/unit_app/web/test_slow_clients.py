@@ -8,6 +8,7 @@ import resource
 import subprocess
 import sys
 import threading
+from collections import Counter
 from types import SimpleNamespace
 
 import pytest
@@ -87,6 +88,7 @@ def connect():
     """Return a function that opens a connection to one server; the clock is its attribute."""
     app = FastAPI()
     app.state.settings = SimpleNamespace(max_requests=1, max_body_bytes=1_000_000)
+    app.state.uploads = Counter()
     config = uvicorn.Config(app, log_config=None, ws="none")
     config.load()
     state, clock = uvicorn.server.ServerState(), Clock()
