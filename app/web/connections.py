@@ -222,14 +222,18 @@ class Connection(H11Protocol):
         self._waits_for_others = False
         if cycle.disconnected:
             return
-        is_upload = cycle.more_body
-        self._uploads[self._address] += is_upload
+        if not cycle.more_body:
+            await self._serve(scope, receive, send)
+            return
+        address = self._address  # another request may tell another one, behind a proxy
+        self._uploads[address] += 1
         try:
             await self._serve(scope, receive, send)
         finally:
-            self._uploads[self._address] -= is_upload
-            if is_upload:
-                self._wake_waiting()
+            self._uploads[address] -= 1
+            if not self._uploads[address]:
+                del self._uploads[address]
+            self._wake_waiting()
 
     def _wake_waiting(self) -> None:
         """Let requests that wait for the body of another one look whether they may begin."""

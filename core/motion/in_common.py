@@ -8,7 +8,8 @@ beside such others than it takes alone, and a trial has to follow both.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+import random
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,15 +20,12 @@ from core.mechanics.arrays import Array
 from core.motion.groups import Contacts, Groups
 from core.motion.planar import SETS_LANDINGS
 from core.motion.price import some_cells
-from core.plan.grid import Grid
+from core.plan.grid import Grid, positions_of
 from core.plan.plan import Plan
 
 SIBLINGS = 4
 """Cells with the same motion normal to the floor that a trial follows together."""
 COMPARED = 8  # cells whose groups are compared with those of a neighbour on an axis
-
-Indices = NDArray[np.int64]
-Positions = dict[str, Indices]
 
 
 @dataclass(frozen=True)
@@ -64,18 +62,18 @@ def families_of(plan: Plan, grid: Grid, contacts: Contacts, most: int) -> Famili
     size = math.prod(grid.shape[name] for name in shared)
     if size == 1:
         return None
-    own = [name for name in grid.axes if name not in shared]
-    random = np.random.default_rng(0)
-    kinds = math.prod(grid.shape[name] for name in own)
-    chosen = random.permutation(kinds)[:most] if kinds <= most else _distinct(random, kinds, most)
+    along = {name: grid.shape[name] for name in shared}
+    own = {name: length for name, length in grid.shape.items() if name not in along}
+    kinds = math.prod(own.values())
+    chosen = np.array(random.Random(0).sample(range(kinds), min(most, kinds)), dtype=np.int64)
     each = min(SIBLINGS, size)
-    first = random.integers(size, size=chosen.size)
+    first = np.random.default_rng(0).integers(size, size=chosen.size)
     # Equal steps around the shared axes: no sibling comes twice.
     beside = (first[:, np.newaxis] + np.arange(each) * (size // each)) % size
-    place = _positions(grid, own, chosen)
-    singles = place | _positions(grid, shared, first)
+    place = positions_of(own, chosen)
+    singles = place | positions_of(along, first)
     siblings = {name: np.repeat(at, each) for name, at in place.items()}
-    siblings |= _positions(grid, shared, beside.ravel())
+    siblings |= positions_of(along, beside.ravel())
     return Families(
         chosen.size,
         size,
@@ -90,10 +88,10 @@ def _axes_in_common(plan: Plan, grid: Grid, contacts: Contacts) -> list[str]:
 
     Found from the dimensionless groups of some cells and of their neighbours on each axis.
     """
-    random = np.random.default_rng(0)
-    here = {name: random.integers(size, size=COMPARED) for name, size in grid.shape.items()}
+    generator = np.random.default_rng(0)
+    here = {name: generator.integers(size, size=COMPARED) for name, size in grid.shape.items()}
 
-    def groups_at(positions: Mapping[str, Indices]) -> Any:
+    def groups_at(positions: Mapping[str, NDArray[np.int64]]) -> Any:
         cells = grid.at(positions, COMPARED, plan.parameters)
         return some_cells(plan, cells, {}, contacts).known.get("groups")
 
@@ -113,20 +111,3 @@ def _axes_in_common(plan: Plan, grid: Grid, contacts: Contacts) -> list[str]:
         if changed and not set(changed) & set(SETS_LANDINGS):
             shared.append(name)
     return shared
-
-
-def _positions(grid: Grid, names: Sequence[str], flat: Indices) -> Positions:
-    """Return positions on the named axes, the last fastest, of cells numbered over these alone."""
-    positions: Positions = {}
-    left = flat
-    for name in reversed(names):
-        left, positions[name] = np.divmod(left, grid.shape[name])
-    return positions
-
-
-def _distinct(random: np.random.Generator, below: int, count: int) -> Indices:
-    """Return `count` distinct random numbers from 0 to before `below`, which is larger."""
-    found: dict[int, None] = {}
-    while len(found) < count:
-        found[int(random.integers(below))] = None
-    return np.array(list(found))

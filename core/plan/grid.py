@@ -161,8 +161,16 @@ def random_positions(grid: Grid, count: int, seed: int | str) -> dict[str, NDArr
     no more. They are the cells of a study that are verified. Each array has the shape (count,).
     """
     chosen = random.Random(seed).sample(range(grid.cells), min(count, grid.cells))
+    return positions_of(grid.shape, np.array(chosen, dtype=np.int64))
+
+
+def positions_of(shape: dict[str, int], numbers: NDArray[np.int64]) -> dict[str, NDArray[np.int64]]:
+    """Return the positions on each axis of cells that are numbered from 0, the last axis fastest.
+
+    `shape` has the length of each axis; a position array has the shape of `numbers`.
+    """
     positions: dict[str, NDArray[np.int64]] = {}
-    left = np.array(chosen, dtype=np.int64)
-    for name, size in reversed(grid.shape.items()):
+    left = numbers
+    for name, size in reversed(shape.items()):
         left, positions[name] = np.divmod(left, size)
     return positions

@@ -276,16 +276,20 @@ class _Writer:
         The level counts the loops outside; a step stands as far outside as it can. `arrays` are the
         inputs that numpy has computed, `pad` is the indentation.
         """
-        here = [node for node in self.nodes if self._level(node) == level]
-        self.here = {node.number for node in here}
-        plain = [node for node in here if not self._is_row(node)]
-        rows = [node for node in here if self._is_row(node)]
+        plain, rows = self._enter(level)
         lines = self._outside_row(level, arrays, plain)
         if level == self.deepest:
             lines += [*self._starts(), *self._row(rows, self._updated()), "done += cells"]
         elif rows:
             lines += self._row(rows, [])
         return [f"{pad}{line}" for line in lines]
+
+    def _enter(self, level: int) -> tuple[list[Node], list[Node]]:
+        """Make a level of the loops the present one; return its steps for a row, and for a cell."""
+        here = [node for node in self.nodes if self._level(node) == level]
+        self.here = {node.number for node in here}
+        plain = [node for node in here if not self._is_row(node)]
+        return plain, [node for node in here if self._is_row(node)]
 
     def _outside_row(self, level: int, arrays: Sequence[Node], plain: Sequence[Node]) -> list[str]:
         """Return the lines that take inputs at a level of the loops and compute the steps `plain`.
@@ -305,10 +309,7 @@ class _Writer:
         numpy has computed, `pad` is the indentation.
         """
         level = self.deepest
-        here = [node for node in self.nodes if self._level(node) == level]
-        self.here = {node.number for node in here}
-        plain = [node for node in here if not self._is_row(node)]
-        rows = [node for node in here if self._is_row(node)]
+        plain, rows = self._enter(level)
         outside, steps, updates = [], [], []
         for self.second in (False, True):
             outside += self._outside_row(level, arrays, plain)

@@ -53,6 +53,7 @@ class Running:
 
     def __init__(self, server: uvicorn.Server, application: Application, stack: ExitStack):
         self.server, self.begun = server, application.begun
+        self.uploads = application.state.uploads
         self._stack = stack
         self._port = server.servers[0].sockets[0].getsockname()[1]
 
@@ -165,6 +166,7 @@ def test_of_long_bodies_of_an_address_it_begins_with_a_few(running):
     for client in clients:  # each that ends makes room for the next
         client.sendall(bytes(100_000))
         assert reply(client).endswith(b"200000 bytes")
+    wait_for(lambda: not running.uploads)  # of who sends no more nothing is kept
 
 
 def test_who_asks_whether_to_send_is_answered(running):

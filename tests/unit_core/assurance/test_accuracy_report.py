@@ -399,6 +399,15 @@ def test_a_stop_keeps_what_was_measured():
     assert part.table.variables["error"].values.size == 0
 
 
+def test_without_a_cell_that_was_followed_there_are_no_columns_of_cells():
+    """A dimension without values has no coordinate, and a file refuses it."""
+    for size, names in ((0, set()), (2, {"cell_velocity"})):
+        velocity = TableVariable(("cell",), np.empty(size), {"units": "1"})
+        table = tabulate_curves([Measured("model", (), (), {"velocity": velocity})], {})
+        assert {name for name in table.variables if name.startswith("cell_")} == names
+        assert ("cell" in table.coordinates) == bool(size)
+
+
 def test_words_of_flags_have_no_blanks():
     point = Point("800 steps, twice", 800.0, 1e-3, 1e-2, 1e-3, 4)
     one = Measured("motion", (Curve("motion", "hopping cells", "time-stepping", (point,)),))
