@@ -104,8 +104,9 @@ def heads(server: Served, seconds: float) -> None:
 
 
 def long_cells(server: Served, seconds: float) -> None:
-    """Attack: four small requests for cells that take hours, abandoned at the end."""
+    """Attack: four small requests for cells that take hours; their jobs are dismissed at the end."""
     _crowd(server, [_long_cell(server, n) for n in range(4)], seconds)
+    _dismiss_all(server)
 
 
 def long_jobs(server: Served, seconds: float) -> None:
@@ -215,13 +216,13 @@ def dear_slices(server: Served, seconds: float) -> None:
 
 
 def waiting(server: Served, seconds: float) -> None:
-    """Attack: 520 clients post one long study and wait for its job, up to 60 s each."""
-    number = server.post_job("simulate", _long_study(0))
+    """Attack: 520 clients post a long study and wait for its job; all are dismissed at the end."""
+    server.post_job("simulate", _long_study(0))
     body = json.dumps(_long_study(0)).encode()
     head = ("Prefer: respond-async, wait=60", f"Content-Length: {len(body)}")
     request = _request(server, "POST", "/processes/simulate/execution", *head) + body
     _crowd(server, [request] * 520, seconds)
-    server.ask("DELETE", f"/jobs/{number}")
+    _dismiss_all(server)
 
 
 def crumbs(server: Served, seconds: float) -> None:
@@ -436,6 +437,12 @@ def _long_cell(server: Served, n: int) -> bytes:
     body = json.dumps(_long_study(n)).encode()
     path = "/processes/simulate/execution"
     return _request(server, "POST", path, f"Content-Length: {len(body)}") + body
+
+
+def _dismiss_all(server: Served) -> None:
+    """Dismiss the jobs of the attacker that still wait or run: else they go on, as promised."""
+    for job in server.get("/jobs?limit=1000&status=accepted&status=running")["jobs"]:
+        server.ask("DELETE", f"/jobs/{job['jobID']}")
 
 
 def _has_to_end(server: Served, number: str, seconds: float) -> None:

@@ -22,7 +22,7 @@ from core.quantities import QUANTITIES, REGIMES
 from core.reduce.cutting import Box, Cutting, Rows
 from core.reduce.kernels import others
 from core.reduce.kernels.bits import MAGNITUDE
-from core.reduce.lanes import EMPTY, BoxLanes, Totals
+from core.reduce.lanes import GATHERED, BoxLanes, Totals
 from core.reduce.loop import FieldLoop, field_loop
 from core.reduce.questions import EXACT_CELLS, ReducedField, takes_long, valid_regimes
 from core.reduce.state import STOPPED, State
@@ -279,7 +279,7 @@ class Boxes:
         cells = self._counted(name, values, box)
         for tile in lanes.tiles(ends):
             layout, offset = lanes.layout(tile, ends)
-            held = {kind: lanes.buffer(kind, layout.lanes) for kind in EMPTY}
+            held = {kind: lanes.buffer(kind, layout.lanes) for kind in GATHERED}
             here = tuple(
                 slice(start - first, stop - first)
                 for (start, stop), (first, _) in zip(tile.values(), box, strict=True)
@@ -288,7 +288,8 @@ class Boxes:
             totals.fold_counts(held["counts"], layout, offset, 0, 1)
             totals.fold_sum(name, held["sum"], layout, offset, lanes.line)
             for kind in ("largest", "least"):
-                totals.fold_extremes(name, kind, held[kind], held[f"{kind}_at"], layout, offset)
+                extremes, at = held[f"first_{kind}"], held[f"{kind}_at"]
+                totals.fold_extremes(name, kind, extremes, at, layout, offset)
         state = totals.state(name, 0)
         if "mean" not in self._asked.statistics:
             state = {key: values for key, values in state.items() if key.endswith(".ends")}

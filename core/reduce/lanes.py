@@ -23,15 +23,17 @@ Shape = tuple[tuple[str, int], ...]
 Integers = NDArray[np.int64]
 Array = NDArray[np.float64]
 
-EMPTY = {
+GATHERED = {
     "counts": 0.0,
     "sum": 0.0,
-    "largest": -math.inf,
+    "first_largest": math.nan,
     "largest_at": math.inf,
-    "least": math.inf,
+    "first_least": math.nan,
     "least_at": math.inf,
 }
-"""The kinds of lanes, and what a lane of each holds before it has gathered a cell."""
+"""The kinds of lanes that gather stored cells, and what a lane of each holds without a cell."""
+EMPTY = {**GATHERED, "largest": -math.inf, "least": math.inf}
+"""The same of all kinds; an extreme without its place begins with what no value is beyond."""
 
 
 @dataclass(frozen=True)
@@ -158,7 +160,7 @@ class BoxLanes:
         layout : TileLayout
             Which lane belongs to which point of the result.
         lanes : mapping of str to ndarray
-            An array for each kind of total, a key of `EMPTY`; they are updated.
+            An array for each kind of total, a key of `GATHERED`; they are updated.
         """
         axes = (*self.order.outer, *self.order.inner)
         rows = cells.transpose([self._dims.index(name) for name in axes])
@@ -178,7 +180,7 @@ class BoxLanes:
             starts.reshape(-1), numbers.reshape(-1), self.order.piece,
             0 if self.order.gathers else self.order.piece,
             turn * along,
-            *(lanes[kind] for kind in EMPTY),
+            *(lanes[kind] for kind in GATHERED),
         )  # fmt: skip
 
 

@@ -56,7 +56,7 @@ class Gathering:
         if self.update == "sum":
             return ("sum",)
         end = self.update.removeprefix("first_")
-        return (end, f"{end}_at") if self.update.startswith("first_") else (end,)
+        return (self.update,) if end == self.update else (self.update, f"{end}_at")
 
 
 class FieldLoop:
@@ -133,9 +133,8 @@ class FieldLoop:
                     totals.fold_sum(gathering.output, arrays[0], layout, offset, lanes.line)
                 else:
                     at = arrays[-1][: 0 if len(arrays) == 1 else None]
-                    totals.fold_extremes(
-                        gathering.output, gathering.kinds[0], arrays[0], at, layout, offset
-                    )
+                    end = gathering.update.removeprefix("first_")
+                    totals.fold_extremes(gathering.output, end, arrays[0], at, layout, offset)
 
     def _outputs(self) -> list[str]:
         """Return the outputs that the loop computes, for statistics and conditions."""

@@ -74,7 +74,7 @@ unexpected-methods = ["GET", "PUT", "POST", "DELETE", "OPTIONS", "PATCH", "TRACE
 # A study has so many places that all their borders take minutes a route: they are tried once, and
 # only in the long run.
 [[operations]]
-include-path-regex = "execution$"
+include-path-regex = "(execution|convert)$"
 phases.coverage.enabled = false
 
 [[operations]]

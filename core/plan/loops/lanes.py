@@ -152,6 +152,18 @@ class LaneOrder:
             lanes[self.inner[0]] = min(shape[self.inner[0]], self.piece // self.period)
         return lanes
 
+    def is_in_grid_order(self, axes: Iterable[str], over: Iterable[str]) -> bool:
+        """True if each lane gets its cells in the order of the grid, the last axis fastest.
+
+        `axes` are those of the grid, in order, `over` those that are reduced away. The pieces of a
+        row are the outermost loop.
+        """
+        goes = set(over) - self.apart
+        mixed = [name for name in self.outer if name in goes and self.steps[name] > 1]
+        if self.gathers and self.steps[self.inner[0]] * self.period > self.piece:
+            mixed.insert(0, self.inner[0])
+        return mixed == [name for name in axes if name in mixed]
+
     def most_lanes(self, shape: Mapping[str, int], over: Iterable[str]) -> int:
         """Return the number of lanes of the largest tile of a grid.
 
@@ -194,14 +206,16 @@ class LaneLoop:
         with np.errstate(all="ignore"):  # equations for arrays compute what a choice leaves out
             values = Values(traced, plan, grid)
             special = values.special(edge_of(traced, names, shape, (), MAX_VALUES))
-            self._program = program_of(
-                traced, names, shape, special, tuple(update for _, update in updates)
-            )
+            wanted = tuple(update for _, update in updates)
+            program = program_of(traced, names, shape, special, wanted)
+            most = TILE_CELLS if len(program.stages) == 1 else STAGED_CELLS
+            order = LaneOrder.of(program.order.outer, program.order.inner, grid.shape, over, most)
+            if order.is_in_grid_order(grid.shape, over):
+                wanted = tuple(update.replace("first", "next") for update in wanted)
+                program = program_of(traced, names, shape, special, wanted)
+        self._program, self.order = program, order
         self._traced, self._values = traced, values
         self._inputs: dict[int, object] | None = None
-        order = self._program.order
-        most = TILE_CELLS if len(self._program.stages) == 1 else STAGED_CELLS
-        self.order = LaneOrder.of(order.outer, order.inner, grid.shape, over, most)
 
     @property
     def missing(self) -> frozenset[str]:

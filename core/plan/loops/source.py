@@ -24,35 +24,37 @@ LONGEST_ROW = 1024
 """Most cells of a row that a loop takes at once: the rows that it keeps stay in the first and
 second cache."""
 
+
+def _keep_first(better: str) -> tuple[str, ...]:
+    """Return the lines that keep an extreme with its place, if a cell that counts is `better`."""
+    return (
+        f"better = ({{value}} == {{value}}) & ({better})",
+        "{0} = choose(better, {value}, {0})",
+        "{1} = choose(better, {number}, {1})",
+    )
+
+
+LARGER, LESS = "(not ({value} <= {0}))", "(not ({value} >= {0}))"
+"""Comparisons that are true of a lane without a cell, which is NaN."""
+EARLIER = "(({value} == {0}) & ({number} < {1}))"
+
 UPDATES: dict[str, tuple[int, tuple[str, ...], str]] = {
     "store": (1, ("{0} = {value}",), ""),
     "sum": (1, ("{0} += {value}",), ""),
     "largest": (1, ("{0} = choose({value} > {0}, {value}, {0})",), " + 0.0"),
     "least": (1, ("{0} = choose({value} < {0}, {value}, {0})",), " + 0.0"),
-    "first_largest": (
-        2,
-        (
-            "better = ({value} > {0}) | (({value} == {0}) & ({number} < {1}))",
-            "{0} = choose(better, {value}, {0})",
-            "{1} = choose(better, {number}, {1})",
-        ),
-        " + 0.0",
-    ),
-    "first_least": (
-        2,
-        (
-            "better = ({value} < {0}) | (({value} == {0}) & ({number} < {1}))",
-            "{0} = choose(better, {value}, {0})",
-            "{1} = choose(better, {number}, {1})",
-        ),
-        " + 0.0",
-    ),
+    "first_largest": (2, _keep_first(f"{LARGER} | {EARLIER}"), " + 0.0"),
+    "first_least": (2, _keep_first(f"{LESS} | {EARLIER}"), " + 0.0"),
+    "next_largest": (2, _keep_first(LARGER), " + 0.0"),
+    "next_least": (2, _keep_first(LESS), " + 0.0"),
 }
 """What is done with the value of a cell: how many arrays it takes, what happens at its place, and
 what is added when a lane is written back.
 
-What is no number changes no extreme. Adding 0 makes one of the two zeros; without it the compiler
-would write only where something changes, which costs a processor several times as much.
+What is no number changes no extreme. `next_largest` is `first_largest` for a lane that gets its
+cells in the order of the grid: a look at places is spared. Adding 0 makes one of the two zeros;
+without it the compiler would write only where something changes, which costs a processor several
+times as much.
 """
 
 

@@ -123,7 +123,8 @@ def fold_extremes(
     Parameters
     ----------
     values : ndarray, shape (lanes,)
-        The extreme in each lane; infinite afterwards, as an empty lane.
+        The extreme in each lane; empty afterwards, which is NaN where a place is wanted, else
+        infinite.
     numbers : ndarray, shape (lanes,) or (0,)
         The number of the row that it lies in, infinite where there is none; empty if no place is
         wanted.
@@ -155,7 +156,7 @@ def fold_extremes(
         is_better = own < keys[here] if least else own > keys[here]
         if is_better or (own == keys[here] and at < held_numbers[here]):
             keys[here], held_numbers[here] = own, at
-    values[:] = empty
+    values[:] = math.nan if numbers.size else empty
     numbers[:] = math.inf
 
 
@@ -240,9 +241,13 @@ def gather(
                 counted = value == value
                 own_counts[i] += 1.0 if counted else 0.0
                 own_sums[i] += value if counted else 0.0
-                higher = (value > high[i]) | ((value == high[i]) & (number < high_at[i]))
+                higher = counted & (
+                    (not (value <= high[i])) | ((value == high[i]) & (number < high_at[i]))
+                )
                 high[i] = (value if higher else high[i]) + 0.0
                 high_at[i] = (number if higher else high_at[i]) + 0.0
-                lower = (value < low[i]) | ((value == low[i]) & (number < low_at[i]))
+                lower = counted & (
+                    (not (value >= low[i])) | ((value == low[i]) & (number < low_at[i]))
+                )
                 low[i] = (value if lower else low[i]) + 0.0
                 low_at[i] = (number if lower else low_at[i]) + 0.0

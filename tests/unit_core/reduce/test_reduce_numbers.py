@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import functools
+import itertools
 import math
+import random
+from collections.abc import Iterable
 from fractions import Fraction
 
 import numpy as np
 import pytest
 
 from core.plan.loops.lanes import DEPTH, LaneOrder
+from core.plan.loops.source import UPDATES
 from core.reduce.arrays import binned_quantiles
 from core.reduce.boxes import exact_quantiles, values_of
 from core.reduce.kernels import others
 from core.reduce.kernels.folding import COUNT_BITS, fold_counts
-from core.reduce.lanes import EMPTY, BoxLanes, Totals
+from core.reduce.lanes import GATHERED, BoxLanes, Totals
 from core.reduce.state import State, merge_states
 from core.reduce.sums import means
 
@@ -40,13 +45,14 @@ def gathered(table: np.ndarray, over: tuple[str, ...], box: dict | None = None) 
     totals = Totals(slots, 1)
     for tile in lanes.tiles(ends):
         layout, offset = lanes.layout(tile, ends)
-        held = {kind: lanes.buffer(kind, layout.lanes) for kind in EMPTY}
+        held = {kind: lanes.buffer(kind, layout.lanes) for kind in GATHERED}
         cells = table[tuple(slice(*tile[name]) for name in dims)]
         lanes.gather(cells, tile, layout, held)
         totals.fold_counts(held["counts"], layout, offset, 0, 1)
         totals.fold_sum("x", held["sum"], layout, offset, lanes.line)
         for kind in ("largest", "least"):
-            totals.fold_extremes("x", kind, held[kind], held[f"{kind}_at"], layout, offset)
+            values, at = held[f"first_{kind}"], held[f"{kind}_at"]
+            totals.fold_extremes("x", kind, values, at, layout, offset)
     return totals.state("x", 0)
 
 
@@ -173,3 +179,72 @@ def test_quantiles_of_infinite_values() -> None:
     ends = gathered(values[:, None], ("a", "b"))["x.ends"]
     found = binned_quantiles(bins, counts[bins], ends, (0.0, 0.5, 1.0))[:, 0]
     assert found.tolist() == [-math.inf, 1.0, math.inf]
+
+
+def cells_of_lanes(
+    order: LaneOrder, dims: str, shape: dict[str, int], over: tuple[str, ...]
+) -> list[list[int]]:
+    """Return the numbers of the cells of each lane of the first tile, as its loops take them."""
+    lanes = BoxLanes(order, dims, over, shape)
+    tile = {name: (0, min(order.steps[name], shape[name])) for name in dims}
+    layout, _ = lanes.layout(tile, tile)
+    inner = [np.arange(tile[name][1]) * lanes.numbers.get(name, 0) for name in order.inner]
+    row = functools.reduce(np.add.outer, inner).reshape(-1).tolist()
+    along = layout.strides.get(order.inner[0], 0)
+    taken: list[list[int]] = [[] for _ in range(layout.lanes)]
+    for at in range(0, len(row), order.piece):
+        for turn in itertools.product(*(range(tile[name][1]) for name in order.outer)):
+            turns = dict(zip(order.outer, turn, strict=True))
+            start = sum(layout.strides.get(name, 0) * k for name, k in turns.items())
+            start += at // order.period * along
+            number = sum(lanes.numbers.get(name, 0) * k for name, k in turns.items())
+            for k, own in enumerate(row[at : at + order.piece]):
+                taken[start + k].append(number + own)
+    return taken
+
+
+def test_cells_come_in_the_order_of_the_grid_where_a_loop_takes_it_so() -> None:
+    chance = random.Random(36)
+    rising = set()
+    for _ in range(100):
+        dims = "abcd"
+        shape = {name: chance.choice([1, 2, 3, 40]) for name in dims}
+        inner = dims[chance.choice([2, 3]) :]
+        outer = chance.sample(dims[: -len(inner)], len(dims) - len(inner))
+        over = tuple(name for name in dims if chance.random() < 0.7)
+        order = LaneOrder.of(outer, inner, shape, over)
+        rises = all(cells == sorted(cells) for cells in cells_of_lanes(order, dims, shape, over))
+        assert order.is_in_grid_order(dims, over) == rises
+        rising.add(rises)
+    assert rising == {True, False}
+
+
+@pytest.mark.parametrize("end", ["largest", "least"])
+def test_a_lane_keeps_the_first_of_equal_extremes_in_any_order(end: str) -> None:
+    """What a loop does is carried out as it is written, one cell after another."""
+    is_better = float.__gt__ if end == "largest" else float.__lt__
+    for values in itertools.product([-math.inf, math.nan, -1.0, 1.0, math.inf], repeat=4):
+        first, at = math.nan, math.inf
+        for number, value in enumerate(values):
+            if value == value and (first != first or is_better(value, first)):
+                first, at = value, number
+        want = repr((first, at))
+        assert repr(kept(f"next_{end}", enumerate(values))) == want
+        for order in itertools.permutations(enumerate(values)):
+            assert repr(kept(f"first_{end}", order)) == want
+
+
+def kept(update: str, cells: Iterable[tuple[int, float]]) -> tuple[float, float]:
+    """Return the extreme and the place that a lane keeps of numbered cells."""
+    _, lines, _ = UPDATES[update]
+    source = "\n".join(line.format("v", "at", value="x", number="n") for line in lines)
+    code = compile(source, update, "exec")
+    names = {
+        "v": math.nan,
+        "at": math.inf,
+        "choose": lambda which, one, other: one if which else other,
+    }
+    for number, value in cells:
+        names |= {"x": value, "n": number}
+        exec(code, names)
+    return names["v"], names["at"]

@@ -147,6 +147,23 @@ def test_rows_taken_in_pairs_have_the_bits_of_stored_cells(over, monkeypatch) ->
     program_of.cache_clear()
 
 
+@pytest.mark.parametrize("output", [SPEED, "travel_time"])
+@pytest.mark.parametrize(
+    ("over", "in_order"), [(("frequency", "amplitude"), True), (("frequency", "alpha"), False)]
+)
+def test_of_equal_cells_the_first_of_the_grid_is_told(over, in_order, output, monkeypatch) -> None:
+    """Many cells rest, and their times are infinite; loops may take them in another order."""
+    axes = {name: {**AXES[name], "num": num} for name, num in PAIRED.items()}
+    asked = {"over": list(over), "statistics": ["argmax", "argmin", "max", "min"], "cells": "all"}
+    study = {**STUDY, "outputs": [output], "parameters": {**STUDY["parameters"], **axes}}
+    prepared = prepare_content({**study, "reduce": asked})
+    order = prepared.work.boxes[0]._loop.order
+    assert order.is_in_grid_order(prepared.grid.shape, over) == in_order
+    both_ways(prepared, monkeypatch)
+    extremes = tabulate(prepared).to_xarray()
+    assert (extremes[f"{output}_min"] == 0).any() or np.isinf(extremes[f"{output}_max"]).any()
+
+
 PAIRED = {"frequency": 14, "amplitude": 15, "alpha": 20, "beta": 20}
 
 
