@@ -104,7 +104,7 @@ def heads(server: Served, seconds: float) -> None:
 
 
 def long_cells(server: Served, seconds: float) -> None:
-    """Attack: four small requests for cells that take hours; their jobs are dismissed at the end."""
+    """Attack: four small requests for cells that take hours; their jobs are dismissed at last."""
     _crowd(server, [_long_cell(server, n) for n in range(4)], seconds)
     _dismiss_all(server)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import threading
 from collections.abc import Callable
 
@@ -110,21 +111,34 @@ def reserve_bytes(request: Request, size: int) -> None:
 
 
 class Outgoing:
-    """Sends bodies in pieces, the next when the last has left; what is too much becomes a 503."""
+    """Sends bodies in pieces, the next when the last has left; what is too much becomes a 503.
+
+    In each turn of the event loop one piece is sent, of whichever reply: hundreds of them, copied
+    one after another, would keep all others waiting.
+    """
 
     def __init__(self, app: ASGIApp, unsent: Unsent):
         """Wrap an application; its replies count as unsent bytes."""
         self.app, self.unsent = app, unsent
+        self._turn = asyncio.Lock()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle a request, sending its reply in pieces and limiting unsent bytes."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
+
+        async def send_in_turn(message: Message) -> None:
+            """Send a message, if it is large in a turn of the event loop of its own."""
+            if len(message.get("body", b"")) > SMALL:
+                async with self._turn:
+                    await asyncio.sleep(0)
+            await send(message)
+
         share = _Share(self.unsent)
         scope.setdefault("state", {})["enlarge"] = share.enlarge
         try:
-            await self.app(scope, receive, _hold_back_head(scope, receive, send, share))
+            await self.app(scope, receive, _hold_back_head(scope, receive, send_in_turn, share))
         finally:
             share.close()
 

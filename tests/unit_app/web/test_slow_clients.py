@@ -237,14 +237,46 @@ def test_the_soft_limit_of_open_files_is_raised():
 CONTENT = bytes(range(256)) * 4096 * 3
 
 
-def served(unsent, send):
-    """Return the app of one large reply, called with a `send`, as a coroutine."""
+def large_reply(unsent):
+    """Return the app of one large reply, to be called with a `send`."""
 
     async def app(scope, receive, send):
         await Response(CONTENT)(scope, receive, send)
 
+    outgoing = Outgoing(app, unsent)
     scope = {"type": "http", "method": "GET", "path": "/", "headers": []}
-    return Outgoing(app, unsent)(scope, None, send)
+    return lambda send: outgoing(dict(scope), None, send)
+
+
+def served(unsent, send):
+    """Return the call of a new app of one large reply, as a coroutine."""
+    return large_reply(unsent)(send)
+
+
+def test_one_large_piece_is_sent_in_a_turn_of_the_event_loop():
+    replies, pieces = 20, -(-len(CONTENT) // PIECE)
+
+    async def many():
+        turn, sent = 0, Counter()
+
+        async def count(message):
+            sent[turn] += bool(message.get("body"))
+
+        async def tick():
+            nonlocal turn
+            while True:
+                await asyncio.sleep(0)
+                turn += 1
+
+        ticking = asyncio.create_task(tick())
+        reply = large_reply(Unsent(replies * len(CONTENT)))
+        await asyncio.gather(*(reply(count) for _ in range(replies)))
+        ticking.cancel()
+        return sent
+
+    sent = asyncio.run(many())
+    assert sent.total() == replies * pieces
+    assert max(sent.values()) == 1
 
 
 def test_a_reply_that_waits_keeps_others_from_being_made():
