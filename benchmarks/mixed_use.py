@@ -153,13 +153,13 @@ def main() -> int:
     with served(zarr_cache_bytes=CACHE) as server:
         user, chance = User(server, arguments.seed), random.Random(arguments.seed)
         memory: list[list[int]] = [[] for _ in range(TENTHS)]
-        started = time.monotonic()
+        due = time.monotonic()
         while (done := user.statuses.total()) < arguments.requests:
             user.ask_something()
             tenth = min(TENTHS - 1, TENTHS * done // arguments.requests)
             memory[tenth].append(server.memory())
-            late = time.monotonic() - started - done * pause
-            time.sleep(max(0.0, chance.expovariate(1 / pause) - max(0.0, late)))
+            due += (user.statuses.total() - done) * chance.expovariate(1 / pause)
+            time.sleep(max(0.0, due - time.monotonic()))
     for kind, seconds in sorted(user.longest.items()):
         print(f"{kind:18} longest {seconds:7.2f} s")
     print("statuses:", ", ".join(f"{count} of {name}" for name, count in user.statuses.items()))
