@@ -55,6 +55,10 @@ max_response_time = {patience}  # its own limit of 10 s hangs on how busy the ma
 [checks.positive_data_acceptance]
 expected-statuses = ["2xx", "3xx", 401, 404, 422, 429]
 
+# Also a query that is too long; no error of the service.
+[checks.negative_data_rejection]
+expected-statuses = [400, 401, 403, 404, 405, 406, 409, 413, 414, 415, 422, 428, 429]
+
 [auth.openapi.bearer]
 bearer = "{key}"
 
