@@ -54,11 +54,8 @@ async def healthz() -> Response:
 )
 @router.head("/readyz", include_in_schema=False)
 def readyz(request: Request, settings: SettingsOf) -> Response:
-    """Return ``ready`` if the data directory can be written and every part is ready.
-
-    Parts append ``(name, check)`` to ``app.state.readiness``; a check returns None, or a text that
-    says what is wrong.
-    """
+    """Return ``ready`` if the data directory can be written and every part is ready."""
+    # Parts of the service append their own, which return None or a text that says what is wrong.
     checks: list[tuple[str, Callable[[], str | None]]] = [
         ("stopping", lambda: "it stops" if request.app.state.stopping.is_set() else None),
         ("data_directory", lambda: _written(settings.data_directory)),

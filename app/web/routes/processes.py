@@ -324,6 +324,8 @@ def _route(name: str) -> Callable[..., Awaitable[Response]]:
     return execution
 
 
+_SHORT = "A short study is answered with its dataset. A long study becomes a job"
+
 for _name, _process in PROCESSES.items():
     router.add_api_route(
         f"/processes/{_name}/execution",
@@ -332,10 +334,9 @@ for _name, _process in PROCESSES.items():
         name=f"execute_{_name}",
         summary=_process.title,
         description=f"{_process.description}\n\nThe body is the study itself, or an execute "
-        "request with the study under `inputs.study`. A short study is answered "
-        "with its dataset. A long study becomes a job: the reply is 201 with the "
-        "status of the job and its `Location`, or 200 with the results if "
-        "`Prefer: wait` was long enough.",
+        "request with the study under `inputs.study`. "
+        f"{'It becomes a job' if _name == ACCURACY else _SHORT}: the reply is 201 with the status "
+        "of the job and its `Location`, or 200 with the results if `Prefer: wait` was long enough.",
         response_model=dict[str, Any],
         responses={
             201: {
