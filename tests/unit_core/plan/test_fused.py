@@ -32,7 +32,14 @@ UNTRACED = {
 SHORT = {("soft-contact", "physical")}
 """Those whose outputs depend on so few parameters that no loop is worth while."""
 
-VARIANTS = [(name, variant) for name, scene in SCENES.items() for variant in scene.variants]
+LONG = {("rectangle-on-track", "derived"), ("orienting-line", "box")}
+"""Those whose loops take the compiler longer than all others of a day; the track has more tests."""
+
+VARIANTS = [
+    pytest.param(name, variant, marks=[pytest.mark.night] if (name, variant) in LONG else [])
+    for name, scene in SCENES.items()
+    for variant in scene.variants
+]
 
 
 def assert_same_bits(got, expected):
