@@ -37,7 +37,7 @@ def service(tmp_path_factory):
     with services(tmp_path_factory) as start:
         hashes = json.dumps([HASH])
         # Also short studies count as long, of which one at a time is computed.
-        queue = {"concurrent_jobs": 1, "block_seconds": 0.05}
+        queue = {"concurrent_jobs": 1, "block_seconds": 0.05, "lease_seconds": 3}
         yield start(workers=1, api_key_hashes=hashes, max_synchronous_seconds=0.3, **queue)
 
 
