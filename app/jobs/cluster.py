@@ -241,6 +241,11 @@ def _local(workers: int) -> Any:
             # No pages beside ours.
             "distributed.scheduler.http.routes": [],
             "distributed.worker.http.routes": [],
+            # Nobody looks at what Dask observes of itself, up to a hundred times a second: idle
+            # processes would take a twelfth of a processor.
+            "distributed.worker.profile.enabled": False,
+            "distributed.admin.tick.interval": "1s",
+            "distributed.admin.system-monitor.interval": "5s",
         }
     )
     return LocalCluster(  # type: ignore[no-untyped-call]

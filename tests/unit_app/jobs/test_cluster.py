@@ -50,6 +50,24 @@ def run():
     return run
 
 
+def test_workers_do_not_observe_themselves(run):
+    """Idle, two of them and their scheduler took a twelfth of a processor."""
+
+    async def test(cluster: Cluster) -> None:
+        client = await cluster.client()
+        own = await client.run(
+            lambda dask_worker: {
+                name: callback.callback_time
+                for name, callback in dask_worker.periodic_callbacks.items()
+            }
+        )
+        (milliseconds,) = own.values()
+        assert not {"profile", "profile-cycle"} & milliseconds.keys()
+        assert min(milliseconds.values()) >= 100, milliseconds
+
+    run(test)
+
+
 def test_all_who_ask_share_one_start(run):
     async def test(cluster: Cluster) -> None:
         first, second = await asyncio.gather(cluster.client(), cluster.client())
