@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from benchmarks.serving import free_port
-from waiting import PATIENCE, wait_for
+from waiting import EVERY, PATIENCE, SELDOM, wait_for
 
 ROOT = Path(__file__).parents[2]
 
@@ -111,17 +111,17 @@ class Server(Service):
         path = f"/processes/{study['kind']}/execution"
         return json.loads(self.ask(path, study, headers=[("Prefer", "respond-async")]))["jobID"]
 
-    def waited(self, number: str, enough: Callable[[Any], bool]) -> Any:
+    def waited(self, number: str, enough: Callable[[Any], bool], every: float = EVERY) -> Any:
         """Return a job once it is as it should be, or over."""
 
         def reached() -> Any:
             job = self.job(number)
             return (job["status"] not in ("accepted", "running") or enough(job)) and job
 
-        return wait_for(reached, lambda: self.job(number))
+        return wait_for(reached, lambda: self.job(number), every)
 
     def finished(self, number: str) -> Any:
-        return self.waited(number, lambda job: False)
+        return self.waited(number, lambda job: False, SELDOM)
 
     def begun(self, number: str) -> Any:
         """Return a job that has done some of its cells; it must not be over."""

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from waiting import PATIENCE, wait_for
+from waiting import PATIENCE, SELDOM, wait_for
 
 ROOT = Path(__file__).parents[2]
 
@@ -103,7 +103,7 @@ def results_of(server, job):
         with urllib.request.urlopen(f"{server}/jobs/{job}") as reply:
             return json.load(reply)["status"] == "successful"
 
-    wait_for(ended)
+    wait_for(ended, every=SELDOM)
     with urllib.request.urlopen(f"{server}/jobs/{job}/results") as reply:
         return json.load(reply)
 

@@ -19,7 +19,7 @@ from owslib.ogcapi.processes import Processes
 
 from core.intake import parse_study
 from core.kinds import run_study
-from waiting import PATIENCE, wait_for
+from waiting import PATIENCE, SELDOM, wait_for
 
 OGC = "http://www.opengis.net/def/rel/ogc/1.0/"
 CLASSES = "http://www.opengis.net/spec/ogcapi-processes-1/1.0/conf/"
@@ -114,7 +114,7 @@ def waited(status: dict[str, Any]) -> dict[str, Any]:
         check_status(now)
         return None if now["status"] in ("accepted", "running") else now
 
-    return wait_for(ended)
+    return wait_for(ended, every=SELDOM)
 
 
 def test_landing_page_and_conformance(client, server):

@@ -21,7 +21,7 @@ from dockerfile_parse import DockerfileParser
 
 from benchmarks.serving import free_port
 from tools import tool
-from waiting import PATIENCE, wait_for
+from waiting import PATIENCE, SELDOM, wait_for
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "operations.md").read_text(encoding="utf-8")
@@ -53,7 +53,7 @@ def finished(address, number, context=None):
         job = ask(address, f"/jobs/{number}", context=context)
         return job["status"] not in ("accepted", "running") and job
 
-    return wait_for(ended)
+    return wait_for(ended, every=SELDOM)
 
 
 @contextlib.contextmanager

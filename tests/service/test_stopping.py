@@ -17,7 +17,7 @@ import pytest
 from core.dataset.netcdf import write_netcdf
 from core.intake import prepare_content
 from core.kinds import tabulate
-from waiting import PATIENCE, wait_for
+from waiting import PATIENCE, SELDOM, wait_for
 
 IN_ALL = 10.0  # s, what containers give
 SWEEP = {
@@ -106,7 +106,7 @@ def test_all_of_it_ends_in_time_and_the_next_server_goes_on(serve, tmp_path):
     log = (service.folder / "log").read_text()
     assert "is cut short" not in log
     service.start()
-    wait_for(lambda: ask(service, f"/jobs/{number}")["status"] == "successful")
+    wait_for(lambda: ask(service, f"/jobs/{number}")["status"] == "successful", every=SELDOM)
     with urllib.request.urlopen(f"{service.address}/jobs/{number}/results/dataset") as reply:
         content = reply.read()
     write_netcdf(tabulate(prepare_content(MOTION)), tmp_path / "whole.nc")

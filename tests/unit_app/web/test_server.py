@@ -30,7 +30,7 @@ from app.main import create_app
 from app.settings import Settings
 from benchmarks.serving import free_port
 from local_client import local_client
-from waiting import PATIENCE, wait_for
+from waiting import PATIENCE, SELDOM, wait_for
 
 ROOT = Path(__file__).parents[3]
 KEY, HASH = new_key()
@@ -128,7 +128,7 @@ def is_warm(port: int) -> bool:
 
 def test_a_service_says_when_all_is_compiled(tmp_path):
     with server(tmp_path, VIBRAFEED_WARM_AT_START="true") as (_, port, _log):
-        wait_for(lambda: is_warm(port))
+        wait_for(lambda: is_warm(port), every=SELDOM)
 
 
 @pytest.mark.night
