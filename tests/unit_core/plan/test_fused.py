@@ -32,11 +32,15 @@ UNTRACED = {
 SHORT = {("soft-contact", "physical")}
 """Those whose outputs depend on so few parameters that no loop is worth while."""
 
-LONG = {("rectangle-on-track", "derived"), ("orienting-line", "box")}
-"""Those whose loops take the compiler longer than all others of a day; the track has more tests."""
+BY_DAY = {
+    ("rectangle-isolated", "thesis"), ("cylinder-isolated", "derived"),
+    ("cylinder-pair-impact", "moreau"), ("cone-on-plane", "physical"),
+    ("bowl-drive-unit", "measured"), ("row-on-plane", "bend"),
+}  # fmt: skip
+"""Those whose loops take the compiler 1 to 4 s; others, of up to 13 s, are for the night."""
 
 VARIANTS = [
-    pytest.param(name, variant, marks=[pytest.mark.night] if (name, variant) in LONG else [])
+    pytest.param(name, variant, marks=[] if (name, variant) in BY_DAY else [pytest.mark.night])
     for name, scene in SCENES.items()
     for variant in scene.variants
 ]
@@ -68,7 +72,6 @@ def few_cells(monkeypatch):
         cached.cache_clear()
 
 
-@pytest.mark.by_day(8)
 @pytest.mark.usefixtures("few_cells")
 @pytest.mark.parametrize(("name", "variant"), VARIANTS)
 def test_loops_give_the_bits_of_numpy(name, variant):
