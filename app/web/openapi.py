@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import cache
 from typing import Any
 
@@ -12,6 +13,7 @@ from fastapi.routing import APIRoute
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
+from app.kept_texts import kept_text
 from app.web.execution import PROCESSES, AnyStudy
 from app.web.made_once import made_once
 from app.web.replies import ProblemDocument, component, execution_name
@@ -63,11 +65,6 @@ def _components() -> dict[str, Any]:
 
     They are those of problem documents, studies and execute requests.
     """
-    models: list[type[BaseModel]] = [ProblemDocument, Sharing, AnyStudy]
-    models += [process.study for process in PROCESSES.values()]
-    _, schemas = models_json_schema(
-        [(model, "validation") for model in models], ref_template=component("{model}")["$ref"]
-    )
     requests = {
         execution_name(process.study): {
             "type": "object",
@@ -89,5 +86,15 @@ def _components() -> dict[str, Any]:
         }
         for process in PROCESSES.values()
     }
-    found: dict[str, Any] = schemas["$defs"]
-    return found | requests
+    models: dict[str, Any] = json.loads(kept_text("openapi", _models))
+    return models | requests
+
+
+def _models() -> str:
+    """Return the schemas of problem documents and studies by name, as JSON; takes seconds."""
+    models: list[type[BaseModel]] = [ProblemDocument, Sharing, AnyStudy]
+    models += [process.study for process in PROCESSES.values()]
+    _, schemas = models_json_schema(
+        [(model, "validation") for model in models], ref_template=component("{model}")["$ref"]
+    )
+    return json.dumps(schemas["$defs"])

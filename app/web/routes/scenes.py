@@ -10,11 +10,11 @@ from fastapi.responses import Response
 from pydantic import BaseModel
 
 from app.jobs.errors import NotFoundError
+from app.kept_texts import study_schema_text
 from app.web.made_once import made_once
 from app.web.replies import OBJECT, cached_replies, json_reply, problems
 from core.catalogue import describe, describe_all
 from core.scenes import SCENES
-from core.schema import study_schema
 
 router = APIRouter(tags=["scenes"])
 
@@ -83,4 +83,9 @@ async def describe_scene(
 )
 async def schema(request: Request) -> Response:
     """Return the JSON Schema of a study, as `vibrafeed schema` prints it."""
-    return await made_once(request, "/schema", lambda: orjson.dumps(study_schema()))
+
+    def make() -> bytes:
+        """Return its text without line breaks."""
+        return orjson.dumps(orjson.loads(study_schema_text()))
+
+    return await made_once(request, "/schema", make)

@@ -220,7 +220,7 @@ def test_the_schema_is_kept_until_a_source_changes(tmp_path, monkeypatch):
     kept.write_text("{}")
     assert run("schema").output == "{}\n"  # it is not made again
     for number in range(10):
-        monkeypatch.setattr("app.cli.schema._digest", lambda number=number: f"other{number}")
+        monkeypatch.setattr("app.kept_texts._digest", lambda number=number: f"other{number}")
         monkeypatch.setattr("core.schema.study_schema", lambda: {"other": True})
         assert json.loads(run("schema").output) == {"other": True}
     assert len(list((tmp_path / "vibrafeed").iterdir())) == 8
