@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import threading
 from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
@@ -49,13 +50,30 @@ def compile_kernels(processes: int) -> Path | None:
             return None
     if left:
         spawn = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(min(processes, len(left)), mp_context=spawn) as pool:
+        most = min(processes, len(left))
+        with ProcessPoolExecutor(most, spawn, end_with_parent) as pool:
             for part in (FIRST, REST):
                 list(pool.map(carry_out, left, len(left) * [part]))
         for mark in left.values():
             assert mark is not None
             mark.touch()
     return Path(cache.root())
+
+
+def end_with_parent() -> None:
+    """End this process when the one that started it has ended, also by a signal.
+
+    Else it would compile to the end and then wait for work for ever.
+    """
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        """Wait for the other's end."""
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def is_warm() -> bool:
