@@ -61,7 +61,7 @@ def test_health(client):
 def test_the_schema_is_made_once_and_sent_to_whom_has_it_not(client, monkeypatch):
     first = client.get("/schema")
     assert len(first.content) <= 300_000
-    monkeypatch.setattr("app.web.routes.scenes.study_schema", None)  # it is not made again
+    monkeypatch.setattr("app.web.routes.scenes.study_schema_text", None)  # it is not made again
     again = client.get("/schema", headers={"If-None-Match": first.headers["etag"]})
     assert (again.status_code, again.content) == (304, b"")
     other = client.get("/schema", headers={"If-None-Match": '"another"'})
