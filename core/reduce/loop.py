@@ -55,8 +55,13 @@ class Gathering:
             return ("counts",)
         if self.update == "sum":
             return ("sum",)
-        end = self.update.removeprefix("first_")
+        end = self.end
         return (self.update,) if end == self.update else (self.update, f"{end}_at")
+
+    @property
+    def end(self) -> str:
+        """The extreme that is gathered, ``largest`` or ``least``, with or without its place."""
+        return self.update.removeprefix("first_")
 
 
 class FieldLoop:
@@ -133,8 +138,8 @@ class FieldLoop:
                     totals.fold_sum(gathering.output, arrays[0], layout, offset, lanes.line)
                 else:
                     at = arrays[-1][: 0 if len(arrays) == 1 else None]
-                    end = gathering.update.removeprefix("first_")
-                    totals.fold_extremes(gathering.output, end, arrays[0], at, layout, offset)
+                    name, end = gathering.output, gathering.end
+                    totals.fold_extremes(name, end, arrays[0], at, layout, offset)
 
     def _outputs(self) -> list[str]:
         """Return the outputs that the loop computes, for statistics and conditions."""

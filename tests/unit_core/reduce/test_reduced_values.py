@@ -151,8 +151,11 @@ def test_rows_taken_in_pairs_have_the_bits_of_stored_cells(over, monkeypatch) ->
 @pytest.mark.parametrize(
     ("over", "in_order"), [(("frequency", "amplitude"), True), (("frequency", "alpha"), False)]
 )
-def test_of_equal_cells_the_first_of_the_grid_is_told(over, in_order, output, monkeypatch) -> None:
-    """Many cells rest, and their times are infinite; loops may take them in another order."""
+def test_places_of_extremes_have_the_bits_of_stored_cells(over, in_order, output, monkeypatch):
+    """Many cells rest, and their times are infinite.
+
+    That the first of equal cells is told is tried in test_reduce_numbers.py; few lanes meet it.
+    """
     axes = {name: {**AXES[name], "num": num} for name, num in PAIRED.items()}
     asked = {"over": list(over), "statistics": ["argmax", "argmin", "max", "min"], "cells": "all"}
     study = {**STUDY, "outputs": [output], "parameters": {**STUDY["parameters"], **axes}}
