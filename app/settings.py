@@ -233,7 +233,7 @@ class Settings(BaseSettings):
         "slow to write.",
     )
     zarr_cache_bytes: int = Field(
-        default=64_000_000,
+        default=32_000_000,
         ge=0,
         description="Memory, in bytes, that caches the Zarr chunks read last.",
     )
