@@ -15,7 +15,7 @@ import numpy as np
 
 from core.mechanics.angles import cosine
 from core.mechanics.arrays import Array, Mask, ratio
-from core.mechanics.elementwise import LOGARITHMIC, arc_quotient
+from core.mechanics.elementwise import LOGARITHMIC, arc_quotient, arc_series
 from core.mechanics.quotients import (
     arctan_quotient,
     expm1_quotient,
@@ -30,6 +30,8 @@ from core.mechanics.quotients import (
 LARGE_PHASE = 1.0
 # Past this s = 2 mu x/R the starting speed has faded to less than 1e-300 of itself.
 LONG_WAY = 1400.0
+# Up to this s the square of the tangent of half an arc is small enough for a series: tanh(s/4).
+SHORT_WAY = 0.15
 
 
 def _rate(K: Array, friction: Array, radius: Array) -> Array:
@@ -118,31 +120,70 @@ def travel_time(
 ) -> Array:
     """Return the time in which a part covers a distance x [s]; infinite if it does not get there.
 
-    Under the drive at its peak, with friction mu, radius R of the bowl's wall [m] and the
-    acceleration K at zero speed [m s-2]. With s = 2 mu x/R, phi(s) = (1 - exp(-s))/s and q = 2 x
-    phi(s)/(v + v0 exp(-s)), speeds v0 at the start (`speed`) and v at the end
-    (`transport_velocity`) [m s-1], the time is atanh(k q)/k for K > 0, atan(k q)/k for K < 0, q for
-    K = 0, k^2 = mu |K|/R: q times the `arc_quotient` of (mu/R) K q^2, whose root is exp(-s/2) (v +
-    v0)/(v + v0 exp(-s)). From rest K cancels, and (mu/R) K q^2 = 1 - exp(-s).
+    Under the drive at its peak, with friction mu, radius R of the bowl's wall [m], the acceleration
+    K at zero speed [m s-2], and the speeds v0 at the start (`speed`) and v at the end
+    (`transport_velocity`) [m s-1]. With s = 2 mu x/R, phi(s) = (1 - exp(-s))/s, k^2 = mu |K|/R and
+    q = 2 x phi(s)/(v + v0 exp(-s)), the time is atanh(k q)/k for K > 0, atan(k q)/k for K < 0, q
+    for K = 0. It is also twice the same of p = x phi(s/2)/(v + v0 exp(-s/2)), which is a series for
+    s up to `SHORT_WAY`.
     """
     K, v, v0 = starting_acceleration, transport_velocity, speed
     s = _damping(friction_kinetic, radius, distance)
+    is_short = s <= SHORT_WAY
+    time = _short_time(K, v, v0, s, friction_kinetic, radius, distance)
+    if np.any(~is_short):
+        time = np.where(is_short, time, _long_time(K, v, v0, s, friction_kinetic, radius, distance))
+    return time
+
+
+def _short_time(
+    K: Array, v: Array, v0: Array, s: Array, friction: Array, radius: Array, distance: Array
+) -> Array:
+    """Return the time to cover a distance with little damping s; infinite if never covered [s].
+
+    s is at most `SHORT_WAY`; the arguments are those of `travel_time`. Half of the arc has the
+    tangent k p, p = x phi(s/2)/(v + v0 exp(-s/2)), and the time is 2 p times the `arc_series` of
+    (mu/R) K p^2. From rest K cancels, and that is tanh(s/4).
+    """
+    decay = np.exp(-s / 2)
+    p, arrives = _quotient(distance * expm1_quotient(s / 2), v, v + v0 * decay, distance)
+    from_rest = -np.expm1(-s / 2) / (1 + decay)
+    square = np.where(v0 == 0, from_rest, friction / radius * p * (K * p))
+    return np.where(arrives, 2.0 * p * arc_series(square), np.inf)
+
+
+def _long_time(
+    K: Array, v: Array, v0: Array, s: Array, friction: Array, radius: Array, distance: Array
+) -> Array:
+    """Return the time to cover a distance with any damping s; infinite if never covered [s].
+
+    The arguments are those of `travel_time`: q times the `arc_quotient` of (mu/R) K q^2, whose root
+    is exp(-s/2) (v + v0)/(v + v0 exp(-s)). From rest K cancels, and (mu/R) K q^2 = 1 - exp(-s).
+    """
     from_rest, goes = v0 == 0, distance > 0
-    arrives = (v > 0) | ~goes
-    pace = np.where(arrives & goes, v + v0 * np.exp(-s), 1.0)
-    way = np.where(goes, 2 * distance * expm1_quotient(s), 0.0)
-    with np.errstate(over="ignore"):  # beyond the floats it is infinite
-        q = way / pace
-    arrives &= np.isfinite(q)
-    q = np.where(arrives, q, 0.0)
+    way = 2 * distance * expm1_quotient(s)
+    q, arrives = _quotient(way, v, v + v0 * np.exp(-s), distance)
     # Past LONG_WAY the exponential would underflow, and what was carried is long gone.
     square, root = -np.expm1(-s), np.exp(-np.minimum(s, LONG_WAY) / 2)
     if np.any(~from_rest):  # else both stay on the small grid of their own
         moving = root / np.where(goes, way, 1.0) * ((v + v0) * q)
-        square = np.where(from_rest, square, friction_kinetic / radius * q * (K * q))
+        square = np.where(from_rest, square, friction / radius * q * (K * q))
         root = np.where(from_rest, root, moving)
     late = np.where(square > LOGARITHMIC, np.maximum(0.0, s - LONG_WAY) / 2, 0.0)
     return np.where(arrives, q * (arc_quotient(square, root) + late), np.inf)
+
+
+def _quotient(way: Array, speed: Array, pace: Array, distance: Array) -> tuple[Array, Mask]:
+    """Return `way` over `pace` [s], 0 where the part does not get there; and where it does.
+
+    It does not if its `speed` at the end [m s-1] is 0, or the time is beyond the floats. No
+    `distance` [m] takes no time.
+    """
+    goes = distance > 0
+    with np.errstate(over="ignore", divide="ignore"):
+        q = np.where(goes, way, 0.0) / np.where(goes, np.where(speed > 0, pace, 0.0), 1.0)
+    arrives = np.isfinite(q)
+    return np.where(arrives, q, 0.0), arrives
 
 
 def mean_velocity(

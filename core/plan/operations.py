@@ -16,7 +16,13 @@ from typing import Any
 import numpy as np
 
 from core.mechanics.angles import cosine, sine
-from core.mechanics.elementwise import LOGARITHMIC, arc_quotient, binade, exponent
+from core.mechanics.elementwise import (
+    LOGARITHMIC,
+    arc_quotient,
+    arc_series,
+    binade,
+    exponent,
+)
 from core.mechanics.quotients import (
     arctan_quotient,
     expm1_quotient,
@@ -140,16 +146,21 @@ def _arc_slope(f: Any, square: Any, root: Any, dsquare: Any, droot: Any) -> Any:
         Its value and its two arguments.
     dsquare, droot : ndarray
         The derivatives of the arguments. Where the square is near 1 it has lost digits, and the
-        root is used; near 0 a series.
+        root is used.
     """
+    apart = np.where(square > LOGARITHMIC, square, 1.0)
+    u = np.sqrt(apart)
+    by_root = (_times(1 / (2 * u * (1 + u)), dsquare) - _times(1 / root, droot)) / u
+    by_root = by_root - _times(f / (2 * apart), dsquare)
+    return np.where(square > LOGARITHMIC, by_root, _times(_arc_rise(f, square), dsquare))
+
+
+def _arc_rise(f: Any, square: Any) -> Any:
+    """Return the derivative of f, `arc_quotient`, by its square below 1; near 0 by a series."""
     small = np.abs(square) < 0.02
     by_series = sum(k * square ** (k - 1) / (2 * k + 1) for k in range(1, 11))
     apart = np.where(small, 1.0, square)
-    by_square = np.where(small, by_series, (1 / (1 - square) - f) / (2 * apart))
-    u = np.sqrt(np.abs(apart))
-    by_root = (_times(1 / (2 * u * (1 + u)), dsquare) - _times(1 / root, droot)) / u
-    by_root = by_root - _times(f / (2 * apart), dsquare)
-    return np.where(square > LOGARITHMIC, by_root, _times(by_square, dsquare))
+    return np.where(small, by_series, (1 / (1 - square) - f) / (2 * apart))
 
 
 def _arc_digits(m: Any, square: Any, root: Any) -> Any:
@@ -333,6 +344,7 @@ _ROWS = (
     Operation(exponent, loop="exponent({})"),
     # Whole functions of ours.
     Operation(arc_quotient, _arc_slope, digits=_arc_digits),
+    Operation(arc_series, _chain(_arc_rise), digits=lambda m, w: _arc_digits(m, w, m.sqrt(1 - w))),
     Operation(slip_share, _slip_slope, digits=_slip_digits),
     *_QUOTIENTS,
     # Functions of angles, and hyperbolic ones.

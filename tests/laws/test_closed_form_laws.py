@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from core.mechanics import travel
 from core.plan.equations import regimes
 from core.plan.plan import make_plan
 from core.quantities import REGIMES
@@ -176,6 +177,22 @@ def test_speed_after_a_distance_and_after_the_time_for_it_agree():
     # Just before a stop the speed falls with the root of the distance left.
     clear = arrives & (at["transport_velocity"] > 1e-3 * gained)
     assert np.all(error[clear] <= 1e4 * EPS * gained[clear])
+
+
+def test_short_and_long_ways_take_times_by_one_law(monkeypatch):
+    points = {k: v for k, v in TRACK.items() if k != "distance"}
+    damping = np.linspace(0, travel.SHORT_WAY, POINTS)
+    distance = damping * points["radius"] / (2 * points["friction"])
+    short, long = {}, {}
+    for times, limit in ((short, travel.SHORT_WAY), (long, -1.0)):
+        monkeypatch.setattr(travel, "SHORT_WAY", limit)
+        times |= evaluate(
+            "rectangle-on-track", "derived", ["travel_time"], points, distance=distance
+        )
+    # Five ulp of the long way, a few of the short one.
+    np.testing.assert_allclose(short["travel_time"], long["travel_time"], rtol=16 * EPS)
+    assert np.isfinite(short["travel_time"]).sum() > 1000
+    assert (short["travel_time"] != long["travel_time"]).any()
 
 
 def test_the_speed_obeys_its_equation_of_motion():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from core.compiled import compiled_source
-from core.mechanics.elementwise import arc_quotient, binade, exponent
+from core.mechanics.elementwise import arc_quotient, arc_series, binade, exponent
 from core.mechanics.rolling import slip_share
 from core.plan.operations import OPERATIONS
 from core.sweep.precise import CONTEXT
@@ -46,6 +46,12 @@ def test_arcs_of_both_kinds_within_five_units_in_the_last_place():
     assert worst_ulps(arc_quotient, -np.expm1(-s), np.exp(-s / 2)) < 5
     square = -np.concatenate([10 ** RANDOM.uniform(-20, 25, 500), RANDOM.uniform(0, 8, 500)])
     assert worst_ulps(arc_quotient, square, np.sqrt(1 - square)) < 5
+
+
+def test_small_arcs_within_a_unit_and_a_half_in_the_last_place():
+    most = np.tan(np.pi / 16) ** 2
+    square = np.append(RANDOM.uniform(-most, most, 1000), 10 ** RANDOM.uniform(-20, -1.5, 100))
+    assert worst_ulps(arc_series, square) < 1.5
 
 
 def test_arcs_at_their_ends():

@@ -106,8 +106,9 @@ def track(outputs: tuple[str, ...], **values) -> tuple[Plan, Grid]:
 def test_bits_do_not_depend_on_threads_or_tasks(monkeypatch, threads, task):
     monkeypatch.setattr(fused, "TASK_CELLS", task)
     monkeypatch.setattr(fused, "COLUMN_CELLS", task)
-    # The time asks numpy for logarithms between loops.
-    plan, grid = track(("travel_time", "acceleration_x"), speed=(0.0, 0.2, 3))
+    # Numpy takes the arc of a stop between loops; the distances are short and long ones.
+    spans = {"speed": (0.0, 0.2, 3), "distance": (1e-4, 0.3, 2), "beta": (5, 60, 6)}
+    plan, grid = track(("travel_time", "stopping_time"), **spans)
     done: list[float] = []
     got, expected = both_ways(plan, grid, threads)
     assert_same_bits(got, expected)
@@ -125,6 +126,15 @@ def test_long_and_short_axes(shape):
     middle = {n: sum(values[n]) / 2 for n in names if n not in chosen}
     plan, grid = track(("transport_velocity", "throw_number"), **middle, **axes)
     assert_same_bits(*both_ways(plan, grid))
+
+
+def test_short_distances_need_no_logarithms():
+    short, long = (
+        "\n".join(Fused(plan, traced(plan, grid.axes), grid).sources)
+        for plan, grid in (track(("travel_time",), speed=0.3, distance=x) for x in (2e-4, 0.3))
+    )
+    assert "binade(" not in short
+    assert "binade(" in long
 
 
 def test_a_part_that_starts_from_rest_needs_one_root():

@@ -11,7 +11,7 @@ import pytest
 
 import core.plan
 from core.mechanics import quotients
-from core.mechanics.elementwise import Elementwise, arc_quotient, binade, exponent
+from core.mechanics.elementwise import Elementwise, arc_quotient, arc_series, binade, exponent
 from core.mechanics.rolling import slip_share
 from core.plan.duals import Dual
 from core.plan.operations import IN_LOOPS, OPERATIONS
@@ -23,6 +23,7 @@ POINTS = {1: [(0.35,), (0.62,)], 2: [(0.35, 0.62), (0.62, 0.35)]}
 OWN_POINTS = {  # of functions of ours, whose arguments belong together
     np.ldexp: [(0.35, 2), (0.62, -3)],
     arc_quotient: [(x, math.sqrt(1 - x)) for x in (0.96, 0.4, 0.2, 1e-3, 0.0, -1e-3, -0.7, -9.0)],
+    arc_series: [(w,) for w in (0.039, 0.021, 1e-3, 0.0, -1e-3, -0.03)],
     **{
         one: [(0.0,), (1e-9,), (0.09,), (0.28,), (0.35,), (1.2,)]
         for one in vars(quotients).values()
