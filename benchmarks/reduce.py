@@ -20,12 +20,13 @@ import itertools
 import resource
 import statistics
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 import xarray
+from numpy.typing import NDArray
 
 from benchmarks.options import options
 from core.intake import prepare_content
@@ -110,20 +111,21 @@ def limit(sweep: ReducedSweep) -> Callable[[], None]:
     loop = LaneLoop(plan, graph, whole, updates, tuple(grid.axes))
     loop.prepare()
     order, shape = loop.order, grid.shape
-    ranges = [
+    axes, nowhere = (*order.outer, *order.inner), order.along_loops({})
+    ends = [
         [
-            (name, (at, min(at + order.steps[name], shape[name])))
+            (at, min(at + order.steps[name], shape[name]))
             for at in range(0, shape[name], order.steps[name])
         ]
-        for name in (*order.outer, *order.inner)
+        for name in axes
     ]
-    tiles = [dict(ends) for ends in itertools.product(*ranges)]
+    tiles = order.ranges(axes, np.array(list(itertools.product(*ends))))
 
-    def some(share: Iterable[Mapping[str, tuple[int, int]]]) -> None:
+    def some(share: Iterable[NDArray[np.int64]]) -> None:
         """Compute a share of the tiles."""
         rows = [np.empty(order.piece), np.empty(order.piece, np.int8)]
         for tile in share:
-            loop.run(tile, {}, {}, rows)
+            loop.run(tile, nowhere, nowhere, rows)
 
     def run() -> None:
         """Compute all tiles on all cores."""

@@ -135,7 +135,7 @@ class Boxes:
         flags = self._counted_flags if field.regimes else ()
         counters = len(field.outputs) + len(flags) + len(field.shares)
         totals = Totals(self._slots(box), counters)
-        loop.gather(self._ends(box), self._lanes(), totals)
+        loop.gather(box, self._lanes(), totals)
         for counter, name in enumerate(field.outputs):
             state |= totals.state(name, counter)
         names = [*(str(flag) for flag in flags), *field.shares]
@@ -150,10 +150,6 @@ class Boxes:
     def _slots(self, box: Box) -> int:
         """Return the number of slots in a box."""
         return math.prod(stop - start for start, stop in self.cutting.kept(box))
-
-    def _ends(self, box: Box) -> dict[str, tuple[int, int]]:
-        """Return start and stop of a box, by axis."""
-        return dict(zip(self.field.dims, box, strict=True))
 
     def _lanes(self) -> BoxLanes:
         """Return the buffers in which this thread gathers totals, made on its first call.
@@ -275,16 +271,13 @@ class Boxes:
         has outputs and regimes of the cells, flat; `box` is start and stop on each axis.
         """
         lanes, totals = self._lanes(), Totals(self._slots(box), 1)
-        ends = self._ends(box)
         cells = self._counted(name, values, box)
-        for tile in lanes.tiles(ends):
-            layout, offset = lanes.layout(tile, ends)
+        starts = np.array([start for start, _ in box], np.int64)
+        tiles = lanes.tiles(cells.shape)
+        for ends, layout, offset in zip(tiles.ends, tiles.layouts, tiles.offsets, strict=True):
             held = {kind: lanes.buffer(kind, layout.lanes) for kind in GATHERED}
-            here = tuple(
-                slice(start - first, stop - first)
-                for (start, stop), (first, _) in zip(tile.values(), box, strict=True)
-            )
-            lanes.gather(cells[here], tile, layout, held)
+            here = tuple(slice(start, stop) for start, stop in ends.tolist())
+            lanes.gather(cells[here], starts + ends[:, 0], layout, held)
             totals.fold_counts(held["counts"], layout, offset, 0, 1)
             totals.fold_sum(name, held["sum"], layout, offset, lanes.line)
             for kind in ("largest", "least"):

@@ -115,15 +115,13 @@ class Cutting:
         `block` is the number of the block, a region of the reduced result, and `turn` that of the
         round: the boxes whose cells are reduced to that block are taken one after another.
         """
-        at = dict.fromkeys(range(len(self.shape)), 0)
-        for gone, number in ((False, block), (True, turn)):
-            axes = [axis for axis in at if self.goes[axis] == gone]
-            places = np.unravel_index(number, [self._pieces[a] for a in axes]) if axes else ()
-            at |= {axis: int(place) for axis, place in zip(axes, places, strict=True)}
-        return tuple(
-            (at[axis] * step, min((at[axis] + 1) * step, self.shape[axis]))
-            for axis, step in enumerate(self.steps)
-        )
+        left = {False: block, True: turn}
+        box: list[tuple[int, int]] = []
+        axes = zip(self.goes, self._pieces, self.steps, self.shape, strict=True)
+        for gone, pieces, step, size in reversed(list(axes)):
+            left[gone], at = divmod(left[gone], pieces)
+            box.insert(0, (at * step, min((at + 1) * step, size)))
+        return tuple(box)
 
     def kept(self, box: Box) -> Box:
         """Return the slots that a box contributes to: start and stop on each axis that stays."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -17,8 +17,6 @@ from core.reduce.kernels.bits import LEAST, MOST
 from core.reduce.state import State
 from core.reduce.sums import LEVELS, propagate_carries
 
-Ends = Mapping[str, tuple[int, int]]
-"""Where a box or a tile starts and ends on each axis."""
 Shape = tuple[tuple[str, int], ...]
 Integers = NDArray[np.int64]
 Array = NDArray[np.float64]
@@ -42,8 +40,8 @@ class TileLayout:
 
     Attributes
     ----------
-    strides : mapping of str to int
-        Lanes from one value of an axis to the next.
+    strides : ndarray of int64, shape (loops + 1,)
+        Lanes from one value of an axis to the next, by `LaneOrder.along_loops`.
     lanes : int
         Number of lanes.
     numbers : ndarray of int64, shape (lanes,)
@@ -54,11 +52,30 @@ class TileLayout:
         Those slots, among the slots of the box but for an offset.
     """
 
-    strides: Mapping[str, int]
+    strides: Integers
     lanes: int
     numbers: Integers
     order: Integers
     own_slots: Integers
+
+
+@dataclass(frozen=True)
+class BoxTiles:
+    """The tiles of boxes of equal lengths, the last axis fastest: what is gathered at a time.
+
+    Attributes
+    ----------
+    ends : ndarray of int64, shape (tiles, axes, 2)
+        Start and stop of each tile on each axis of the field, from the start of the box.
+    layouts : tuple of TileLayout
+        The layout of each tile's lanes.
+    offsets : tuple of int
+        What is added to the slots of each layout to get slots of the box.
+    """
+
+    ends: Integers
+    layouts: tuple[TileLayout, ...]
+    offsets: tuple[int, ...]
 
 
 class BoxLanes:
@@ -83,6 +100,7 @@ class BoxLanes:
         self._held: dict[str, Array] = {}
         self.line = np.empty(order.most_lanes(shape, over))
         self._layouts = lru_cache(maxsize=64)(self._placed)
+        self.tiles = lru_cache(maxsize=16)(self._tiles)
 
     def buffer(self, kind: str, lanes: int) -> Array:
         """Return an array in which a compiled loop gathers totals of one kind, shape (lanes,).
@@ -97,40 +115,36 @@ class BoxLanes:
             self._held[name] = np.full(lanes, EMPTY[of])
         return self._held[name]
 
-    def tiles(self, box: Ends) -> Iterator[Ends]:
-        """Yield the tiles of a box, start and stop by axis; a box contains whole tiles only.
+    def _tiles(self, lengths: tuple[int, ...]) -> BoxTiles:
+        """Return the tiles of boxes that have some lengths along the axes of the field.
 
-        A tile has the cells that are gathered at a time, the last axis fastest.
+        A box contains whole tiles only. Boxes of equal lengths have the same tiles: `tiles` keeps
+        the last results.
         """
-        ranges = [
-            [
-                (name, (start, min(start + self.order.steps[name], box[name][1])))
-                for start in range(*box[name], self.order.steps[name])
-            ]
-            for name in self._dims
+        steps = [self.order.steps[name] for name in self._dims]
+        along = [
+            [(start, min(start + step, length)) for start in range(0, length, step)]
+            for length, step in zip(lengths, steps, strict=True)
         ]
-        return map(dict, itertools.product(*ranges))
+        tiles = list(itertools.product(*along))
+        ends = np.array(tiles, np.int64).reshape(len(tiles), len(lengths), 2)
+        box = dict(zip(self._dims, lengths, strict=True))
+        strides = _strides({name: box[name] for name in self._dims if name not in self._goes})
+        own = np.array([strides.get(name, 0) for name in self._dims], np.int64)
+        layouts = tuple(
+            self._layouts(tuple(sizes), tuple(strides.items()))
+            for sizes in (ends[..., 1] - ends[..., 0]).tolist()
+        )
+        return BoxTiles(ends, layouts, tuple((ends[..., 0] @ own).tolist()))
 
-    def layout(self, tile: Ends, box: Ends) -> tuple[TileLayout, int]:
-        """Return the layout of a tile's lanes, and the offset of its slots in the box.
-
-        The layout tells which lane belongs to which slot: a lane is a place in which cells are
-        gathered, a slot a point of the result. `tile` and `box` are start and stop on each axis.
-        """
-        kept = {n: box[n][1] - box[n][0] for n in self._dims if n not in self._goes}
-        strides = _strides(kept)
-        lengths = tuple((name, tile[name][1] - tile[name][0]) for name in self._dims)
-        offset = sum((tile[name][0] - box[name][0]) * strides[name] for name in kept)
-        return self._layouts(lengths, tuple(strides.items())), offset
-
-    def _placed(self, lengths: Shape, slot_strides: Shape) -> TileLayout:
+    def _placed(self, lengths: tuple[int, ...], slot_strides: Shape) -> TileLayout:
         """Return the layout of lanes for tiles of given lengths: which lane belongs to which slot.
 
         A lane is a place in which cells are gathered, a slot a point of the result. `lengths` are
         those of the axes; `slot_strides` are the slots from one value to the next, for each axis
         that stays.
         """
-        lanes = self.order.lanes(dict(lengths), self._goes)
+        lanes = self.order.lanes(dict(zip(self._dims, lengths, strict=True)), self._goes)
         of_slot = dict(slot_strides)
         count = math.prod(lanes.values())
         slots, numbers = np.zeros(count, np.int64), np.zeros(count, np.int64)
@@ -144,10 +158,11 @@ class BoxLanes:
         strides = _strides(lanes)
         if self.order.gathers:
             del strides[self.order.inner[0]]
-        return TileLayout(strides, count, numbers, order, slots[order][::each].copy())
+        own_slots = slots[order][::each].copy()
+        return TileLayout(self.order.along_loops(strides), count, numbers, order, own_slots)
 
     def gather(
-        self, cells: Array, tile: Ends, layout: TileLayout, lanes: Mapping[str, Array]
+        self, cells: Array, at: Integers, layout: TileLayout, lanes: Mapping[str, Array]
     ) -> None:
         """Add stored cells of a tile to lanes, places for totals, as a compiled loop would.
 
@@ -155,31 +170,28 @@ class BoxLanes:
         ----------
         cells : ndarray
             Values of an output over the axes of the field, NaN where a cell does not count.
-        tile : mapping of str to (int, int)
-            Start and stop on each axis.
+        at : ndarray of int64, shape (axes,)
+            Where the tile starts on each axis.
         layout : TileLayout
             Which lane belongs to which point of the result.
         lanes : mapping of str to ndarray
             An array for each kind of total, a key of `GATHERED`; they are updated.
         """
-        axes = (*self.order.outer, *self.order.inner)
-        rows = cells.transpose([self._dims.index(name) for name in axes])
+        axes = [self._dims.index(name) for name in (*self.order.outer, *self.order.inner)]
+        rows = cells.transpose(axes)
+        steps = self.order.along_loops(self.numbers)  # the last along the row, if there is one
         outer = rows.shape[: len(self.order.outer)]
-        starts, numbers = np.zeros(outer, np.int64), np.zeros(outer, np.int64)
-        for name, at in zip(self.order.outer, np.indices(outer), strict=True):
-            starts += at * layout.strides.get(name, 0)
-            numbers += (at + tile[name][0]) * self.numbers.get(name, 0)
-        turn = self.order.piece // self.order.period
-        along = 0  # without inner axes a row is one cell, and has no next piece
-        if self.order.inner:
-            first = self.order.inner[0]
-            along = self.numbers.get(first, 0)
-            numbers += tile[first][0] * along
+        starts = np.zeros(outer, np.int64)
+        numbers = np.full(outer, at[axes[: steps.size]] @ steps)
+        for loop, turn in enumerate(np.indices(outer)):
+            starts += turn * layout.strides[loop]
+            numbers += turn * steps[loop]
+        along = steps[-1] if self.order.inner else 0
         folding.gather(
             np.ascontiguousarray(rows).reshape(starts.size, -1),
             starts.reshape(-1), numbers.reshape(-1), self.order.piece,
             0 if self.order.gathers else self.order.piece,
-            turn * along,
+            self.order.piece // self.order.period * along,
             *(lanes[kind] for kind in GATHERED),
         )  # fmt: skip
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,9 @@ from core.plan.grid import Grid
 from core.plan.loops.lanes import LaneLoop, LaneOrder
 from core.plan.loops.trace import Traced, TracedPlan, traced_plan
 from core.quantities import QUANTITIES, REGIMES
+from core.reduce.cutting import Box
 from core.reduce.kernels.folding import COUNT_BITS, COUNTS
-from core.reduce.lanes import BoxLanes, Ends, Totals
+from core.reduce.lanes import Array, BoxLanes, Totals
 from core.reduce.questions import ReducedField
 from core.study.reduction import Reduction, ShareCondition
 
@@ -45,7 +47,7 @@ class Gathering:
     output: str = ""
     counters: tuple[int, int] = (0, 0)
 
-    @property
+    @cached_property
     def kinds(self) -> tuple[str, ...]:
         """The kinds of arrays in which the cells of this total are gathered, keys of `EMPTY`.
 
@@ -58,7 +60,7 @@ class Gathering:
         end = self.end
         return (self.update,) if end == self.update else (self.update, f"{end}_at")
 
-    @property
+    @cached_property
     def end(self) -> str:
         """The extreme that is gathered, ``largest`` or ``least``, with or without its place."""
         return self.update.removeprefix("first_")
@@ -117,20 +119,21 @@ class FieldLoop:
         """The sources of loops that are not compiled in this process."""
         return self._loop.missing
 
-    def gather(self, box: Ends, lanes: BoxLanes, totals: Totals) -> None:
+    def gather(self, box: Box, lanes: BoxLanes, totals: Totals) -> None:
         """Compute the cells of a box with the compiled loop and add them to the totals.
 
         A slot is a point of the result. `box` is start and stop on each axis, `lanes` has the
         buffers of this thread in which cells are gathered first, `totals` are those of the box.
         """
-        for tile in lanes.tiles(box):
-            layout, offset = lanes.layout(tile, box)
-            held = [
-                [lanes.buffer(f"{k}.{kind}", layout.lanes) for kind in gathering.kinds]
-                for k, gathering in enumerate(self._gatherings)
-            ]
-            flat = [array for arrays in held for array in arrays]
-            self._loop.run(tile, layout.strides, lanes.numbers, flat)
+        tiles = lanes.tiles(tuple(stop - start for start, stop in box))
+        starts = np.array([start for start, _ in box])
+        ranges = self.order.ranges(self._field.dims, tiles.ends + starts[:, None])
+        numbers = self.order.along_loops(lanes.numbers)
+        counts = {layout.lanes for layout in tiles.layouts}
+        buffers = {count: self._buffers(lanes, count) for count in counts}
+        for own, layout, offset in zip(ranges, tiles.layouts, tiles.offsets, strict=True):
+            held, flat = buffers[layout.lanes]
+            self._loop.run(own, layout.strides, numbers, flat)
             for gathering, arrays in zip(self._gatherings, held, strict=True):
                 if gathering.kinds[0] == "counts":
                     totals.fold_counts(arrays[0], layout, offset, *gathering.counters)
@@ -140,6 +143,14 @@ class FieldLoop:
                     at = arrays[-1][: 0 if len(arrays) == 1 else None]
                     name, end = gathering.output, gathering.end
                     totals.fold_extremes(name, end, arrays[0], at, layout, offset)
+
+    def _buffers(self, lanes: BoxLanes, count: int) -> tuple[list[list[Array]], list[Array]]:
+        """Return the arrays of each total for a number of lanes, and all of them in one list."""
+        held = [
+            [lanes.buffer(f"{k}.{kind}", count) for kind in gathering.kinds]
+            for k, gathering in enumerate(self._gatherings)
+        ]
+        return held, [array for arrays in held for array in arrays]
 
     def _outputs(self) -> list[str]:
         """Return the outputs that the loop computes, for statistics and conditions."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from core.plan.grid import Grid
 from core.plan.loops.order import Order
 from core.plan.loops.program import FEW_CELLS, Program, edge_of, program_of
-from core.plan.loops.source import LONGEST_ROW
+from core.plan.loops.source import LONGEST_ROW, Loop
 from core.plan.loops.trace import Node, Traced
 from core.plan.plan import Plan
 from core.threads import share_out
@@ -32,6 +32,7 @@ SPECIAL = (0.0, 1.0, math.inf)
 
 Array = NDArray[Any]
 Progress = Callable[[float], object]
+Runner = Callable[[Sequence[NDArray[np.int64]], Iterable[Array]], None]
 
 _compiled: set[str] = set()  # the sources of loops that have run in this process
 
@@ -122,7 +123,7 @@ class Fused:
             Called after each task with its share of the cells, by any of the threads.
         """
         program, grid = self._programs[dims], self._grid
-        operands = lay_out_operands(program, self._traced, self._values, grid)
+        loops = bind_stages(program, lay_out_operands(program, self._traced, self._values, grid))
         sizes = [grid.shape[name] for name in dims]
         strides = np.array(
             [math.prod(sizes[dims.index(name) + 1 :]) for name in program.order.outer],
@@ -134,7 +135,7 @@ class Fused:
 
         def run(ends: NDArray[np.int64]) -> None:
             """Compute a task and report its share; `ends` has first cell and end of each loop."""
-            run_stages(program, operands, (ends, strides), flat)
+            loops((ends, strides), flat)
             if progress is not None:
                 progress(_cells_between(ends) / cells)
 
@@ -170,52 +171,66 @@ def mark_compiled(program: Program) -> None:
     _compiled.update(program.sources)
 
 
-def run_stages(
-    program: Program,
-    operands: Mapping[int, Any],
-    ranges: tuple[NDArray[np.int64], ...],
-    results: Sequence[Array],
-) -> None:
-    """Run the compiled loops of a program on some cells, and the numpy functions between them.
+def bind_stages(program: Program, operands: Mapping[int, Any]) -> Runner:
+    """Return a function that runs the compiled loops of a program on some cells.
 
     A program is the graph of a plan as loops over cells; a function that loops do not have splits
-    it.
+    it, and is taken by numpy between them. What is the same for all cells is found here, once.
+    `operands` are the inputs that numpy has computed, the result of `lay_out_operands`.
 
-    Parameters
-    ----------
-    operands : mapping of int to ndarray or number
-        Inputs that numpy has computed, by number of the node: the result of `lay_out_operands`.
-    ranges : tuple of ndarray
-        Start and stop along the row (the innermost loop) and along each outer loop, then the
-        strides of the loops in the results, and for loops that add up statistics the strides of
-        cell numbers.
-    results : sequence of ndarray
-        Flat arrays that the last loop fills.
+    The function takes arrays of int64: start and stop along the row (the innermost loop) and along
+    each outer loop, then the strides of the loops in the results, and for loops that add up
+    statistics the strides of cell numbers. It takes the flat arrays that the last loop fills, too.
+    """
+    loops = (stage.loop for stage in program.stages)
+    calls = [None if loop is None else _bind_loop(loop, operands) for loop in loops]
+    between, last = list(zip(program.stages, calls[:-1], strict=False)), calls[-1]
+    assert last is not None
+
+    def run(ranges: Sequence[NDArray[np.int64]], results: Iterable[Array]) -> None:
+        """Run the loops on some cells, and the functions of numpy between them."""
+        columns: dict[int, Array] = {}
+        for stage, call in between:
+            if call is not None:
+                count = _cells_between(ranges[0])
+                made = {node.number: np.empty(count, node.dtype) for node in stage.columns}
+                call(ranges[:2], columns, made.values())
+                columns |= made
+            with np.errstate(all="ignore"):  # it is a setting of the thread
+                for node in stage.functions:
+                    inputs = (columns[n.number] if isinstance(n, Node) else n for n in node.inputs)
+                    columns[node.number] = node.function(*inputs)  # type: ignore[misc]
+        last(ranges, columns, results)
+
+    return run
+
+
+def _bind_loop(
+    loop: Loop, operands: Mapping[int, Any]
+) -> Callable[[Sequence[NDArray[np.int64]], Mapping[int, Array], Iterable[Array]], None]:
+    """Return a function that calls one compiled loop of a program on some cells.
+
+    `operands` are the inputs that numpy has computed beforehand. The function takes the arrays of
+    ranges and strides, the columns that numpy has computed for these cells, both by number of the
+    node, and the arrays to be filled.
     """
     # Importing numba takes a second: only runs that gain from it pay for it.
     from core.compiled import compiled_source  # numba, for those whom it repays
 
-    columns: dict[int, Array] = {}
-    for stage in program.stages:
-        if stage.loop is not None:
-            made: dict[int, Array] = {}
-            if stage.columns:
-                count = _cells_between(ranges[0])
-                made = {n.number: np.empty(count, n.dtype) for n in stage.columns}
-            compiled_source(stage.loop.source)(
-                *(ranges[:2] if stage.functions else ranges),
-                *(operands[node.number] for node in stage.loop.arrays),
-                *(columns[node.number] for node in stage.loop.columns),
-                *(np.empty(LONGEST_ROW) for _ in stage.loop.rows),
-                *(made.values() if stage.functions else results),
-            )
-            columns |= made
-        if not stage.functions:
-            continue
-        with np.errstate(all="ignore"):  # it is a setting of the thread
-            for node in stage.functions:
-                inputs = (columns[n.number] if isinstance(n, Node) else n for n in node.inputs)
-                columns[node.number] = node.function(*inputs)  # type: ignore[misc]
+    function = compiled_source(loop.source)
+    inputs = [operands[node.number] for node in loop.arrays]
+
+    def call(
+        ranges: Sequence[NDArray[np.int64]],
+        columns: Mapping[int, Array],
+        results: Iterable[Array],
+    ) -> None:
+        """Call the loop with room for the rows that it keeps."""
+        own = [columns[node.number] for node in loop.columns]
+        rows = [np.empty(LONGEST_ROW) for _ in loop.rows]
+        function(*ranges, *inputs, *own, *rows, *results)
+
+    return call
 
 
 def lay_out_operands(

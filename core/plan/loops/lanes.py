@@ -16,12 +16,13 @@ from numpy.typing import NDArray
 
 from core.plan.grid import Grid
 from core.plan.loops.fused import (
+    Runner,
     Values,
+    bind_stages,
     even_length,
     lay_out_operands,
     mark_compiled,
     missing,
-    run_stages,
 )
 from core.plan.loops.program import MAX_VALUES, edge_of, program_of
 from core.plan.loops.source import LONGEST_ROW
@@ -164,6 +165,24 @@ class LaneOrder:
             mixed.insert(0, self.inner[0])
         return mixed == [name for name in axes if name in mixed]
 
+    def along_loops(self, values: Mapping[str, int]) -> NDArray[np.int64]:
+        """Return a number for each outer loop, then one for the row: shape (loops + 1,).
+
+        `values` has those of outer axes and of the first axis of a row; others are 0.
+        """
+        return np.array([values.get(name, 0) for name in (*self.outer, *self.inner[:1])], np.int64)
+
+    def ranges(self, axes: Sequence[str], ends: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return tiles as loops take them: start and stop along the row, then on each outer loop.
+
+        `ends` are start and stop of each tile on each of `axes`, int64, shape (tiles, axes, 2); the
+        result has the shape (tiles, loops + 1, 2).
+        """
+        loops = [axes.index(name) for name in (*self.inner[:1], *self.outer)]
+        ranges = np.ascontiguousarray(ends[:, loops])
+        ranges[:, : len(self.inner[:1])] *= self.period
+        return ranges
+
     def most_lanes(self, shape: Mapping[str, int], over: Iterable[str]) -> int:
         """Return the number of lanes of the largest tile of a grid.
 
@@ -215,7 +234,7 @@ class LaneLoop:
                 program = program_of(traced, names, shape, special, wanted)
         self._program, self.order = program, order
         self._traced, self._values = traced, values
-        self._inputs: dict[int, object] | None = None
+        self._loops: Runner | None = None
 
     @property
     def missing(self) -> frozenset[str]:
@@ -225,41 +244,31 @@ class LaneLoop:
     def prepare(self) -> None:
         """Compute by numpy the inputs of the loop; to be called once before any `run`."""
         with np.errstate(all="ignore"):
-            self._inputs = lay_out_operands(self._program, self._traced, self._values, self._grid)
+            operands = lay_out_operands(self._program, self._traced, self._values, self._grid)
+        self._loops = bind_stages(self._program, operands)
 
     def run(
         self,
-        tile: Mapping[str, tuple[int, int]],
-        strides: Mapping[str, int],
-        numbers: Mapping[str, int],
+        ranges: NDArray[np.int64],
+        strides: NDArray[np.int64],
+        numbers: NDArray[np.int64],
         lanes: Sequence[NDArray[np.float64]],
     ) -> None:
         """Compute the cells of a tile and add them to totals, places of which are called lanes.
 
         Parameters
         ----------
-        tile : mapping of str to (int, int)
-            Start and stop of the tile on each axis.
-        strides : mapping of str to int
-            Lanes from one value of an axis to the next, for outer axes and the first axis of a row;
-            an axis that is not named stays in the same lanes.
-        numbers : mapping of str to int
+        ranges : ndarray of int64, shape (loops + 1, 2)
+            The tile: one of `LaneOrder.ranges`.
+        strides : ndarray of int64, shape (loops + 1,)
+            Lanes from one value of an axis to the next, for outer axes and the first axis of a row,
+            by `LaneOrder.along_loops`; 0 for an axis that stays in the same lanes.
+        numbers : ndarray of int64, shape (loops + 1,)
             The same for the numbers of cells, by which `first_largest` and `first_least` name a
             cell.
         lanes : sequence of ndarray
             Flat arrays, as many as the updates take; they are updated.
         """
-        assert self._inputs is not None
-        order = self.order
-        axes = (*order.outer, order.inner[0])
-        row_start, row_stop = tile[order.inner[0]]
-        row = (row_start * order.period, row_stop * order.period)
-        steps = [strides.get(name, 0) for name in axes]
-        offset = -sum(step * tile[name][0] for step, name in zip(steps, axes, strict=True))
-        ranges = (
-            np.array([row, *(tile[name] for name in order.outer)]),
-            np.array([*steps, offset]),
-            np.array([*(numbers.get(name, 0) for name in axes), 0]),
-        )
-        run_stages(self._program, self._inputs, ranges, lanes)
+        assert self._loops is not None
+        self._loops((ranges, strides, numbers), lanes)
         mark_compiled(self._program)

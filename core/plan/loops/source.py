@@ -127,7 +127,8 @@ def write_loop(
         True if results are written where the grid has them, False if one after another.
     lanes : Lanes, optional
         How cells are taken into lanes; they are stored if left out. A lane is found by a stride for
-        each loop, then one for the row, and an offset; the number of a cell likewise.
+        each outer loop, then one for the row, from where these start; the number of a cell
+        likewise, from the start of the grid.
     """
     return _Writer(order, leaves, columns, results, is_last, lanes).write()
 
@@ -349,7 +350,8 @@ class _Writer:
         """
         lines = []
         if self.lanes:
-            lines += [f"start = {self._lane_index('strides')}"]
+            turns = [f"(i{k + 1} - ends[{k + 1}, 0])" for k in range(self.deepest)]
+            lines += [f"start = {self._lane_index('strides', turns, '(at - ends[0, 0])')}"]
             lines += self._numbers()
         elif self.is_last:
             turns = [f"i{k + 1} * strides[{k}]" for k in range(self.deepest)]
@@ -359,7 +361,7 @@ class _Writer:
 
     def _numbers(self) -> list[str]:
         """Return the line that names the number of a row's first cell, by which places are told."""
-        return [f"{self._number()} = 0.0 + ({self._lane_index('numbers')})"]
+        return [f"{self._number()} = 0.0 + ({self._lane_index('numbers', self._turns(), 'at')})"]
 
     def _number(self) -> str:
         """Return the local name of the number of a row's first cell."""
@@ -391,16 +393,16 @@ class _Writer:
                 lines.append(f"r{node.number}[i] = {value}")
         return lines
 
-    def _lane_index(self, strides: str) -> str:
-        """Return the source text for the index of a row's first cell among lanes.
+    def _lane_index(self, strides: str, turns: Sequence[str], cell: str) -> str:
+        """Return the source text for the lane of a row's first cell, or for its number.
 
         A lane is a place for a total. `strides` is the name of the array that has the distance for
-        each loop.
+        each loop, `turns` are the texts for the turns of the outer loops, `cell` is that for the
+        place of the cell in the row.
         """
         assert self.lanes is not None
-        turns = [*self._turns(), f"at // {self.lanes.period}"]
-        terms = [f"{turn} * {strides}[{k}]" for k, turn in enumerate(turns)]
-        return " + ".join([*terms, f"{strides}[{len(turns)}]"])
+        turns = [*turns, f"{cell} // {self.lanes.period}"]
+        return " + ".join(f"{turn} * {strides}[{k}]" for k, turn in enumerate(turns))
 
     def _updated(self) -> list[str]:
         """Return the source lines of the last loop that write the results of a cell.

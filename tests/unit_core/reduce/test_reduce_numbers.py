@@ -43,11 +43,13 @@ def gathered(table: np.ndarray, over: tuple[str, ...], box: dict | None = None) 
     ends = {name: (0, size) for name, size in shape.items()} | (box or {})
     slots = math.prod(ends[name][1] - ends[name][0] for name in dims if name not in over)
     totals = Totals(slots, 1)
-    for tile in lanes.tiles(ends):
-        layout, offset = lanes.layout(tile, ends)
+    starts = np.array([ends[name][0] for name in dims])
+    tiles = lanes.tiles(tuple(ends[name][1] - ends[name][0] for name in dims))
+    for own, layout, offset in zip(tiles.ends, tiles.layouts, tiles.offsets, strict=True):
         held = {kind: lanes.buffer(kind, layout.lanes) for kind in GATHERED}
-        cells = table[tuple(slice(*tile[name]) for name in dims)]
-        lanes.gather(cells, tile, layout, held)
+        tile = own + starts[:, None]
+        cells = table[tuple(slice(*pair) for pair in tile)]
+        lanes.gather(cells, tile[:, 0], layout, held)
         totals.fold_counts(held["counts"], layout, offset, 0, 1)
         totals.fold_sum("x", held["sum"], layout, offset, lanes.line)
         for kind in ("largest", "least"):
@@ -186,18 +188,18 @@ def cells_of_lanes(
 ) -> list[list[int]]:
     """Return the numbers of the cells of each lane of the first tile, as its loops take them."""
     lanes = BoxLanes(order, dims, over, shape)
-    tile = {name: (0, min(order.steps[name], shape[name])) for name in dims}
-    layout, _ = lanes.layout(tile, tile)
-    inner = [np.arange(tile[name][1]) * lanes.numbers.get(name, 0) for name in order.inner]
+    tile = {name: min(order.steps[name], shape[name]) for name in dims}
+    layout = lanes.tiles(tuple(tile.values())).layouts[0]
+    *strides, along = layout.strides.tolist()
+    inner = [np.arange(tile[name]) * lanes.numbers.get(name, 0) for name in order.inner]
     row = functools.reduce(np.add.outer, inner).reshape(-1).tolist()
-    along = layout.strides.get(order.inner[0], 0)
     taken: list[list[int]] = [[] for _ in range(layout.lanes)]
     for at in range(0, len(row), order.piece):
-        for turn in itertools.product(*(range(tile[name][1]) for name in order.outer)):
-            turns = dict(zip(order.outer, turn, strict=True))
-            start = sum(layout.strides.get(name, 0) * k for name, k in turns.items())
+        for turns in itertools.product(*(range(tile[name]) for name in order.outer)):
+            start = sum(stride * k for stride, k in zip(strides, turns, strict=True))
             start += at // order.period * along
-            number = sum(lanes.numbers.get(name, 0) * k for name, k in turns.items())
+            turn_of = zip(order.outer, turns, strict=True)
+            number = sum(lanes.numbers.get(name, 0) * k for name, k in turn_of)
             for k, own in enumerate(row[at : at + order.piece]):
                 taken[start + k].append(number + own)
     return taken
