@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from core.plan.grid import Grid
-from core.plan.loops.lanes import LaneLoop, LaneOrder
+from core.plan.loops.lanes import LARGE_TILE_CELLS, TILE_CELLS, LaneLoop, LaneOrder
 from core.plan.loops.trace import Traced, TracedPlan, traced_plan
 from core.quantities import QUANTITIES, REGIMES
 from core.reduce.cutting import Box
@@ -106,7 +106,8 @@ class FieldLoop:
         whole = {name: (0, grid.shape[name]) for name in field.dims}
         piece = grid.piece(whole, field.plan.parameters)
         graph = Traced(traced.graph, results)
-        self._loop = LaneLoop(field.plan, graph, piece, updates, asked.over)
+        most = TILE_CELLS if "mean" in asked.statistics else LARGE_TILE_CELLS
+        self._loop = LaneLoop(field.plan, graph, piece, updates, asked.over, most)
         self.prepare = self._loop.prepare
 
     @property

@@ -36,6 +36,8 @@ LANES, MAX_LANES = 1024, 1 << 15
 """Usual number of lanes of a tile, and the most that it has where few cells go to each."""
 TILE_CELLS = 1 << 19
 """Most cells of a tile, which then takes some hundred microseconds."""
+LARGE_TILE_CELLS = 1 << 21
+"""The same where no values are summed: a largest value does not depend on how cells are taken."""
 STAGED_CELLS = 1 << 15
 """The same where numpy works between loops: its arrays stay in the second-level cache."""
 FEWEST_TILES = 64
@@ -208,6 +210,8 @@ class LaneLoop:
         `core.plan.loops.source.UPDATES`.
     over : collection of str
         The axes that are reduced.
+    most : int
+        Most cells of a tile; fewer where numpy works between loops.
     """
 
     def __init__(
@@ -217,6 +221,7 @@ class LaneLoop:
         grid: Grid,
         updates: Sequence[tuple[str, str]],
         over: Iterable[str],
+        most: int = TILE_CELLS,
     ):
         """Prepare the loop that gathers a plan's outputs over some axes."""
         self._grid = grid
@@ -227,7 +232,7 @@ class LaneLoop:
             special = values.special(edge_of(traced, names, shape, (), MAX_VALUES))
             wanted = tuple(update for _, update in updates)
             program = program_of(traced, names, shape, special, wanted)
-            most = TILE_CELLS if len(program.stages) == 1 else STAGED_CELLS
+            most = most if len(program.stages) == 1 else STAGED_CELLS
             order = LaneOrder.of(program.order.outer, program.order.inner, grid.shape, over, most)
             if order.is_in_grid_order(grid.shape, over):
                 wanted = tuple(update.replace("first", "next") for update in wanted)
