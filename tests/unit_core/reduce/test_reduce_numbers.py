@@ -12,7 +12,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from core.plan.loops.lanes import DEPTH, LaneOrder
+from core.plan.loops.lanes import DEPTH, TILE_CELLS, LaneOrder
 from core.plan.loops.source import UPDATES
 from core.reduce.arrays import binned_quantiles
 from core.reduce.boxes import exact_quantiles, values_of
@@ -34,11 +34,13 @@ HARD = {
 }
 
 
-def gathered(table: np.ndarray, over: tuple[str, ...], box: dict | None = None) -> State:
+def gathered(
+    table: np.ndarray, over: tuple[str, ...], box: dict | None = None, most: int = TILE_CELLS
+) -> State:
     """Return what the cells of a table, or of a box of it, tell; its axes are a, b, and so on."""
     dims = "abcd"[: table.ndim]
     shape = dict(zip(dims, table.shape, strict=True))
-    order = LaneOrder.of(dims[:-1], dims[-1:], shape, over)
+    order = LaneOrder.of(dims[:-1], dims[-1:], shape, over, most)
     lanes = BoxLanes(order, dims, over, shape)
     ends = {name: (0, size) for name, size in shape.items()} | (box or {})
     slots = math.prod(ends[name][1] - ends[name][0] for name in dims if name not in over)
@@ -110,6 +112,15 @@ def test_boxes_of_whole_tiles_join_to_the_same_bits() -> None:
         joined = merge_states(joined, part)
     assert len(parts) > 2
     assert mean_of(joined).tobytes() == mean_of(whole).tobytes()
+
+
+@pytest.mark.parametrize("over", ["a", "b", "c", "ab", "ac", "bc", "abc"])
+def test_extremes_and_counts_do_not_depend_on_tiles(over: str) -> None:
+    """Few values, so that many are equal; the last tiles of an axis are shorter than the others."""
+    table = CHANCE.integers(-3, 3, (17, 23, 30)).astype(float)
+    table[table == 0] = math.nan
+    found = [gathered(table, tuple(over), most=most)["x.ends"] for most in (1, 7, 100, TILE_CELLS)]
+    assert all(np.array_equal(ends, found[0]) for ends in found)
 
 
 def test_cells_that_do_not_count_are_left_out() -> None:
