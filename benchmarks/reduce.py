@@ -29,6 +29,7 @@ import xarray
 from numpy.typing import NDArray
 
 from benchmarks.options import options
+from core.aligned import aligned
 from core.intake import prepare_content
 from core.kinds import tabulate
 from core.plan.grid import Grid
@@ -123,7 +124,7 @@ def limit(sweep: ReducedSweep) -> Callable[[], None]:
 
     def some(share: Iterable[NDArray[np.int64]]) -> None:
         """Compute a share of the tiles."""
-        rows = [np.empty(order.piece), np.empty(order.piece, np.int8)]
+        rows = [aligned((order.piece,)), aligned((order.piece,), np.int8)]
         for tile in share:
             loop.run(tile, nowhere, nowhere, rows)
 

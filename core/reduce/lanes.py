@@ -11,7 +11,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from core.aligned import aligned
 from core.plan.loops.lanes import LaneOrder
+from core.reduce.cutting import Box
 from core.reduce.kernels import folding
 from core.reduce.kernels.bits import LEAST, MOST
 from core.reduce.state import State
@@ -67,6 +69,8 @@ class BoxTiles:
     ----------
     ends : ndarray of int64, shape (tiles, axes, 2)
         Start and stop of each tile on each axis of the field, from the start of the box.
+    ranges : ndarray of int64, shape (tiles, loops + 1, 2)
+        The same as loops take them, by `LaneOrder.ranges`.
     layouts : tuple of TileLayout
         The layout of each tile's lanes.
     offsets : tuple of int
@@ -74,6 +78,7 @@ class BoxTiles:
     """
 
     ends: Integers
+    ranges: Integers
     layouts: tuple[TileLayout, ...]
     offsets: tuple[int, ...]
 
@@ -97,6 +102,7 @@ class BoxLanes:
         self.order, self._dims, self._shape = order, dims, shape
         self._goes = frozenset(over)
         self.numbers = _strides({name: shape[name] for name in dims if name in self._goes})
+        self._along = order.cells_along(dims)
         self._held: dict[str, Array] = {}
         self.line = np.empty(order.most_lanes(shape, over))
         self._layouts = lru_cache(maxsize=64)(self._placed)
@@ -112,7 +118,8 @@ class BoxLanes:
         of = kind.split(".")[-1]
         name = f"{kind} {lanes}"
         if name not in self._held:
-            self._held[name] = np.full(lanes, EMPTY[of])
+            self._held[name] = aligned((lanes,))
+            self._held[name][:] = EMPTY[of]
         return self._held[name]
 
     def _tiles(self, lengths: tuple[int, ...]) -> BoxTiles:
@@ -135,7 +142,17 @@ class BoxLanes:
             self._layouts(tuple(sizes), tuple(strides.items()))
             for sizes in (ends[..., 1] - ends[..., 0]).tolist()
         )
-        return BoxTiles(ends, layouts, tuple((ends[..., 0] @ own).tolist()))
+        ranges = self.order.ranges(self._dims, ends)
+        return BoxTiles(ends, ranges, layouts, tuple((ends[..., 0] @ own).tolist()))
+
+    def placed(self, box: Box) -> tuple[BoxTiles, Integers]:
+        """Return the tiles of a box, and where they lie in the grid, as loops take them.
+
+        A box is start and stop on each axis; the array has the shape (tiles, loops + 1, 2).
+        """
+        tiles = self.tiles(tuple(stop - start for start, stop in box))
+        loops, cells = self._along
+        return tiles, tiles.ranges + np.array([[box[axis][0]] for axis in loops], np.int64) * cells
 
     def _placed(self, lengths: tuple[int, ...], slot_strides: Shape) -> TileLayout:
         """Return the layout of lanes for tiles of given lengths: which lane belongs to which slot.

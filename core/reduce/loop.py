@@ -126,9 +126,7 @@ class FieldLoop:
         A slot is a point of the result. `box` is start and stop on each axis, `lanes` has the
         buffers of this thread in which cells are gathered first, `totals` are those of the box.
         """
-        tiles = lanes.tiles(tuple(stop - start for start, stop in box))
-        starts = np.array([start for start, _ in box])
-        ranges = self.order.ranges(self._field.dims, tiles.ends + starts[:, None])
+        tiles, ranges = lanes.placed(box)
         numbers = self.order.along_loops(lanes.numbers)
         counts = {layout.lanes for layout in tiles.layouts}
         buffers = {count: self._buffers(lanes, count) for count in counts}

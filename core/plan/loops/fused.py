@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.aligned import aligned
 from core.plan.grid import Grid
 from core.plan.loops.order import Order
 from core.plan.loops.program import FEW_CELLS, Program, edge_of, program_of
@@ -227,7 +228,7 @@ def _bind_loop(
     ) -> None:
         """Call the loop with room for the rows that it keeps."""
         own = [columns[node.number] for node in loop.columns]
-        rows = [np.empty(LONGEST_ROW) for _ in loop.rows]
+        rows = aligned((len(loop.rows), LONGEST_ROW))
         function(*ranges, *inputs, *own, *rows, *results)
 
     return call
@@ -254,12 +255,12 @@ def lay_out_operands(
         kept, is_row = order.kept(node), order.is_row(node)
         whole = [shape[name] for name in kept] + [row] * is_row
         laid = value if not is_row else value.astype(np.float64, copy=False)
-        if value.size != math.prod(whole):
+        if value.size != math.prod(whole) or not kept:  # a row alone is read again and again
             lengths = [
                 shape[name] if name in kept or (name in order.inner and is_row) else 1
                 for name in order.axes
             ]
-            laid = np.empty(lengths, laid.dtype)
+            laid = aligned(lengths, laid.dtype)
             laid[...] = value
         operands[leaf.number] = np.ascontiguousarray(laid.reshape(whole))
     return operands

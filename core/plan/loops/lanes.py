@@ -174,16 +174,24 @@ class LaneOrder:
         """
         return np.array([values.get(name, 0) for name in (*self.outer, *self.inner[:1])], np.int64)
 
+    def cells_along(self, axes: Sequence[str]) -> tuple[list[int], NDArray[np.int64]]:
+        """Return the axes of the row and of each outer loop among `axes`, and cells for each value.
+
+        These are the cells of a row for a value of its first axis, and 1 for other axes: an array
+        of the shape (loops + 1, 1).
+        """
+        names = (*self.inner[:1], *self.outer)
+        cells = [self.period] * len(self.inner[:1]) + [1] * len(self.outer)
+        return [axes.index(name) for name in names], np.array(cells, np.int64).reshape(-1, 1)
+
     def ranges(self, axes: Sequence[str], ends: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return tiles as loops take them: start and stop along the row, then on each outer loop.
 
         `ends` are start and stop of each tile on each of `axes`, int64, shape (tiles, axes, 2); the
         result has the shape (tiles, loops + 1, 2).
         """
-        loops = [axes.index(name) for name in (*self.inner[:1], *self.outer)]
-        ranges = np.ascontiguousarray(ends[:, loops])
-        ranges[:, : len(self.inner[:1])] *= self.period
-        return ranges
+        loops, cells = self.cells_along(axes)
+        return np.ascontiguousarray(ends[:, loops]) * cells
 
     def most_lanes(self, shape: Mapping[str, int], over: Iterable[str]) -> int:
         """Return the number of lanes of the largest tile of a grid.
