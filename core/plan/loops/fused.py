@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.aligned import aligned
 from core.plan.grid import Grid
 from core.plan.loops.order import Order
 from core.plan.loops.program import FEW_CELLS, Program, edge_of, program_of
@@ -172,19 +171,29 @@ def mark_compiled(program: Program) -> None:
     _compiled.update(program.sources)
 
 
-def bind_stages(program: Program, operands: Mapping[int, Any]) -> Runner:
+def _new_rows(count: int) -> list[Array]:
+    """Return places for the rows that a loop keeps, of `LONGEST_ROW` cells each."""
+    return [np.empty(LONGEST_ROW) for _ in range(count)]
+
+
+def bind_stages(
+    program: Program,
+    operands: Mapping[int, Any],
+    rows: Callable[[int], Iterable[Array]] = _new_rows,
+) -> Runner:
     """Return a function that runs the compiled loops of a program on some cells.
 
     A program is the graph of a plan as loops over cells; a function that loops do not have splits
     it, and is taken by numpy between them. What is the same for all cells is found here, once.
-    `operands` are the inputs that numpy has computed, the result of `lay_out_operands`.
+    `operands` are the inputs that numpy has computed, the result of `lay_out_operands`; `rows` is
+    asked for places for the rows that a loop keeps, by their number, in each call.
 
     The function takes arrays of int64: start and stop along the row (the innermost loop) and along
     each outer loop, then the strides of the loops in the results, and for loops that add up
     statistics the strides of cell numbers. It takes the flat arrays that the last loop fills, too.
     """
     loops = (stage.loop for stage in program.stages)
-    calls = [None if loop is None else _bind_loop(loop, operands) for loop in loops]
+    calls = [None if loop is None else _bind_loop(loop, operands, rows) for loop in loops]
     between, last = list(zip(program.stages, calls[:-1], strict=False)), calls[-1]
     assert last is not None
 
@@ -207,11 +216,12 @@ def bind_stages(program: Program, operands: Mapping[int, Any]) -> Runner:
 
 
 def _bind_loop(
-    loop: Loop, operands: Mapping[int, Any]
+    loop: Loop, operands: Mapping[int, Any], rows: Callable[[int], Iterable[Array]]
 ) -> Callable[[Sequence[NDArray[np.int64]], Mapping[int, Array], Iterable[Array]], None]:
     """Return a function that calls one compiled loop of a program on some cells.
 
-    `operands` are the inputs that numpy has computed beforehand. The function takes the arrays of
+    `operands` are the inputs that numpy has computed beforehand, `rows` gives places for the rows
+    that the loop keeps. The function takes the arrays of
     ranges and strides, the columns that numpy has computed for these cells, both by number of the
     node, and the arrays to be filled.
     """
@@ -228,8 +238,7 @@ def _bind_loop(
     ) -> None:
         """Call the loop with room for the rows that it keeps."""
         own = [columns[node.number] for node in loop.columns]
-        rows = aligned((len(loop.rows), LONGEST_ROW))
-        function(*ranges, *inputs, *own, *rows, *results)
+        function(*ranges, *inputs, *own, *rows(len(loop.rows)), *results)
 
     return call
 
@@ -255,12 +264,12 @@ def lay_out_operands(
         kept, is_row = order.kept(node), order.is_row(node)
         whole = [shape[name] for name in kept] + [row] * is_row
         laid = value if not is_row else value.astype(np.float64, copy=False)
-        if value.size != math.prod(whole) or not kept:  # a row alone is read again and again
+        if value.size != math.prod(whole):
             lengths = [
                 shape[name] if name in kept or (name in order.inner and is_row) else 1
                 for name in order.axes
             ]
-            laid = aligned(lengths, laid.dtype)
+            laid = np.empty(lengths, laid.dtype)
             laid[...] = value
         operands[leaf.number] = np.ascontiguousarray(laid.reshape(whole))
     return operands

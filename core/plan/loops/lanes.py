@@ -8,12 +8,14 @@ crosses from one lane to another. What the lanes of a tile hold belongs to whoev
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from core.aligned import aligned
 from core.plan.grid import Grid
 from core.plan.loops.fused import (
     Runner,
@@ -248,6 +250,7 @@ class LaneLoop:
         self._program, self.order = program, order
         self._traced, self._values = traced, values
         self._loops: Runner | None = None
+        self._threads = threading.local()
 
     @property
     def missing(self) -> frozenset[str]:
@@ -258,7 +261,18 @@ class LaneLoop:
         """Compute by numpy the inputs of the loop; to be called once before any `run`."""
         with np.errstate(all="ignore"):
             operands = lay_out_operands(self._program, self._traced, self._values, self._grid)
-        self._loops = bind_stages(self._program, operands)
+        for number, values in operands.items():
+            if isinstance(values, np.ndarray):
+                operands[number] = aligned(values.shape, values.dtype)
+                operands[number][...] = values
+        self._loops = bind_stages(self._program, operands, self._rows)
+
+    def _rows(self, count: int) -> NDArray[np.float64]:
+        """Return this thread's places for the rows that a loop keeps, shape (count, cells)."""
+        held: dict[str, NDArray[np.float64]] = self._threads.__dict__
+        if "rows" not in held or len(held["rows"]) < count:
+            held["rows"] = aligned((count, LONGEST_ROW))
+        return held["rows"][:count]
 
     def run(
         self,
