@@ -85,8 +85,8 @@ def _bits(x: Array) -> Any:
 def arc_series(square: Array) -> Array:
     """Return `arc_quotient` of a small square, at most tan(pi/16)^2 or 0.039, in few steps.
 
-    It is a sum of powers of the square, with the coefficients `ARC_POWERS`. Pairs of terms are summed
-    first, so that a processor need not wait for each.
+    It is a sum of powers of the square, with the coefficients `ARC_POWERS`. Pairs of terms are
+    summed first, so that a processor need not wait for each.
     """
     w = square
     pairs = [low + w * high for low, high in zip(ARC_POWERS[::2], ARC_POWERS[1::2], strict=True)]
