@@ -119,9 +119,28 @@ def encode_slice(cut: SliceCut, form: str, threads: int | None = None) -> bytes:
     header with raw values behind it.
     """
     piece = compute_slice(cut, threads)
-    if form == "binary":
-        return encode_binary(piece)
-    return orjson.dumps(piece, option=orjson.OPT_SERIALIZE_NUMPY)
+    return encode_binary(piece) if form == "binary" else encode_json(piece)
+
+
+def encode_json(piece: dict[str, Any]) -> bytes:
+    """Return a slice as JSON; `piece` is the slice as `compute_slice` returns it."""
+    regime = {**piece["regime"], "data": _digits(piece["regime"]["data"])}
+    return orjson.dumps({**piece, "regime": regime}, option=orjson.OPT_SERIALIZE_NUMPY)
+
+
+def _digits(codes: np.ndarray[Any, np.dtype[np.int8]]) -> Any:
+    """Return the regimes of a slice as JSON if all have one digit, else as they are.
+
+    `codes` has one or two axes. All digits are written at once, in a quarter of the time that
+    orjson takes for one after another.
+    """
+    if codes.min() < 0 or codes.max() > 9:
+        return codes
+    text = np.full((*codes.shape[:-1], 2 * codes.shape[-1] + 2), ord(","), np.uint8)  # [0,0,0],
+    text[..., 0], text[..., -2] = ord("["), ord("]")
+    np.add(codes, ord("0"), out=text[..., 1:-2:2], casting="unsafe")
+    rows = text.tobytes()[:-1]
+    return orjson.Fragment(b"[%b]" % rows if codes.ndim > 1 else rows)
 
 
 def encode_binary(piece: dict[str, Any]) -> bytes:
@@ -129,16 +148,16 @@ def encode_binary(piece: dict[str, Any]) -> bytes:
 
     `piece` is the slice as `compute_slice` returns it; docs/api-reference.md describes the form.
     """
-    values: list[bytes] = []
+    values: list[memoryview] = []  # not copied before they are joined
     offset = 0
 
     def placed(array: np.ndarray[Any, Any]) -> dict[str, Any]:
         """Append an array's bytes to the values; return its type, offset and shape."""
         nonlocal offset
         place = {"dtype": array.dtype.newbyteorder("<").str, "offset": offset}
-        raw = array.astype(array.dtype.newbyteorder("<"), copy=False).tobytes()
-        values.append(raw)
-        offset += len(raw)
+        raw = np.ascontiguousarray(array, array.dtype.newbyteorder("<"))
+        values.append(raw.data)
+        offset += raw.nbytes
         return {**place, "shape": list(array.shape)}
 
     header = {**piece}

@@ -105,6 +105,17 @@ class ThriftyParser(h11.Connection):
                 )
         return event
 
+    def send(self, event: Any) -> Any:
+        """Return the bytes to send for an event of a reply; a piece of a body is not copied.
+
+        None if the connection is closed. h11 joins pieces, which copies a `memoryview`: a tenth of
+        a millisecond for a megabyte.
+        """
+        pieces = self.send_with_data_passthrough(event)
+        if pieces is None:
+            return None
+        return pieces[0] if len(pieces) == 1 else b"".join(pieces)
+
     def _check_head(self) -> None:
         """Raise `h11.RemoteProtocolError` if a request's head is too long or has too many lines.
 

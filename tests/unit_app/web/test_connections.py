@@ -10,10 +10,11 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 from types import SimpleNamespace
 
+import h11
 import pytest
 import uvicorn
 
-from app.web.connections import SPARE, UPLOADS, Connection
+from app.web.connections import SPARE, UPLOADS, Connection, ThriftyParser
 from waiting import PATIENCE, wait_for
 
 LONGEST = 1_000_000  # bytes of a body
@@ -210,3 +211,15 @@ def test_behind_a_trusted_proxy_the_address_is_that_of_the_client(running):
     others = [running.client(slow(f"192.0.2.{n}"), source="127.0.0.3") for n in range(2 * SPARE)]
     wait_for(lambda: sum(map(is_open, others)) <= SPARE)
     assert all(map(is_open, first))
+
+
+def test_a_piece_of_a_reply_is_not_copied():
+    parser, piece = ThriftyParser(), memoryview(bytes(1000))
+    parser.receive_data(b"GET / HTTP/1.1\r\nHost: here\r\n\r\n")
+    while not isinstance(parser.next_event(), h11.EndOfMessage):
+        pass
+    head = h11.Response(status_code=200, headers=[("Content-Length", "1000")])
+    assert parser.send(head).endswith(b"\r\n\r\n")
+    assert parser.send(h11.Data(data=piece)) is piece
+    assert parser.send(h11.EndOfMessage()) == b""
+    assert parser.send(h11.ConnectionClosed()) is None

@@ -7,12 +7,14 @@ import struct
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+import orjson
 import pytest
 
 from app.jobs.errors import NotFoundError
 from app.main import create_app
 from app.settings import Settings
 from app.web.accept import preferred
+from app.web.calculations import encode_json
 from app.web.zarr_views import ZarrViews
 from core.intake import parse_study, prepare_content
 from core.kinds import run_study
@@ -67,6 +69,16 @@ class TestSlice:
             np.testing.assert_array_equal(arrays[axis], whole[axis])
         assert header["values"]["dims"] == ["alpha", "frequency"]
 
+    @pytest.mark.parametrize("shape", [(1,), (7,), (1, 1), (3, 2), (2, 300)])
+    @pytest.mark.parametrize("largest", [9, 10, 59])
+    def test_regimes_are_written_as_orjson_has_them(self, shape, largest):
+        codes = np.array(np.random.default_rng(52).integers(0, largest, shape), np.int8)
+        codes.flat[-1] = largest
+        piece = {"output": "x", "regime": {"dims": [], "data": codes}, "fixed": {}}
+        plain = orjson.dumps(piece, option=orjson.OPT_SERIALIZE_NUMPY)
+        assert encode_json(piece) == plain
+        assert piece["regime"]["data"] is codes
+
     def test_what_json_has_no_word_for_is_kept(self, client):
         study = {
             "kind": "sweep",
@@ -80,6 +92,14 @@ class TestSlice:
         raw = client.get(f"/sweeps/{key}/slice", params={**params, "format": "binary"})
         _, arrays = unpack(raw.content)
         np.testing.assert_array_equal(np.array(told, dtype=float), arrays["values"])
+
+    @pytest.mark.parametrize("name", ["output", "axes", "format", "beta", "other"])
+    def test_a_repeated_parameter_is_refused(self, client, address, name):
+        params = [*(CUT | {"format": "json"}).items(), (name, "json"), (name, "json")]
+        refused = problem(client.get(f"{address}/slice", params=params), 422)
+        (error,) = refused["errors"]
+        assert name in str(error)
+        assert "more than once" in error["message"]
 
     def test_etags(self, client, address):
         seen = set()
