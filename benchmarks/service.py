@@ -4,7 +4,9 @@
 prints medians. Bars: 2 ms more than the core for a slice of 10^5 values and a sweep of 10^4 cells,
 serialisation counted apart; a warm download of 1 GB at 80 % of a bare sendfile loop. The column
 "bare" is what a socket takes, without any service, to be asked for as many bytes and to send them:
-how quick the machine is to wake a process up, and the least that any service adds.
+how quick the machine is to wake a process up, and the least that any service adds. The column
+"uvicorn" is the same with uvicorn and h11 before an application that sends ready bytes: the least
+that a service on them adds. "added" is without core and writing, and with all of uvicorn.
 """
 
 from __future__ import annotations
@@ -22,10 +24,12 @@ from typing import Any
 
 import numpy as np
 import orjson
+import uvicorn
+from starlette.types import Receive, Scope, Send
 
 from app.jobs.manifest import NETCDF
 from app.jobs.store import Store
-from app.web.calculations import encode_binary
+from app.web.calculations import encode_binary, encode_json
 from benchmarks.options import options
 from benchmarks.serving import Served, percentile, served
 from benchmarks.timing import timed
@@ -57,6 +61,9 @@ SMALL = {
         "beta": {"start": 0, "stop": 90, "num": 100},
     },
 }
+COMPILED = (
+    150  # slices of 10^5 values after which their loop is compiled: numpy computes them before
+)
 GIGABYTE = 1_000_000_000
 PIECE = 1 << 20
 BUFFER = 1 << 24  # more than any of the replies compared
@@ -113,9 +120,12 @@ class Comparison:
         process = multiprocessing.Process(target=_reply_for_ever, args=(listener,), daemon=True)
         process.start()
         self.bare = Client(listener.getsockname())
+        listener = socket.create_server(("127.0.0.1", 0))
+        multiprocessing.Process(target=_serve_for_ever, args=(listener,), daemon=True).start()
+        self.uvicorn = Client(listener.getsockname())
         print(
             f"{'milliseconds':22} {'req/s':>7} {'p50':>8} {'p99':>8} {'core':>8} {'written':>8} "
-            f"{'bare':>8} {'added':>8}"
+            f"{'bare':>8} {'uvicorn':>8} {'added':>8}"
         )
 
     def line(self, name: str, wanted: tuple[Any, ...], computed: Callable[[], Any],
@@ -129,15 +139,16 @@ class Comparison:
                 clocked(computed),
                 clocked(written),
                 clocked(lambda: self.bare.ask("GET", f"/{size}")),
+                clocked(lambda: self.uvicorn.ask("GET", f"/{size}")),
             )
             for _ in range(self.pairs + 5)
         ][5:]
-        service, core, serialised, bare = (list(column) for column in zip(*times, strict=True))
-        added = statistics.median(a - b - c for a, b, c, _ in times)
-        middle = [statistics.median(column) for column in (service, core, serialised, bare)]
+        service, *others = (list(column) for column in zip(*times, strict=True))
+        middle = statistics.median(service)
         print(
-            f"{name:22} {1e3 / middle[0]:7.0f} {middle[0]:8.2f} {percentile(service, 0.99):8.2f} "
-            f"{middle[1]:8.2f} {middle[2]:8.2f} {middle[3]:8.2f} {added:8.2f}"
+            f"{name:22} {1e3 / middle:7.0f} {middle:8.2f} {percentile(service, 0.99):8.2f} "
+            + " ".join(f"{statistics.median(column):8.2f}" for column in others)
+            + f" {statistics.median(one[0] - one[1] - one[2] for one in times):8.2f}"
         )
 
 
@@ -147,11 +158,14 @@ def requests(server: Served, pairs: int) -> None:
     piece, path = _slice_of(server, STUDY)
     taken = piece()
     assert np.size(taken["values"]["data"]) == 100_000
+    for _ in range(COMPILED):  # until both are compiled
+        comparison.client.ask("GET", f"{path}&format=binary")
+        piece()
     comparison.line(
         "slice, JSON",
         ("GET", f"{path}&format=json"),
         piece,
-        lambda: orjson.dumps(taken, option=orjson.OPT_SERIALIZE_NUMPY),
+        lambda: encode_json(taken),
     )
     comparison.line(
         "slice, binary", ("GET", f"{path}&format=binary"), piece, lambda: encode_binary(taken)
@@ -159,7 +173,7 @@ def requests(server: Served, pairs: int) -> None:
     spans = {name: {"start": 0, "stop": 90, "num": size} for name, size in MILLION.items()}
     large, path = _slice_of(server, {**STUDY, "parameters": {**STUDY["parameters"], **spans}})
     held = large()
-    for _ in range(30):  # until both are compiled
+    for _ in range(COMPILED // 5):
         comparison.client.ask("GET", f"{path}&format=binary")
         large()
     comparison.line(
@@ -239,6 +253,23 @@ def _reply_for_ever(listener: socket.socket) -> None:
         connection.sendall(replies[size])
 
 
+def _serve_for_ever(listener: socket.socket) -> None:
+    """Answer requests by uvicorn with prepared bytes."""
+    replies: dict[int, bytes] = {}
+
+    async def app(scope: Scope, receive: Receive, send: Send) -> None:
+        """Send as many bytes as the path of the request names."""
+        size = int(scope["path"][1:])
+        if size not in replies:
+            replies[size] = os.urandom(size)
+        head = [(b"content-length", b"%d" % size)]
+        await send({"type": "http.response.start", "status": 200, "headers": head})
+        await send({"type": "http.response.body", "body": replies[size]})
+
+    config = uvicorn.Config(app, http="h11", ws="none", lifespan="off", log_config=None)
+    uvicorn.Server(config).run([listener])
+
+
 def _send_for_ever(listener: socket.socket, path: str) -> None:
     """Send a file of 1 GB to every client."""
     while True:
@@ -254,7 +285,7 @@ def _send_for_ever(listener: socket.socket, path: str) -> None:
 def main() -> None:
     """Print all measurements."""
     wanted = options(__doc__, pairs=200, downloads=7)
-    with served() as server:
+    with served(warm_at_start=False) as server:  # compiling beside it would take a core
         requests(server, wanted.pairs)
         download(server, wanted.downloads)
 
