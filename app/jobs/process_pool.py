@@ -35,6 +35,10 @@ ENVIRONMENT = {
 }
 """What the server from which processes are forked is started with, unless it is set already."""
 
+BYTES, VALUE, ERROR = b"bytes", b"value", b"error"
+"""Kinds of what a call sends back: bytes as they are, since pickling would copy megabytes on both
+sides; a pickled result; a pickled error."""
+
 _T = TypeVar("_T")
 
 
@@ -83,7 +87,8 @@ class ProcessPool:
         Parameters
         ----------
         function, arguments
-            A function of a module, and its arguments; both are pickled, as is the result.
+            A function of a module, and its arguments; both are pickled, as is the result unless it
+            is bytes.
         seconds : float
             Time limit [s], after which the process is ended.
         look : callable, optional
@@ -188,15 +193,18 @@ class _Process:
         self.calls += 1
         try:
             self._pipe.send((function, arguments))
-            is_right, result = self._pipe.recv()
+            kind, content = self._pipe.recv_bytes(), self._pipe.recv_bytes()
         except (OSError, EOFError) as error:
             self.calls = CALLS  # it is not used again
             raise EndedError(
                 "The process that computed the reply died, perhaps because memory ran out."
             ) from error
-        if is_right:
-            return result
-        raise result
+        if kind == BYTES:
+            return content
+        result = pickle.loads(content)
+        if kind == ERROR:
+            raise result
+        return result
 
     def kill(self) -> None:
         """Kill the process at once."""
@@ -210,8 +218,8 @@ class _Process:
 def _carry_out(pipe: Connection) -> None:
     """Run calls that arrive through a pipe until its other end is closed.
 
-    This is the child process. A call is a pair of function and arguments; the reply is (True,
-    result) or (False, error).
+    This is the child process. A call is a pair of function and arguments; the reply is its kind,
+    then the result or error.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal: the service ends us
     os.nice(POLITE)
@@ -221,10 +229,13 @@ def _carry_out(pipe: Connection) -> None:
         except EOFError:
             return
         try:
-            reply = True, function(*arguments)
-            content = pickle.dumps(reply, protocol=pickle.HIGHEST_PROTOCOL)
+            content = result = function(*arguments)
+            kind = BYTES if isinstance(result, bytes) else VALUE
+            if kind == VALUE:
+                content = pickle.dumps(result, protocol=pickle.HIGHEST_PROTOCOL)
         except Exception as error:
-            content = pickle.dumps((False, _portable(error)))
+            kind, content = ERROR, pickle.dumps(_portable(error))
+        pipe.send_bytes(kind)
         pipe.send_bytes(content)
 
 

@@ -29,6 +29,10 @@ def fail(error):
     raise error
 
 
+def same(result):
+    return result
+
+
 def environment():
     return {name: os.environ.get(name) for name in ENVIRONMENT}
 
@@ -66,6 +70,14 @@ def test_a_function_returns_from_another_process_which_is_used_again():
     first, second = carried_out(*[lambda pool: pool(os.getpid, seconds=60)] * 2)
     assert first == second != os.getpid()
     wait_for(lambda: not is_there(first))  # the pool is closed
+
+
+def test_results_come_back_as_they_were():
+    results = [bytes(range(256)) * 40_000, b"", b"value", bytearray(b"error"), None, {"a": [1.5]}]
+    calls = [lambda pool, result=result: pool(same, result, seconds=60) for result in results]
+    found = carried_out(*calls)
+    assert found == results
+    assert [type(one) for one in found] == [type(one) for one in results]
 
 
 def test_processes_have_one_thread_each_and_give_memory_back():
