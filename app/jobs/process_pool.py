@@ -8,6 +8,8 @@ of an ended one within some hundredths of a second.
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import mmap
 import multiprocessing
 import os
 import pickle
@@ -16,7 +18,7 @@ import time
 import traceback
 from collections.abc import Awaitable, Callable
 from concurrent.futures import ThreadPoolExecutor
-from multiprocessing import forkserver
+from multiprocessing import forkserver, reduction
 from multiprocessing.connection import Connection
 from typing import Any, TypeVar
 
@@ -35,9 +37,13 @@ ENVIRONMENT = {
 }
 """What the server from which processes are forked is started with, unless it is set already."""
 
-BYTES, VALUE, ERROR = b"bytes", b"value", b"error"
-"""Kinds of what a call sends back: bytes as they are, since pickling would copy megabytes on both
-sides; a pickled result; a pickled error."""
+BYTES, LARGE, VALUE, ERROR = b"bytes", b"large", b"value", b"error"
+"""Kinds of what a call sends back: bytes as they are, or in memory that both processes see, since
+copies of megabytes would keep the event loop from its other clients; a pickled result; a pickled
+error."""
+
+SHARED = 1 << 20
+"""Bytes from which on a result comes in memory that both processes see."""
 
 _T = TypeVar("_T")
 
@@ -88,7 +94,7 @@ class ProcessPool:
         ----------
         function, arguments
             A function of a module, and its arguments; both are pickled, as is the result unless it
-            is bytes.
+            is bytes. Of `SHARED` bytes or more it is returned as a `memoryview`.
         seconds : float
             Time limit [s], after which the process is ended.
         look : callable, optional
@@ -194,6 +200,8 @@ class _Process:
         try:
             self._pipe.send((function, arguments))
             kind, content = self._pipe.recv_bytes(), self._pipe.recv_bytes()
+            if kind == LARGE:
+                return _received(self._pipe, int(content))
         except (OSError, EOFError) as error:
             self.calls = CALLS  # it is not used again
             raise EndedError(
@@ -223,6 +231,8 @@ def _carry_out(pipe: Connection) -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal: the service ends us
     os.nice(POLITE)
+    with contextlib.suppress(OSError):  # where it is forbidden, replies wait a little longer
+        os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))  # never interrupts the server
     while True:
         try:
             function, arguments = pipe.recv()
@@ -235,8 +245,32 @@ def _carry_out(pipe: Connection) -> None:
                 content = pickle.dumps(result, protocol=pickle.HIGHEST_PROTOCOL)
         except Exception as error:
             kind, content = ERROR, pickle.dumps(_portable(error))
-        pipe.send_bytes(kind)
-        pipe.send_bytes(content)
+        if kind == BYTES and len(content) >= SHARED:
+            pipe.send_bytes(LARGE)
+            pipe.send_bytes(b"%d" % len(content))
+            _hand_over(pipe, content)
+        else:
+            pipe.send_bytes(kind)
+            pipe.send_bytes(content)
+        content = result = None  # free until the next call
+
+
+def _hand_over(pipe: Connection, content: bytes) -> None:
+    """Send a large result through a pipe as a file in memory, which the other process maps."""
+    with open(os.memfd_create("result"), "wb", buffering=0) as file:  # noqa: PTH123 of a descriptor
+        left = memoryview(content)
+        while left:
+            left = left[file.write(left) :]
+        reduction.send_handle(pipe, file.fileno(), os.getppid())
+
+
+def _received(pipe: Connection, size: int) -> memoryview:
+    """Return a large result of `size` bytes that `_hand_over` has sent; nothing is copied."""
+    descriptor = reduction.recv_handle(pipe)
+    try:
+        return memoryview(mmap.mmap(descriptor, size, prot=mmap.PROT_READ))
+    finally:
+        os.close(descriptor)
 
 
 def _portable(error: Exception) -> Exception:

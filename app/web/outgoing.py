@@ -12,7 +12,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from app.web.problems import STATUS, BusyError
 from app.web.replies import problem_document
 
-PIECE = 1 << 20  # bytes that are sent at a time, as of downloads: a connection copies no more
+WHOLE = 1 << 20  # bytes of the longest body that is sent at once: pieces cost it a third more time
+PIECE = 1 << 18  # bytes of a longer one that are sent at a time: others wait no longer than for one
 SMALL = 1 << 16  # bytes of a body that is not counted: a connection holds as much anyway
 
 
@@ -171,7 +172,7 @@ def _hold_back_head(scope: Scope, receive: Receive, send: Send, share: _Share) -
                 return
             await send(head)
             head = None
-        if len(body) <= PIECE:
+        if len(body) <= WHOLE:
             await send(message)
             return
         view = memoryview(body)

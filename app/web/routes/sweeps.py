@@ -267,7 +267,9 @@ async def get_slice(
                         request, encode_slice_of, text, output, wish.axes, fixed, wish.most, chosen,
                         threads_of(request), seconds=settings.max_execution_seconds,
                     )  # fmt: skip
-            reply = Response(made, media_type=media_type)
+            # What compresses texts compares a view byte by byte; a copy takes a tenth of that.
+            content = made if chosen == "binary" else bytes(made)
+            reply = Response(content, media_type=media_type)
         reply.headers.update({"ETag": etag, "Cache-Control": FOR_EVER})
     reply.headers["Vary"] = "Accept"
     return reply

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from app.jobs.process_pool import CALLS, ENVIRONMENT, EndedError, ProcessPool
+from app.jobs.process_pool import CALLS, ENVIRONMENT, SHARED, EndedError, ProcessPool
 from core.errors import LimitError, Problem, StoppedError, StudyError
 from waiting import wait_for
 
@@ -73,11 +73,34 @@ def test_a_function_returns_from_another_process_which_is_used_again():
 
 
 def test_results_come_back_as_they_were():
-    results = [bytes(range(256)) * 40_000, b"", b"value", bytearray(b"error"), None, {"a": [1.5]}]
+    results = [bytes(range(256)) * 4_000, b"", b"value", bytearray(b"error"), None, {"a": [1.5]}]
     calls = [lambda pool, result=result: pool(same, result, seconds=60) for result in results]
     found = carried_out(*calls)
     assert found == results
     assert [type(one) for one in found] == [type(one) for one in results]
+
+
+def open_files():
+    return len(list(Path("/proc/self/fd").iterdir()))
+
+
+def test_a_large_result_is_memory_of_both_processes_and_no_file_of_theirs_stays():
+    large = bytes(range(256)) * (SHARED // 256)
+
+    async def taken(pool):
+        first = await pool(same, large, seconds=60)
+        assert isinstance(first, memoryview)
+        assert first.readonly
+        second = await pool(same, large[::-1], seconds=60)
+        assert first == large
+        assert second == large[::-1]
+
+    async def files(pool):
+        return open_files(), await pool(open_files, seconds=60)
+
+    _, before, error, after = carried_out(files, files, taken, files)  # the first starts a process
+    assert error is None
+    assert before == after
 
 
 def test_processes_have_one_thread_each_and_give_memory_back():
