@@ -46,7 +46,7 @@ from app.web.routes import (
     sweeps,
     zarr,
 )
-from app.web.shares import SLOTS, Shares
+from app.web.shares import CORES, SLOTS, Shares
 from app.web.stopping import Stopping
 from app.web.warmth import Warmth
 from app.web.zarr_views import ZarrViews
@@ -115,6 +115,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.admission = admission
     app.state.keys = keys
     app.state.shares = Shares()
+    app.state.large_shares = Shares(of_owner=max(1, CORES - 1))
     app.state.process_pool = process_pool
     app.state.made_once = MadeOnce()
     app.state.views = ZarrViews(store, settings.zarr_cache_bytes)

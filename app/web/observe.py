@@ -25,7 +25,7 @@ logger = logging.getLogger("vibrafeed.requests")
 REQUEST_ID = re.compile(r"[A-Za-z0-9._-]{1,64}")
 CLIENT_LEFT = 499  # the status that proxies log for a client that left before the reply
 MAX_LEFT_LINES = 20  # log lines a second on clients that left
-MAX_READ_LINES = 250  # log lines a second on requests that only read: 6 GB a day at 300 bytes each
+MAX_READ_LINES = 150  # log lines a second on requests that only read: 4 GB a day at 300 bytes each
 NO_ROUTE = "(none)"
 
 

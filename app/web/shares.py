@@ -132,6 +132,18 @@ async def slot_of(request: Request, size: int = 0) -> AsyncIterator[None]:
         yield
 
 
+@asynccontextmanager
+async def large_slot_of(request: Request) -> AsyncIterator[None]:
+    """Hold a computing slot for a large slice during the block, as `slot_of` does.
+
+    One owner has as many of them at a time as there are cores but one: their replies keep the event
+    loop busy, too.
+    """
+    large = cast(Shares, request.app.state.large_shares)
+    async with large.slot(owner_of(request.scope)), slot_of(request):
+        yield
+
+
 def threads_of(request: Request) -> int:
     """Return the number of threads that a request with a slot may compute with now."""
     return cast(Shares, request.app.state.shares).threads

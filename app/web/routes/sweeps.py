@@ -37,7 +37,14 @@ from app.web.downloads import ASK_AGAIN, FOR_EVER, etag_of, file_reply, not_modi
 from app.web.execution import PROCESSES
 from app.web.outgoing import reserve_bytes
 from app.web.replies import BINARY, cached_replies, component, json_reply, problems, without_length
-from app.web.shares import calculate_in_process, hold_slot, look_at, slot_of, threads_of
+from app.web.shares import (
+    calculate_in_process,
+    hold_slot,
+    large_slot_of,
+    look_at,
+    slot_of,
+    threads_of,
+)
 from app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
 from app.web.sweep_document import SweepDescription, description
 from app.web.tables import (
@@ -244,7 +251,7 @@ async def get_slice(
         sweep, cut, made = await run_in_threadpool(look)
         # Small ones do not wait for a thread behind large ones, nor an owner for another's.
         lane = request.app.state.large_slices if wish.values(sweep) > LARGE else None
-        turn = nullcontext() if lane is None else slot_of(request)
+        turn = nullcontext() if lane is None else large_slot_of(request)
         media_type = (FORMS | TABLES)[chosen]
         if request.method == "HEAD":
             reply = without_length(media_type)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import threading
+from types import SimpleNamespace
 
 from app.main import create_app
 from app.settings import Settings
-from app.web.shares import Shares
+from app.web.shares import Shares, large_slot_of, slot_of
 from core.sweep.zarr_view import ZarrView
 from local_client import local_client
 from posted_sweeps import STUDY
@@ -124,6 +125,35 @@ def test_conversions_run_no_more_at_once_than_there_are_places(tmp_path):
             thread.join()
     assert [reply.text for reply in replies] == ["text"] * 4
     assert max(most) == 1
+
+
+def test_a_large_slice_takes_a_place_of_either_kind():
+    state = SimpleNamespace(shares=Shares(3, 2), large_shares=Shares(3, 1))
+
+    async def connected():
+        return False
+
+    request = SimpleNamespace(
+        app=SimpleNamespace(state=state),
+        scope={"client": ("127.0.0.1", 1)},
+        is_disconnected=connected,
+    )
+    seen = []
+
+    async def cut(own):
+        async with own(request):
+            seen.append((state.shares._taken.total(), state.large_shares._taken.total()))
+            await asyncio.sleep(0)
+
+    async def run():
+        await asyncio.gather(*(cut(large_slot_of) for _ in range(4)), cut(slot_of))
+
+    asyncio.run(run())
+    assert len(seen) == 5
+    assert max(large for _, large in seen) == 1  # of one owner
+    assert max(places for places, _ in seen) == 2  # the other request need not wait
+    assert not state.shares._taken.total()
+    assert not state.large_shares._taken.total()
 
 
 def test_who_reads_many_chunks_takes_no_thread_from_small_slices(tmp_path, monkeypatch):
