@@ -61,9 +61,7 @@ SMALL = {
         "beta": {"start": 0, "stop": 90, "num": 100},
     },
 }
-COMPILED = (
-    150  # slices of 10^5 values after which their loop is compiled: numpy computes them before
-)
+COMPILED = 150  # slices of 10^5 values after which their loop is compiled
 GIGABYTE = 1_000_000_000
 PIECE = 1 << 20
 BUFFER = 1 << 24  # more than any of the replies compared

@@ -199,15 +199,14 @@ class _Process:
         self.calls += 1
         try:
             self._pipe.send((function, arguments))
-            kind, content = self._pipe.recv_bytes(), self._pipe.recv_bytes()
-            if kind == LARGE:
-                return _received(self._pipe, int(content))
-        except (OSError, EOFError) as error:
+            kind = self._pipe.recv_bytes()
+            content = _received(self._pipe) if kind == LARGE else self._pipe.recv_bytes()
+        except (OSError, EOFError, RuntimeError) as error:  # the last: a file has not arrived
             self.calls = CALLS  # it is not used again
             raise EndedError(
                 "The process that computed the reply died, perhaps because memory ran out."
             ) from error
-        if kind == BYTES:
+        if kind in (BYTES, LARGE):
             return content
         result = pickle.loads(content)
         if kind == ERROR:
@@ -240,17 +239,16 @@ def _carry_out(pipe: Connection) -> None:
             return
         try:
             content = result = function(*arguments)
-            kind = BYTES if isinstance(result, bytes) else VALUE
-            if kind == VALUE:
-                content = pickle.dumps(result, protocol=pickle.HIGHEST_PROTOCOL)
+            if isinstance(result, bytes):
+                kind = LARGE if len(result) >= SHARED else BYTES
+            else:
+                kind, content = VALUE, pickle.dumps(result, protocol=pickle.HIGHEST_PROTOCOL)
         except Exception as error:
             kind, content = ERROR, pickle.dumps(_portable(error))
-        if kind == BYTES and len(content) >= SHARED:
-            pipe.send_bytes(LARGE)
-            pipe.send_bytes(b"%d" % len(content))
+        pipe.send_bytes(kind)
+        if kind == LARGE:
             _hand_over(pipe, content)
         else:
-            pipe.send_bytes(kind)
             pipe.send_bytes(content)
         content = result = None  # free until the next call
 
@@ -264,11 +262,11 @@ def _hand_over(pipe: Connection, content: bytes) -> None:
         reduction.send_handle(pipe, file.fileno(), os.getppid())
 
 
-def _received(pipe: Connection, size: int) -> memoryview:
-    """Return a large result of `size` bytes that `_hand_over` has sent; nothing is copied."""
+def _received(pipe: Connection) -> memoryview:
+    """Return a large result that `_hand_over` has sent; nothing is copied."""
     descriptor = reduction.recv_handle(pipe)
     try:
-        return memoryview(mmap.mmap(descriptor, size, prot=mmap.PROT_READ))
+        return memoryview(mmap.mmap(descriptor, 0, prot=mmap.PROT_READ))  # all of it
     finally:
         os.close(descriptor)
 

@@ -232,7 +232,7 @@ async def _dataset_in_time(
             request, execute_at_once, name, body, settings, who.cells, threads_of(request),
             seconds=seconds,
         )  # fmt: skip
-        return None if made is None else bytes(made)
+        return None if made is None else bytes(made)  # what compresses texts wants no view
     except StoppedError:  # its process was ended, perhaps before the study was read
         # On a busy machine the next process begins late, too.
         await calculate_in_process(request, check_study, name, body, settings, seconds=seconds)

@@ -220,10 +220,10 @@ def _bind_loop(
 ) -> Callable[[Sequence[NDArray[np.int64]], Mapping[int, Array], Iterable[Array]], None]:
     """Return a function that calls one compiled loop of a program on some cells.
 
-    `operands` are the inputs that numpy has computed beforehand, `rows` gives places for the rows
-    that the loop keeps. The function takes the arrays of
-    ranges and strides, the columns that numpy has computed for these cells, both by number of the
-    node, and the arrays to be filled.
+    `operands` are the inputs that numpy has computed beforehand, by number of the node, `rows`
+    gives places for the rows that the loop keeps. The function takes the arrays of ranges and
+    strides, the columns that numpy has computed for these cells, also by number of the node, and
+    the arrays to be filled.
     """
     # Importing numba takes a second: only runs that gain from it pay for it.
     from core.compiled import compiled_source  # numba, for those whom it repays
