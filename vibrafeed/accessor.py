@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import xarray
 
 from core.dataset.formats import suffix_of, write_result
-from core.dataset.regimes import regime_shares
+from core.dataset.regimes import judge_of, regime_shares
 from core.dataset.shown import in_shown_units
 from core.dataset.table import Table
 from core.errors import Problem, StudyError, VibrafeedError
@@ -89,17 +89,26 @@ class Accessor:
             units=units, nearest=nearest, dark=dark, small=small,
         )  # fmt: skip
 
-    def regime_shares(self) -> dict[str, float]:
+    def regime_shares(self, output: str | None = None) -> dict[str, float]:
         """Return the share of the cells in each regime that occurs, from 0 to 1.
+
+        Parameters
+        ----------
+        output : str, optional
+            The output whose regimes are counted; those of the contact if left out.
 
         Raises
         ------
         VibrafeedError
-            If the dataset has no regime.
+            If the dataset has no regime, or no such output.
         """
-        if "regime" not in self._dataset:
+        if output is not None and output not in self._dataset:
+            raise VibrafeedError(f"The dataset has no output {output}.")
+        attributes = {} if output is None else self._dataset[output].attrs
+        judge = judge_of(attributes, self._dataset)
+        if judge is None:
             raise VibrafeedError("The dataset has no regime: it is not a result of vibrafeed.")
-        return regime_shares(self._dataset["regime"].values)
+        return regime_shares(self._dataset[judge].values)
 
     def shown(self, *units: str) -> xarray.Dataset:
         """Return the dataset in units that a person reads; names and flags stay as they are.

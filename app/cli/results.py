@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,11 +15,12 @@ from app.cli.findings import show_findings
 from app.cli.nearest import format_value, is_infeasible, list_choice, nearest
 from app.cli.uncertain import is_short, is_uncertain, show_design
 from app.cli.units import DIGITS, shown_range, units_asked
-from core.dataset.regimes import percent, regime_shares, shares_of
+from core.dataset.regimes import judge_of, percent, regime_shares, shares_of
 from core.intake import parse_json
 from core.kinds import is_whole, not_verified, share_left_out
 from core.motion.feeding import travel_in_words
 from core.quantities import QUANTITIES, REGIMES, STATUSES
+from core.quantities.flags import REGIME, is_regime
 from core.quantities.optimum import OF_THE_SEARCH
 from core.study.distributions import nominal
 from core.study.optimise_study import OptimiseStudy, Pareto
@@ -48,10 +49,9 @@ def facts_of(path: Path, target: str, result: Table, cells: int) -> dict[str, An
     cells : int
         Number of cells of the study.
     """
-    found = {name: _finite_ends(one) for name, one in _outputs(result).items()}
-    shares = {}
-    if "regime" in result.variables:
-        shares = regime_shares(_regimes_computed(result))
+    found = {name: _finite_ends(result, name) for name in _outputs(result)}
+    told = (name for name in result.variables if is_regime(name))
+    shares = {name: regime_shares(_regimes_computed(result, name)) for name in told}
     return _result_document(path, target, result, cells, found, shares)
 
 
@@ -72,9 +72,10 @@ def streamed_facts(
         Ranges of the outputs and counts of the regimes, collected while tiles were written.
     """
     found: dict[str, Ends] = {**passed.ends}
-    found |= {name: _finite_ends(one) for name, one in _outputs(result).items() if not one.dims}
-    regime = result.variables["regime"]
-    shares = shares_of(passed.regimes) if regime.dims else regime_shares(regime.values)
+    single = [name for name, one in result.variables.items() if not one.dims]
+    found |= {name: _finite_ends(result, name) for name in _outputs(result) if name in single}
+    shares = {name: shares_of(counts) for name, counts in passed.regimes.items()}
+    shares |= {n: regime_shares(result.variables[n].values) for n in single if is_regime(n)}
     return _result_document(path, target, result, cells, found, shares)
 
 
@@ -153,7 +154,10 @@ def _show_values(
     for name, states in facts["states"].items():
         if name != "knee":  # a share of points says nothing
             tell(f"  {name}: {_in_words(states, facts['cells'])}")
-    _show_regimes(facts["regimes"], facts["cells"], "variant" in result.attributes)
+    for verdict, shares in facts["verdicts"].items():
+        judged = [name for name, one in outputs.items() if one.get("verdict") == verdict]
+        of = judged if len(facts["verdicts"]) > 1 else ()
+        _show_regimes(shares, facts["cells"], "variant" in result.attributes, of)
 
 
 def _held_at(result: Table, units: ShownUnits) -> list[str]:
@@ -221,12 +225,12 @@ def _fastest(result: Table, units: ShownUnits) -> str:
     return f"Fastest: {top} at {where}." if where else ""
 
 
-def _regimes_computed(result: Table) -> NDArray[Any]:
+def _regimes_computed(result: Table, verdict: str) -> NDArray[Any]:
     """Return the regimes (flag values) of the computed cells of a result, without the others.
 
     Cells that a stop has left out have a status that says so; their regime counts for nothing.
     """
-    regime = result.variables["regime"]
+    regime = result.variables[verdict]
     for name, not_computed in STATUSES.items():
         status = result.variables.get(name)
         if status is not None and status.dims == regime.dims:
@@ -245,7 +249,7 @@ def _result_document(
     result: Table,
     cells: int,
     states: Mapping[str, Ends],
-    shares: Mapping[str, float],
+    shares: Mapping[str, Mapping[str, float]],
 ) -> dict[str, Any]:
     """Return the result of a study as a JSON document, for `--json` and for printing.
 
@@ -258,9 +262,9 @@ def _result_document(
     cells : int
         Number of cells of the study.
     states : mapping
-        Smallest and largest finite value of each output, by name; None if it has none.
+        Smallest and largest finite and valid value of each output; None if it has none.
     shares : mapping
-        Share of the cells in each regime, 0 to 1.
+        Share of the cells in each regime, 0 to 1, by verdict and regime.
     """
     left = round(cells * share_left_out(result))
     facts: dict[str, Any] = {
@@ -271,13 +275,16 @@ def _result_document(
         "cells_computed": cells - left,
         "whole": is_whole(result),
         "outputs": {},
-        "regimes": shares,
+        "regimes": shares.get(REGIME, {}),
+        "verdicts": shares,
         "states": _states(result),
     }
     for name, one in _outputs(result).items():
         least, largest = states.get(name) or (None, None)
         values = {"value": least} if one.values.size == 1 else {"least": least, "largest": largest}
         about = {"unit": str(one.attributes["units"]), "dimensions": [*one.dims]}
+        if (verdict := judge_of(one.attributes, result.variables)) is not None:
+            about["verdict"] = verdict
         facts["outputs"][name] = {**about, **values}
     for name in ("criterion", "method", "message", "findings"):
         if name in result.attributes:
@@ -312,7 +319,9 @@ def _show_outputs(outputs: Mapping[str, Mapping[str, Any]], units: ShownUnits) -
     table(("output", "least", "largest", "unit", "dimensions"), ranges)
 
 
-def _show_regimes(shares: Mapping[str, float], cells: int, closed_forms: bool) -> None:
+def _show_regimes(
+    shares: Mapping[str, float], cells: int, closed_forms: bool, of: Sequence[str]
+) -> None:
     """Print each regime that occurs with its share of the cells, and the share of invalid ones.
 
     Parameters
@@ -325,17 +334,22 @@ def _show_regimes(shares: Mapping[str, float], cells: int, closed_forms: bool) -
     closed_forms : bool
         True for a result of formulas, which do not describe a real part in an invalid regime; False
         for a simulated motion, which has no mean velocity in one.
+    of : sequence of str
+        The outputs that they judge; none are named if they judge all.
     """
     if not shares:
         return
-    tell(f"  {'regime' if cells == 1 else 'regimes'}: {_in_words(shares, cells)}")
+    what = "regime" if cells == 1 else "regimes"
+    named = f" of {', '.join(of)}" if of else ""
+    tell(f"  {what}{named}: {_in_words(shares, cells)}")
     beyond = sum(share for name, share in shares.items() if not REGIMES[name].valid)
     which = "This design has" if cells == 1 else f"{_percent(beyond)} of the cells have"
     if beyond and not closed_forms:
         say(f"  {which} no mean velocity.")
     elif beyond:
         which = "This design lies" if cells == 1 else f"{_percent(beyond)} of the cells lie"
-        say(f"  {which} where the closed forms do not describe a real part.")
+        for_these = f" for {', '.join(of)}" if of else ""
+        say(f"  {which} where the closed forms do not describe a real part{for_these}.")
 
 
 def _states(result: Table) -> dict[str, dict[str, float]]:
@@ -347,7 +361,7 @@ def _states(result: Table) -> dict[str, dict[str, float]]:
     states = {}
     for name, column in result.variables.items():
         is_told = (
-            name in ("regime", *STATUSES) or name not in QUANTITIES
+            is_regime(name) or name in STATUSES or name not in QUANTITIES
         )  # such as which bound binds
         if "flag_values" not in column.attributes or is_told:
             continue
@@ -397,9 +411,16 @@ def _show_verified(result: Table) -> None:
         )
 
 
-def _finite_ends(variable: TableVariable) -> Ends:
-    """Return the smallest and the largest finite value of a variable; None if it has none."""
-    values = variable.values
+def _finite_ends(result: Table, name: str) -> Ends:
+    """Return the least and the largest finite and valid value of an output; None if it has none.
+
+    A single value counts whether it is valid or not.
+    """
+    values, valid = result.variables[name].values, result.valid(name)
+    if values.size > 1 and valid is not None and not valid.all():
+        values = values[valid]
+        if not values.size:
+            return None
     least, largest = values.min(), values.max()
     if not (np.isfinite(least) and np.isfinite(largest)):
         finite = values[np.isfinite(values)]

@@ -19,6 +19,7 @@ from core.errors import StudyError
 from core.intake import prepare_content
 from core.mechanics.arrays import Array
 from core.quantities import MOTION_STATUSES, REGIMES, Flag
+from core.quantities.flags import is_regime
 from core.watch import Watch
 
 STATED = "conveying_velocity_error"
@@ -322,7 +323,8 @@ def _statuses(variables: Mapping[str, TableVariable]) -> tuple[set[str], bool]:
     its regimes in their place. A value may be missing where a status or regime is not valid, or is
     one of `WITHOUT_VALUE`, such as "stopped".
     """
-    regimes = _present(variables["regime"], REGIMES) if "regime" in variables else {}
+    told = (one for name, one in variables.items() if is_regime(name))
+    regimes = {name: flag for one in told for name, flag in _present(one, REGIMES).items()}
     statuses = regimes
     if "motion_status" in variables:
         statuses = _present(variables["motion_status"], MOTION_STATUSES)

@@ -406,9 +406,7 @@ def _look_up_cells(
         some, _ = groups_of(rows[left, :-1], waved=False)
         motion = planar_motion(some, **EVENTS.defaults, watch=Watch())
         velocity[left], error[left] = motion.velocity, motion.error
-        regime[left] = regimes_of(
-            prepared.plan.conditions, prepared.plan.otherwise, {"motion": motion}
-        )
+        regime[left] = regimes_of(prepared.plan.verdicts[0], {"motion": motion})
         status[left] = STATUS["simulated"]
         entry.share_error[left] = 0.0
         for name in SHARES:
@@ -424,7 +422,7 @@ def _look_up_cells(
         "conveying_velocity_error": laid_out(
             error * scale, quantity_attributes("conveying_velocity_error")
         ),
-        "regime": laid_out(regime, regime_attributes(prepared.plan.regimes)),
+        "regime": laid_out(regime, regime_attributes(prepared.plan.verdicts[0].regimes)),
         "lookup_status": laid_out(status, _status_attributes()),
         **{
             f"{name}_fraction": laid_out(values, quantity_attributes(f"{name}_fraction"))

@@ -15,10 +15,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from core.dataset.regimes import regime_counts
 from core.dataset.table import Table, TableVariable
 from core.errors import LimitError, MissingPackageError
 from core.extras import installing
 from core.quantities import REGIMES
+from core.quantities.flags import is_regime
 
 CSV_ROWS: Final = 8192  # rows of a piece; other threads wait while the interpreter writes one
 PARQUET_ROWS: Final = 131_072  # rows of a group in the file
@@ -65,20 +67,21 @@ class Frame:
 
     @property
     def note(self) -> str:
-        """A sentence for the file on the cells whose regime does not describe a real part.
+        """Sentences for the file on the cells whose regime does not describe a real part.
 
-        It has their number and the names of their regimes; it is empty if there are none.
+        Each has their number and the names of their regimes; it is empty if there are none.
         """
-        regime = self.table.variables.get("regime")
-        if regime is None or "flag_values" not in regime.attributes:
-            return ""
-        found = {flag.value: name for name, flag in REGIMES.items() if not flag.valid}
-        numbers, counts = np.unique(regime.values, return_counts=True)
-        beyond = {found[n]: int(c) for n, c in zip(numbers, counts, strict=True) if n in found}
-        if not beyond:
-            return ""
-        share = f"{sum(beyond.values()):,} of {regime.values.size:,} cells"
-        return f"{share} do not describe a real part: regime {', '.join(beyond)}"
+        sentences = []
+        for name, regime in self.table.variables.items():
+            if not is_regime(name) or "flag_values" not in regime.attributes:
+                continue
+            counts = regime_counts(regime.values)
+            beyond = {one: count for one, count in counts.items() if not REGIMES[one].valid}
+            if beyond:
+                share = f"{sum(beyond.values()):,} of {regime.values.size:,} cells"
+                told = f"{share} do not describe a real part: {name} {', '.join(beyond)}"
+                sentences.append(told)
+        return "; ".join(sentences)
 
     @property
     def about(self) -> dict[str, Any]:

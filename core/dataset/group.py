@@ -18,8 +18,8 @@ from core.dataset.table import Table, TableVariable
 if TYPE_CHECKING:
     import zarr
 
-# Attributes that link variables to coordinates; they follow from dimensions and are written anew.
-_LINKS = ("coordinates", "ancillary_variables")
+_LINK = "coordinates"
+"""The attribute that links variables to coordinates; it follows from dimensions."""
 
 
 def write_zarr(table: Table, where: str, *, history: str | None = None) -> None:
@@ -120,7 +120,7 @@ def _attributes(raw: Any) -> dict[str, Any]:
 
     `raw` are those read from the group. `flag_values` becomes an array of int8, as in a table.
     """
-    attributes = {name: value for name, value in dict(raw).items() if name not in _LINKS}
+    attributes = {name: value for name, value in dict(raw).items() if name != _LINK}
     with contextlib.suppress(KeyError):
         attributes["flag_values"] = np.array(attributes["flag_values"], dtype=np.int8)
     return attributes

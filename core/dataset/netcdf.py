@@ -194,19 +194,14 @@ def _fill(
 
 
 def _links(table: Table, name: str) -> dict[str, str]:
-    """Return the CF attributes that link a variable to its coordinates and to the regime.
+    """Return the CF attribute that links a variable to its coordinates that are no axes.
 
-    They are names in texts: `coordinates`, those that are no axes, and `ancillary_variables`, the
-    regime if it has no more dimensions. `name` is that of a variable of the table; the result may
-    be empty.
+    They are names in a text; `name` is that of a variable of the table. The result may be empty.
     """
-    dims, regime = set(table.variables[name].dims), table.variables.get("regime")
+    dims = set(table.variables[name].dims)
     others = [n for n, one in table.coordinates.items() if one.dims != (n,)]
     near = [n for n in others if set(table.coordinates[n].dims) <= dims]
-    links = {"coordinates": " ".join(near)} if near else {}
-    if regime is not None and name != "regime" and set(regime.dims) <= dims:
-        links["ancillary_variables"] = "regime"
-    return links
+    return {"coordinates": " ".join(near)} if near else {}
 
 
 def _add(

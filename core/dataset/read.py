@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import h5py
 
 # What the formats keep for themselves, and what follows from the names of dimensions.
-_OWN = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "coordinates", "ancillary_variables"}
+_OWN = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "coordinates"}
 
 
 def attributes_of_file(path: Path) -> dict[str, object]:

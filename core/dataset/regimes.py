@@ -1,15 +1,41 @@
-"""Words of flags, the share of cells in each regime, and its text for console and pictures."""
+"""Regimes of a result: which one judges an output, where they are valid, shares of cells, words."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.quantities import REGIMES
+from core.quantities.flags import REGIME, is_regime
+
+_VALID = np.zeros(256, dtype=np.bool_)
+_VALID[[flag.value for flag in REGIMES.values() if flag.valid]] = True
+
+
+def judge_of(attributes: Mapping[Any, Any], names: Container[str]) -> str | None:
+    """Return the name of the variable whose regimes judge an output; None if there is none.
+
+    It is the one that `ancillary_variables` of the output names, or else ``regime``.
+
+    Parameters
+    ----------
+    attributes : mapping
+        The attributes of the output.
+    names : container of str
+        The variables of the result.
+    """
+    linked = str(attributes.get("ancillary_variables", "")).split()
+    found = [name for name in (*linked, REGIME) if is_regime(name) and name in names]
+    return found[0] if found else None
+
+
+def is_valid(regimes: NDArray[np.integer]) -> NDArray[np.bool_]:
+    """Return a mask of the cells whose regime describes a real part, of the same shape."""
+    return _VALID[regimes]
 
 
 def regime_shares(regimes: NDArray[np.integer]) -> dict[str, float]:
@@ -22,22 +48,20 @@ def regime_shares(regimes: NDArray[np.integer]) -> dict[str, float]:
     regimes : ndarray of int
         Values of a variable `regime`, any shape.
     """
+    return shares_of(regime_counts(regimes))
+
+
+def regime_counts(regimes: NDArray[np.integer]) -> dict[str, int]:
+    """Return the number of cells in each regime that occurs, by name, in the order of the flags."""
     numbers, counts = np.unique(regimes, return_counts=True)
-    return shares_of(dict(zip(numbers.tolist(), counts.tolist(), strict=True)))
+    names = {flag.value: name for name, flag in REGIMES.items()}
+    return {names[n]: c for n, c in zip(numbers.tolist(), counts.tolist(), strict=True)}
 
 
-def shares_of(counts: Mapping[int, int]) -> dict[str, float]:
-    """Return the share of cells in each regime that occurs, 0 to 1, by name of the regime.
-
-    `counts` holds the number of cells by the integer value of a regime in results, its flag. The
-    order of the result is that of these integers.
-    """
+def shares_of(counts: Mapping[str, int]) -> dict[str, float]:
+    """Return the share of cells in each regime that occurs, by name, from their numbers."""
     whole = sum(counts.values())
-    return {
-        name: counts[regime.value] / whole
-        for name, regime in sorted(REGIMES.items(), key=lambda entry: entry[1].value)
-        if counts.get(regime.value)
-    }
+    return {name: count / whole for name, count in counts.items() if count}
 
 
 def flags_of(attributes: Mapping[Any, Any]) -> dict[int, str]:

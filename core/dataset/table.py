@@ -5,14 +5,16 @@ One place gives every variable its CF attributes; the views below only carry the
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from core.dataset.regimes import is_valid, judge_of
 from core.quantities import QUANTITIES, REGIMES, Flag
+from core.quantities.quantity import in_sentence
 
 if TYPE_CHECKING:
     import xarray
@@ -44,7 +46,7 @@ class Table:
     coordinates : mapping of str to Variable
         The axes (each over itself), and the fixed parameters (without dimension).
     variables : mapping of str to Variable
-        The outputs and `regime`.
+        The outputs, and the flag variables that judge them (`ancillary_variables` names these).
     attributes : mapping
         Global attributes.
     price : mapping
@@ -60,6 +62,23 @@ class Table:
     def with_price(self, price: Attributes) -> Table:
         """Return the table with other attributes for the cost of computing it, such as seconds."""
         return replace(self, price=price)
+
+    def valid(self, name: str) -> NDArray[np.bool_] | None:
+        """Return a mask of the cells in which an output is valid; None if no regime judges it.
+
+        It has the shape of the output `name`. Where the regime has further axes, an output is valid
+        if it is so anywhere on them.
+        """
+        output = self.variables[name]
+        judge = judge_of(output.attributes, self.variables)
+        if judge is None or judge == name:
+            return None
+        regimes = self.variables[judge]
+        dropped = tuple(k for k, dim in enumerate(regimes.dims) if dim not in output.dims)
+        mask = is_valid(regimes.values).any(axis=dropped)
+        sizes = dict(zip(output.dims, output.values.shape, strict=True))
+        shape = [sizes[dim] if dim in regimes.dims else 1 for dim in output.dims]
+        return np.broadcast_to(mask.reshape(shape), output.values.shape)
 
     @classmethod
     def of_xarray(cls, dataset: xarray.Dataset) -> Table:
@@ -113,9 +132,16 @@ def quantity_attributes(name: str, **extra: str) -> dict[str, Any]:
     }
 
 
-def regime_attributes(names: tuple[str, ...]) -> dict[str, Any]:
-    """Return the CF flag attributes of a `regime` variable with the named regimes."""
-    return flag_attributes("regime", REGIMES, names)
+def regime_attributes(names: tuple[str, ...], judged: Sequence[str] = ()) -> dict[str, Any]:
+    """Return the CF flag attributes of a variable with the named regimes.
+
+    `judged` are the outputs for which it speaks; none are named if it is the only such variable.
+    """
+    attributes = flag_attributes("regime", REGIMES, names)
+    if judged:
+        labels = ", ".join(in_sentence(QUANTITIES[name].label) for name in judged)
+        attributes["long_name"] += f" of {labels}"
+    return attributes
 
 
 def flag_attributes(

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from core.dataset.table import Table, TableVariable
+from core.dataset.table import Table
 
 FILL: dict[str, tuple[float, str | int]] = {
     "float64": (np.nan, "NaN"), "float32": (np.nan, "NaN"), "int8": (0, 0), "int64": (0, 0)
@@ -93,7 +93,7 @@ def array_document(
     variable = table.variables[name] if is_output else table.coordinates[name]
     is_text = variable.values.dtype == object
     data_type = "string" if is_text else variable.values.dtype.name
-    links = _links(table, name, variable) if is_output else {}
+    links = _links(table) if is_output else {}
     codecs = [{"name": "vlen-utf8"}] if is_text else [LITTLE]
     if shard_shape is not None:
         codecs = [_sharding(chunk_shape, variable.values.dtype.itemsize)]
@@ -114,19 +114,10 @@ def array_document(
     }
 
 
-def _links(table: Table, name: str, variable: TableVariable) -> dict[str, str]:
-    """Return the CF attributes that link an output to its coordinates and to the regime.
-
-    They are names in texts: `coordinates`, the fixed parameters, and `ancillary_variables`, the
-    regime if it has no more dimensions than the output. `name` and `variable` are of an output of
-    the table; the result may be empty.
-    """
+def _links(table: Table) -> dict[str, str]:
+    """Return the CF attribute that links an output to the fixed parameters, names in a text."""
     scalars = " ".join(n for n, coordinate in table.coordinates.items() if not coordinate.dims)
-    links = {"coordinates": scalars} if scalars else {}
-    has_regime = name != "regime" and "regime" in table.variables
-    if has_regime and set(table.variables["regime"].dims) <= set(variable.dims):
-        links["ancillary_variables"] = "regime"
-    return links
+    return {"coordinates": scalars} if scalars else {}
 
 
 def _plain(attributes: Mapping[str, Any]) -> dict[str, Any]:

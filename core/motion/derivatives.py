@@ -349,7 +349,8 @@ def _same_regime(plan: Plan, known: Mapping[str, Any], counts: Collection[str]) 
     tells the derivative. `plan` is that of the study, `known` holds the quantities of all motions;
     `counts` are the names of whole numbers, the period multiple first, that must be the same.
     """
-    kinds = np.stack(np.broadcast_arrays(regimes(plan, known), *(known[name] for name in counts)))
+    told = (*regimes(plan, known).values(), *(known[name] for name in counts))
+    kinds = np.stack(np.broadcast_arrays(*told))
     kinds = kinds.reshape(1 + len(counts), -1)
     if not kinds[1, 0] >= 1:
         return None

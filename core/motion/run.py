@@ -12,7 +12,6 @@ from core.dataset.table import (
     TableVariable,
     flag_attributes,
     quantity_attributes,
-    regime_attributes,
 )
 from core.motion.course import TRAJECTORY_FLAGS, TrajectoryRequest, TrajectoryValues
 from core.motion.derivatives import derivatives_at
@@ -23,7 +22,7 @@ from core.motion.systems import CONTACTS
 from core.motion.verify import accuracy, verified
 from core.plan.derived import cells_of
 from core.plan.equations import regimes, run_equations
-from core.plan.labels import coordinates_of, global_attributes, outputs_of
+from core.plan.labels import coordinates_of, global_attributes, outputs_of, verdicts_of
 from core.plan.pieces import Computed
 from core.quantities import FLAGS
 from core.watch import Watch
@@ -43,9 +42,9 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
     known = _evaluate(prepared, watch)
     plan = prepared.plan
     arrays = {name: _drop_unused_axes(prepared, name, known[name]) for name in plan.outputs}
-    arrays["regime"] = _drop_unused_axes(prepared, "regime", regimes(plan, known))
+    arrays |= {n: _drop_unused_axes(prepared, n, v) for n, v in regimes(plan, known).items()}
     if prepared.derived is not None:
-        asked, part = prepared.derived, plan.part(prepared.derived.outputs, ())
+        asked, part = prepared.derived, plan.part(prepared.derived.outputs)
         found = derivatives_at(part, cells_of(part, prepared.grid), asked.parameters, watch)
         arrays |= asked.arrays(plan, prepared.grid, prepared.dims, found)
     if prepared.study.trajectory is not None:
@@ -69,9 +68,7 @@ def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
         if name in variables:
             told = flag_attributes(name, states, tuple(states))
             variables[name] = replace(variables[name], attributes=told)
-    variables["regime"] = TableVariable(
-        prepared.dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
-    )
+    variables |= verdicts_of(plan, prepared.dims, arrays)
     if prepared.derived is not None:
         variables |= prepared.derived.variables(prepared.dims, arrays)
     coordinates = coordinates_of(plan, prepared.grid)

@@ -119,9 +119,9 @@ def checked(
     if prepared.study.sensitivities:
         arrays |= slopes(problem, x, design, lost)
     arrays["optimum_status"] = status
-    regime = np.broadcast_to(problem.regime(known, scales, tolerance), cells)
     none = np.int8(REGIMES["not_assessed"].value)
-    arrays["regime"] = np.where(lost, none, regime)
+    for name, regime in problem.regimes(known, scales, tolerance).items():
+        arrays[name] = np.where(lost, none, np.broadcast_to(regime, cells))
     return arrays
 
 

@@ -20,7 +20,7 @@ from core.optimise.optimisation import Optimisation
 from core.optimise.sentences import criterion_in_words
 from core.optimise.slopes import sensitive
 from core.optimise.verify import accuracy, verified
-from core.plan.labels import coordinates_of, global_attributes
+from core.plan.labels import coordinates_of, global_attributes, link_to_verdict
 from core.plan.pieces import Computed
 from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES, Flag
 from core.quantities.quantity import in_sentence
@@ -39,7 +39,7 @@ def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
     `computed` has the arrays of all variables by name; `watch` may stop the verification.
     """
     arrays, dims = computed.arrays, tuple(prepared.grid.axes)
-    attributes = _attributes(prepared, arrays["regime"])
+    attributes = _attributes(prepared, arrays)
     variables = {
         name: TableVariable(dims, arrays[name], attributes[name]) for name in prepared.units
     }
@@ -54,18 +54,19 @@ def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
     return Table(coordinates_of(prepared.plan, prepared.grid), variables, dataset_attributes)
 
 
-def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, dict[str, Any]]:
+def _attributes(
+    prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]
+) -> dict[str, dict[str, Any]]:
     """Return the attributes of every variable of an optimisation's result after CF, by name.
 
-    They are units, long names, comments and meanings of codes; `regimes` are the numbers of those
-    that occur.
+    They are units, long names, comments and meanings of codes; `arrays` has the values by name.
     """
     problem = prepared.problem
     sentence = criterion_in_words(problem)
     attributes: dict[str, dict[str, Any]] = {}
     for name in prepared.units:
         if name in QUANTITIES:
-            attributes[name] = quantity_attributes(name)
+            attributes[name] = quantity_attributes(name, **link_to_verdict(prepared.plan, name))
     for name in problem.names:
         quantity = QUANTITIES[name]
         attributes[f"best_{name}"] = quantity_attributes(name) | {
@@ -87,6 +88,7 @@ def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, 
         "comment": f"At the optimum: {sentence}.",
         "criterion": problem.criterion.kind,
         "output": output,
+        **link_to_verdict(prepared.plan, output),
     }
     if "objective_error" in prepared.units:
         attributes["objective_error"] |= {"units": QUANTITIES[output].unit}
@@ -103,10 +105,13 @@ def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, 
             }
     if "knee" in prepared.units:
         attributes["knee"] = flag_attributes("knee", KNEE, tuple(KNEE))
-    names = set(prepared.plan.regimes)
-    if (regimes == REGIMES["not_assessed"].value).any():
-        names.add("not_assessed")
-    attributes["regime"] = regime_attributes(tuple(names))
+    apart = len(prepared.plan.verdicts) > 1
+    for verdict in prepared.plan.verdicts:
+        names = {*verdict.regimes}
+        if (arrays[verdict.name] == REGIMES["not_assessed"].value).any():
+            names.add("not_assessed")
+        judged = verdict.outputs if apart else ()
+        attributes[verdict.name] = regime_attributes(tuple(names), judged)
     return attributes
 
 

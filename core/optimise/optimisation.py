@@ -72,7 +72,7 @@ class Optimisation(Prepared):
             units["knee"] = "1"
         if self.study.sensitivities:
             units |= dict.fromkeys((f"sensitivity_{name}" for name in sensitive(problem)), "1")
-        return {**units, "optimum_status": "1", "regime": "1"}
+        return {**units, "optimum_status": "1", **dict.fromkeys(self.plan.verdict_names, "1")}
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
@@ -192,5 +192,6 @@ class Optimisation(Prepared):
     @property
     def bytes(self) -> int:
         """The bytes of the result, uncompressed."""
-        short = sum(name in FLAGS or name.startswith("binds_") for name in self.units)
+        flags = (*FLAGS, *self.plan.verdict_names)
+        short = sum(name in flags or name.startswith("binds_") for name in self.units)
         return self.cells * (8 * (len(self.units) - short) + short)

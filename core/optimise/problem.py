@@ -134,7 +134,7 @@ class OptimisationProblem:
     @cached_property
     def bare(self) -> Plan:
         """The plan without regimes and outputs that are only reported."""
-        return self.plan.part(self.concerned, ())
+        return self.plan.part(self.concerned)
 
     def known(
         self,
@@ -423,10 +423,10 @@ class OptimisationProblem:
         scale = scales[self.criterion.output]
         return np.maximum(scale, self.weight * scales[self.against]) if self.against else scale
 
-    def regime(
+    def regimes(
         self, known: Arrays, scales: Mapping[str, Array], touching: float
-    ) -> NDArray[np.int8]:
-        """Return the number of the regime at each point, as files write it.
+    ) -> dict[str, NDArray[np.int8]]:
+        """Return the number of the regime at each point by each verdict, as files write it.
 
         At an optimum on the verge of lift-off the normal acceleration is a rounding of either sign:
         a contact that is to be kept counts as kept if it is within `touching` times its size.

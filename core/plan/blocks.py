@@ -49,14 +49,14 @@ def evaluate_in_blocks(
     Parameters
     ----------
     results : mapping of str to ndarray
-        An array for each output and `regime`, over the axes that it depends on; filled in SI units.
+        An array for each output and verdict, over the axes that it depends on; filled in SI units.
     block_cells : int
         About the number of cells of a block: few enough that arrays stay in the processor's cache.
     progress : callable, optional
         Called after each block with its share of the grid.
     """
     depends = plan.depends_on(grid.axes)
-    used = grid.dims(set().union(*(depends[name] for name in (*plan.outputs, "regime"))))
+    used = grid.dims(set().union(*(depends[name] for name in (*plan.outputs, *plan.verdict_names))))
     sliced = _sliced_axes(used, grid, block_cells)
     step = max(1, block_cells // grid.size(used[len(sliced) :]))
     levels = _levels(plan, grid, depends, sliced, step)
@@ -176,7 +176,8 @@ class _Writer:
         """
         for name in self.plan.outputs:
             self._put(name, known[name], where)
-        self._put("regime", regimes(self.plan, known), where)
+        for name, flags in regimes(self.plan, known).items():
+            self._put(name, flags, where)
         if self.progress is not None:
             done = [
                 where[axis].stop - where[axis].start if axis in where else self.grid.shape[axis]
@@ -192,7 +193,7 @@ class _Writer:
         Parameters
         ----------
         name : str
-            The output, or ``"regime"``.
+            The output, or the verdict.
         block : ndarray
             Its values: a scalar, or an array with every axis of the grid, of size 1 where the
             output does not depend on it.

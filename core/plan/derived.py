@@ -183,7 +183,7 @@ def asked_of(
     if not wish:
         return None
     outputs = tuple(name for name in plan.outputs if QUANTITIES[name].is_derived)
-    part = plan.part(outputs, ())  # a parameter of the regime alone moves no output
+    part = plan.part(outputs)  # a parameter of a verdict alone moves no output
     known = [name for name in (*part.parameters, *part.defaults) if QUANTITIES[name].parameter]
     names = wish if isinstance(wish, tuple) else tuple(name for name in parameters if name in known)
     problems = [

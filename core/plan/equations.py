@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.plan.plan import Plan
+from core.plan.verdicts import Verdict
 from core.quantities import REGIMES
-from core.scenes import Condition, Equation
+from core.scenes import Equation
 from core.watch import Watch
 
 Known = dict[str, Any]
@@ -50,21 +51,20 @@ def run(equations: Iterable[Equation], known: Known, watch: Watch | None = None)
     return known
 
 
-def regimes(plan: Plan, known: Mapping[str, Any]) -> NDArray[np.int8]:
-    """Return the regime of each cell: that of the first condition that holds, or the default."""
-    return np.asarray(regimes_of(plan.conditions, plan.otherwise, known))
+def regimes(plan: Plan, known: Mapping[str, Any]) -> dict[str, NDArray[np.int8]]:
+    """Return the regimes of the cells by each verdict of a plan, by the name of the verdict."""
+    return {one.name: np.asarray(regimes_of(one, known)) for one in plan.verdicts}
 
 
-def regimes_of(conditions: Sequence[Condition], otherwise: str, known: Mapping[str, Any]) -> Any:
+def regimes_of(verdict: Verdict, known: Mapping[str, Any]) -> Any:
     """Return the number of each cell's regime: that of the first condition that holds.
 
-    `conditions` are in order of severity, `otherwise` is the regime where none holds, `known` has
-    the quantities that they need: arrays by name, SI units. The result is int8, of the shape of the
-    conditions.
+    `known` has the quantities that the conditions need: arrays by name, SI units. The result is
+    int8, of the shape of the conditions.
     """
-    regime: Any = np.int8(REGIMES[otherwise].value)
+    regime: Any = np.int8(REGIMES[verdict.otherwise].value)
     with too_large_is_data():
-        for condition in reversed(conditions):
+        for condition in reversed(verdict.conditions):
             holds = condition.function(**{name: known[name] for name in condition.inputs})
             regime = np.where(holds, np.int8(REGIMES[condition.regime].value), regime)
     return regime

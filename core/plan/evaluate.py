@@ -58,7 +58,7 @@ def evaluate(
     Returns
     -------
     dict of str to ndarray
-        The asked outputs and `regime`; SI units.
+        The asked outputs and verdicts; SI units.
     """
     results: dict[str, NDArray[Any]] = dict(into or empty_results(plan, grid))
     fused = _fused(plan, grid)
@@ -74,13 +74,14 @@ def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> Non
 
     The equations of motion share out their cells among threads themselves, and ask `watch` whether
     to stop: then cells are left that are not computed. `into` has an array for each output and
-    `regime` over its own axes, SI units.
+    verdict over its own axes, SI units.
     """
     depends = plan.depends_on(grid.axes)
     given = grid.si()
     known = run_equations(plan, {name: given[name] for name in plan.parameters}, watch)
+    known |= regimes(plan, known)
     for name, array in into.items():
-        values = regimes(plan, known) if name == "regime" else np.asarray(known[name])
+        values = np.asarray(known[name])
         if values.ndim:
             axes = enumerate(grid.axes)
             values = values.squeeze(tuple(at for at, axis in axes if axis not in depends[name]))
@@ -88,16 +89,16 @@ def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> Non
 
 
 def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:
-    """Return uninitialised arrays for the outputs of a plan and `regime`, to be filled later.
+    """Return uninitialised arrays for the outputs and verdicts of a plan, to be filled later.
 
     Each has the shape of the axes of the grid on which it depends; regimes are int8, outputs
     doubles.
     """
     depends = plan.depends_on(grid.axes)
     results: dict[str, NDArray[Any]] = {}
-    for name in (*plan.outputs, "regime"):
+    for name in (*plan.outputs, *plan.verdict_names):
         shape = tuple(grid.shape[axis] for axis in grid.dims(depends[name]))
-        results[name] = np.empty(shape, np.int8 if name == "regime" else np.float64)
+        results[name] = np.empty(shape, np.int8 if name in plan.verdict_names else np.float64)
     return results
 
 

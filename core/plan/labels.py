@@ -9,7 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 import core
-from core.dataset.table import CONVENTIONS, REFERENCES, TableVariable, quantity_attributes
+from core.dataset.table import (
+    CONVENTIONS,
+    REFERENCES,
+    TableVariable,
+    quantity_attributes,
+    regime_attributes,
+)
 from core.plan.grid import Grid
 from core.plan.plan import Plan
 from core.plan.prepared import Prepared
@@ -53,9 +59,34 @@ def outputs_of(prepared: Prepared, arrays: Mapping[str, NDArray[Any]]) -> dict[s
                 name,
                 equation=equations[name].source,
                 **{plan.scene.choice: plan.scene.variant_of(plan.variant, name)},
+                **link_to_verdict(plan, name),
             ),
         )
         for name in plan.outputs
+    }
+
+
+def link_to_verdict(plan: Plan, output: str) -> dict[str, str]:
+    """Return the CF attribute that names the flag variable which judges an output, if one does."""
+    verdict = plan.verdict_on(output)
+    return {} if verdict is None else {"ancillary_variables": verdict.name}
+
+
+def verdicts_of(
+    plan: Plan, dims: Mapping[str, tuple[str, ...]], arrays: Mapping[str, NDArray[Any]]
+) -> dict[str, TableVariable]:
+    """Return the flag variables of a result: the regimes, each with the outputs that it judges.
+
+    `dims` has their axes and `arrays` their values, by name.
+    """
+    apart = len(plan.verdicts) > 1
+    return {
+        one.name: TableVariable(
+            dims[one.name],
+            arrays[one.name],
+            regime_attributes(one.regimes, one.outputs if apart else ()),
+        )
+        for one in plan.verdicts
     }
 
 

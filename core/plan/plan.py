@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from core.errors import Problem, StudyError
+from core.plan.verdicts import Verdict, verdicts_of
 from core.quantities import QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE
+from core.quantities.flags import REGIME
 from core.quantities.motion import FEEDING, RESULTS
 from core.scenes import ALIASES, SCENES, Condition, Equation, Scene
 from core.scenes.aliases import ALTERNATIVES, NEEDS, WRITTEN_AS
@@ -27,11 +29,11 @@ class Plan:
     variant : str
         The variant in force.
     outputs : tuple of str
-        The asked outputs, without `regime`.
+        The asked outputs, without verdicts.
     equations : tuple of Equation
         The equations to run, each after those that it needs.
-    conditions : tuple of Condition
-        The conditions that tell the regime, most serious first.
+    verdicts : tuple of Verdict
+        The flag variables of the result, each with the outputs that it judges; ``regime`` first.
     parameters : tuple of str
         The given parameters that the equations and conditions need.
     defaults : mapping of str to float
@@ -42,22 +44,29 @@ class Plan:
     variant: str
     outputs: tuple[str, ...]
     equations: tuple[Equation, ...]
-    conditions: tuple[Condition, ...]
+    verdicts: tuple[Verdict, ...]
     parameters: tuple[str, ...]
     defaults: Mapping[str, float]
 
     @cached_property
+    def conditions(self) -> tuple[Condition, ...]:
+        """The conditions of all verdicts, each once."""
+        return tuple(dict.fromkeys(one for verdict in self.verdicts for one in verdict.conditions))
+
+    @cached_property
     def regimes(self) -> tuple[str, ...]:
-        """The regimes that cells can have, by value."""
-        names = {condition.regime for condition in self.conditions} | {self.otherwise}
+        """The regimes that cells can have by any verdict, by value."""
+        names = {name for verdict in self.verdicts for name in verdict.regimes}
         return tuple(sorted(names, key=lambda name: REGIMES[name].value))
 
     @cached_property
-    def otherwise(self) -> str:
-        """The regime of cells in which no condition holds."""
-        said = [condition.otherwise for condition in self.conditions if condition.otherwise]
-        more = [name for name in said if name != "contact"]
-        return (more or said or ["not_assessed"])[-1]
+    def verdict_names(self) -> tuple[str, ...]:
+        """The names of the flag variables, ``regime`` first."""
+        return tuple(verdict.name for verdict in self.verdicts)
+
+    def verdict_on(self, output: str) -> Verdict | None:
+        """Return the verdict that judges an output; None for one that holds in every regime."""
+        return next((one for one in self.verdicts if output in one.outputs), None)
 
     def only(self, output: str) -> Plan:
         """Return the plan of one output alone, with the equations and parameters that it needs.
@@ -69,25 +78,28 @@ class Plan:
             known[output] = _Walk(self.scene, self.variant, self.parameters, (output,)).plan()
         return known[output]
 
-    def part(self, outputs: Collection[str], conditions: Collection[Condition]) -> Plan:
-        """Return a smaller plan: the equations that some outputs and conditions of this plan need.
+    def part(self, names: Collection[str]) -> Plan:
+        """Return a smaller plan: the equations that some outputs and verdicts of this plan need.
 
-        `outputs` are names of quantities, `conditions` those by which the regime is to be told.
-        Parameters and defaults are limited to what these equations take.
+        `names` are names of quantities and of verdicts. Parameters and defaults are limited to
+        what these equations take.
         """
-        wanted = [*outputs, *(name for condition in conditions for name in condition.inputs)]
+        verdicts = tuple(verdict for verdict in self.verdicts if verdict.name in names)
+        outputs = tuple(name for name in names if name not in self.verdict_names)
+        conditions = (one for verdict in verdicts for one in verdict.conditions)
+        wanted = [*outputs, *(name for one in conditions for name in one.inputs)]
         needed = behind(wanted, {e.gives: e for e in self.equations}.get)
         return replace(
             self,
-            outputs=tuple(outputs),
+            outputs=outputs,
             equations=tuple(e for e in self.equations if e.gives in needed),
-            conditions=tuple(conditions),
+            verdicts=verdicts,
             parameters=tuple(name for name in self.parameters if name in needed),
             defaults={name: value for name, value in self.defaults.items() if name in needed},
         )
 
     def depends_on(self, axes: Collection[str]) -> dict[str, frozenset[str]]:
-        """Return the axes on which each quantity of the plan and its `regime` depend, by name.
+        """Return the axes on which each quantity and each verdict of the plan depend, by name.
 
         `axes` are the parameters with several values. A quantity is computed over its own axes
         only, which saves most of the work on a large grid. Results are kept for the next call.
@@ -108,17 +120,18 @@ class Plan:
         return {}
 
     def _depends_on(self, axes: Collection[str]) -> dict[str, frozenset[str]]:
-        """Return the axes on which each quantity of the plan and its `regime` depend, by name.
+        """Return the axes on which each quantity and each verdict of the plan depend, by name.
 
         `axes` are the parameters with several values. A quantity depends on the axes of all inputs
-        of its equation, the regime on those of all inputs of the conditions.
+        of its equation, a verdict on those of all inputs of its conditions.
         """
         known = {name: frozenset({name} & set(axes)) for name in self.parameters}
         known.update(dict.fromkeys(self.defaults, frozenset()))
         for equation in self.equations:
             known[equation.gives] = frozenset().union(*(known[name] for name in equation.inputs))
-        tried = [known[name] for condition in self.conditions for name in condition.inputs]
-        known["regime"] = frozenset().union(*tried)
+        for verdict in self.verdicts:
+            tried = [known[name] for one in verdict.conditions for name in one.inputs]
+            known[verdict.name] = frozenset().union(*tried)
         return known
 
 
@@ -220,7 +233,7 @@ class _Walk:
             condition for condition in scene.conditions[variant] if condition.outputs & set(outputs)
         )
         for name in outputs:
-            if name != "regime":
+            if name != REGIME:
                 self.visit(name)
         for condition in self.conditions:
             for name in condition.inputs:
@@ -228,12 +241,13 @@ class _Walk:
 
     def plan(self) -> Plan:
         """Return the plan of everything that was collected: equations in order, parameters."""
+        ordered = [name for name in self.scene.outputs(self.variant) if name in self.outputs]
         return Plan(
             self.scene,
             self.variant,
-            tuple(name for name in self.outputs if name != "regime"),
+            tuple(name for name in self.outputs if name != REGIME),
             tuple(self.equations),
-            self.conditions,
+            verdicts_of(self.scene.conditions[self.variant], ordered),
             tuple(name for name in self.parameters if name in self.used),
             self.defaults,
         )

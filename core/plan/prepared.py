@@ -105,18 +105,19 @@ class Prepared:
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
-        """The names of the axes of each variable of the result, by name, `regime` last."""
+        """The names of the axes of each variable of the result, by name, verdicts last."""
         depends = self.plan.depends_on(self.grid.axes)
         dims = {name: self.grid.dims(depends[name]) for name in self.plan.outputs}
         if self.derived is not None:
             dims |= self.derived.dims(self.grid, depends)
-        return {**dims, "regime": self.grid.dims(depends["regime"])}
+        return dims | {name: self.grid.dims(depends[name]) for name in self.plan.verdict_names}
 
     @cached_property
     def units(self) -> dict[str, str]:
         """The unit of each output."""
         told = {} if self.derived is None else self.derived.units
-        return {name: told[name] if name in told else QUANTITIES[name].unit for name in self.dims}
+        flags = dict.fromkeys(self.plan.verdict_names, QUANTITIES["regime"].unit)
+        return {name: (told | flags).get(name) or QUANTITIES[name].unit for name in self.dims}
 
     @property
     def cells(self) -> int:
@@ -136,11 +137,14 @@ class Prepared:
 
     def width(self, name: str) -> int:
         """Return the bytes of one stored value of an output."""
-        return 1 if is_status(name) or name in FLAGS else 8
+        return 1 if is_status(name) or self._is_flag(name) else 8
 
     def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
         """Return computed values of an output in the units of files."""
-        return values if name in FLAGS else from_si(name, values)
+        return values if self._is_flag(name) else from_si(name, values)
+
+    def _is_flag(self, name: str) -> bool:
+        return name in FLAGS or name in self.plan.verdict_names
 
     @property
     def sizes(self) -> Mapping[str, int]:

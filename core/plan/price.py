@@ -46,7 +46,7 @@ def evaluation_seconds(plan: Plan, grid: Grid) -> float:
             special = values.special(edge_of(graph, names, shape))
             program = program_of(graph, names, shape, special)
             cells = grid.size(dims)
-            width = sum(1 if name == "regime" else 8 for name in names)
+            width = sum(1 if name in plan.verdict_names else 8 for name in names)
             each = width * BYTE_SECONDS + program.calls * CALL_SECONDS
             seconds += program.work * STEP_SECONDS + cells * each
     return min(plain, COMPILE_SECONDS + seconds * pace())

@@ -36,7 +36,7 @@ class Tiled:
         """Divide the grid of a study into tiles."""
         self.tiles = Tiles(prepared.dims, prepared.grid.shape)
         self._grid, self._plan, self._prepared = prepared.grid, prepared.plan, prepared
-        self._plans = {field: self._pulled(field.names) for field in self.tiles.fields}
+        self._plans = {field: prepared.plan.part(field.names) for field in self.tiles.fields}
 
     @property
     def bytes(self) -> int:
@@ -65,11 +65,6 @@ class Tiled:
             name: np.array([cell[name].item() for cell in cells], dtype=np.float64)
             for name in self._plan.outputs
         }
-
-    def _pulled(self, names: tuple[str, ...]) -> Plan:
-        """Return the part of the plan that the arrays named (outputs, `regime`) need."""
-        outputs = tuple(name for name in names if name != "regime")
-        return self._plan.part(outputs, self._plan.conditions if "regime" in names else ())
 
     def _evaluated(self, plan: Plan, where: Mapping[str, tuple[int, int]]) -> dict[str, Any]:
         """Return the outputs of a plan on a part of the grid."""

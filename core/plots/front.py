@@ -44,7 +44,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
         raise PlotError("dataset", "it holds no front", fix)
     figure = style.sheet()
     axes = figure.add_subplot()
-    others = [str(name) for name in dataset["regime"].dims if name != "front"]
+    others = [str(name) for name in dataset["optimum_status"].dims if name != "front"]
     fronts = dataset.stack(design=others) if others else dataset.expand_dims("design")
     count = fronts.sizes["design"]
     chosen = np.unique(np.linspace(0, count - 1, min(count, FEW)).astype(int))

@@ -17,7 +17,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from core.dataset.regimes import flags_of
+from core.dataset.regimes import is_valid
 from core.plots.fixed import fixed_positions
 from core.plots.heading import finish, source_of
 from core.plots.options import Options
@@ -27,7 +27,7 @@ from core.plots.selection import held_fixed, outputs_of, study_of
 from core.plots.sliced import check_result
 from core.plots.style import Style
 from core.plots.text import in_brackets, long_name, number, scaled, shown_in
-from core.quantities import REGIMES
+from core.quantities.flags import is_regime
 from core.quantities.quantity import in_sentence
 from core.study.shown import ShownUnits
 from core.suggestions import suggestion
@@ -361,6 +361,5 @@ def _valid(dataset: xarray.Dataset, at_all: Any) -> NDArray[np.bool_]:
 
     `at_all` returns the values of a variable for all designs.
     """
-    flags = flags_of(dataset["regime"].attrs)
-    bad = [n for n, name in flags.items() if name in REGIMES and not REGIMES[name].valid]
-    return ~np.isin(at_all("regime"), bad)
+    verdicts = [str(name) for name in dataset.data_vars if is_regime(str(name))]
+    return np.all([is_valid(at_all(name).astype(np.int64)) for name in verdicts], axis=0)

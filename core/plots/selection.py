@@ -11,6 +11,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from core.dataset.regimes import judge_of
 from core.plots.categories import categories_of, codes_of
 from core.plots.exact import is_exact
 from core.plots.fixed import fixed_positions
@@ -27,6 +28,7 @@ from core.plots.text import (
     words,
 )
 from core.quantities import QUANTITIES
+from core.quantities.flags import REGIME, is_regime
 from core.study.shown import ShownUnits
 from core.suggestions import suggestion
 
@@ -73,6 +75,8 @@ class Selection:
         The unit in which the values are read.
     regimes : array of int
         Regime of each value, of the same shape; its category where there are `categories`.
+    regime : xarray.DataArray
+        The variable of the dataset that judges the values; it says what the numbers mean.
     fixed : tuple of str
         Name, value and unit of every other dimension and parameter, what was asked for first.
     kind : str
@@ -90,6 +94,7 @@ class Selection:
     values: NDArray[np.float64]
     unit: str
     regimes: NDArray[np.int64]
+    regime: xarray.DataArray
     fixed: tuple[str, ...]
     kind: str
     exact: bool = False
@@ -157,7 +162,7 @@ def select(
     """
     units = units or ShownUnits()
     whole, names, categories = _selected(dataset, variable, axes, kind)
-    regime = _regime(dataset)
+    regime = _regime(dataset, whole)
     order = [*whole.dims, *(dim for dim in regime.dims if dim not in whole.dims)]
     loose = [str(dim) for dim in order if dim not in names]
     positions = fixed_positions(dataset, at, loose, names, nearest=nearest)
@@ -184,6 +189,7 @@ def select(
         values=np.where(np.isfinite(values), values, np.nan),
         unit=shown.unit,
         regimes=codes_of(slice_.values) if categories else codes,
+        regime=regime,
         fixed=tuple(fixed),
         kind=kind,
         exact=is_exact(dataset, str(whole.name)),
@@ -209,15 +215,17 @@ def _selected(
     PlotError
         If the kind of picture does not fit the output, or the dataset has no such output or axes.
     """
-    if kind == "map" and "regime" not in dataset:
+    if kind == "map" and REGIME not in dataset:
         fix = "Draw another kind, or leave out kind"
         raise PlotError("kind", "the dataset has no regimes to draw as a map", fix)
-    whole = dataset["regime"] if kind == "map" else dataset[_variable(dataset, variable)]
-    if kind == "map" and variable not in (None, "regime"):
-        named = dataset[_variable(dataset, variable)]
-        whole = named if categories_of(named) else whole  # no part else, but a slip is one
+    if kind == "map" and (variable is None or is_regime(variable)):
+        whole = dataset[REGIME if variable is None else _known(dataset, variable)]
+    else:
+        whole = dataset[_variable(dataset, variable)]
+        if kind == "map" and not categories_of(whole):
+            whole = _regime(dataset, whole)  # no part else, but a slip is one
     names = _axes(whole, axes, 1 if kind == "line" else 2)
-    categories = None if whole.name == "regime" else categories_of(whole)
+    categories = None if is_regime(str(whole.name)) else categories_of(whole)
     if categories and kind in ("contour", "surface", "levels"):
         message = f"{whole.name} has a name in each cell, not a number"
         raise PlotError("kind", message, "Leave out kind, or draw kind map")
@@ -230,7 +238,7 @@ def _selected(
 
 def outputs_of(dataset: xarray.Dataset) -> list[str]:
     """Return the names of the outputs that a dataset holds."""
-    return [str(name) for name in dataset.data_vars if name != "regime"]
+    return [str(name) for name in dataset.data_vars if not is_regime(str(name))]
 
 
 def study_of(dataset: xarray.Dataset) -> dict[str, Any]:
@@ -270,11 +278,20 @@ def _name(dataset: xarray.Dataset, variable: xarray.DataArray, units: ShownUnits
     return demand_in_words(variable, units) or long_name(variable)
 
 
-def _regime(dataset: xarray.Dataset) -> xarray.DataArray:
-    """Return the regimes of the cells; a single one for results without regimes."""
-    if "regime" in dataset:
-        return dataset["regime"]
-    return xarray.DataArray(np.int8(ANY_REGIME), name="regime")
+def _known(dataset: xarray.Dataset, name: str) -> str:
+    """Return the name of a variable of regimes; raise `PlotError` if the dataset has none such."""
+    if name not in dataset:
+        regimes = [str(one) for one in dataset.data_vars if is_regime(str(one))]
+        raise PlotError("variable", f"'{name[:40]}' is unknown", suggestion(name, regimes))
+    return name
+
+
+def _regime(dataset: xarray.Dataset, output: xarray.DataArray) -> xarray.DataArray:
+    """Return the regimes that judge an output; a single one for results without regimes."""
+    if is_regime(str(output.name)):
+        return output
+    judge = judge_of(output.attrs, dataset)
+    return xarray.DataArray(np.int8(ANY_REGIME), name=REGIME) if judge is None else dataset[judge]
 
 
 def _variable(dataset: xarray.Dataset, name: str | None) -> str:
@@ -291,10 +308,10 @@ def _variable(dataset: xarray.Dataset, name: str | None) -> str:
         varies = [key for key in outputs if dataset[key].size > 1]
         values = [key for key in varies if not key.endswith(COUNT)]
         return next(iter([*values, *varies, *outputs]))
-    if name == "regime":
+    if is_regime(name):
         fix = "Draw kind map, or choose an output: " + ", ".join(outputs)
         raise PlotError(
-            "variable", "regime is not an output to draw: every picture shades the regimes", fix
+            "variable", f"{name} is not an output to draw: every picture shades the regimes", fix
         )
     if name not in outputs:
         raise PlotError("variable", f"'{name[:40]}' is unknown", suggestion(name, outputs))

@@ -26,6 +26,7 @@ from core.plots.selection import ANY_REGIME, Selection, natural, select
 from core.plots.style import Style
 from core.plots.text import long_name
 from core.quantities import STATUSES
+from core.quantities.flags import is_regime
 
 NO_REGIMES = "no regimes"
 NOT_DESCRIBED = "the closed forms do not describe a part there"
@@ -33,14 +34,14 @@ BESIDE = (2.6, 1.0)  # widths of a picture, and of the sketch of what hits what
 Painter = Callable[[FigureBase, Selection, Sequence[Look], Style], tuple[Axes, list[Artist]]]
 
 
-def _said(look: Look, dataset: xarray.Dataset) -> Look:
+def _said(look: Look, dataset: xarray.Dataset, regime: xarray.DataArray) -> Look:
     """Return a regime's look for the legend, named by the reason if its cells have no regime.
 
     The reason is the status of these cells, such as an invalid geometry, if the dataset has one.
     """
     if look.name != "not_assessed":
         return look
-    nowhere = dataset["regime"] == look.value
+    nowhere = regime == look.value
     for name in STATUSES:
         if name in dataset and dataset[name].dims == nowhere.dims:
             meanings = flags_of(dataset[name].attrs)
@@ -121,8 +122,8 @@ def renderer_of(
         if selection.categories:
             looks = looks_of_categories(selection.categories, style)
         elif "regime" in dataset:
-            looks = looks_of(dataset["regime"], selection.regimes, style, exact=selection.exact)
-            looks = [_said(look, dataset) for look in looks]
+            looks = looks_of(selection.regime, selection.regimes, style, exact=selection.exact)
+            looks = [_said(look, dataset, selection.regime) for look in looks]
         else:
             looks = [Look(ANY_REGIME, NO_REGIMES, True, *PLAIN, style)]
         sheet: FigureBase = figure
@@ -133,8 +134,10 @@ def renderer_of(
         entries = [one for one in entries if not str(one.get_label()).startswith(NO_REGIMES)]
         if beside is not None:
             _add_sketch(beside, dataset, options)
-        bare = selection.variable.name == "regime"
-        name = "Regimes" if bare else long_name(selection.variable)
+        bare = is_regime(str(selection.variable.name))
+        name = long_name(selection.variable)
+        if bare:
+            name = f"Regimes{name.removeprefix('Regime')}"
         how = beyond.format(pale="Dim" if style.dark else "Pale")
         note = f"{how}: {NOT_DESCRIBED}" if any(look.beyond for look in looks) else ""
         return finish(

@@ -86,7 +86,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     if selection.categories:
         message = f"{selection.variable.name} has a name in each cell, not a number"
         raise PlotError("variable", message, "Choose another output, or leave out kind")
-    looks = looks_of(dataset["regime"], selection.regimes, style, exact=selection.exact)
+    looks = looks_of(selection.regime, selection.regimes, style, exact=selection.exact)
     figure = style.sheet()
     top, entries = draw_line(figure, selection, looks, style)
     names = {look.value: look.name for look in looks}

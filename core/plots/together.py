@@ -125,7 +125,7 @@ def _add_lines(
     for dataset, selection, colour, dashes in rows:
         valid = np.ones(selection.values.shape, dtype=bool)
         if not selection.categories:
-            looks = looks_of(dataset["regime"], selection.regimes, style, exact=selection.exact)
+            looks = looks_of(selection.regime, selection.regimes, style, exact=selection.exact)
             valid = np.isin(selection.regimes, [look.value for look in looks if look.valid])
         x, values = selection.axes[0].values, selection.values
         if not valid.all():

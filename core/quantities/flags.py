@@ -17,11 +17,28 @@ class Flag:
         What it says to the user.
     valid : bool
         False where the values of the cell do not describe a real part.
+    of_value : bool
+        True where it speaks of single outputs, not of the part: one has no finite value, say.
     """
 
     value: int
     description: str
     valid: bool = True
+    of_value: bool = False
+
+    @property
+    def judges(self) -> bool:
+        """True where it says of an output more than the state of the part."""
+        return self.of_value or not self.valid
+
+
+REGIME = "regime"
+"""The variable of a result that holds the regime of the contact, or of all outputs alike."""
+
+
+def is_regime(name: str) -> bool:
+    """True for the name of a variable that holds regimes, ``regime`` or ``regime_<output>``."""
+    return name == REGIME or name.startswith(f"{REGIME}_")
 
 
 REGIMES: dict[str, Flag] = {
@@ -33,13 +50,13 @@ REGIMES: dict[str, Flag] = {
     "flight": Flag(5, "the part has left the floor", valid=False),
     "wall_lost": Flag(6, "the part has left the wall", valid=False),
     "flight_and_wall_lost": Flag(7, "the part has left floor and wall", valid=False),
-    "no_motion": Flag(8, "the drive is too weak to start forward motion"),
-    "stopped": Flag(9, "the part stops before the distance or time is reached"),
+    "no_motion": Flag(8, "the drive is too weak to start forward motion", of_value=True),
+    "stopped": Flag(9, "the part stops before the distance or time is reached", of_value=True),
     "outside_cone": Flag(10, "the forces lie outside the friction cone", valid=False),
     "invalid_geometry": Flag(11, "the part does not fit the track or the model", valid=False),
     "tipping": Flag(12, "the centre of pressure leaves the base: the part tips", valid=False),
     "faster_than_track": Flag(13, "the estimate exceeds the largest track speed", valid=False),
-    "unbounded": Flag(14, "no finite value exists: the quantity is unbounded"),
+    "unbounded": Flag(14, "no finite value exists: the quantity is unbounded", of_value=True),
     "separation": Flag(15, "the corner leaves the plane"),
     "sliding": Flag(16, "the corner slides on the plane, or starts to"),
     "two_solutions": Flag(17, "more than one contact force satisfies the model", valid=False),
@@ -80,7 +97,8 @@ REGIMES: dict[str, Flag] = {
     "overstressed": Flag(40, "the leaf springs are bent beyond their allowable "
     "stress", valid=False),
     "isolation_poor": Flag(
-        41, "the unit rocks on its feet at more than a third of the drive's frequency"
+        41, "the unit rocks on its feet at more than a third of the drive's frequency",
+        of_value=True,
     ),
     "several_amplitudes": Flag(42, "drive and parts agree at several amplitudes; the smallest "
     "is given"),
@@ -100,7 +118,8 @@ REGIMES: dict[str, Flag] = {
     # --- rows of parts
     "crowded": Flag(49, "more parts come than the lane can take: the rest is turned away"),
     "indeterminate_force": Flag(
-        50, "the force on the stop is not unique, or known as a bound only"
+        50, "the force on the stop is not unique, or known as a bound only",
+        of_value=True,
     ),
     "out_of_phase_possible": Flag(
         51, "above a throw number of 3.724 parts may hop in turn; here all hop at once"
@@ -122,7 +141,9 @@ REGIMES: dict[str, Flag] = {
         valid=False,
     ),
     # --- drive units
-    "stalls": Flag(58, "parts stop, or come back, somewhere on the track: none leaves it"),
+    "stalls": Flag(
+        58, "parts stop, or come back, somewhere on the track: none leaves it", of_value=True
+    ),
     "thrown_load": Flag(
         59, "parts thrown beyond a throw number of 2 load the unit: their harmonics, left out, "
         "move the track; the amplitude is known to 1 or 2 %",

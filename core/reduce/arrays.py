@@ -95,8 +95,8 @@ def _names(boxes: Boxes, asked: Reduction) -> Iterator[str]:
                 yield f"{name}_{statistic}"
         if asked.quantiles:
             yield f"{name}_{QUANTILE}"
-    if field.regimes:
-        yield from (f"regime_{_BY_VALUE[flag]}_count" for flag in boxes.flags)
+    for verdict, flags in boxes.flags.items():
+        yield from (f"{verdict}_{_BY_VALUE[flag]}_count" for flag in flags)
     yield from (f"share_{name}" for name in field.shares)
     yield from (f"level_{name}" for name in field.levels)
 
@@ -118,9 +118,10 @@ def _arrays_of_block(
             bins, filled = state[f"{name}.bins"], state[f"{name}.filled"] * boxes.times
             quantiles = binned_quantiles(bins, filled, state[f"{name}.ends"], asked.quantiles)
             yield f"{name}_{QUANTILE}", quantiles
-    if field.regimes:
-        for flag in boxes.flags:
-            yield f"regime_{_BY_VALUE[flag]}_count", state[f"{flag}.count"] * boxes.times
+    for verdict, flags in boxes.flags.items():
+        for flag in flags:
+            counts = state[f"{verdict}.{flag}.count"]
+            yield f"{verdict}_{_BY_VALUE[flag]}_count", counts * boxes.times
     for name in field.shares:
         yield f"share_{name}", state[f"{name}.count"] / boxes.cells_a_slot
     for name, level in field.levels.items():

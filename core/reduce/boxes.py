@@ -24,7 +24,14 @@ from core.reduce.kernels import others
 from core.reduce.kernels.bits import MAGNITUDE
 from core.reduce.lanes import GATHERED, BoxLanes, Totals
 from core.reduce.loop import FieldLoop, field_loop
-from core.reduce.questions import EXACT_CELLS, ReducedField, takes_long, valid_regimes
+from core.reduce.questions import (
+    EVERY_REGIME,
+    EXACT_CELLS,
+    VALID_REGIMES,
+    ReducedField,
+    judge_of,
+    takes_long,
+)
 from core.reduce.state import STOPPED, State
 from core.study.reduction import Reduction, ShareCondition
 from core.watch import Watch
@@ -59,8 +66,8 @@ class Boxes:
         How the field is cut.
     is_exact : bool
         True if quantiles come from all cells of a slot, False if from a histogram.
-    flags : tuple of int
-        Numbers of the regimes that cells of the study can have.
+    flags : dict of str to tuple of int
+        Numbers of the regimes that cells can have by each verdict that is counted.
     cells_a_slot : int
         Number of cells of the field that are reduced to one slot.
     times : int
@@ -69,12 +76,13 @@ class Boxes:
 
     def __init__(self, plan: Plan, grid: Grid, asked: Reduction, field: ReducedField, cells: int):
         self.field, self._asked, self._grid = field, asked, grid
-        self._valid = valid_regimes(plan, asked)
-        self.flags = tuple(int(REGIMES[name].value) for name in plan.regimes)
+        verdicts = [one for one in plan.verdicts if one.name in field.regimes]
+        self.flags = {v.name: tuple(int(REGIMES[n].value) for n in v.regimes) for v in verdicts}
         # A cell has one regime: those of the last are what is left, and spare the loop some steps.
-        self._counted_flags = self.flags[:-1] or self.flags
+        self._counted_flags = {name: flags[:-1] or flags for name, flags in self.flags.items()}
         depends = field.plan.depends_on(grid.axes)
-        self._dims = {n: grid.dims(depends[n]) for n in (*field.plan.outputs, "regime")}
+        names = (*field.plan.outputs, *field.plan.verdict_names)
+        self._dims = {name: grid.dims(depends[name]) for name in names}
         shape = tuple(grid.shape[dim] for dim in field.dims)
         goes = tuple(dim in asked.over for dim in field.dims)
         seen = math.prod(compress(shape, goes))
@@ -84,7 +92,7 @@ class Boxes:
         self._loop: FieldLoop | None = None
         self._at_once = takes_long(field.plan)
         if not self._at_once and max(shape, default=0) <= LONGEST_AXIS:
-            self._loop = field_loop(field, grid, asked, self._valid, self._counted_flags)
+            self._loop = field_loop(field, grid, asked, self._counted_flags)
         self._order = self._loop.order if self._loop else stored_order(field, grid, asked)
         self.cutting = Cutting.of(shape, goes, cells, tile=self._tile())
         self.cells_a_slot = seen
@@ -132,19 +140,21 @@ class Boxes:
         total.
         """
         field, state = self.field, State()
-        flags = self._counted_flags if field.regimes else ()
+        flags = [(name, flag) for name in field.regimes for flag in self._counted_flags[name]]
         counters = len(field.outputs) + len(flags) + len(field.shares)
         totals = Totals(self._slots(box), counters)
         loop.gather(box, self._lanes(), totals)
         for counter, name in enumerate(field.outputs):
             state |= totals.state(name, counter)
-        names = [*(str(flag) for flag in flags), *field.shares]
+        names = [*(f"{name}.{flag}" for name, flag in flags), *field.shares]
         for counter, name in enumerate(names, start=len(field.outputs)):
             state[f"{name}.count"] = totals.counts[counter]
-        if field.regimes and len(flags) < len(self.flags):
-            cells = math.prod(stop - start for start, stop in box) // self._slots(box)
-            counted = [state[f"{flag}.count"] for flag in flags]
-            state[f"{self.flags[-1]}.count"] = cells - np.sum(counted, axis=0)
+        cells = math.prod(stop - start for start, stop in box) // self._slots(box)
+        for name in field.regimes:
+            *others_, last = self.flags[name]
+            if others_:
+                counted = [state[f"{name}.{flag}.count"] for flag in others_]
+                state[f"{name}.{last}.count"] = cells - np.sum(counted, axis=0)
         return state
 
     def _slots(self, box: Box) -> int:
@@ -179,9 +189,9 @@ class Boxes:
             state |= self._statistics(name, values, box)
             if self._asked.quantiles:
                 state |= self._quantiles(name, values, rows, box)
-        if field.regimes:
-            for flag in self.flags:
-                state[f"{flag}.count"] = _counted(values["regime"], flag, rows)
+        for name in field.regimes:
+            for flag in self.flags[name]:
+                state[f"{name}.{flag}.count"] = _counted(values[name], flag, rows)
         for name, conditions in field.shares.items():
             state[f"{name}.count"] = self._met(conditions, values, rows)
         if field.levels:
@@ -254,13 +264,13 @@ class Boxes:
         """Return an array of this thread for the cells of a box; the next box reuses its memory.
 
         It is not cleared. `name` tells buffers apart. `dtype` counts when the buffer is made; by
-        default bytes for ``"regime"``, else doubles. Memory that is used again spares the time to
+        default bytes for a verdict, else doubles. Memory that is used again spares the time to
         allocate it.
         """
         held: Buffers = self._threads.__dict__
         cells = math.prod(shape)
         if name not in held or held[name].size < cells:
-            dtype = dtype or (np.int8 if name == "regime" else np.float64)
+            dtype = dtype or (np.int8 if name in self.field.plan.verdict_names else np.float64)
             held[name] = np.empty(cells, dtype)
         return held[name][:cells].reshape(shape)
 
@@ -291,8 +301,17 @@ class Boxes:
     def _counted(self, name: str, values: Buffers, box: Box) -> NDArray[np.float64]:
         """Return an output's cells of a box, NaN where their regime keeps them from counting."""
         cells = self._buffer("masked", tuple(stop - start for start, stop in box))
-        others.masked(values[name], values["regime"], self._valid, cells.reshape(-1))
+        others.masked(values[name], *self._judged(name, values), cells.reshape(-1))
         return cells
+
+    def _judged(self, name: str, values: Buffers) -> tuple[NDArray[np.int8], int]:
+        """Return the regimes of the cells of an output, and those that count, a bit for each."""
+        judge = judge_of(self.field.plan, self._asked, name)
+        if judge is not None:
+            return values[judge.name], VALID_REGIMES
+        none = self._buffer("no regime", values[name].shape, np.int8)
+        none[:] = 0
+        return none, EVERY_REGIME
 
     def _quantiles(self, name: str, values: Buffers, rows: Rows, box: Box) -> State:
         """Return the state of an output's quantiles after a box: final values, or a histogram.
@@ -304,7 +323,7 @@ class Boxes:
         if not self.is_exact:
             counts = self._buffer("bins", (others.BINS,), np.int64)
             counts[:] = 0
-            others.histogram(values[name], values["regime"], self._valid, counts)
+            others.histogram(values[name], *self._judged(name, values), counts)
             bins = np.flatnonzero(counts)
             return {f"{name}.bins": bins, f"{name}.filled": counts[bins]}
         cells = self._counted(name, values, box)
@@ -321,14 +340,14 @@ class Boxes:
         A slot is a point of the reduced result. `values` has outputs and regimes of all cells of a
         box, flat; `rows` says which cells belong to which slot.
         """
-        met = np.ones(values["regime"].size, np.int8)
+        met = np.ones(next(iter(values.values())).size, np.int8)
         for condition in conditions:
-            if condition.name == "regime":
-                same = values["regime"] == REGIMES[str(condition.value)].value
+            if condition.is_regime:
+                same = values[condition.name] == REGIMES[str(condition.value)].value
                 met[same if condition.comparison == "!=" else ~same] = 0
             else:
                 others.meet(
-                    values[condition.name], values["regime"], self._valid,
+                    values[condition.name], *self._judged(condition.name, values),
                     COMPARED[condition.comparison], float(condition.value), met,
                 )  # fmt: skip
         return _counted(met, 1, rows)
@@ -347,7 +366,7 @@ class Boxes:
         largest = level.take == "largest"
         crossings = np.full(rows.count, -np.inf if largest else np.inf)
         others.crossings(
-            values[level.output], values["regime"], self._valid, level.level,
+            values[level.output], *self._judged(level.output, values), level.level,
             self._grid.axes[level.along].array(*box[at]), stride, largest,
             rows.slots, rows.length, rows.spread, crossings,
         )  # fmt: skip

@@ -84,7 +84,7 @@ def _of_shares(
         if not conditions:
             yield Problem(path, "it has no condition", "Give at least one")
         for k, condition in enumerate(conditions):
-            if condition.name != "regime":
+            if not condition.is_regime:
                 yield _no_output(condition.name, f"{path}.{k}", outputs, suggest)
 
 
@@ -122,10 +122,16 @@ def _regimes(asked: Reduction, plan: Plan) -> Iterator[Problem]:
     """
     for share, conditions in asked.shares.items():
         for k, one in enumerate(conditions):
-            if one.name == "regime" and one.value not in plan.regimes:
+            if not one.is_regime:
+                continue
+            place = f"reduce.shares.{share}.{k}"
+            known = next((v.regimes for v in plan.verdicts if v.name == one.name), None)
+            if known is None:
+                fix = f"Name one of {', '.join(plan.verdict_names)}"
+                yield Problem(place, f"the result of this study has no {one.name}", fix)
+            elif one.value not in known:
                 message = f"no cell of this study can be in the regime '{one.value}'"
-                fix = f"It can be in {', '.join(plan.regimes)}"
-                yield Problem(f"reduce.shares.{share}.{k}", message, fix)
+                yield Problem(place, message, f"It can be in {', '.join(known)}")
 
 
 def _levels(asked: Reduction, plan: Plan, grid: Grid) -> Iterator[Problem]:

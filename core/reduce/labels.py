@@ -35,8 +35,8 @@ class ReducedVariable:
 def variable_of(name: str, asked: Reduction, outputs: Collection[str]) -> ReducedVariable:
     """Return statistic, output and axis of a variable of a reduction, read from its name.
 
-    Names are ``share_<name>``, ``level_<name>``, ``regime_<name>_count``, or output, statistic and,
-    if any, axis, such as ``conveying_velocity_mean``. `asked` is the section `reduce` of the study,
+    Names are ``share_<name>``, ``level_<name>``, ``<verdict>_<regime>_count``, or output, statistic
+    and, if any, axis, such as ``conveying_velocity_mean``. `asked` is the section `reduce` of the study,
     which defines shares and levels, `outputs` are the study's outputs. Raises `KeyError` for other
     names.
     """
@@ -46,7 +46,8 @@ def variable_of(name: str, asked: Reduction, outputs: Collection[str]) -> Reduce
             along = asked.levels[rest].along if what == "level" else ""
             return ReducedVariable(what, rest, along)
     if name.startswith("regime_") and name.endswith("_count"):
-        return ReducedVariable("regime", name[len("regime_") : -len("_count")])
+        told = (one for one in REGIMES if name.endswith(f"_{one}_count"))
+        return ReducedVariable("regime", max(told, key=len))
     for output in sorted(outputs, key=len, reverse=True):
         what, _, axis = name.removeprefix(f"{output}_").partition("_")
         if name.startswith(f"{output}_") and what in ("count", "quantile", *asked.statistics):

@@ -12,11 +12,12 @@ import numpy as np
 from core.plan.grid import Grid
 from core.plan.loops.lanes import LARGE_TILE_CELLS, TILE_CELLS, LaneLoop, LaneOrder
 from core.plan.loops.trace import Traced, TracedPlan, traced_plan
+from core.plan.verdicts import Verdict
 from core.quantities import QUANTITIES, REGIMES
 from core.reduce.cutting import Box
 from core.reduce.kernels.folding import COUNT_BITS, COUNTS
 from core.reduce.lanes import Array, BoxLanes, Totals
-from core.reduce.questions import ReducedField
+from core.reduce.questions import ReducedField, judge_of
 from core.study.reduction import Reduction, ShareCondition
 
 COMPARISONS = {
@@ -75,10 +76,8 @@ class FieldLoop:
         The graph of its plan; steps are added to it.
     field, grid, asked
         The field, the whole grid, and the reduction that the study asks for.
-    valid : int
-        The regimes of cells that count, one bit each.
-    flags : sequence of int
-        Numbers of the regimes that are counted if the field counts regimes.
+    flags : mapping of str to sequence of int
+        Numbers of the regimes to count, by verdict.
     """
 
     def __init__(
@@ -87,10 +86,10 @@ class FieldLoop:
         field: ReducedField,
         grid: Grid,
         asked: Reduction,
-        valid: int,
-        flags: Sequence[int],
+        flags: Mapping[str, Sequence[int]],
     ):
-        self._traced, self._field, self._valid = traced, field, valid
+        self._traced, self._field, self._asked = traced, field, asked
+        self._holds = dict(zip(field.plan.conditions, traced.holds, strict=True))
         counted = {name: self._counted(name) for name in self._outputs()}
         self._gatherings: list[Gathering] = []
         results: dict[str, Any] = {}
@@ -155,21 +154,18 @@ class FieldLoop:
         """Return the outputs that the loop computes, for statistics and conditions."""
         compared = (one.name for conditions in self._field.shares.values() for one in conditions)
         names = dict.fromkeys((*self._field.outputs, *compared))
-        return [name for name in names if name != "regime"]
+        return [name for name in names if name not in self._field.plan.verdict_names]
 
-    def _by_regime(self, values: Mapping[int, Any], otherwise: Any) -> Any:
+    def _by_regime(self, verdict: Verdict, values: Mapping[int, Any], otherwise: Any) -> Any:
         """Return a node that chooses between values by the regime of each cell.
 
         A node is an operation of the graph from which the compiled loop is written. `values` has
-        nodes or constants for some regimes, by number; all others get `otherwise`.
+        nodes or constants for some regimes of the verdict, by number; all others get `otherwise`.
         """
-        plan = self._field.plan
-        chosen = values.get(int(REGIMES[plan.otherwise].value), otherwise)
-        for condition, holds in zip(
-            reversed(plan.conditions), reversed(self._traced.holds), strict=True
-        ):
+        chosen = values.get(int(REGIMES[verdict.otherwise].value), otherwise)
+        for condition in reversed(verdict.conditions):
             mine = values.get(int(REGIMES[condition.regime].value), otherwise)
-            chosen = self._traced.graph.apply(np.where, (holds, mine, chosen))
+            chosen = self._traced.graph.apply(np.where, (self._holds[condition], mine, chosen))
         return chosen
 
     def _counted(self, name: str) -> Any:
@@ -181,13 +177,15 @@ class FieldLoop:
         value = self._traced.known[name]
         if QUANTITIES[name].is_angle:
             value = self._traced.graph.apply(np.multiply, (value, 180 / np.pi))
-        regimes = (*(one.regime for one in self._field.plan.conditions), self._field.plan.otherwise)
-        numbers = (int(REGIMES[name].value) for name in regimes)
-        invalid = {number: np.nan for number in numbers if not self._valid >> number & 1}
-        return self._by_regime(invalid, value)
+        judge = judge_of(self._field.plan, self._asked, name)
+        if judge is None:
+            return value
+        regimes = (REGIMES[regime] for regime in judge.regimes)
+        invalid = {int(one.value): np.nan for one in regimes if not one.valid}
+        return self._by_regime(judge, invalid, value)
 
     def _counts(
-        self, counted: Mapping[str, Any], flags: Sequence[int]
+        self, counted: Mapping[str, Any], flags: Mapping[str, Sequence[int]]
     ) -> list[tuple[Gathering, Any]]:
         """Return the counts of cells that a loop gathers, several packed into one number.
 
@@ -196,24 +194,28 @@ class FieldLoop:
         once. Each result is the total to gather and the node of the graph that gives its numbers.
 
         `counted` has the outputs' nodes, NaN where a cell does not count; `flags` are the numbers
-        of the regimes.
+        of the regimes, by verdict.
         """
         field = self._field
         counters: list[Any] = [counted[name] == counted[name] for name in field.outputs]
-        counters += flags if field.regimes else ()
+        counters += [(name, flag) for name in field.regimes for flag in flags[name]]
         counters += [self._met(each, counted) for each in field.shares.values()]
         pairs = []
         for first in range(0, len(counters), COUNTS):
             some = counters[first : first + COUNTS]
             weights = [float(1 << COUNT_BITS * k) for k in range(len(some))]
-            regimes = {
-                counter: weight
-                for counter, weight in zip(some, weights, strict=True)
-                if type(counter) is int
-            }
-            packed = self._by_regime(regimes, 0.0) if regimes else 0.0
+            packed: Any = 0.0
+            for verdict in field.plan.verdicts:
+                regimes = {
+                    counter[1]: weight
+                    for counter, weight in zip(some, weights, strict=True)
+                    if isinstance(counter, tuple) and counter[0] == verdict.name
+                }
+                if regimes:
+                    chosen = self._by_regime(verdict, regimes, 0.0)
+                    packed = chosen if type(packed) is float else chosen + packed
             for counter, weight in zip(some, weights, strict=True):
-                if type(counter) is not int:
+                if not isinstance(counter, tuple):
                     packed = np.where(counter, weight, 0.0) + packed
             pairs.append((Gathering("sum", counters=(first, first + len(some))), packed))
         return pairs
@@ -227,9 +229,11 @@ class FieldLoop:
         """
         met: Any = True
         for condition in conditions:
-            if condition.name == "regime":
+            if condition.is_regime:
+                verdicts = {one.name: one for one in self._field.plan.verdicts}
                 equal = {int(REGIMES[str(condition.value)].value): condition.comparison == "=="}
-                holds = self._by_regime(equal, condition.comparison != "==")
+                apart = condition.comparison != "=="
+                holds = self._by_regime(verdicts[condition.name], equal, apart)
             else:
                 value = counted[condition.name]
                 holds = COMPARISONS[condition.comparison](value, float(condition.value)) & (
@@ -261,7 +265,7 @@ def _statistics(
 
 
 def field_loop(
-    field: ReducedField, grid: Grid, asked: Reduction, valid: int, flags: Sequence[int]
+    field: ReducedField, grid: Grid, asked: Reduction, flags: Mapping[str, Sequence[int]]
 ) -> FieldLoop | None:
     """Return the compiled loop for a group of outputs; None if their cells have to be stored.
 
@@ -273,12 +277,10 @@ def field_loop(
         The outputs, over the same axes, with what is asked of them.
     asked : Reduction
         The section `reduce` of the study.
-    valid : int
-        A bit for each regime that counts.
-    flags : sequence of int
-        The numbers of the regimes to count.
+    flags : mapping of str to sequence of int
+        The numbers of the regimes to count, by verdict.
     """
     if not field.dims or field.levels or (field.outputs and asked.quantiles):
         return None
     traced = traced_plan(field.plan, grid.axes)
-    return None if traced is None else FieldLoop(traced, field, grid, asked, valid, flags)
+    return None if traced is None else FieldLoop(traced, field, grid, asked, flags)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from core.plan.grid import Grid
 from core.plan.plan import Plan
+from core.plan.verdicts import Verdict
 from core.quantities import FLAGS, REGIMES
 from core.study.reduction import LevelSet, Reduction, ShareCondition
 
@@ -27,8 +28,8 @@ class ReducedField:
         The plan that is evaluated for it.
     outputs : tuple of str
         Outputs with statistics or quantiles.
-    regimes : bool
-        True if cells are counted by regime.
+    regimes : tuple of str
+        The verdicts by whose regimes cells are counted.
     shares : mapping of str to tuple of ShareCondition
         Conditions of each share.
     levels : mapping of str to LevelSet
@@ -40,7 +41,7 @@ class ReducedField:
     dims: tuple[str, ...]
     plan: Plan
     outputs: tuple[str, ...] = ()
-    regimes: bool = False
+    regimes: tuple[str, ...] = ()
     shares: dict[str, tuple[ShareCondition, ...]] = field(default_factory=dict)
     levels: dict[str, LevelSet] = field(default_factory=dict)
     along: tuple[str, ...] = ()
@@ -58,8 +59,8 @@ def fields_of(plan: Plan, grid: Grid, asked: Reduction) -> tuple[ReducedField, .
     at_once = takes_long(plan)
     depends = plan.depends_on(grid.axes)
     for names, question in _questions(plan, asked):
-        if has_invalid(plan, asked) and names:
-            names = {*names, "regime"}
+        judges = (judge_of(plan, asked, name) for name in names)
+        names = names | {judge.name for judge in judges if judge is not None}
         dims = grid.dims(frozenset().union(*(depends[name] for name in names)))
         key = (dims, () if at_once else question.along)
         known = fields.get(key, ReducedField(dims, plan))
@@ -67,12 +68,16 @@ def fields_of(plan: Plan, grid: Grid, asked: Reduction) -> tuple[ReducedField, .
         fields[key] = replace(
             known,
             outputs=tuple(dict.fromkeys((*known.outputs, *question.outputs))),
-            regimes=known.regimes or question.regimes,
+            regimes=(*known.regimes, *question.regimes),
             shares={**known.shares, **question.shares},
             levels={**known.levels, **question.levels},
             along=tuple(dict.fromkeys((*known.along, *question.along))),
         )
-    return tuple(replace(known, plan=_pulled(plan, needed[key])) for key, known in fields.items())
+    order = (*plan.outputs, *plan.verdict_names)
+    return tuple(
+        replace(known, plan=plan.part([name for name in order if name in needed[key]]))
+        for key, known in fields.items()
+    )
 
 
 def takes_long(plan: Plan) -> bool:
@@ -80,16 +85,14 @@ def takes_long(plan: Plan) -> bool:
     return any(equation.takes_long for equation in plan.equations)
 
 
-def has_invalid(plan: Plan, asked: Reduction) -> bool:
-    """True if some regime of the plan keeps cells from counting."""
-    return asked.cells == "valid" and not all(REGIMES[name].valid for name in plan.regimes)
+def judge_of(plan: Plan, asked: Reduction, output: str) -> Verdict | None:
+    """Return the verdict that keeps cells of an output from counting; None if all count."""
+    verdict = plan.verdict_on(output)
+    return verdict if asked.cells == "valid" and verdict and verdict.doubts else None
 
 
-def valid_regimes(plan: Plan, asked: Reduction) -> int:
-    """Return the regimes of cells that count, as an integer with a bit for each number."""
-    if not has_invalid(plan, asked):
-        return EVERY_REGIME
-    return sum(1 << REGIMES[name].value for name in plan.regimes if REGIMES[name].valid)
+VALID_REGIMES = sum(1 << flag.value for flag in REGIMES.values() if flag.valid)
+"""The regimes of cells that count, as an integer with a bit for each number."""
 
 
 def outputs_of(plan: Plan, asked: Reduction) -> tuple[str, ...]:
@@ -108,15 +111,9 @@ def _questions(plan: Plan, asked: Reduction) -> Iterator[tuple[set[str], Reduced
     if asked.statistics or asked.quantiles:
         for name in outputs_of(plan, asked):
             yield {name}, ReducedField((), plan, outputs=(name,))
-    if asked.regimes:
-        yield {"regime"}, ReducedField((), plan, regimes=True)
+    for name in plan.verdict_names if asked.regimes else ():
+        yield {name}, ReducedField((), plan, regimes=(name,))
     for name, conditions in asked.shares.items():
         yield {one.name for one in conditions}, ReducedField((), plan, shares={name: conditions})
     for name, level in asked.levels.items():
         yield {level.output}, ReducedField((), plan, levels={name: level}, along=(level.along,))
-
-
-def _pulled(plan: Plan, names: Iterable[str]) -> Plan:
-    """Return the part of the plan that the arrays named (outputs, `regime`) need."""
-    outputs = tuple(name for name in plan.outputs if name in set(names))
-    return plan.part(outputs, plan.conditions if "regime" in names else ())

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 
-from core.dataset.table import Table, TableVariable, regime_attributes
-from core.plan.labels import coordinates_of, global_attributes
+from core.dataset.table import Table, TableVariable
+from core.plan.labels import coordinates_of, global_attributes, verdicts_of
 from core.plan.pieces import Computed
 from core.quantities import QUANTITIES
 from core.sensitivity.prepare import Sensitivity
@@ -28,9 +29,10 @@ def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
         name: TableVariable(dims[name], arrays[name], one.attributes)
         for name, one in prepared.result_variables.items()
     }
-    attributes = regime_attributes(prepared.plan.regimes)
-    attributes["comment"] += "; of the nominal values"
-    variables["regime"] = TableVariable(dims["regime"], arrays["regime"], attributes)
+    for name, verdict in verdicts_of(prepared.plan, dims, arrays).items():
+        comment = f"{verdict.attributes['comment']}; of the nominal values"
+        attributes = {**verdict.attributes, "comment": comment}
+        variables[name] = replace(verdict, attributes=attributes)
     return Table(
         {**coordinates_of(prepared.plan, prepared.grid), **_coordinates(prepared)},
         variables,

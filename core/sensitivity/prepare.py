@@ -66,7 +66,7 @@ class Sensitivity(Prepared):
 
     @cached_property
     def result_variables(self) -> dict[str, ResultVariable]:
-        """Every variable of the result except `regime`."""
+        """Every variable of the result except the verdicts."""
         return {one.name: one for one in result_variables(self.study, self.outputs)}
 
     @cached_property
@@ -80,12 +80,13 @@ class Sensitivity(Prepared):
         found = {
             n: (one.over, *axes) if one.over else axes for n, one in self.result_variables.items()
         }
-        return {**found, "regime": axes}
+        return {**found, **dict.fromkeys(self.plan.verdict_names, axes)}
 
     @cached_property
     def units(self) -> dict[str, str]:
         """The unit of each variable."""
-        return {**{name: one.unit for name, one in self.result_variables.items()}, "regime": "1"}
+        flags = dict.fromkeys(self.plan.verdict_names, "1")
+        return {name: one.unit for name, one in self.result_variables.items()} | flags
 
     @property
     def sizes(self) -> Mapping[str, int]:

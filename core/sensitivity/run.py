@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 from core.errors import StoppedError
 from core.mechanics.arrays import Array, Mask
 from core.plan.draws import values_at
-from core.plan.equations import regimes, regimes_of, run_equations
+from core.plan.equations import regimes, run_equations
 from core.plan.grid import from_si
 from core.plan.pieces import Computed
 from core.quantities import REGIMES
-from core.scenes import EXACT
 from core.sensitivity import statistics
 from core.sensitivity.indices import design, indices_of
 from core.sensitivity.morris import effects_of, paths
@@ -41,12 +40,12 @@ class SampledOutputs:
     ----------
     outputs : mapping of str to ndarray
         Shape (designs, ...); NaN where there is no sound value.
-    regime : ndarray of int8
-        The regimes, of the same shape.
+    regimes : mapping of str to ndarray of int8
+        The regimes by each verdict, of the same shape.
     """
 
     outputs: Mapping[str, Array]
-    regime: NDArray[np.int8]
+    regimes: Mapping[str, NDArray[np.int8]]
 
     def shaped(self, *shape: int) -> SampledOutputs:
         """Return the sampled outputs with points in another shape; designs stay first.
@@ -55,7 +54,7 @@ class SampledOutputs:
         """
         return SampledOutputs(
             {name: one.reshape(-1, *shape) for name, one in self.outputs.items()},
-            self.regime.reshape(-1, *shape),
+            {name: one.reshape(-1, *shape) for name, one in self.regimes.items()},
         )
 
 
@@ -124,7 +123,7 @@ class _Evaluator:
                 )
         return SampledOutputs(
             {n: np.concatenate([part.outputs[n] for part in parts], -1) for n in parts[0].outputs},
-            np.concatenate([part.regime for part in parts], -1),
+            {n: np.concatenate([part.regimes[n] for part in parts], -1) for n in parts[0].regimes},
         )
 
     def _some(self, samples: Mapping[str, Array]) -> SampledOutputs:
@@ -139,32 +138,18 @@ class _Evaluator:
         with np.errstate(all="ignore"):
             part = self.watch.part(number / self.long) if self.long else None
             known = run_equations(plan, {**self.designs, **samples}, part)
-            regime = np.broadcast_to(regimes(plan, known), shape)
-            valid = self._valid(known, shape)
+            told = {n: np.broadcast_to(one, shape) for n, one in regimes(plan, known).items()}
+            valid = {n: ~np.isin(one, INVALID) for n, one in told.items()}
         if not self.long:
             self.watch.advance(number)
         outputs = {}
         for name in plan.outputs:
             values = np.asarray(from_si(name, np.asarray(known[name], dtype=np.float64)))
             values = np.broadcast_to(values, shape)
-            outputs[name] = np.where(valid[name] & np.isfinite(values), values, np.nan)
-        return SampledOutputs(outputs, regime)
-
-    def _valid(self, known: Mapping[str, Any], shape: tuple[int, ...]) -> dict[str, Mask]:
-        """Return, for each output, a mask of the cells whose regime describes a real part.
-
-        Only regimes that concern the output count; `known` has every quantity of the plan, `shape`
-        is that of the masks.
-        """
-        plan, valid, masks = self.prepared.plan, {}, {}
-        for name in plan.outputs:
-            doubted = plan.conditions if name not in EXACT else ()
-            concerned = tuple(one for one in doubted if name in one.outputs)
-            if concerned not in masks:
-                codes = regimes_of(concerned, plan.otherwise, known)
-                masks[concerned] = np.broadcast_to(~np.isin(codes, INVALID), shape)
-            valid[name] = masks[concerned]
-        return valid
+            verdict = plan.verdict_on(name)
+            holds = valid[verdict.name] if verdict is not None else True
+            outputs[name] = np.where(holds & np.isfinite(values), values, np.nan)
+        return SampledOutputs(outputs, told)
 
 
 def _variables(evaluator: _Evaluator) -> Arrays:
@@ -176,9 +161,8 @@ def _variables(evaluator: _Evaluator) -> Arrays:
     """
     prepared = evaluator.prepared
     study = prepared.study
-    statistics_of: Arrays = {
-        "regime": evaluator.of(_first(prepared.budget.values())).regime[..., 0]
-    }
+    nominal = evaluator.of(_first(prepared.budget.values()))
+    statistics_of: Arrays = {name: one[..., 0] for name, one in nominal.regimes.items()}
     for name, values in _of_points(evaluator):
         statistics_of[name] = values
     if "morris" in study.analyses:
@@ -250,7 +234,8 @@ def _met(demand: Demand, values: SampledOutputs) -> Mask:
     first counts. A missing value does not meet a demand.
     """
     if demand.regime is not None:
-        return np.asarray(values.regime[:, 0] == REGIMES[demand.regime].value)
+        wanted = REGIMES[demand.regime].value
+        return np.any([one[:, 0] == wanted for one in values.regimes.values()], axis=0)
     output = values.outputs[str(demand.output)][:, 0]
     met = np.isfinite(output)
     if demand.at_least is not None:

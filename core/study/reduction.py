@@ -19,6 +19,7 @@ from pydantic import (
 )
 
 from core.quantities import QUANTITIES, REGIMES
+from core.quantities.flags import is_regime
 from core.study.levels import Level, at_most, read_level, refusal
 from core.study.units import UnitError
 from core.suggestions import suggestion
@@ -44,7 +45,7 @@ class ShareCondition:
     Attributes
     ----------
     name : str
-        An output, or ``regime``.
+        An output, or a variable of regimes, such as ``regime``.
     comparison : str
         One of `COMPARISONS`.
     value : float or str
@@ -54,6 +55,11 @@ class ShareCondition:
     name: str
     comparison: str
     value: float | str
+
+    @property
+    def is_regime(self) -> bool:
+        """True for a condition on a regime, false for one on an output."""
+        return isinstance(self.value, str)
 
     def __str__(self) -> str:
         value = self.value if isinstance(self.value, str) else repr(self.value)
@@ -73,7 +79,7 @@ def _read_condition(raw: object) -> ShareCondition:
     if found is None:
         raise refusal(f"{str(raw)[:60]!r} is not a condition", HOW)
     name, comparison, value = found.groups()
-    if name == "regime":
+    if is_regime(name):
         if comparison not in ("==", "!="):
             fix = f"Write 'regime == {value}' or 'regime != {value}'"
             raise refusal("regimes have no order", fix)

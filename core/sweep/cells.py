@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from core.dataset.table import Table, TableVariable, regime_attributes
+from core.dataset.table import Table
 from core.mechanics.arrays import Array
 from core.plan.derivatives import derivatives
 from core.plan.derived import cells_of
 from core.plan.evaluate import evaluate
-from core.plan.labels import coordinates_of, global_attributes, outputs_of
+from core.plan.labels import coordinates_of, global_attributes, outputs_of, verdicts_of
 from core.plan.pieces import Computed
 from core.plan.prepared import Prepared
 from core.plan.sample import Sample
@@ -16,14 +16,14 @@ from core.watch import Watch
 
 
 def compute(prepared: Prepared, watch: Watch) -> Computed:
-    """Return the outputs and `regime` of a sweep in SI units, with derivatives if the study asks.
+    """Return the outputs and verdicts of a sweep in SI units, with derivatives if the study asks.
 
     `watch` has the number of threads and takes the progress.
     """
     plan, grid, asked = prepared.plan, prepared.grid, prepared.derived
     arrays = evaluate(plan, grid, threads=watch.threads, progress=watch.advance)
     if asked is not None:
-        part = plan.part(asked.outputs, ())
+        part = plan.part(asked.outputs)
         found = derivatives(part, cells_of(part, grid), asked.parameters)
         arrays = {**arrays, **asked.arrays(plan, grid, prepared.dims, found)}
     return Computed(arrays)
@@ -40,10 +40,7 @@ def label(prepared: Prepared, computed: Computed, watch: Watch) -> Table:
         """Return the outputs at sampled cells."""
         return {name: sample.at(arrays[name], dims[name]) for name in plan.outputs}
 
-    variables = outputs_of(prepared, arrays)
-    variables["regime"] = TableVariable(
-        dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
-    )
+    variables = outputs_of(prepared, arrays) | verdicts_of(plan, dims, arrays)
     if prepared.derived is not None:
         variables |= prepared.derived.variables(prepared.dims, arrays)
     attributes = {**attributes_of(prepared), **verified(prepared, values_at, watch)}

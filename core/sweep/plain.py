@@ -62,7 +62,7 @@ class Sweep(Prepared):
         return evaluation_seconds(self.plan, self.grid) / self.cells
 
     def compute(self, watch: Watch) -> Computed:
-        """Return outputs and `regime` in SI units."""
+        """Return outputs and verdicts in SI units."""
         return compute(self, watch)
 
     def label(self, computed: Computed, watch: Watch) -> Table:
@@ -107,7 +107,7 @@ class DerivedSweep(Prepared):
         return passes * self.plan.scene.seconds_a_cell * pace()
 
     def compute(self, watch: Watch) -> Computed:
-        """Return outputs and `regime` in SI units."""
+        """Return outputs and verdicts in SI units."""
         return compute(self, watch)
 
     def label(self, computed: Computed, watch: Watch) -> Table:

@@ -12,7 +12,7 @@ AnySweep = Sweep | DerivedSweep | ReducedSweep
 
 
 def compute(prepared: AnySweep, watch: Watch) -> Computed:
-    """Return outputs and `regime` of a sweep in SI units, or its reduction."""
+    """Return outputs and verdicts of a sweep in SI units, or its reduction."""
     return prepared.compute(watch)
 
 

@@ -12,6 +12,7 @@ from core.dataset.table import Table, TableVariable, quantity_attributes, regime
 from core.errors import LimitError, Problem, StudyError
 from core.plan.evaluate import evaluate
 from core.plan.grid import Grid, from_si
+from core.plan.labels import link_to_verdict
 from core.plan.plan import Plan
 from core.plan.prepared import Prepared
 from core.quantities import QUANTITIES, REGIMES
@@ -163,6 +164,7 @@ def table_of(sweep: Prepared, piece: Mapping[str, Any]) -> Table:
     regimes.
     """
     output = piece["output"]
+    plan = sweep.plan.only(output)
     axes = {axis["name"]: (axis["values"], (axis["name"],)) for axis in piece["axes"]}
     fixed = {name: (np.float64(value), ()) for name, value in piece["fixed"].items()}
     coordinates = {
@@ -172,7 +174,7 @@ def table_of(sweep: Prepared, piece: Mapping[str, Any]) -> Table:
     variables = {
         name: TableVariable(tuple(part["dims"]), part["data"], attributes)
         for name, part, attributes in (
-            (output, piece["values"], quantity_attributes(output)),
+            (output, piece["values"], quantity_attributes(output, **link_to_verdict(plan, output))),
             ("regime", piece["regime"], regime_attributes(tuple(piece["regimes"]))),
         )
     }

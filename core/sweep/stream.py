@@ -17,11 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.dataset.layout import Tile
+from core.dataset.regimes import is_valid
 from core.dataset.table import Table
 from core.errors import VibrafeedError
 from core.mechanics.arrays import Array
 from core.plan.labels import coordinates_of
 from core.plan.pieces import carry_out, price
+from core.plan.plan import Plan
 from core.plan.prepared import Prepared
 from core.plan.sample import Sample, sample_of
 from core.plan.tiles import Tiled
@@ -89,30 +91,38 @@ class Passed:
     Attributes
     ----------
     ends : dict of str to tuple of float
-        The least and largest finite value of each output.
-    regimes : dict of int to int
-        Number of cells in each regime, by its number.
+        The least and largest finite and valid value of each output.
+    regimes : dict of str to dict of str to int
+        Number of cells in each regime, by the name of the verdict and of the regime.
     cells : int
         Points of all tiles.
     """
 
     ends: dict[str, tuple[float, float]] = field(default_factory=dict)
-    regimes: dict[int, int] = field(default_factory=dict)
+    regimes: dict[str, dict[str, int]] = field(default_factory=dict)
     cells: int = 0
 
-    def add(self, tile: Tile, arrays: Mapping[str, NDArray[Any]], flags: tuple[int, ...]) -> None:
+    def add(self, tile: Tile, arrays: Mapping[str, NDArray[Any]], plan: Plan) -> None:
         """Add a tile to the statistics of a sweep: cells, extremes and counts of regimes.
 
-        `arrays` has the outputs of the tile and `regime`, arrays over its cells; values that are
-        not finite are left out. `flags` are the numbers of the regimes that can occur.
+        `arrays` has the outputs and verdicts of the tile, arrays over its cells. Values that are
+        not finite, or not valid by a verdict of the tile, are left out of the extremes.
         """
         self.cells += tile.cells
+        verdicts = {verdict.name: verdict for verdict in plan.verdicts if verdict.name in arrays}
+        for name, verdict in verdicts.items():
+            counts = self.regimes.setdefault(name, {})
+            for regime in verdict.regimes:
+                found = int(np.count_nonzero(arrays[name] == REGIMES[regime].value))
+                counts[regime] = counts.get(regime, 0) + found
         for name, values in arrays.items():
-            if name == "regime":
-                for flag in flags:
-                    count = int(np.count_nonzero(values == flag))
-                    self.regimes[flag] = self.regimes.get(flag, 0) + count
+            if name in verdicts:
                 continue
+            verdict = plan.verdict_on(name)
+            if verdict is not None and verdict.name in verdicts and verdict.doubts:
+                values = values[is_valid(arrays[verdict.name])]
+                if not values.size:
+                    continue
             least, largest = values.min(), values.max()
             if not (np.isfinite(least) and np.isfinite(largest)):
                 finite = values[np.isfinite(values)]
@@ -145,7 +155,6 @@ def stream(sweep: Prepared, target: Target, watch: Watch | None = None) -> tuple
         True if all tiles are there.
     """
     watch, tiled, passed = watch or Watch(), Tiled(sweep), Passed()
-    flags = tuple(int(REGIMES[name].value) for name in sweep.plan.regimes)
     expected = _Expected(sweep, tiled)
     missing = deque(target.missing)
     to_do = sum(tiled.tiles[index].cells for index in missing)
@@ -163,7 +172,7 @@ def stream(sweep: Prepared, target: Target, watch: Watch | None = None) -> tuple
         """
         expected.check(tile, arrays)
         target.write(index, arrays, cost)
-        passed.add(tile, arrays, flags)
+        passed.add(tile, arrays, sweep.plan)
         watch.advance(tile.cells / tiled.tiles.cells)
 
     with ThreadPoolExecutor(1, thread_name_prefix="writer") as writer:
@@ -212,7 +221,7 @@ class _Expected:
         at = tuple(
             place[inside] - start for place, (start, _) in zip(positions, tile.box, strict=True)
         )
-        for name in set(arrays) - {"regime"}:
+        for name in set(arrays) - {*self._sweep.plan.verdict_names}:
             known = self._sweep.in_files(name, self._values[name][inside])
             if not np.array_equal(arrays[name][at], known, equal_nan=True):
                 raise VibrafeedError(

@@ -54,7 +54,7 @@ class ZarrView:
     """A read-only Zarr v3 group of a sweep: keys in, bytes out.
 
     The keys are ``zarr.json``, ``{array}/zarr.json`` and ``{array}/c/i/j/...``; the arrays are the
-    coordinates, the outputs and ``regime``. Values are to the bit those that `tabulate` gives.
+    coordinates, the outputs and the verdicts. Values are to the bit those that `tabulate` gives.
     Threads may read at the same time.
 
     Parameters
@@ -116,10 +116,8 @@ class ZarrView:
         for name, variable in (*labels.coordinates.items(), *labels.variables.items()):
             shape = tuple(self._grid.shape[dim] for dim in variable.dims)
             plan = None
-            if name == "regime":
-                plan = sweep.plan.part((), sweep.plan.conditions)
-            elif name in labels.variables:
-                plan = sweep.plan.part((name,), ())
+            if name in labels.variables:
+                plan = sweep.plan.part((name,))
             arrays[name] = _Array(
                 variable.dims,
                 shape,
@@ -167,7 +165,7 @@ class ZarrView:
     def _chunk(self, name: str, index: tuple[int, ...]) -> bytes:
         """Compute a chunk of an array; return its bytes, filled up at the end of an axis.
 
-        A chunk is the piece of an array that is read at once. `name` is an output, ``regime`` or a
+        A chunk is the piece of an array that is read at once. `name` is an output, a verdict or a
         coordinate, `index` the position of the chunk on each axis.
         """
         array = self._arrays[name]
@@ -185,7 +183,7 @@ class ZarrView:
     def _values(self, name: str, box: Mapping[str, tuple[int, int]]) -> NDArray[Any]:
         """Return the values of an array of a Zarr group in a box of cells, in the units of files.
 
-        The values are computed for each request, not stored: `name` is an output, ``regime`` or a
+        The values are computed for each request, not stored: `name` is an output, a verdict or a
         coordinate. `box` has start and stop on each axis of the array.
         """
         axes, plan = self._grid.axes, self._arrays[name].plan

@@ -19,6 +19,7 @@ from core.motion.systems import SYSTEMS
 from core.plan.equations import regimes, run_equations
 from core.plan.plan import plan_scene, scene_parameters
 from core.quantities import QUANTITIES, REGIMES
+from core.quantities.flags import REGIME
 from core.study.simulate_study import SimulateStudy
 from core.sweep.plain import Sweep
 from core.watch import Watch
@@ -108,7 +109,7 @@ def measure(sweep: Sweep, motion: Simulation, watch: Watch, cells: int = CELLS) 
     answered = np.isin(known["motion_status"], [STATUS[name] for name in ANSWERED])
     kept = spread(answered) & np.isfinite(true)
     reached = int(np.sum(spread(known["motion_status"]) != STATUS["not_computed"]))
-    kind = spread(regimes(plan, known))
+    kind = spread(regimes(plan, known)[REGIME])
     with np.errstate(all="ignore"):  # where a form has no value, that is told
         closed = run_equations(sweep.plan, {n: sample[n] for n in sweep.plan.parameters})
     moves = kept & (np.abs(true) > RESTING * drive)
@@ -128,6 +129,7 @@ def measure(sweep: Sweep, motion: Simulation, watch: Watch, cells: int = CELLS) 
     if reached < cells:
         notes.append(f"The time given ran out: {reached:,} of {cells:,} cells were followed.")
     velocities = [name for name in outputs if name in VELOCITIES]
+    told = plan.verdicts[0].regimes
     singles = {
         "throw_number": single(_chosen(known["throw_number"], moves, cells), "throw number", "1"),
         "true_velocity": single(true[moves], "mean velocity of the true motion", VELOCITY),
@@ -135,8 +137,8 @@ def measure(sweep: Sweep, motion: Simulation, watch: Watch, cells: int = CELLS) 
             kind[moves],
             "regime of the true motion",
             "1",
-            flag_values=np.array([REGIMES[n].value for n in plan.regimes], dtype=np.int8),
-            flag_meanings=" ".join(plan.regimes),
+            flag_values=np.array([REGIMES[n].value for n in told], dtype=np.int8),
+            flag_meanings=" ".join(told),
         ),
     }
     for name in velocities:

@@ -74,7 +74,7 @@ class Fused:
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> None:
-        """Compute the outputs of the plan and ``regime`` over the grid, into `results`.
+        """Compute the outputs and verdicts of the plan over the grid, into `results`.
 
         Parameters
         ----------
@@ -276,14 +276,14 @@ def lay_out_operands(
 
 
 def groups_of(plan: Plan, grid: Grid) -> dict[tuple[str, ...], tuple[str, ...]]:
-    """Return the outputs of a plan and ``regime`` grouped by the axes that they depend on.
+    """Return the outputs and verdicts of a plan grouped by the axes that they depend on.
 
     The groups are in order of their number of points, the largest last. Each group is computed by
     loops of its own over these axes, the keys of the result.
     """
     depends = plan.depends_on(grid.axes)
     groups: dict[tuple[str, ...], list[str]] = {}
-    for name in (*plan.outputs, "regime"):
+    for name in (*plan.outputs, *plan.verdict_names):
         groups.setdefault(grid.dims(depends[name]), []).append(name)
     return {dims: tuple(groups[dims]) for dims in sorted(groups, key=grid.size)}
 

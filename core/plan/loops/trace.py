@@ -20,7 +20,8 @@ from core.mechanics.elementwise import Elementwise
 from core.plan.equations import regimes_of, run
 from core.plan.operations import IN_LOOPS
 from core.plan.plan import Plan
-from core.scenes import Condition, Equation
+from core.plan.verdicts import Verdict
+from core.scenes import Equation
 
 Function = Callable[..., Any]
 
@@ -292,7 +293,7 @@ class TracedPlan:
     known : mapping of str to Node or number
         Every quantity of the plan.
     holds : tuple of Node or bool
-        Whether each condition of its regimes holds.
+        Whether each condition of its verdicts holds.
     """
 
     graph: Graph
@@ -322,7 +323,7 @@ def traced_plan(plan: Plan, axes: Iterable[str]) -> TracedPlan | None:
 
 
 def traced(plan: Plan, axes: Iterable[str]) -> Traced | None:
-    """Return the graph of operations behind a plan's outputs and regime, to compile loops from it.
+    """Return the graph behind a plan's outputs and verdicts, to compile loops from it.
 
     `axes` are the names of the parameters with several values. The graph does not depend on values,
     so that equal plans share it: parameters with a single value are nodes too. None if an equation
@@ -331,8 +332,7 @@ def traced(plan: Plan, axes: Iterable[str]) -> Traced | None:
     ranged = tuple(name for name in axes if name in plan.parameters)
     return _traced(
         plan.equations,
-        plan.conditions,
-        plan.otherwise,
+        plan.verdicts,
         plan.outputs,
         (*plan.parameters, *plan.defaults),
         ranged,
@@ -342,21 +342,20 @@ def traced(plan: Plan, axes: Iterable[str]) -> Traced | None:
 @lru_cache(maxsize=256)
 def _traced(
     equations: tuple[Equation, ...],
-    conditions: tuple[Condition, ...],
-    otherwise: str,
+    verdicts: tuple[Verdict, ...],
     outputs: tuple[str, ...],
     parameters: tuple[str, ...],
     ranged: tuple[str, ...],
 ) -> Traced | None:
-    """Return the graph of operations behind equations and conditions; None if it cannot be traced.
+    """Return the graph of operations behind equations and verdicts; None if it cannot be traced.
 
     The equations are run once with symbols in place of arrays. From the graph, loops over all cells
     are compiled. The result is cached by all arguments.
 
     Parameters
     ----------
-    conditions, otherwise
-        What decides on the regime of a cell, and the regime where no condition holds.
+    verdicts : tuple of Verdict
+        What decides on the regimes of a cell.
     outputs, parameters, ranged : tuple of str
         Names of the results wanted, of all inputs, and of those inputs that are axes of the grid.
     """
@@ -365,7 +364,7 @@ def _traced(
     try:
         known = run(equations, leaves)
         results = {name: known[name] for name in outputs}
-        results["regime"] = regimes_of(conditions, otherwise, known)
+        results |= {verdict.name: regimes_of(verdict, known) for verdict in verdicts}
     except UntraceableError:
         return None
     return Traced(graph, results)
