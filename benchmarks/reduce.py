@@ -104,7 +104,7 @@ def prepared(content: dict[str, Any]) -> ReducedSweep:
 def limit(sweep: ReducedSweep) -> Callable[[], None]:
     """Return a function that computes all cells without reducing them, on all cores."""
     plan, grid = sweep.work.boxes[0].field.plan, sweep.grid
-    plan = plan.part((SPEED,), plan.conditions)
+    plan = plan.part((SPEED, *plan.verdict_names))
     graph = traced(plan, grid.axes)
     assert graph is not None
     whole = grid.piece({name: (0, size) for name, size in grid.shape.items()}, plan.parameters)

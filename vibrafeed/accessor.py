@@ -19,6 +19,7 @@ from core.dataset.shown import in_shown_units
 from core.dataset.table import Table
 from core.errors import Problem, StudyError, VibrafeedError
 from core.intake import parse_json
+from core.quantities.flags import REGIME
 from core.study.shown import read_shown
 from core.study.units import UnitError
 
@@ -95,7 +96,8 @@ class Accessor:
         Parameters
         ----------
         output : str, optional
-            The output whose regimes are counted; those of the contact if left out.
+            The output whose regimes are counted; those of the contact if left out, or for an
+            output that holds in every regime.
 
         Raises
         ------
@@ -104,9 +106,9 @@ class Accessor:
         """
         if output is not None and output not in self._dataset:
             raise VibrafeedError(f"The dataset has no output {output}.")
-        attributes = {} if output is None else self._dataset[output].attrs
-        judge = judge_of(attributes, self._dataset)
-        if judge is None:
+        judge = None if output is None else judge_of(self._dataset[output].attrs, self._dataset)
+        judge = judge or REGIME
+        if judge not in self._dataset:
             raise VibrafeedError("The dataset has no regime: it is not a result of vibrafeed.")
         return regime_shares(self._dataset[judge].values)
 

@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.quantities import REGIMES
-from core.quantities.flags import REGIME, is_regime
+from core.quantities.flags import is_regime
 
 _VALID = np.zeros(256, dtype=np.bool_)
 _VALID[[flag.value for flag in REGIMES.values() if flag.valid]] = True
 
 
-def judge_of(attributes: Mapping[Any, Any], names: Container[str]) -> str | None:
-    """Return the name of the variable whose regimes judge an output; None if there is none.
+def judge_of(attributes: Mapping[Any, Any], names: Container[Any]) -> str | None:
+    """Return the name of the variable whose regimes judge an output; None if it always holds.
 
-    It is the one that `ancillary_variables` of the output names, or else ``regime``.
+    It is the one that `ancillary_variables` of the output names.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def judge_of(attributes: Mapping[Any, Any], names: Container[str]) -> str | None
         The variables of the result.
     """
     linked = str(attributes.get("ancillary_variables", "")).split()
-    found = [name for name in (*linked, REGIME) if is_regime(name) and name in names]
+    found = [name for name in linked if is_regime(name) and name in names]
     return found[0] if found else None
 
 

@@ -287,11 +287,16 @@ def _known(dataset: xarray.Dataset, name: str) -> str:
 
 
 def _regime(dataset: xarray.Dataset, output: xarray.DataArray) -> xarray.DataArray:
-    """Return the regimes that judge an output; a single one for results without regimes."""
+    """Return the regimes that judge an output, or those of the contact if it always holds.
+
+    It is a single one for results without regimes.
+    """
     if is_regime(str(output.name)):
         return output
-    judge = judge_of(output.attrs, dataset)
-    return xarray.DataArray(np.int8(ANY_REGIME), name=REGIME) if judge is None else dataset[judge]
+    judge = judge_of(output.attrs, dataset) or REGIME
+    if judge not in dataset:
+        return xarray.DataArray(np.int8(ANY_REGIME), name=REGIME)
+    return dataset[judge]
 
 
 def _variable(dataset: xarray.Dataset, name: str | None) -> str:

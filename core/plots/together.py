@@ -56,7 +56,7 @@ def draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figur
     labels, common = _labels(datasets, selections, units)
     figure = style.sheet()
     sheet = figure.add_subplot()
-    beyond = _add_lines(sheet, datasets, selections, style)
+    beyond = _add_lines(sheet, selections, style)
     first = selections[0]
     ends = value_range(np.concatenate([selection.values for selection in selections]))
     if ends is not None:
@@ -111,7 +111,6 @@ def _selections(
 
 def _add_lines(
     sheet: Axes,
-    datasets: Sequence[xarray.Dataset],
     selections: Sequence[Selection],
     style: Style,
 ) -> bool:
@@ -121,8 +120,8 @@ def _add_lines(
     their axis, in the units of the picture.
     """
     beyond = False
-    rows = zip(datasets, selections, style.series, DASHES, strict=False)
-    for dataset, selection, colour, dashes in rows:
+    rows = zip(selections, style.series, DASHES, strict=False)
+    for selection, colour, dashes in rows:
         valid = np.ones(selection.values.shape, dtype=bool)
         if not selection.categories:
             looks = looks_of(selection.regime, selection.regimes, style, exact=selection.exact)

@@ -36,9 +36,9 @@ def variable_of(name: str, asked: Reduction, outputs: Collection[str]) -> Reduce
     """Return statistic, output and axis of a variable of a reduction, read from its name.
 
     Names are ``share_<name>``, ``level_<name>``, ``<verdict>_<regime>_count``, or output, statistic
-    and, if any, axis, such as ``conveying_velocity_mean``. `asked` is the section `reduce` of the study,
-    which defines shares and levels, `outputs` are the study's outputs. Raises `KeyError` for other
-    names.
+    and, if any, axis, such as ``conveying_velocity_mean``. `asked` is the section `reduce` of the
+    study, which defines shares and levels, `outputs` are the study's outputs. Raises `KeyError` for
+    other names.
     """
     for what, named in (("share", asked.shares), ("level", asked.levels)):
         rest = name.removeprefix(f"{what}_")

@@ -59,7 +59,7 @@ def fields_of(plan: Plan, grid: Grid, asked: Reduction) -> tuple[ReducedField, .
     at_once = takes_long(plan)
     depends = plan.depends_on(grid.axes)
     for names, question in _questions(plan, asked):
-        judges = (judge_of(plan, asked, name) for name in names)
+        judges = (judge_of(plan, asked, name) for name in names if name in plan.outputs)
         names = names | {judge.name for judge in judges if judge is not None}
         dims = grid.dims(frozenset().union(*(depends[name] for name in names)))
         key = (dims, () if at_once else question.along)
@@ -86,8 +86,11 @@ def takes_long(plan: Plan) -> bool:
 
 
 def judge_of(plan: Plan, asked: Reduction, output: str) -> Verdict | None:
-    """Return the verdict that keeps cells of an output from counting; None if all count."""
-    verdict = plan.verdict_on(output)
+    """Return the verdict that keeps cells of an output from counting; None if all count.
+
+    Of an output that holds in every regime those cells count in which the contact is described.
+    """
+    verdict = plan.verdict_on(output) or next(iter(plan.verdicts), None)
     return verdict if asked.cells == "valid" and verdict and verdict.doubts else None
 
 

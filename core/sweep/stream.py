@@ -118,9 +118,9 @@ class Passed:
         for name, values in arrays.items():
             if name in verdicts:
                 continue
-            verdict = plan.verdict_on(name)
-            if verdict is not None and verdict.name in verdicts and verdict.doubts:
-                values = values[is_valid(arrays[verdict.name])]
+            judge = plan.verdict_on(name)
+            if judge is not None and judge.name in verdicts and judge.doubts:
+                values = values[is_valid(arrays[judge.name])]
                 if not values.size:
                     continue
             least, largest = values.min(), values.max()

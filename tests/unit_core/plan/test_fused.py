@@ -64,7 +64,7 @@ def both_ways(plan: Plan, grid: Grid, threads: int | None = None):
 def few_cells(monkeypatch):
     """Let loops take what numpy otherwise would because it is small."""
     for module in (program, fused):
-        monkeypatch.setattr(module, "FEW_CELLS", 1000)
+        monkeypatch.setattr(module, "FEW_CELLS", 200)
     for cached in (program.edge_of, program.program_of):
         cached.cache_clear()
     yield

@@ -57,9 +57,10 @@ def reduced(over: tuple[str, ...], **asked: Any) -> Any:
     return prepare_content({**STUDY, "reduce": {**ASKED, **asked, "over": list(over)}})
 
 
-def valid_of(stored: Any) -> Any:
-    values = [flag.value for flag in REGIMES.values() if flag.valid]
-    return stored.regime.isin(values)
+def valid_of(stored: Any, output: str) -> Any:
+    """Where an output counts by the variable that judges it, a throw number by the contact."""
+    judge = stored[output].attrs.get("ancillary_variables", "regime")
+    return stored[judge].isin([flag.value for flag in REGIMES.values() if flag.valid])
 
 
 CHOICES = [
@@ -71,9 +72,8 @@ CHOICES = [
 @pytest.mark.parametrize("over", CHOICES, ids="-".join)
 def test_statistics_are_those_of_the_stored_sweep(stored: Any, over: tuple[str, ...]) -> None:
     found = tabulate(reduced(over)).to_xarray()
-    valid = valid_of(stored)
     for name in STUDY["outputs"]:
-        cells = stored[name].where(valid)
+        cells = stored[name].where(valid_of(stored, name))
         same(found[f"{name}_max"], cells.max(over))
         same(found[f"{name}_min"], cells.min(over))
         same(found[f"{name}_count"], cells.count(over))
@@ -100,12 +100,14 @@ def test_statistics_are_those_of_the_stored_sweep(stored: Any, over: tuple[str, 
 @pytest.mark.parametrize("over", CHOICES[::3], ids="-".join)
 def test_counts_and_shares_are_those_of_the_stored_sweep(stored: Any, over: Any) -> None:
     found = tabulate(reduced(over)).to_xarray()
-    valid, regime = valid_of(stored), stored.regime
-    for name in stored.regime.attrs["flag_meanings"].split():
-        same(found[f"regime_{name}_count"], (regime == REGIMES[name].value).sum(over))
-    slips = (regime == REGIMES["slip"].value) & valid & (stored[SPEED] >= 0.01)
+    regime, judges = stored.regime, {"regime", f"regime_{SPEED}"}
+    assert {name for name in stored.data_vars if name.startswith("regime")} == judges
+    for judge in judges:
+        for name in stored[judge].attrs["flag_meanings"].split():
+            same(found[f"{judge}_{name}_count"], (stored[judge] == REGIMES[name].value).sum(over))
+    slips = (regime == REGIMES["slip"].value) & valid_of(stored, SPEED) & (stored[SPEED] >= 0.01)
     same(found.share_slips, slips.mean(over))
-    throw = stored.throw_number.where(valid)
+    throw = stored.throw_number.where(valid_of(stored, "throw_number"))
     lies = (regime != REGIMES["flight"].value) & (throw < 1) & (throw != 0.5)
     same(found.share_lies, lies.mean(over))
 
@@ -204,7 +206,7 @@ def test_levels_are_crossed_where_numpy_finds_it(stored: Any, take, along, other
     over = tuple(axis for axis in AXES if axis == along or axis in others)
     level = {**LEVEL, "along": along, "take": take}
     found = tabulate(reduced(over, statistics=[], quantiles=[], levels={"fast": level}))
-    cells = stored[SPEED].where(valid_of(stored))
+    cells = stored[SPEED].where(valid_of(stored, SPEED))
     dims = (*(dim for dim in cells.dims if dim not in over), *(d for d in over if d != along))
     lines = cells.transpose(*dims, along).values
     axis = stored[along].values
@@ -265,7 +267,7 @@ def test_a_million_cells_over_one_two_and_all_axes() -> None:
     }  # fmt: skip
     study = {**STUDY, "parameters": {**STUDY["parameters"], **axes}, "outputs": [SPEED]}
     whole = tabulate(prepare_content(study)).to_xarray()
-    cells = whole[SPEED].where(valid_of(whole))
+    cells = whole[SPEED].where(valid_of(whole, SPEED))
     assert cells.size > 1_000_000
     for over in (("beta",), ("frequency", "friction"), tuple(axes)):
         asked = {"over": list(over), "statistics": ["max", "mean", "argmax"], "quantiles": [0.3]}
