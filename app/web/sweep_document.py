@@ -8,6 +8,7 @@ from pydantic import BaseModel
 
 from core.plan.prepared import Prepared
 from core.quantities import QUANTITIES
+from core.quantities.flags import REGIME, is_regime
 
 
 class SweepAxis(BaseModel):
@@ -66,8 +67,8 @@ def description(key: str, sweep: Prepared, *, shared: bool) -> dict[str, Any]:
         "outputs": [
             {
                 "name": name,
-                "unit": QUANTITIES[name].unit,
-                "label": QUANTITIES[name].label,
+                "unit": sweep.units[name],
+                "label": QUANTITIES[REGIME if is_regime(name) else name].label,
                 "dims": list(dims),
                 "source": equations[name].source if name in equations else None,
             }

@@ -62,14 +62,15 @@ def verdicts_of(conditions: Sequence[Condition], outputs: Sequence[str]) -> tupl
     outputs : sequence of str
         The outputs in the order of the scene; ``regime`` among them stands for the contact.
     """
-    of_contact = _judging(conditions, REGIME)
+    of_contact = {*_judging(conditions, REGIME)}
     groups: dict[tuple[Condition, ...], list[str]] = {}
     for name in outputs:
         if name not in EXACT and any(name in one.outputs for one in conditions):
             groups.setdefault(_judging(conditions, name), []).append(name)
     if not groups:
         groups[()] = list(outputs)
-    first = of_contact if of_contact in groups else min(groups, key=len)
+    # The one nearest to the contact: it shares most with it, and asks least besides.
+    first = max(groups, key=lambda one: (len(of_contact & {*one}), -len({*one} - of_contact)))
     ordered = {first: groups.pop(first), **groups}
     return tuple(
         Verdict(

@@ -16,6 +16,7 @@ from core.plan.labels import link_to_verdict
 from core.plan.plan import Plan
 from core.plan.prepared import Prepared
 from core.quantities import QUANTITIES, REGIMES
+from core.quantities.flags import REGIME
 from core.study.units import UnitError, problem, read_number
 from core.study.values import position_on_axis
 from core.suggestions import Suggestions
@@ -190,8 +191,9 @@ def _problems(
     them.
     """
     known, suggest = sweep.grid.axes, Suggestions()
-    if output not in sweep.dims:
-        fix = suggest(output, sweep.dims)
+    outputs = (*sweep.plan.outputs, REGIME)
+    if output not in outputs:
+        fix = suggest(output, outputs)
         yield Problem("output", f"'{output}' is not an output of this sweep", fix)
     if not 1 <= len(axes) <= MAX_AXES:
         yield Problem(

@@ -61,7 +61,7 @@ function fromDataset(dataset, view) {
     };
   };
   const variable = dataset.variables[view.output];
-  const { regime } = dataset.variables;
+  const regime = dataset.variables[variable.ancillary_variables ?? "regime"];
   return {
     x: axis(view.x.name),
     y: view.y ? axis(view.y.name) : null,
