@@ -348,8 +348,9 @@ def _show_regimes(
         say(f"  {which} no mean velocity.")
     elif beyond:
         which = "This design lies" if cells == 1 else f"{_percent(beyond)} of the cells lie"
-        for_these = f" for {', '.join(of)}" if of else ""
-        say(f"  {which} where the closed forms do not describe a real part{for_these}.")
+        if of:
+            which = f"For {', '.join(of)}, {which[:1].lower()}{which[1:]}"
+        say(f"  {which} where the closed forms do not describe a real part.")
 
 
 def _states(result: Table) -> dict[str, dict[str, float]]:

@@ -90,7 +90,9 @@ def percent_with_error(share: float, error: float | None) -> str:
 
 
 def percent(share: float) -> str:
-    """Return a share in per cent as text, with one more digit if it is small."""
+    """Return a share in per cent as text, with one more digit if it is small or nearly all."""
     if share < 0.0005:
         return "< 0.1\N{NO-BREAK SPACE}%"
+    if 0.9945 <= share < 1:
+        return f"{min(100 * share, 99.9):.1f}\N{NO-BREAK SPACE}%"
     return f"{100 * share:.{1 if share < 0.0995 else 0}f}\N{NO-BREAK SPACE}%"

@@ -19,7 +19,15 @@ def test_every_cell_counts_as_one():
 
 
 @pytest.mark.parametrize(
-    ("share", "text"), [(0.0004, "< 0.1 %"), (0.0123, "1.2 %"), (0.476, "48 %"), (1.0, "100 %")]
+    ("share", "text"),
+    [
+        (0.0004, "< 0.1 %"),
+        (0.0123, "1.2 %"),
+        (0.476, "48 %"),
+        (0.998, "99.8 %"),
+        (0.99999, "99.9 %"),
+        (1.0, "100 %"),
+    ],
 )
 def test_small_shares_have_a_digit_more(share, text):
     assert percent(share).replace("\N{NO-BREAK SPACE}", " ") == text
