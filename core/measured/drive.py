@@ -25,12 +25,13 @@ class Clock(NamedTuple):
 
 
 class Tilt(NamedTuple):
-    """The tilt of the track, from the constant of a sensor of three axes.
+    """The tilt of the track, from the constant of a sensor.
 
     Attributes
     ----------
     climb, lean : float
-        Angles [rad] by which the track rises in transport direction, and to its left.
+        Angles [rad] by which the track rises in transport direction, and to its left; NaN without a
+        channel across.
     gravity : float
         Size of the constant [m s-2].
     """
@@ -92,7 +93,7 @@ class Fit:
     effective_samples : ndarray, shape (axes,)
         Number of samples with white noise of the residual's size that would tell as much.
     tilt : Tilt, optional
-        If there are three axes, and their constant has the size of gravity.
+        If there are axes along and normal, and their constant has the size of gravity.
     origin : float
         Time by the recorder's clock at which t is 0, from the first sample [s].
     signal : Signal
