@@ -53,6 +53,11 @@ class Draft:
         name = self.content.get("kind") if isinstance(self.content, Mapping) else None
         return KINDS[name] if isinstance(name, str) and name in KINDS else None
 
+    @property
+    def questions(self) -> tuple[str, ...]:
+        """Questions about values that are allowed and unusual, those of files as those typed."""
+        return (*questions(self.content), *tilt_questions(self.fit, self.content))
+
     def resolve(self, *, files: bool) -> Draft:
         """Return this draft of a study with file names replaced by the numbers in the files.
 
@@ -107,8 +112,7 @@ class Draft:
             # Without the numbers of files a plan would miss what is not missing.
             further = [] if self.problems else self._objections(error)
             raise StudyError([*error.problems, *further]) from None
-        asked = [*questions(self.content), *tilt_questions(self.fit, self.content)]
-        return replace(KINDS[study.kind].prepare(study), questions=tuple(asked))
+        return replace(KINDS[study.kind].prepare(study), questions=self.questions)
 
     def _validated(
         self, kind: Kind, content: Mapping[str, Any]

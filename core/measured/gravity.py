@@ -98,7 +98,10 @@ def gravity_problems(
         return [_contradicts("normal", shown, means, fix)]
     if normal < 0.0:
         means = "the channel points downwards, and the fitted drive would throw parts downwards"
-        fix = "Turn its sign: a minus sign in front of the column's name, or none if it has one"
+        fix = (
+            "Turn its sign: a minus sign in front of the column's name, or none if it has one; or "
+            "give the mounting of a sensor that hangs upside down"
+        )
         return [_contradicts("normal", shown, means, fix)]
     for axis, value in level.items():
         angle = float(np.arctan2(value, normal))
@@ -109,7 +112,7 @@ def gravity_problems(
                 f"{np.degrees(angle):.0f} degrees"
             )
             fix = "Correct the names of the channels or the mounting" + (
-                ", or give gamma, if the track is so steep" if axis == "along" else ""
+                ", or give the study's gamma, if the track is so steep" if axis == "along" else ""
             )
             return [_contradicts(axis, shown, means, fix)]
     return []
@@ -141,7 +144,7 @@ def _contradicts(axis: str, shown: Mapping[str, float], means: str, fix: str) ->
 
     `shown` has the constants of all channels over gravity; `means` says what follows from them.
     """
-    others = ", ".join(f"{value:.3g} g {name}" for name, value in shown.items() if name != axis)
+    others = ", ".join(f"{value:.2f} g {name}" for name, value in shown.items() if name != axis)
     beside = f" (and {others})" if others else ""
     message = f"the mean of the recording's {axis} channel is {shown[axis]:.3g} g{beside}: {means}"
     return Problem(axis, message, fix)

@@ -6,6 +6,7 @@ of observations, and what was fitted to a recording.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
@@ -66,7 +67,7 @@ def questions_of_drive(numbers: Mapping[str, float], name: str) -> list[str]:
     asked = []
     for parameter, value in sorted(numbers.items(), key=lambda item: item[0] != "frequency"):
         quantity = QUANTITIES[parameter]
-        low, high = quantity.usual or (0.0, float("inf"))
+        low, high = quantity.usual or (-math.inf, math.inf)
         if low <= value <= high or value == 0.0:
             continue
         shown = ShownUnits().of(quantity.unit, value)
