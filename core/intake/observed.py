@@ -13,7 +13,7 @@ from typing import Any, Final, NoReturn
 from core.errors import Problem, StudyError
 from core.extras import installing
 from core.intake.section import Content, Resolved, Section, Stranger, dotted
-from core.measured.marks import contradictions
+from core.measured.marks import ONE_MARK, contradictions
 from core.measured.read import name_and_unit
 from core.study.grid_study import PARAMETERS
 from core.study.observations import MAX_RUNS, OBSERVED
@@ -129,7 +129,7 @@ def _csv(path: Path) -> Iterable[list[str]]:
         return rows
     columns = dict(zip(rows[0], itertools.zip_longest(*rows[1:], fillvalue=""), strict=False))
     for message in contradictions(columns).values():
-        _fail(f"{path.name}: {message}", "Save the table without separators of thousands")
+        _fail(f"{path.name}: {message}", ONE_MARK)
     # Where commas part no cells, they are those of decimals.
     return [[_with_point(cell) for cell in row] for row in rows]
 

@@ -5,6 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
+ONE_MARK = (
+    "Export it without separators of thousands, and the numbers of a column with equally many "
+    "decimals"
+)
+"""What to do where the marks of a table contradict each other."""
 _WITH_MARK = re.compile(r"[-+]?\d*([.,])\d*(?:[eE][-+]?\d+)?")
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}[.,]\d{3}")
 _WHOLE = re.compile(r"[-+]?\d+")

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import Problem, StudyError
-from core.measured.marks import contradictions
+from core.measured.marks import ONE_MARK, contradictions
 from core.suggestions import suggestion
 
 MAX_BYTES = 50_000_000  # bytes of a file, or characters of a text
@@ -91,7 +91,7 @@ class RecordingTable:
             problems.append(Problem(path, message, suggestion(name, self.columns), name))
             return None
         if column.contradiction:
-            fix = "Export the recording without separators of thousands"
+            fix = ONE_MARK
             problems.append(Problem(path, column.contradiction, fix, name))
             return None
         for fault in column.faults:

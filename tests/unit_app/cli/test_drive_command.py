@@ -60,7 +60,7 @@ def test_the_toml_is_the_parameters_of_a_study(tmp_path):
 @pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
 def test_a_picture_is_drawn(kind, tmp_path):
     target = tmp_path / f"fit.{kind}"
-    result = run("drive", RECORDING, "--along", "ax", "--normal", "-az", "--plot", target)
+    result = run("drive", RECORDING, "--along", "-ax", "--normal", "az", "--plot", target)
     assert result.exit_code == 0, result.output
     assert target.stat().st_size > 10_000
 
@@ -75,14 +75,14 @@ def test_every_problem_is_told_at_once(tmp_path):
         f"{RECORDING}: 6 problems",
         "  plot: '.bmp': unknown picture format. End the name of the picture in .png, .svg "
         "or .pdf.",
-        "  rate: 'x' is not a unit. Write rate = \"5 kHz\" (a bare number is in Hz).",
-        "  mounting: mounting applies only together with sensor (three columns), which is "
+        "  --rate: 'x' is not a unit. Write --rate=\"5 kHz\" (a bare number is in Hz).",
+        "  --mounting: mounting applies only together with sensor (three columns), which is "
         "not given. Give "
-        "sensor = three columns instead of "
+        "--sensor=three columns instead of "
         "along, across and normal.",
-        "  along: the recording has no column 'bx'. Known: ax, ay, az, time.",
-        "  unit: 'kg' is not a unit of acceleration. Known: m s-2, mm s-2, cm/s2, g, mg.",
-        "  harmonics: 12 orders cannot be fitted. Give a whole number from 1 to 10, or leave it "
+        "  --along: the recording has no column 'bx'. Known: ax, ay, az, time.",
+        "  --unit: 'kg' is not a unit of acceleration. Known: m s-2, mm s-2, cm/s2, g, mg.",
+        "  --harmonics: 12 orders cannot be fitted. Give a whole number from 1 to 10, or leave it "
         "out.",
     ]
     absent = run("drive", tmp_path / "absent.csv", "--along", "ax")
