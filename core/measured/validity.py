@@ -80,7 +80,9 @@ def check_before(signal: Signal) -> None:
                     key,
                     f"the recording has {count / duration:,.4g} samples per second, which "
                     f"cannot resolve {asked:g} Hz",
-                    f"Record at least {asked / NYQUIST_SHARE:,.4g} samples per second",
+                    f"Record at least {asked / NYQUIST_SHARE:,.4g} samples per second"
+                    + (f", or write the unit in the heading, as in '{signal.assumed} [ms]'")
+                    * bool(signal.assumed),
                 )
             )
     if problems:

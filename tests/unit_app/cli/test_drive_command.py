@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from app.cli import app
 from core.intake import parse_study
 from core.measured import Recording, fit_drive
+from recordings import csv_of, signal_of
 
 RECORDING = Path(__file__).parents[3] / "examples" / "accelerometer.csv"
 AXES = ("--sensor", "ax,ay,az", "--line-frequency", "50 Hz")
@@ -40,6 +41,23 @@ def test_without_a_column_the_options_and_the_columns_are_named():
         "no acceleration column; the recording has the columns time, ax, ay, az. Give"
         in result.output
     )
+
+
+def test_the_stroke_has_a_line_and_unusual_numbers_a_question(tmp_path):
+    """The drive along is 0.2 mm and normal 0.1 mm in phase: 0.2236 mm at 26.57 degrees."""
+    text = csv_of(signal_of({"along": [(2e-4, 0.0)], "normal": [(1e-4, 0.0)]}))
+    file = tmp_path / "part.csv"
+    file.write_text(text)
+    axes = ("--along", "ax", "--normal", "az")
+    usual = run("drive", file, *axes)
+    assert "line of the stroke: 0.2236 mm at 26.57 degrees" in usual.output
+    assert "unusual" not in usual.output
+    file.write_text(text.replace("time [s]", "number"))
+    told = run("drive", file, *axes)
+    assert "Give --rate=the samples per second, or --time=the name of the column" in told.output
+    unusual = run("drive", file, *axes, "--rate", "2")
+    assert unusual.exit_code == 0
+    assert "frequency = 0.05 Hz, fitted to part.csv, is unusual; usual values are" in unusual.stderr
 
 
 def test_the_toml_is_the_parameters_of_a_study(tmp_path):

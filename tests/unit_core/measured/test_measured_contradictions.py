@@ -86,9 +86,15 @@ def test_times_without_a_unit_that_cannot_be_seconds_are_refused(unit, factor):
     told = refused(table(SIGNAL.times * factor, head="time,ax,az"))
     if factor < 1e9:
         assert told.startswith("time: column 'time' does not say the unit of its times")
-        assert f"they look like {unit}. Write the unit in the heading, as in 'time [{unit}]'" in told
+        assert (
+            f"they look like {unit}. Write the unit in the heading, as in 'time [{unit}]'" in told
+        )
     else:  # refused before a fit is tried
         assert "which no recorder does" in told
+    known = Recording(along="ax", normal="az", unit="g", line_frequency=50)
+    if factor < 1e9:
+        told = refused(table(SIGNAL.times * factor, head="time,ax,az"), known)
+        assert "write the unit in the heading, as in 'time [ms]'" in told
 
 
 @pytest.mark.parametrize("blank", ["T", " "])
@@ -213,7 +219,11 @@ def along_normal(along, normal):
 @pytest.mark.parametrize(
     ("values", "unit", "says"),
     [
-        (G * [[1], [-1]], "g", "normal channel is -1 g (and 0.00 g along): the channel points down"),
+        (
+            G * [[1], [-1]],
+            "g",
+            "normal channel is -1 g (and 0.00 g along): the channel points down",
+        ),
         (along_normal(0.0, 0.5), "g", "normal channel is 0.5 g"),
         (along_normal(0.0, -0.5), "g", "normal channel is -0.5 g"),
         (G[::-1], "g", "along channel is 1 g (and 0.00 g normal): gravity belongs to the normal"),
@@ -278,7 +288,9 @@ def test_a_stated_climb_is_where_gravity_belongs():
 def test_fitted_numbers_are_judged_as_typed_ones():
     drive = study(table(SIGNAL.times * 1e3, head="time [s],ax [g],az [g]"))
     (asked,) = prepare_content(drive).questions
-    assert asked.startswith("frequency = 0.05 Hz, fitted to data, is unusual; usual values are 1 to")
+    assert asked.startswith(
+        "frequency = 0.05 Hz, fitted to data, is unusual; usual values are 1 to"
+    )
     assert asked.endswith("With times in ms it would be 50 Hz.")
     with pytest.warns(UserWarning, match="With times in ms it would be 50 Hz"):
         vibrafeed.study(drive)
