@@ -41,7 +41,7 @@ class Tilt(NamedTuple):
     gravity: float
 
 
-class Stroke(NamedTuple):
+class StrokeEllipse(NamedTuple):
     """The ellipse of one order in the plane of along and normal; a line if `minor` is 0.
 
     Attributes
@@ -181,7 +181,7 @@ class Fit:
         return np.maximum(np.einsum("jka,jkab,jkb->jk", unit, own, unit), 0.0)
 
     @property
-    def stroke(self) -> Stroke | None:
+    def stroke(self) -> StrokeEllipse | None:
         """The line of the stroke and its angle; None unless there are axes along and normal.
 
         With complex amplitudes a along and n normal, and D^2 = (|a|^2 - |n|^2)^2 + 4 Re(a n*)^2,
@@ -192,16 +192,16 @@ class Fit:
         if not {"along", "normal"} <= set(self.axes):
             return None
         rows = [self.axes.index(axis) for axis in ("along", "normal")]
-        place = int(np.flatnonzero(self.significant[rows].any(axis=0))[:1].sum())
+        lowest = int(np.flatnonzero(self.significant[rows].any(axis=0))[:1].sum())
         waves = np.where(self.significant, self.amplitudes * np.exp(1j * self.phases), 0.0)
-        along, normal = waves[rows, place]
+        along, normal = waves[rows, lowest]
         product = complex(along * np.conj(normal))
         sizes = abs(along) ** 2, abs(normal) ** 2
         spread = float(np.hypot(sizes[0] - sizes[1], 2.0 * product.real))
         major = float(np.sqrt((sum(sizes) + spread) / 2.0))
         minor = abs(product.imag) / major if major else 0.0
         angle = float(np.arctan2(2.0 * product.real, sizes[0] - sizes[1]) / 2.0)
-        return Stroke(self.orders[place], major, minor, angle)
+        return StrokeEllipse(self.orders[lowest], major, minor, angle)
 
     def parameters(self) -> dict[str, float]:
         """Return the fitted drive as study parameters: SI units, phases in degrees."""

@@ -67,35 +67,67 @@ def gravity_problems(
         Angles of the track that the study states, by axis: along the climb, across the lean.
     """
     shown = dict(zip(axes, (constant / STANDARD_GRAVITY).tolist(), strict=True))
-    allowed = {
-        axis: (
-            min(-STEEPEST, slopes.get(axis, (0.0, 0.0))[0] - MARGIN),
-            max(STEEPEST, slopes.get(axis, (0.0, 0.0))[1] + MARGIN),
-        )
-        for axis in AXES[:2]
-    }
-    steepest = {axis: max(map(abs, ends)) for axis, ends in allowed.items()}
-    level = {axis: value for axis, value in shown.items() if axis != "normal"}
+    limits = _limits(slopes)
     normal = shown.get("normal")
-    swapped = next((axis for axis, value in level.items() if abs(value) >= 1.0 - SIZE), None)
-    if swapped is not None and (normal is None or abs(normal) < 0.5):
-        means = "gravity belongs to the normal channel"
-        fix = "Name as normal the column that shows +1 g at rest, as along the one of the transport"
-        return [_contradicts(swapped, shown, means, fix)]
+    if normal is None or abs(normal) < 0.5:
+        for axis in limits:
+            if abs(shown.get(axis, 0.0)) >= 1.0 - SIZE:
+                means = "gravity belongs to the normal channel"
+                fix = "Name as normal the column that shows +1 g, as along that of the transport"
+                return [_contradicts(axis, shown, means, fix)]
     if normal is None or abs(normal) <= REMOVED:
-        return _without_gravity(normal, shown, rms, steepest)
+        return _without_gravity(shown, rms, limits)
+    return _size_problems(normal, shown, limits) or _direction_problems(normal, shown, limits)
+
+
+def _limits(slopes: Slopes) -> dict[str, tuple[float, float]]:
+    """Return the least and largest angle [rad] at which a recording's track may rise, by axis.
+
+    What the study states (`slopes`) is widened by `MARGIN`; every track may rise by `STEEPEST`.
+    """
+    stated = {axis: slopes.get(axis, (0.0, 0.0)) for axis in AXES[:2]}
+    return {
+        axis: (min(-STEEPEST, least - MARGIN), max(STEEPEST, most + MARGIN))
+        for axis, (least, most) in stated.items()
+    }
+
+
+def _steepest(limits: tuple[float, float]) -> float:
+    """Return the largest angle of a slope, whichever its sign; a right one at most [rad]."""
+    return min(max(map(abs, limits)), np.pi / 2.0)
+
+
+def _size_problems(
+    normal: float, shown: Mapping[str, float], limits: Mapping[str, tuple[float, float]]
+) -> list[Problem]:
+    """Return the problem of constants that have not the size of gravity; empty without one.
+
+    `shown` has them over gravity, by axis, `normal` that of the normal channel; `limits` are the
+    angles [rad] at which the track may rise.
+    """
     for factor, means in CONFUSED.items():
         if abs(abs(normal) / factor - 1.0) <= SIZE:
             fix = "Correct the unit of the accelerations: the key unit, or the headings"
             return [_contradicts("normal", shown, means, fix)]
     lowest = 1.0 - SIZE
-    for axis in AXES[:2]:  # what is not recorded may have a share of gravity
-        lowest *= 1.0 if axis in shown else float(np.cos(min(steepest[axis], np.pi / 2.0)))
-    size = float(np.linalg.norm(list(shown.values())))
-    if not lowest <= size <= 1.0 + SIZE:
-        means = "a sensor at rest shows 1 g, or 0 if it does not measure constant accelerations"
-        fix = "Correct the unit, the scale of the sensor, or the names of the channels"
-        return [_contradicts("normal", shown, means, fix)]
+    for axis in [
+        one for one in limits if one not in shown
+    ]:  # what is not recorded may have a share of gravity
+        lowest *= float(np.cos(_steepest(limits[axis])))
+    if lowest <= float(np.linalg.norm(list(shown.values()))) <= 1.0 + SIZE:
+        return []
+    means = "a sensor at rest shows 1 g, or 0 if it does not measure constant accelerations"
+    fix = "Correct the unit, the scale of the sensor, or the names of the channels"
+    return [_contradicts("normal", shown, means, fix)]
+
+
+def _direction_problems(
+    normal: float, shown: Mapping[str, float], limits: Mapping[str, tuple[float, float]]
+) -> list[Problem]:
+    """Return the problem of gravity that points elsewhere than the track allows.
+
+    Empty without one; the parameters are those of `_size_problems`.
+    """
     if normal < 0.0:
         means = "the channel points downwards, and the fitted drive would throw parts downwards"
         fix = (
@@ -103,36 +135,37 @@ def gravity_problems(
             "give the mounting of a sensor that hangs upside down"
         )
         return [_contradicts("normal", shown, means, fix)]
-    for axis, value in level.items():
-        angle = float(np.arctan2(value, normal))
-        least, most = allowed[axis]
+    for axis in filter(shown.__contains__, limits):
+        angle = float(np.arctan2(shown[axis], normal))
+        least, most = limits[axis]
         if not least <= angle <= most:
-            means = (
-                f"the track would {'climb' if axis == 'along' else 'lean'} by "
-                f"{np.degrees(angle):.0f} degrees"
-            )
-            fix = "Correct the names of the channels or the mounting" + (
-                ", or give the study's gamma, if the track is so steep" if axis == "along" else ""
+            verb, parameter = ("climb", "gamma") if axis == "along" else ("lean", "delta")
+            means = f"the track would {verb} by {np.degrees(angle):.0f} degrees"
+            fix = (
+                "Correct the names of the channels or the mounting, or give the study's "
+                f"{parameter}, if the track is so steep"
             )
             return [_contradicts(axis, shown, means, fix)]
     return []
 
 
 def _without_gravity(
-    normal: float | None, shown: Mapping[str, float], rms: float, steepest: Mapping[str, float]
+    shown: Mapping[str, float], rms: float, limits: Mapping[str, tuple[float, float]]
 ) -> list[Problem]:
     """Return the problem of a recording without gravity in the normal channel; empty without one.
 
-    `shown` has the constants over gravity, `normal` that of the normal channel, None if it was not
-    recorded; `rms` is that of the drive [m s-2], `steepest` the largest slope by axis [rad].
+    `shown` has the constants over gravity, `rms` is that of the drive [m s-2]; `limits` are the
+    angles [rad] at which the track may rise: if the normal channel was not recorded, the others may
+    show their share of gravity.
     """
-    weak = normal is not None and rms < SMALL * STANDARD_GRAVITY
-    if normal is not None and weak and abs(abs(normal) / 0.001 - 1.0) <= SIZE:
+    normal = shown.get("normal")
+    thousandth = normal is not None and abs(abs(normal) / 0.001 - 1.0) <= SIZE
+    if thousandth and rms < SMALL * STANDARD_GRAVITY:
         fix = "Correct the unit of the accelerations, and export without separators of thousands"
         return [_contradicts("normal", shown, CONFUSED[0.001], fix)]
-    for axis, value in shown.items():
-        most = SIZE + (np.sin(min(steepest[axis], np.pi / 2.0)) if normal is None else 0.0)
-        if axis != "normal" and abs(value) > most:
+    for axis in filter(shown.__contains__, limits):
+        most = SIZE + (np.sin(_steepest(limits[axis])) if normal is None else 0.0)
+        if abs(shown[axis]) > most:
             means = "a track at rest shows gravity in the normal channel"
             fix = "Correct the names of the channels, the unit, or the mounting"
             return [_contradicts(axis, shown, means, fix)]

@@ -16,7 +16,7 @@ _WHOLE = re.compile(r"[-+]?\d+")
 
 
 def contradictions(columns: Mapping[str, Sequence[str]]) -> dict[str, str]:
-    """Return what is wrong with the decimal marks of a table, by the name of a column.
+    """Return the contradictions of a table's decimal marks, in words, by the name of a column.
 
     `columns` holds the cells of each column as they were written. In the cells that are numbers
     either commas or points are decimal marks. Columns that disagree, or one that has both, part
@@ -25,33 +25,33 @@ def contradictions(columns: Mapping[str, Sequence[str]]) -> dict[str, str]:
     """
     examples = {name: _examples(cells) for name, cells in columns.items()}
     marked = {mark: [n for n, found in examples.items() if mark in found] for mark in ".,"}
-    wrong: dict[str, str] = {}
+    faults: dict[str, str] = {}
     for mark, other in (",.", ".,"):
         for name in marked[mark]:
             if marked[other]:
                 beside = next((n for n in marked[other] if n != name), name)
-                wrong[name] = (
+                faults[name] = (
                     f"column '{name}' has '{examples[name][mark]}' and column '{beside}' "
                     f"'{examples[beside][other]}': one of the two marks separates thousands"
                 )
-    for name in {*marked[","], *marked["."]} - wrong.keys():
+    for name in {*marked[","], *marked["."]} - faults.keys():
         short = _thousands(columns[name])
         if short is not None:
             seen = next(iter(examples[name].values()))
-            wrong[name] = f"column '{name}' has '{seen}' beside '{short}': thousands are separated"
-    return wrong
+            faults[name] = f"column '{name}' has '{seen}' beside '{short}': thousands are separated"
+    return faults
 
 
 def _examples(cells: Sequence[str]) -> dict[str, str]:
     """Return for each mark that the numbers among the cells have, the first number with it."""
-    found: dict[str, str] = {}
+    examples: dict[str, str] = {}
     for cell in cells:
         match = _WITH_MARK.fullmatch(cell.strip())
-        if match and match[1] not in found:
-            found[match[1]] = cell.strip()
-            if len(found) > 1:
+        if match and match[1] not in examples:
+            examples[match[1]] = cell.strip()
+            if len(examples) > 1:
                 break
-    return found
+    return examples
 
 
 def _thousands(cells: Sequence[str]) -> str | None:

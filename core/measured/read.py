@@ -140,15 +140,15 @@ def read_table(source: str | Path) -> RecordingTable:
             "Shorten the recording: one second is enough",
         )
     _check_rows(body, names)
-    places = np.array([line for line, _ in body])
+    numbers = np.array([line for line, _ in body])
     cells = dict(zip(names, zip(*(row for _, row in body), strict=True), strict=True))
     wrong = {} if lines.delimiter == "," else contradictions(cells)
     columns = {}
     for (name, texts), unit in zip(cells.items(), units, strict=True):
         points = texts if lines.delimiter == "," else [text.replace(",", ".") for text in texts]
-        column = _column(texts, points, unit, places)
+        column = _column(texts, points, unit, numbers)
         columns[name] = replace(column, contradiction=wrong.get(name, ""))
-    return RecordingTable(columns, places)
+    return RecordingTable(columns, numbers)
 
 
 class _Lines(NamedTuple):
@@ -200,13 +200,13 @@ def _parted(lines: _Lines) -> tuple[list[str], list[str], list[tuple[int, list[s
     width = len(rows[first][1])
     heads = [k for k in range(min(first, MAX_ABOVE)) if lines.can_name(rows[k][1], width)]
     if not heads:
-        told = [
+        headings = [
             cells
             for line, cells in lines.remarks
             if line < rows[first][0] and lines.can_name(cells, width)
         ]
-        if told:
-            return told[-1], [], rows[first:]
+        if headings:
+            return headings[-1], [], rows[first:]
         heads = [0]
     header, end = heads[-1], heads[-1] + 1
     units: list[str] = []
@@ -287,17 +287,13 @@ def _lines(text: str) -> _Lines:
             delimiter = named[1]
             continue
         remark = line.lstrip().startswith("#")
-        if remark and len(rows) + len(remarks) > MAX_ABOVE:
-            continue
-        if not delimiter and not remark:
-            delimiter = _delimiter(line, text)
-        if remark:
-            line = line.lstrip("# \t")
+        line = line.lstrip("# \t") if remark else line
         mark = delimiter or _delimiter(line, text)
-        row = _quoted(number, line, mark) if '"' in line else line.split(mark)
-        while len(row) > 1 and not row[-1].strip():  # a recorder may end its lines with a delimiter
-            row.pop()
-        (remarks if remark else rows).append((number, row))
+        delimiter = delimiter if remark else mark
+        if not remark:
+            rows.append((number, _cells(number, line, mark)))
+        elif len(rows) + len(remarks) < MAX_ABOVE:
+            remarks.append((number, _cells(number, line, mark)))
         if len(rows) > MAX_ROWS + MAX_ABOVE:
             break
     return _Lines(rows, remarks, delimiter or ",")
@@ -315,6 +311,17 @@ def _delimiter(line: str, text: str) -> str:
         next((mark for mark in "\t;" if mark in some), ",") for some in (line, inner)
     )
     return of_first if line.count(of_first) == inner.count(of_first) or not inner else of_inner
+
+
+def _cells(number: int, line: str, delimiter: str) -> list[str]:
+    """Return the cells of a line of a recording, without empty ones at its end.
+
+    `number` is the line's number, for a message; `delimiter` is one character.
+    """
+    row = _quoted(number, line, delimiter) if '"' in line else line.split(delimiter)
+    while len(row) > 1 and not row[-1].strip():  # a recorder may end its lines with a delimiter
+        row.pop()
+    return row
 
 
 def _quoted(number: int, line: str, delimiter: str) -> list[str]:
