@@ -79,13 +79,13 @@ def facts(fit: Fit, units: ShownUnits | None = None) -> Iterator[tuple[str, str]
     yield "frequency", f"{frequency} Hz" + (f" {PLUS_MINUS} {error} Hz" if error else ", as given")
     if (stroke := fit.stroke) is not None:
         shown = (units or ShownUnits()).of("m", stroke.major)
-        error = float(np.max(fit.amplitude_errors[:, fit.orders.index(stroke.order)]))
+        off = float(np.max(fit.amplitude_errors[:, fit.orders.index(stroke.order)]))
         major, minor = (
-            _round_to_error(shown.factor * size, shown.factor * error)[0]
+            _round_to_error(shown.factor * size, shown.factor * off)[0]
             for size in (stroke.major, stroke.minor)
         )
         angle, _ = _round_to_error(
-            float(np.degrees(stroke.angle)), float(np.degrees(error / stroke.major))
+            float(np.degrees(stroke.angle)), float(np.degrees(off / stroke.major))
         )
         line, across = f"{major} {shown.unit} at {angle}", f"{minor} {shown.unit} across that line"
         order = "" if stroke.order == 1 else f", of order {stroke.order}"
