@@ -373,7 +373,7 @@ def _prepared(kind: str, base: StudyLike | None, keywords: Mapping[str, Any]) ->
     if not isinstance(content, dict):
         return import_module("core.kinds").prepare(content)
     prepared = intake.prepare_content(content, files=True)
-    for question in import_module("core.study.unusual").questions(content):
+    for question in prepared.questions:
         warnings.warn(question, stacklevel=CALLER)
     return prepared
 

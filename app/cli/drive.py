@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,10 +20,19 @@ from core.extras import installing
 from core.measured import Recording, fit_drive
 from core.measured.read import read_table
 from core.plots.problem import PlotError
+from core.study.unusual import questions_of_drive
 
 if TYPE_CHECKING:
-    from core.measured import Fit, Recording
+    from core.measured import Fit
 
+KEYS = tuple(field.name for field in fields(Recording) if field.name != "slopes")
+_NAMES = "|".join(KEYS)
+_KEY = re.compile(
+    rf"\b(?:{_NAMES})(?= = | out\b)|(?<=the key )(?:{_NAMES})\b|(?<=\()(?:{_NAMES})(?=\))"
+    r"|\bline_frequency\b"
+)
+_OPTION = re.compile(r"--([a-z-]+) = ")
+_LIST = re.compile(r'\[("[^\]]*")\]')
 COLUMN = (
     "Name of the recording's column with the acceleration {}; a minus sign before the name "
     "reverses it."
@@ -129,6 +140,8 @@ def drive(
         harmonics=harmonics,
     )
     fit = _fit_recording(recording, asked, plot)
+    for question in questions_of_drive(fit.parameters(), recording.name):
+        typer.echo(f"{recording}: {question}", err=True)
     lines = toml_of(fit, recording)
     if toml:
         typer.echo(lines)
@@ -180,8 +193,24 @@ def _fit_recording(recording: Path, asked: Recording, plot: Path | None) -> Fit:
         message = f"it cannot be read: {error.strerror or error}"
         problems.append(Problem("recording", message, "Name a CSV"))
     if problems:
-        refuse({recording: problems})
+        refuse({recording: [_of_options(problem) for problem in problems]})
     return fit
+
+
+def _of_options(problem: Problem) -> Problem:
+    """Return a problem of a recording that speaks of options where it speaks of keys of a study."""
+    place, dot, rest = problem.place.partition(".")
+    if place in KEYS:
+        place = f"--{place.replace('_', '-')}"
+    message, fix = map(_in_options, (problem.message, problem.fix))
+    return replace(problem, place=place + dot + rest, message=message, fix=fix)
+
+
+def _in_options(text: str) -> str:
+    """Return a text with options in place of keys of a study: ``--rate=`` for ``rate =``."""
+    text = _KEY.sub(lambda found: f"--{found[0].replace('_', '-')}", text)
+    text = _OPTION.sub(r"--\1=", text.replace("the key --", "--"))
+    return _LIST.sub(lambda found: found[1].replace('"', "").replace(" ", ""), text)
 
 
 def _problems_of_picture(plot: Path | None) -> list[Problem]:

@@ -24,7 +24,7 @@ def show_fit(fit: Fit, recording: Path, units: ShownUnits) -> None:
     `recording` is its file, `units` those for printing.
     """
     say(f"{recording}: {fit.samples:,} samples, {fit.periods:.1f} periods")
-    for name, text in facts(fit):
+    for name, text in facts(fit, units):
         say(f"  {name}: {text}")
     length = units.of("m", float(np.nanmax(np.abs(fit.amplitudes))))
     angle = units.of("degree", 0.0)
@@ -68,14 +68,28 @@ def document_of(fit: Fit, recording: Path) -> dict[str, Any]:
     }
 
 
-def facts(fit: Fit) -> Iterator[tuple[str, str]]:
+def facts(fit: Fit, units: ShownUnits | None = None) -> Iterator[tuple[str, str]]:
     """Yield name and value, as texts, of each result that holds for the whole fit of a drive.
 
-    They are the frequency, the error of the recorder's clock, the share of the recording that the
-    fit does not explain, drift, and the tilt of the sensor, as far as they are known.
+    They are the frequency, the line of the stroke and its angle, the error of the recorder's clock,
+    the share of the recording that the fit does not explain, drift, and the tilt of the sensor, as
+    far as they are known. `units` are those for printing lengths.
     """
     frequency, error = _round_to_error(fit.frequency, fit.frequency_error)
     yield "frequency", f"{frequency} Hz" + (f" {PLUS_MINUS} {error} Hz" if error else ", as given")
+    if (stroke := fit.stroke) is not None:
+        shown = (units or ShownUnits()).of("m", stroke.major)
+        off = float(np.max(fit.amplitude_errors[:, fit.orders.index(stroke.order)]))
+        major, minor = (
+            _round_to_error(shown.factor * size, shown.factor * off)[0]
+            for size in (stroke.major, stroke.minor)
+        )
+        angle, _ = _round_to_error(
+            float(np.degrees(stroke.angle)), float(np.degrees(off / stroke.major))
+        )
+        line, across = f"{major} {shown.unit} at {angle}", f"{minor} {shown.unit} across that line"
+        order = "" if stroke.order == 1 else f", of order {stroke.order}"
+        yield "amplitude along the line of the stroke", f"{line} degrees{order}; {across}"
     if fit.clock is not None:
         clock, error = _round_to_error(
             PERCENT * fit.clock.error, PERCENT * fit.clock.standard_error
@@ -88,7 +102,8 @@ def facts(fit: Fit) -> Iterator[tuple[str, str]]:
         yield name, f"{listed} of the drive"
     if fit.tilt is not None:
         climb, lean = np.degrees(fit.tilt.climb), np.degrees(fit.tilt.lean)
-        yield "tilt", f"climbs by {climb:.2f} degrees, rises to its left by {lean:.2f} degrees"
+        left = "" if np.isnan(lean) else f", rises to its left by {lean:.2f} degrees"
+        yield "tilt", f"climbs by {climb:.2f} degrees{left}"
 
 
 def toml_of(fit: Fit, recording: Path) -> str:

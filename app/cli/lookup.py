@@ -150,7 +150,7 @@ def _look_up_or_exit(
             looked_up = lookup_rows(opened, columns, parameters, simulate=simulate)
     except StudyError as error:
         refuse({source: error.problems})
-    for line in questions({"parameters": parameters}):
+    for line in questions({"parameters": {**columns, **parameters}}):
         typer.echo(f"lookup: {line}", err=True)
     return looked_up
 

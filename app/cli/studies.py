@@ -17,7 +17,6 @@ from app.cli.options import INVALID_INPUT
 from core import intake
 from core.compiling import stopwatch
 from core.errors import LimitError, Problem, StudyError
-from core.study.unusual import questions
 
 if TYPE_CHECKING:
     from core.plan.prepared import Prepared
@@ -47,21 +46,19 @@ def prepare_all(
     """
     prepared: dict[Path, Prepared] = {}
     invalid: dict[Path, Sequence[Problem]] = {}
-    asked: dict[Path, list[str]] = {}
     for path in files:
         try:
             content = content_of(path)
             prepared[path] = intake.prepare_content(content, files=True)
             prepared[path].check_limits(cells=cells, bytes_=bytes_)
-            asked[path] = questions(content)
         except StudyError as error:
             invalid[path] = error.problems
         except LimitError as error:
             invalid[path] = [Problem("parameters", error.message, error.fix)]
     if invalid:
         refuse(invalid)
-    for path, lines in asked.items():
-        for line in lines:
+    for path, one in prepared.items():
+        for line in one.questions:
             typer.echo(f"{_name_of(path)}: {line}", err=True)
     return prepared
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
 from core.errors import Problem, StudyError
 from core.intake.messages import problems_of
+from core.intake.recorded import tilt_questions
 from core.intake.section import Stranger
 from core.intake.sections import SECTIONS
 from core.kinds import KINDS
@@ -17,6 +18,7 @@ from core.plan.plan import plan_scene, scene_parameters
 from core.plan.prepared import Prepared, names_intended
 from core.plan.sketch import Sketch
 from core.study.grid_study import MAX_OUTPUTS, PARAMETERS, Study
+from core.study.unusual import questions
 from core.suggestions import nearest
 
 if TYPE_CHECKING:
@@ -50,6 +52,11 @@ class Draft:
         """The kind of the study; None if the content names no known kind."""
         name = self.content.get("kind") if isinstance(self.content, Mapping) else None
         return KINDS[name] if isinstance(name, str) and name in KINDS else None
+
+    @property
+    def questions(self) -> tuple[str, ...]:
+        """Questions about values that are allowed and unusual, those of files as those typed."""
+        return (*questions(self.content), *tilt_questions(self.fit, self.content))
 
     def resolve(self, *, files: bool) -> Draft:
         """Return this draft of a study with file names replaced by the numbers in the files.
@@ -105,7 +112,7 @@ class Draft:
             # Without the numbers of files a plan would miss what is not missing.
             further = [] if self.problems else self._objections(error)
             raise StudyError([*error.problems, *further]) from None
-        return KINDS[study.kind].prepare(study)
+        return replace(KINDS[study.kind].prepare(study), questions=self.questions)
 
     def _validated(
         self, kind: Kind, content: Mapping[str, Any]

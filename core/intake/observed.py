@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import itertools
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any, Final, NoReturn
 from core.errors import Problem, StudyError
 from core.extras import installing
 from core.intake.section import Content, Resolved, Section, Stranger, dotted
+from core.measured.marks import ONE_MARK, contradictions
 from core.measured.read import name_and_unit
 from core.study.grid_study import PARAMETERS
 from core.study.observations import MAX_RUNS, OBSERVED
@@ -107,13 +109,13 @@ def _value(cell: Any, unit: str) -> Any:
     if isinstance(cell, int | float) and not isinstance(cell, bool):
         return f"{cell!r} {unit}" if unit else cell
     text = str(cell).strip()
-    if not _NUMBER.fullmatch(text):
+    if not _NUMBER.fullmatch(text) or "," in text:
         return text
     return f"{text} {unit}" if unit else float(text)
 
 
 def _csv(path: Path) -> Iterable[list[str]]:
-    """Yield the rows of a CSV file as lists of cells; commas, semicolons or tabs separate them.
+    """Return the rows of a CSV file as lists of cells; commas, semicolons or tabs separate them.
 
     `path` is that of the file. Decimal commas become points unless commas separate the cells. Empty
     lines and lines that begin with # are left out.
@@ -122,9 +124,14 @@ def _csv(path: Path) -> Iterable[list[str]]:
     lines = [line for line in text.splitlines() if line.strip(" ,;\t") and line[0] != "#"]
     first = lines[0] if lines else ""
     delimiter = max(";\t,", key=first.count)
-    for line in csv.reader(io.StringIO("\n".join(lines)), delimiter=delimiter):
-        # Where commas part no cells, they are those of decimals.
-        yield line if delimiter == "," else [_with_point(cell) for cell in line]
+    rows = [*csv.reader(io.StringIO("\n".join(lines)), delimiter=delimiter)]
+    if delimiter == "," or not rows:
+        return rows
+    columns = dict(zip(rows[0], itertools.zip_longest(*rows[1:], fillvalue=""), strict=False))
+    for message in contradictions(columns).values():
+        _fail(f"{path.name}: {message}", ONE_MARK)
+    # Where commas part no cells, they are those of decimals.
+    return [[_with_point(cell) for cell in row] for row in rows]
 
 
 def _with_point(cell: str) -> str:

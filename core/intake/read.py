@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +17,9 @@ from core.study.grid_study import Study
 if TYPE_CHECKING:
     from core.measured.drive import Fit
     from core.study.simulate_study import SimulateStudy
+
+CALLER = 4
+"""Calls from a warning to who asked `vibrafeed` for a study."""
 
 
 def load_study(path: str | os.PathLike[str]) -> Study:
@@ -32,12 +36,18 @@ def load_study(path: str | os.PathLike[str]) -> Study:
 def study_of(content: object) -> Study:
     """Return the study that a mapping describes, with the content of the files that it names.
 
+    Warns of values that are allowed and unusual.
+
     Raises
     ------
     StudyError
         With every problem.
     """
-    return Draft(content).resolve(files=True).check()
+    draft = Draft(content).resolve(files=True)
+    study = draft.check()
+    for question in draft.questions:
+        warnings.warn(question, stacklevel=CALLER)
+    return study
 
 
 def parse_study(content: object) -> Study:
@@ -75,6 +85,8 @@ def study_and_fit(content: object) -> tuple[SimulateStudy, Fit]:
             Problem("drive", "the drive of this study names no recording to fit", fix)
         ]
     study: SimulateStudy = draft.check()  # type: ignore[assignment] # whose kind is given
+    for question in draft.questions:
+        warnings.warn(question, stacklevel=CALLER)
     assert draft.fit is not None  # else there is a problem
     return study, draft.fit
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,17 +15,29 @@ from core import measured
 from core.errors import Problem, StudyError
 from core.intake.messages import problems_of
 from core.intake.section import Content, Resolved, Section, Stranger
+from core.quantities import QUANTITIES
 from core.study.drive import (
     MeasuredDrive,
     RecordedDrive,
     names_recording,
     only_the_plain_sine,
 )
+from core.study.units import UnitError, read_numbers
+from core.study.unusual import leaves_of
 
 MAX_ROWS_SENT = 20_000  # rows of a recording from the network; fitting so many takes a second
 # Digits of kept numbers: more than a fit determines, and few enough to be equal on all processors.
 DIGITS = 10
 SENT = "data"  # the name of a recording without a file
+VALUE_SECTIONS = (
+    "parameters",
+    "variables",
+    "uncertain",
+    "unknowns",
+)  # where a study gives parameters
+SLOPES: Final = {"along": "gamma", "across": "delta"}
+"""The parameter by which a track rises along an axis."""
+ASKED_FROM = 5.0  # degrees between the climb of a recording and that of its study
 
 
 def beside(drive: Any, folder: Path) -> Any:
@@ -44,12 +58,11 @@ def with_drive(content: Content, files: bool) -> Resolved:
     if not names_recording(content):
         return Resolved(content)
     try:
-        record, fit = _measured_drive(content["drive"], files=files)
+        record, fit = _measured_drive(content["drive"], _slopes(content), files=files)
     except StudyError as error:
         without = {name: value for name, value in content.items() if name != "drive"}
         return Resolved(without, error.problems)
-    places = ("parameters", "variables", "uncertain", "unknowns")
-    own = [given for name in places if isinstance(given := content.get(name), Mapping)]
+    own = [given for name in VALUE_SECTIONS if isinstance(given := content.get(name), Mapping)]
     numbers = {n: v for n, v in record.numbers.items() if not any(n in given for given in own)}
     parameters = content.get("parameters", {})
     if isinstance(parameters, Mapping):  # if it is none, its reader says so
@@ -83,17 +96,59 @@ def _read(drive: Mapping[str, Any]) -> RecordedDrive:
         ) from None
 
 
-def _measured_drive(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDrive, measured.Fit]:
+def tilt_questions(fit: measured.Fit | None, content: Mapping[str, Any]) -> list[str]:
+    """Return a question if a recording shows another climb of the track than its study has.
+
+    `fit` is that of the recording, None without one, `content` that of the study.
+    """
+    if fit is None or fit.tilt is None:
+        return []
+    climb = math.degrees(fit.tilt.climb)
+    least, most = map(math.degrees, _slopes(content).get("along", (0.0, 0.0)))
+    if least - ASKED_FROM <= climb <= most + ASKED_FROM:
+        return []
+    stated = f"{least:.3g}" if least == most else f"{least:.3g} to {most:.3g}"
+    return [
+        f"the recording shows a track that climbs by {climb:.3g} degrees, the study computes with "
+        f"gamma = {stated} degrees. Is the sensor in line with the track, and gamma right?"
+    ]
+
+
+def _slopes(content: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
+    """Return the least and largest angles [rad] by which a study says that its track rises.
+
+    They are named by axis, along and across; what is not said, or wrongly, is left out. A track
+    may lean to either side.
+    """
+    slopes = {}
+    for axis, name in SLOPES.items():
+        given = [one for key in VALUE_SECTIONS if isinstance(one := content.get(key), Mapping)]
+        written = [value for one in given if name in one for value in leaves_of(one[name])]
+        try:
+            angles = read_numbers(name, QUANTITIES[name], written) if written else ()
+        except UnitError:
+            continue  # which is told where the value is read
+        if angles:
+            least, most = math.radians(min(angles)), math.radians(max(angles))
+            slopes[axis] = (least, most) if axis == "along" else (-abs(most), abs(most))
+    return slopes
+
+
+def _measured_drive(
+    drive: Mapping[str, Any], slopes: Mapping[str, tuple[float, float]], files: bool
+) -> tuple[MeasuredDrive, measured.Fit]:
     """Return the record of a measured drive that the study keeps, and the fit to its recording.
 
-    `drive` is the section of the study, which holds the recording or names its file; `files` is
-    True if files of this machine may be read. Raises `StudyError` with every problem.
+    `drive` is the section of the study, which holds the recording or names its file, `slopes` are
+    the angles of the study's track; `files` is True if files of this machine may be read. Raises
+    `StudyError` with every problem.
     """
     fields = _read(drive)
     source = _source(fields, files)
     path = "drive.file" if isinstance(source, Path) else "drive.data"
     try:
-        fit = measured.fit_drive(_table(source, path, files), _recording(fields))
+        recording = replace(_recording(fields), slopes=slopes)
+        fit = measured.fit_drive(_table(source, path, files), recording)
         digest = _digest(source)
     except StudyError as error:
         raise StudyError(_placed(problem, path) for problem in error.problems) from None

@@ -42,9 +42,9 @@ else:
                 "fit_signal",
             ),
             "read": (
-                "Column",
+                "RecordingColumn",
                 "Fault",
-                "Table",
+                "RecordingTable",
                 "read_table",
             ),
             "recording": (

@@ -25,12 +25,13 @@ class Clock(NamedTuple):
 
 
 class Tilt(NamedTuple):
-    """The tilt of the track, from the constant of a sensor of three axes.
+    """The tilt of the track, from the constant of a sensor.
 
     Attributes
     ----------
     climb, lean : float
-        Angles [rad] by which the track rises in transport direction, and to its left.
+        Angles [rad] by which the track rises in transport direction, and to its left; NaN without a
+        channel across.
     gravity : float
         Size of the constant [m s-2].
     """
@@ -38,6 +39,25 @@ class Tilt(NamedTuple):
     climb: float
     lean: float
     gravity: float
+
+
+class StrokeEllipse(NamedTuple):
+    """The ellipse of one order in the plane of along and normal; a line if `minor` is 0.
+
+    Attributes
+    ----------
+    order : int
+        The lowest order that the recording tells from zero.
+    major, minor : float
+        Semi-axes [m]: the amplitude along the line of the stroke, and across that line.
+    angle : float
+        Of the line to the transport direction, upwards [rad], in (-pi/2, pi/2].
+    """
+
+    order: int
+    major: float
+    minor: float
+    angle: float
 
 
 class Fold(NamedTuple):
@@ -92,7 +112,7 @@ class Fit:
     effective_samples : ndarray, shape (axes,)
         Number of samples with white noise of the residual's size that would tell as much.
     tilt : Tilt, optional
-        If there are three axes, and their constant has the size of gravity.
+        If there are axes along and normal, and their constant has the size of gravity.
     origin : float
         Time by the recorder's clock at which t is 0, from the first sample [s].
     signal : Signal
@@ -159,6 +179,29 @@ class Fit:
         cosine, sine = np.cos(self.phases), np.sin(self.phases)
         unit = np.stack([cosine, sine] if part == 0 else [-sine, cosine], axis=-1)
         return np.maximum(np.einsum("jka,jkab,jkb->jk", unit, own, unit), 0.0)
+
+    @property
+    def stroke(self) -> StrokeEllipse | None:
+        """The line of the stroke and its angle; None unless there are axes along and normal.
+
+        With complex amplitudes a along and n normal, and D^2 = (|a|^2 - |n|^2)^2 + 4 Re(a n*)^2,
+        the larger semi-axis squared is (|a|^2 + |n|^2 + D)/2, the product of both |Im(a n*)|, and
+        twice the angle has the tangent 2 Re(a n*)/(|a|^2 - |n|^2): the Stokes parameters of Born
+        and Wolf, Principles of Optics, section 1.4.2.
+        """
+        if not {"along", "normal"} <= set(self.axes):
+            return None
+        rows = [self.axes.index(axis) for axis in ("along", "normal")]
+        lowest = int(np.flatnonzero(self.significant[rows].any(axis=0))[:1].sum())
+        waves = np.where(self.significant, self.amplitudes * np.exp(1j * self.phases), 0.0)
+        along, normal = waves[rows, lowest]
+        product = complex(along * np.conj(normal))
+        sizes = abs(along) ** 2, abs(normal) ** 2
+        spread = float(np.hypot(sizes[0] - sizes[1], 2.0 * product.real))
+        major = float(np.sqrt((sum(sizes) + spread) / 2.0))
+        minor = abs(product.imag) / major if major else 0.0
+        angle = float(np.arctan2(2.0 * product.real, sizes[0] - sizes[1]) / 2.0)
+        return StrokeEllipse(self.orders[lowest], major, minor, angle)
 
     def parameters(self) -> dict[str, float]:
         """Return the fitted drive as study parameters: SI units, phases in degrees."""

@@ -8,15 +8,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from core.measured.drive import Clock, Fit, Tilt, wrap_angle
+from core.measured.drive import Clock, Fit, wrap_angle
 from core.measured.fundamental import DRIFT, fundamental, orders_below
+from core.measured.gravity import tilt_of
 from core.measured.harmonics import Array, Samples, Solution, solve_least_squares
 from core.measured.noise import Noise, covariance_of, hurdle, noise_of
 from core.measured.read import RecordingTable
-from core.measured.recording import AXES, STANDARD_GRAVITY, Recording, Signal, read_signal
+from core.measured.recording import Recording, Signal, read_signal
 from core.measured.validity import check_before, check_fit, check_orders
-
-SIZE = 0.1  # share of gravity by which a constant acceleration may differ from it
 
 
 def fit_drive(source: str | Path | RecordingTable, recording: Recording) -> Fit:
@@ -148,7 +147,7 @@ def _stated(
         left_over=np.sqrt(np.mean(solution.residual**2, axis=1)) / periodic,
         drifting=np.sqrt(drift_squares) / periodic,
         effective_samples=samples.size * np.minimum(1.0 / (noise.weights * density), 1.0),
-        tilt=_tilt(signal.axes, solution.drift[:, 0]),
+        tilt=tilt_of(signal.axes, solution.drift[:, 0]),
         origin=samples.half + theta / (2.0 * np.pi * solution.frequency),
         signal=signal,
     )
@@ -196,16 +195,3 @@ def _covariance_of_displacements(
     rows[1::2] = change.real.reshape(waves.size, -1)
     rows[2::2] = change.imag.reshape(waves.size, -1)
     return rows @ covariance @ rows.T
-
-
-def _tilt(axes: tuple[str, ...], constant: Array) -> Tilt | None:
-    """Return the tilt of a track from the constant acceleration that a sensor shows, gravity.
-
-    `constant`, shape (axes,) [m s-2], holds it along, across and normal to the track. None unless
-    there are these three `axes` and it has the size of gravity within 10 %.
-    """
-    size = float(np.linalg.norm(constant))
-    if axes != AXES or abs(size / STANDARD_GRAVITY - 1.0) > SIZE:
-        return None
-    along, across, normal = constant.tolist()
-    return Tilt(float(np.arctan2(along, normal)), float(np.arctan2(across, normal)), size)

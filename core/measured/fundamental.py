@@ -11,6 +11,7 @@ from scipy.fft import next_fast_len
 from core.measured.harmonics import Array, Samples, Solution, solve_least_squares
 from core.measured.noise import density_near, hurdle
 from core.measured.recording import MAX_ORDERS
+from core.measured.times import UNEVEN
 
 LEAST_PERIODS = 10  # periods that a recording needs
 MAX_LEFT = 0.5  # largest rms of the residual, over that of the harmonics
@@ -93,9 +94,10 @@ def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.in
     around it. Drift must have been removed from the `samples`; lines with fewer than two periods in
     the recording are left out.
     """
-    count, rate = samples.size, samples.size / samples.duration
+    even = _without_gaps(samples)
+    count, rate = even.size, even.size / even.duration
     size = next_fast_len(PADDING * count, real=True)
-    spectrum = np.fft.rfft(samples.values * np.hanning(count), size)
+    spectrum = np.fft.rfft(even.values * np.hanning(count), size)
     power = (np.abs(spectrum) ** 2).sum(axis=0)
     places = np.fft.rfftfreq(size, 1.0 / rate)
     lowest = max(lowest, SLOWEST / samples.duration)
@@ -103,12 +105,25 @@ def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.in
     peak = int(np.argmax(np.where(allowed, power, -1.0)))
     wave = solve_least_squares(samples, float(places[peak]), (1,), 0)
     strength = np.abs(wave.waves[:, 0]) ** 2 / 2.0
-    spectrum = np.fft.rfft(wave.residual) / np.sqrt(count)
+    spectrum = np.fft.rfft(wave.residual) / np.sqrt(samples.size)
     place = np.array([wave.frequency * samples.duration])
     noise = np.diag(density_near(spectrum, float(place[0]), place, DRIFT))
     with np.errstate(divide="ignore", invalid="ignore"):
-        contrast = np.nan_to_num(count * strength / (2.0 * noise), posinf=np.inf)
+        contrast = np.nan_to_num(samples.size * strength / (2.0 * noise), posinf=np.inf)
     return Line(wave.frequency, float(strength.sum()), float(contrast.max()))
+
+
+def _without_gaps(samples: Samples) -> Samples:
+    """Return samples at even times, straight lines where some were lost; as they are without gaps.
+
+    A spectrum counts samples, not time: behind a gap all phases would be off.
+    """
+    steps = np.diff(samples.times)
+    step = float(np.median(steps))
+    if steps.max() <= (1.0 + UNEVEN) * step:
+        return samples
+    times = np.linspace(-samples.half, samples.half, round(2.0 * samples.half / step) + 1)
+    return Samples(times, np.array([np.interp(times, samples.times, v) for v in samples.values]))
 
 
 def stands_out(line: Line, count: int) -> bool:

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
 from io import StringIO
-from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import Problem, StudyError
+from core.measured.marks import ONE_MARK, contradictions
 from core.suggestions import suggestion
 
 MAX_BYTES = 50_000_000  # bytes of a file, or characters of a text
@@ -26,9 +28,15 @@ MAX_ROWS = 500_000  # whose fit in three axes takes half a gigabyte and some ten
 MAX_COLUMNS = 256  # columns of a table
 MAX_LETTERS = 20_000  # characters of a line
 SHOWN = 3  # faults of a column that are listed one by one
+SAMPLED = 50  # rows that show the form of most rows
+MAX_ABOVE = 1_000  # rows and remarks above the table
+REMARKS = ("comment", "comments", "remark", "remarks")
 
 _IN_BRACKETS = re.compile(r"[\[(][^\[\]()]*[\])]\Z")
 _UNITS_ONLY = re.compile(r"([\[(][^\[\]]*[\])])?")
+_BARE_UNIT = re.compile(r"-?|[nuµμm]?s|sec|[mk]?[gG]n?|[mc]?m[/·* ]?s\S{0,3}[2²]|m?V|[k]?Hz|°C?")
+_SEPARATOR = re.compile(r'"?sep=(.)"?', re.IGNORECASE)
+_CLOCK = re.compile(r"(?:\d{4}-\d\d-\d\d[T ])?\d\d:\d\d(?::\d\d.*)?")
 _ENCODINGS = ("utf-8-sig", "cp1252")  # the second is what a spreadsheet in Europe writes
 
 
@@ -53,12 +61,15 @@ class RecordingColumn:
         The first faulty cells.
     faulty : int
         How many there are.
+    contradiction : str
+        Why its decimal marks cannot be what they seem; empty if they can.
     """
 
     values: NDArray[np.float64]
     unit: str
     faults: tuple[Fault, ...] = ()
     faulty: int = 0
+    contradiction: str = ""
 
 
 @dataclass(frozen=True)
@@ -79,6 +90,10 @@ class RecordingTable:
             message = f"the recording has no column '{name[:60]}'"
             problems.append(Problem(path, message, suggestion(name, self.columns), name))
             return None
+        if column.contradiction:
+            fix = ONE_MARK
+            problems.append(Problem(path, column.contradiction, fix, name))
+            return None
         for fault in column.faults:
             message = f"line {fault.line} of column '{name}' is not a number: {fault.text[:40]!r}"
             problems.append(
@@ -93,9 +108,12 @@ class RecordingTable:
 def read_table(source: str | Path) -> RecordingTable:
     """Return the table in a CSV file or text.
 
-    Comma, semicolon or tab part the cells; beside the last two a comma is a decimal comma. The
-    first row holds names, with units in brackets if need be (``ax [g]``); a row of units alone
-    may follow it. Blank lines and lines that begin with ``#`` are passed over.
+    Comma, semicolon or tab part the cells; beside the last two a comma is a decimal comma. A row
+    of names stands above the numbers, with units in brackets if need be (``ax [g]``); a row of
+    units alone may follow it. Whatever a recorder writes above the names is passed over, as are
+    blank lines and those that begin with ``#``, unless such a line is the only one that can hold
+    the names. Cells may be dates with times, or times of day, after ISO 8601: they become seconds
+    from the first.
 
     Parameters
     ----------
@@ -109,15 +127,11 @@ def read_table(source: str | Path) -> RecordingTable:
     OSError
         If the file cannot be read.
     """
-    text = _text_of(source)
-    rows = _rows(text)
-    _, header = next(rows, (0, []))
+    lines = _lines(_text_of(source))
+    header, below, body = _parted(lines)
     _check_header(header)
     names, units = _names(header)
-    body = list(islice(rows, MAX_ROWS + 2))
-    if body and all(_UNITS_ONLY.fullmatch(cell.strip()) for cell in body[0][1]):
-        below = (cell.strip(" []()") for cell in body.pop(0)[1])
-        units = [unit or other for unit, other in zip(units, below, strict=False)]
+    units = [unit or other for unit, other in zip(units, below or units, strict=False)]
     if not body:
         raise _refused("the recording holds no numbers", "Give rows of numbers below the names")
     if len(body) > MAX_ROWS:
@@ -126,13 +140,92 @@ def read_table(source: str | Path) -> RecordingTable:
             "Shorten the recording: one second is enough",
         )
     _check_rows(body, names)
-    lines = np.array([line for line, _ in body])
-    cells = list(zip(*(row for _, row in body), strict=True))
-    columns = {
-        name: _column(texts, unit, lines)
-        for name, unit, texts in zip(names, units, cells, strict=True)
-    }
-    return RecordingTable(columns, lines)
+    numbers = np.array([line for line, _ in body])
+    cells = dict(zip(names, zip(*(row for _, row in body), strict=True), strict=True))
+    wrong = {} if lines.delimiter == "," else contradictions(cells)
+    columns = {}
+    for (name, texts), unit in zip(cells.items(), units, strict=True):
+        points = texts if lines.delimiter == "," else [text.replace(",", ".") for text in texts]
+        column = _column(texts, points, unit, numbers)
+        columns[name] = replace(column, contradiction=wrong.get(name, ""))
+    return RecordingTable(columns, numbers)
+
+
+class _Lines(NamedTuple):
+    """The lines of a recording, taken apart: number and cells of each row and of each remark.
+
+    Remarks, lines that begin with ``#``, are kept as far as they may hold the names of columns.
+    """
+
+    rows: list[tuple[int, list[str]]]
+    remarks: list[tuple[int, list[str]]]
+    delimiter: str
+
+    def is_number(self, cell: str) -> bool:
+        """True if a cell is a number, with a decimal comma where commas do not part cells."""
+        return _is_number(cell if self.delimiter == "," else cell.replace(",", "."))
+
+    def first_of_body(self) -> int:
+        """Return the index of the first row that has the form of most rows: its numbers."""
+        sampled = self.rows[:: -max(len(self.rows) // SAMPLED, 1)]
+        forms = Counter(tuple(map(self.is_number, cells)) for _, cells in sampled)
+        form = max(forms, key=lambda form: (forms[form], len(form)))
+        for index, (_, cells) in enumerate(self.rows):
+            if len(cells) == len(form) and all(
+                self.is_number(cell) for cell, held in zip(cells, form, strict=True) if held
+            ):
+                return index
+        return 0
+
+    def can_name(self, cells: list[str], width: int) -> bool:
+        """True if cells may be the names of so many columns: texts that do not begin as numbers."""
+        if len(cells) != width and len(_without_remark(cells)) != width:
+            return False
+        texts = [cell.strip() for cell in cells if cell.strip()]
+        return bool(texts) and not any(
+            text[0] in "+-.,0123456789" or self.is_number(text) for text in texts
+        )
+
+
+def _parted(lines: _Lines) -> tuple[list[str], list[str], list[tuple[int, list[str]]]]:
+    """Return the cells of a table's header, those of a row of units, if any, and the body.
+
+    The header is the last row above the numbers that can name their columns; without one, the last
+    such remark; else the first row, whatever it holds.
+    """
+    rows = lines.rows
+    if not rows:
+        return [], [], []
+    first = lines.first_of_body()
+    width = len(rows[first][1])
+    heads = [k for k in range(min(first, MAX_ABOVE)) if lines.can_name(rows[k][1], width)]
+    if not heads:
+        headings = [
+            cells
+            for line, cells in lines.remarks
+            if line < rows[first][0] and lines.can_name(cells, width)
+        ]
+        if headings:
+            return headings[-1], [], rows[first:]
+        heads = [0]
+    header, end = heads[-1], heads[-1] + 1
+    units: list[str] = []
+    if header - 1 in heads and _holds_units(rows[header][1]):
+        header -= 1
+        units = [cell.strip(" []()") for cell in rows[header + 1][1]]
+    named = rows[header][1]
+    return named if len(named) == width else _without_remark(named), units, rows[end:]
+
+
+def _without_remark(cells: list[str]) -> list[str]:
+    """Return the headings without a last one that recorders leave out of rows where it is empty."""
+    return cells[:-1] if cells[-1].strip().casefold() in REMARKS else cells
+
+
+def _holds_units(cells: Sequence[str]) -> bool:
+    """True if the cells of a row are units of columns, and nothing else."""
+    texts = [cell.strip() for cell in cells]
+    return all(_UNITS_ONLY.fullmatch(text) or _BARE_UNIT.fullmatch(text) for text in texts)
 
 
 def _check_header(header: list[str]) -> None:
@@ -175,26 +268,60 @@ def _text_of(source: str | Path) -> str:
     raise _refused("the file is not a text file", "Export the recording as CSV, in UTF-8")
 
 
-def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield line number and cells of each row of a recording, without blank lines and comments.
+def _lines(text: str) -> _Lines:
+    """Return the lines of a recording, taken apart, without blank ones.
 
-    `text` is the whole file. Decimal commas become points where the cells are not separated by
-    commas.
+    `text` is the whole file. A line ``sep=;`` on top, as spreadsheets have it, names the delimiter.
     """
+    rows: list[tuple[int, list[str]]] = []
+    remarks: list[tuple[int, list[str]]] = []
     delimiter = ""
     # A cell of several lines is no number; each line is a row of its own, and keeps its number.
     for number, line in enumerate(StringIO(text, newline=None), start=1):
         line = line.rstrip("\n")
-        if line.lstrip().startswith("#") or not line.strip(" \t;,"):
+        if not line.strip(" \t;,"):
             continue
         if len(line) > MAX_LETTERS:
             raise _refused(f"line {number} has {len(line):,} letters", "Keep the columns in use")
-        if not delimiter:
-            delimiter = next((mark for mark in "\t;" if mark in line), ",")
-        row = _quoted(number, line, delimiter) if '"' in line else line.split(delimiter)
-        while len(row) > 1 and not row[-1].strip():  # a recorder may end its lines with a delimiter
-            row.pop()
-        yield number, row if delimiter == "," else [cell.replace(",", ".") for cell in row]
+        if not delimiter and (named := _SEPARATOR.fullmatch(line.strip())):
+            delimiter = named[1]
+            continue
+        remark = line.lstrip().startswith("#")
+        line = line.lstrip("# \t") if remark else line
+        mark = delimiter or _delimiter(line, text)
+        delimiter = delimiter if remark else mark
+        if not remark:
+            rows.append((number, _cells(number, line, mark)))
+        elif len(rows) + len(remarks) < MAX_ABOVE:
+            remarks.append((number, _cells(number, line, mark)))
+        if len(rows) > MAX_ROWS + MAX_ABOVE:
+            break
+    return _Lines(rows, remarks, delimiter or ",")
+
+
+def _delimiter(line: str, text: str) -> str:
+    """Return the character that parts the cells of a recording: a tab, a semicolon or a comma.
+
+    `line` is its first row and `text` the whole: where the two differ in their number of cells,
+    something else stands on top, and the row in the middle decides.
+    """
+    middle = text.rfind("\n", 0, len(text) // 2) + 1
+    inner = text[middle : middle + MAX_LETTERS].partition("\n")[0]
+    of_first, of_inner = (
+        next((mark for mark in "\t;" if mark in some), ",") for some in (line, inner)
+    )
+    return of_first if line.count(of_first) == inner.count(of_first) or not inner else of_inner
+
+
+def _cells(number: int, line: str, delimiter: str) -> list[str]:
+    """Return the cells of a line of a recording, without empty ones at its end.
+
+    `number` is the line's number, for a message; `delimiter` is one character.
+    """
+    row = _quoted(number, line, delimiter) if '"' in line else line.split(delimiter)
+    while len(row) > 1 and not row[-1].strip():  # a recorder may end its lines with a delimiter
+        row.pop()
+    return row
 
 
 def _quoted(number: int, line: str, delimiter: str) -> list[str]:
@@ -260,20 +387,40 @@ def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str])
         raise StudyError(problems)
 
 
-def _column(texts: Sequence[str], unit: str, lines: NDArray[np.int64]) -> RecordingColumn:
+def _column(
+    texts: Sequence[str], points: Sequence[str], unit: str, lines: NDArray[np.int64]
+) -> RecordingColumn:
     """Return one column of a recording: its values, unit, and the cells that are no numbers.
 
-    `texts` are the cells of the column, `unit` that of its heading, `lines` the line number of each
-    cell in the file, for messages. Values that are no finite number count as faults, of which the
-    first `SHOWN` are kept with line and text.
+    `texts` are the cells of the column as they were written and `points` those with decimal points,
+    `unit` is that of its heading, `lines` the line number of each cell in the file, for messages.
+    Values that are no finite number count as faults, of which the first `SHOWN` are kept with line
+    and text.
     """
     try:
-        values = np.fromiter(map(float, texts), np.float64, len(texts))
+        values = np.fromiter(map(float, points), np.float64, len(points))
     except ValueError:
-        values = np.array([float(text) if _is_number(text) else np.nan for text in texts])
+        if all(_CLOCK.fullmatch(text.strip()) for text in points):
+            seconds = _seconds(points)
+            if seconds is not None:
+                return RecordingColumn(seconds, "s")
+        values = np.array([float(text) if _is_number(text) else np.nan for text in points])
     wrong = np.flatnonzero(~np.isfinite(values))
     faults = tuple(Fault(int(lines[row]), texts[row].strip()) for row in wrong[:SHOWN])
     return RecordingColumn(values, unit, faults, wrong.size)
+
+
+def _seconds(texts: Sequence[str]) -> NDArray[np.float64] | None:
+    """Return dates with times, or times of day, after ISO 8601 as seconds from the first.
+
+    None if one is no such text.
+    """
+    day = "" if len(texts[0].strip()) > len("00:00:00.000000000") else "2000-01-01T"
+    try:
+        times = [datetime.fromisoformat(day + text.strip()) for text in texts]
+        return np.array([(time - times[0]).total_seconds() for time in times])
+    except (TypeError, ValueError):  # the first: some have a time zone, some do not
+        return None
 
 
 def _is_number(text: str) -> bool:

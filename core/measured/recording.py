@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import NamedTuple
+from types import MappingProxyType
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +37,13 @@ ACCELERATIONS = {
     "gn": STANDARD_GRAVITY,
     "mg": 1e-3 * STANDARD_GRAVITY,
 }
+NOTHING_SAID: Final[Mapping[str, tuple[float, float]]] = MappingProxyType({})
+ENDINGS = {
+    "g": "g", "mg": "mg", "ms2": "m/s2", "m_s2": "m/s2", "mps2": "m/s2", "mms2": "mm/s2",
+    "mm_s2": "mm/s2", "mmps2": "mm/s2",
+}  # fmt: skip
+"""Ends of the names of columns that are units, as in ``acc_x_g``."""
+_UNIT_IN_NAME = re.compile(rf"[_ ]({'|'.join(ENDINGS)})\Z")
 UNITS = ("m s-2", "mm s-2", "cm/s2", "g", "mg")  # as messages list them
 
 
@@ -67,6 +75,8 @@ class Recording:
         About what the recording's fundamental is, within a tenth; found if left out.
     harmonics : int, optional
         How many orders to fit; as many as the data tell if left out.
+    slopes : mapping of str to tuple, optional
+        Least and largest angle [rad] by which the study's track rises along and across.
     """
 
     along: str | None = None
@@ -80,6 +90,7 @@ class Recording:
     line_frequency: float | str | None = None
     frequency: float | str | None = None
     harmonics: int | None = None
+    slopes: Mapping[str, tuple[float, float]] = field(default_factory=lambda: NOTHING_SAID)
 
 
 class Signal(NamedTuple):
@@ -98,6 +109,10 @@ class Signal(NamedTuple):
     line_frequency, frequency : float, optional
         [Hz], as in `Recording`.
     harmonics : int, optional
+    slopes : mapping of str to tuple
+        [rad], as in `Recording`.
+    assumed : str
+        The column of times that was taken for seconds, since nothing names its unit.
     """
 
     times: NDArray[np.float64]
@@ -107,6 +122,8 @@ class Signal(NamedTuple):
     line_frequency: float | None = None
     frequency: float | None = None
     harmonics: int | None = None
+    slopes: Mapping[str, tuple[float, float]] = NOTHING_SAID
+    assumed: str = ""
 
 
 def read_signal(source: str | Path | RecordingTable, recording: Recording) -> Signal:
@@ -152,7 +169,10 @@ def read_signal(source: str | Path | RecordingTable, recording: Recording) -> Si
     if recording.sensor is not None:
         accelerations, axes = turned @ accelerations, AXES
         resolution = np.sqrt(turned**2 @ resolution**2)
-    return Signal(times, accelerations, axes, resolution, line, guess, recording.harmonics)
+    return Signal(
+        times.values, accelerations, axes, resolution, line, guess, recording.harmonics,
+        recording.slopes, times.assumed,
+    )  # fmt: skip
 
 
 class _Channel(NamedTuple):
@@ -208,6 +228,9 @@ def _channel(
     column = table.column(name if sign > 0 else name[1:].strip(), path, problems)
     if column is None:
         return None
+    ending = _UNIT_IN_NAME.search(name.casefold())
+    if ending is not None and not column.unit:
+        column = replace(column, unit=ENDINGS[ending[1]])
     factor = _factor(path, name, column, unit, problems)
     problems += clipping_problems(path, name, column.values, table.lines)
     if factor is None:

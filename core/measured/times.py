@@ -1,6 +1,9 @@
-"""The times of samples: a rate, or a column that ascends in steps that are nearly equal."""
+"""The times of samples: a rate, or a column that ascends in steps of which most are equal."""
 
 from __future__ import annotations
+
+import re
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,23 +18,49 @@ RATE = Quantity(
     examples=("5 kHz",),
 )  # fmt: skip
 SECONDS = {"": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "min": 60}
-USUAL_NAMES = ("time", "t")
-UNEVEN = 0.5  # of a step: smaller deviations are kept, and fitted at their true times
+SECONDS["ns"] = 1e-9
+USUAL_NAMES = ("time", "t", "timestamp", "elapsed", "zeit", "temps", "tiempo", "tempo", "x_value")
+"""Names of a column of times, without what they say of its unit; the last is LabVIEW's."""
+ENDINGS = {
+    "s": "s sec secs second seconds",
+    "ms": "ms msec millis millisecond milliseconds",
+    "us": "us µs μs usec micros microsecond microseconds",
+    "ns": "ns nanos nanosecond nanoseconds",
+    "min": "min minutes",
+}
+"""Last words of names that are units, by the unit: ``time_ms``, ``t_us``, ``seconds``."""
+UNEVEN = 0.5  # of a step: larger deviations count as lost samples, or as samples that came early
+MOST_LOST = 0.1  # of the samples, which may be lost; the others are fitted at their true times
 ROUNDED = 0.75
 """Deviation from even times that is rounding, over the unit that times are rounded to."""
 
 
+class Times(NamedTuple):
+    """The times of samples.
+
+    Attributes
+    ----------
+    values : ndarray, shape (n,)
+        Ascending [s].
+    assumed : str
+        The column that was taken for seconds, since nothing names its unit; empty if it is named.
+    """
+
+    values: NDArray[np.float64]
+    assumed: str = ""
+
+
 def read_times(
     table: RecordingTable, rate: float | str | None, time: str | None, problems: list[Problem]
-) -> NDArray[np.float64] | None:
-    """Return the times of the samples of a recording [s]; None if they cannot be determined.
+) -> Times | None:
+    """Return the times of the samples of a recording; None if they cannot be determined.
 
     They come from `rate`, samples a second (a number or a text with a unit), or from the column
-    `time` of the `table`, by default one with a usual name. Times that differ from even ones by no
-    more than their own rounding are made even; others are kept, since least squares needs no even
-    times. Problems are added to `problems`.
+    `time` of the `table`, by default one with a usual name, or the only one whose heading has a
+    unit of time. The unit stands in the heading, or at the end of the name, as in ``time_ms``.
+    Times that differ from even ones by no more than their own rounding are made even; others are
+    kept, since least squares needs no even times. Problems are added to `problems`.
     """
-    usual = next((name for name in table.columns if name.casefold() in USUAL_NAMES), None)
     if rate is not None:
         if time is not None:
             fix = "Give only the one that the recorder measures more accurately"
@@ -44,21 +73,31 @@ def read_times(
             )
             return None
         try:
-            return np.arange(len(table.lines)) / read_number("rate", RATE, rate)
+            return Times(np.arange(len(table.lines)) / read_number("rate", RATE, rate))
         except UnitError as error:
             problems.append(problem("rate", error))
             return None
-    name = time or usual
+    name = time or _column_of_times(table)
     if name is None:
         fix = "Give rate = the samples per second, or time = the name of the column of times"
         problems.append(
             Problem("rate", "the recording has neither a sampling rate nor a column of times", fix)
         )
         return None
+    if name in table.columns and table.columns[name].faulty == len(table.lines):
+        fault = table.columns[name].faults[0]
+        fix = "Give rate = the samples per second, or write seconds, or times such as 12:30:05.002"
+        message = (
+            f"the cells of column '{name}' are not numbers and not times after ISO 8601, such as "
+            f"{fault.text[:40]!r} in line {fault.line}"
+        )
+        problems.append(Problem("time", message, fix))
+        return None
     column = table.column(name, "time", problems)
     if column is None:
         return None
-    factor = SECONDS.get(column.unit)
+    unit = column.unit or unit_in_name(name)
+    factor = SECONDS.get(unit)
     if factor is None:
         fix = "Write s, ms, us or min in the header, or give rate and leave time out"
         problems.append(
@@ -75,11 +114,43 @@ def read_times(
     if wrong:
         problems.append(wrong)
         return None
-    return _even_if_rounded(times)
+    return Times(_even_if_rounded(times), "" if unit else name)
+
+
+def unit_in_name(name: str) -> str:
+    """Return the unit of time at the end of a column's name, as in ``time_ms``; else empty."""
+    return _stem_and_unit(name)[1]
+
+
+def _stem_and_unit(name: str) -> tuple[str, str]:
+    """Return a column's name in small letters without the unit of time at its end, and that unit.
+
+    The unit is a word of its own (``t_us``, ``Time ms``, ``timestampMs``), or follows a usual name
+    (``timems``). It is empty if there is none.
+    """
+    plain = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).casefold()
+    plain = re.sub(r"[\s.\-_]+", "_", plain).strip("_")
+    for unit, words in ENDINGS.items():
+        for word in words.split():
+            stem = plain.removesuffix(word)
+            if plain == word and len(word) > 1:
+                return USUAL_NAMES[0], unit
+            if stem != plain and (stem.endswith("_") or stem in USUAL_NAMES):
+                return stem.rstrip("_"), unit
+    return plain, ""
+
+
+def _column_of_times(table: RecordingTable) -> str | None:
+    """Return the column of times: one with a usual name, or the only one with a unit of time."""
+    for name in table.columns:
+        if _stem_and_unit(name)[0] in USUAL_NAMES:
+            return name
+    timed = [name for name, column in table.columns.items() if SECONDS.get(column.unit or "none")]
+    return timed[0] if len(timed) == 1 else None
 
 
 def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> Problem | None:
-    """Return the problem of times that do not increase, or are far from even; None without one.
+    """Return the problem of times that do not increase, or miss many samples; None without one.
 
     `name` is the column of the recording, `times` are its values [s], `lines` their lines in the
     file, for the message.
@@ -97,7 +168,7 @@ def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> 
         )
     usual = float(np.median(steps))
     away = np.abs(steps / usual - 1.0)
-    if away.max() <= UNEVEN:
+    if away[away > UNEVEN].sum() <= MOST_LOST * steps.size:
         return None
     worst = int(away.argmax())
     return Problem(
@@ -106,8 +177,8 @@ def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> 
         f"{1e3 * steps.min():.4g} to {1e3 * steps.max():.4g} ms, usually "
         f"{1e3 * usual:.4g} ms; the most uneven one is before line "
         f"{lines[worst + 1]}",
-        "Cut out a piece of the recording without gaps, or record again: time "
-        f"steps may differ by {100 * UNEVEN:.0f} %",
+        "Cut out a piece of the recording without gaps, or record again: at most "
+        f"{100 * MOST_LOST:.0f} % of the samples may be lost",
     )
 
 
@@ -122,6 +193,8 @@ def _even_if_rounded(times: NDArray[np.float64]) -> NDArray[np.float64]:
     slope, start = np.polyfit(place, times, 1) if times.size > 1 else (0.0, 0.0)
     even = start + slope * place
     steps = np.unique(np.diff(times))
+    if steps.size and steps[-1] > (1.0 + UNEVEN) * np.median(np.diff(times)):
+        return times  # some samples are lost
     noise = 1e-9 * times[-1]  # of differences of numbers in floating point
     distinct = steps[np.flatnonzero(np.diff(steps, prepend=-np.inf) > noise)]
     unit = float(np.diff(distinct).min()) if distinct.size > 1 else noise

@@ -15,9 +15,11 @@ from core.measured.fundamental import (
     stands_out,
     strongest_line,
 )
+from core.measured.gravity import gravity_problems
 from core.measured.harmonics import Samples, Solution, solve_least_squares
 from core.measured.noise import Noise
-from core.measured.recording import LEAST_SAMPLES, Signal
+from core.measured.recording import FREQUENCY, LEAST_SAMPLES, Signal
+from core.study.unusual import likely_unit_of_times
 
 STEPS = 1e-9, 1e3
 """Shortest and longest time from one sample to the next [s]: others are a wrong rate or unit."""
@@ -78,7 +80,9 @@ def check_before(signal: Signal) -> None:
                     key,
                     f"the recording has {count / duration:,.4g} samples per second, which "
                     f"cannot resolve {asked:g} Hz",
-                    f"Record at least {asked / NYQUIST_SHARE:,.4g} samples per second",
+                    f"Record at least {asked / NYQUIST_SHARE:,.4g} samples per second"
+                    + (f", or write the unit in the heading, as in '{signal.assumed} [ms]'")
+                    * bool(signal.assumed),
                 )
             )
     if problems:
@@ -159,7 +163,8 @@ def check_fit(
     ------
     StudyError
         If no order is significant, the residual is too large, the drive changes from the first
-        third to the last, or the recorder's clock is too far off the line frequency.
+        third to the last, the recorder's clock is too far off the line frequency, the unit of times
+        had to be guessed and cannot be seconds, or the constants contradict gravity.
     """
     problems = []
     periodic = np.sqrt((np.abs(solution.waves) ** 2).sum() / 2.0)
@@ -169,7 +174,11 @@ def check_fit(
     if stated:  # a drive that grows leaves much over as well
         problems += _unsteady(signal, samples, solution, noise, periodic)
     if not problems:
+        problems += _not_seconds(signal, solution.frequency)
+    if not problems:
         problems += _off(signal.line_frequency, solution.frequency)
+        constant = solution.drift[:, 0]
+        problems += gravity_problems(signal.axes, constant, float(periodic), signal.slopes)
     if problems:
         raise StudyError(problems)
 
@@ -263,6 +272,29 @@ def _of_part(samples: Samples, part: slice, solution: Solution, noise: Noise) ->
     above = (squares * 2.0 * density / piece.size).sum(axis=1)
     variance = above / np.maximum(4.0 * rms**2, np.finfo(float).tiny)
     return [_Third(*pair) for pair in zip(rms.tolist(), variance.tolist(), strict=True)]
+
+
+def _not_seconds(signal: Signal, frequency: float) -> list[Problem]:
+    """Return the problem of times without a unit, which as seconds give no feeder's frequency [Hz].
+
+    Empty if the unit of the `signal`'s times was stated, or if they may be seconds.
+    """
+    usual = FREQUENCY.usual
+    if not signal.assumed or usual is None or usual[0] <= frequency <= usual[1]:
+        return []
+    unit = likely_unit_of_times(frequency)
+    reason = f": they look like {unit}" if unit else ""
+    example = f"{signal.assumed} [{unit or 'ms'}]"
+    return [
+        Problem(
+            "time",
+            f"column '{signal.assumed}' does not say the unit of its times, and as seconds they "
+            f"give a drive of {frequency:.3g} Hz, where feeders have {usual[0]:g} to "
+            f"{usual[1]:,g} Hz{reason}",
+            f"Write the unit in the heading, as in '{example}', or give rate = the samples per "
+            "second and leave time out",
+        )
+    ]
 
 
 def _off(line: float | None, frequency: float) -> list[Problem]:

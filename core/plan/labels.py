@@ -114,6 +114,8 @@ def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
     }
     if isinstance(study, DrivenStudy) and study.drive is not None:
         attributes["drive"] = _origin(study.drive, study.values())
+    if prepared.questions:
+        attributes["warnings"] = "\n".join(prepared.questions)
     if study.notes:
         attributes["notes"] = study.notes
     if study.units:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -40,6 +40,8 @@ class Prepared:
     study: Study
     plan: Plan
     grid: Grid
+    questions: tuple[str, ...] = field(default=(), kw_only=True)
+    """Questions about values that are allowed and unusual, wherever they come from."""
 
     shares_as: ClassVar[str] = ""
     """The form of its shares: `SHARDS`, or `ARRAYS`; empty if it has no shares."""

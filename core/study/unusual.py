@@ -1,7 +1,12 @@
-"""Numbers that are allowed and hardly meant: half a metre of amplitude, radians for degrees."""
+"""Numbers that are allowed and hardly meant: half a metre of amplitude, radians for degrees.
+
+One table of usual values, that of `core.quantities`, judges what is typed, what stands in a table
+of observations, and what was fitted to a recording.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
@@ -21,6 +26,9 @@ SLIPS: Final[Mapping[str, str]] = {
 meant."""
 
 PARTS: Final = ("parameters", "variables", "uncertain", "unknowns", "candidates")
+TIMES: Final[Mapping[str, float]] = {"ms": 1e3, "us": 1e6, "ns": 1e9, "min": 1.0 / 60.0}
+"""For units of time, the factor of a frequency that was fitted to such times as if to seconds."""
+
 ENDS: Final = ("start", "stop", "lower", "upper", "mean", "most_likely", "median")
 
 
@@ -28,21 +36,93 @@ def questions(content: object) -> list[str]:
     """Return a question for each parameter value of a study that is allowed but unusual.
 
     Such are half a metre of amplitude, or radians taken for degrees. `content` is the study as the
-    user wrote it, a mapping or anything else. A number that is written with its unit is not asked
-    about for being small.
+    user wrote it, a mapping or anything else, with the numbers of the files that it names in their
+    place: those of a fitted drive, and rows of observations. A number that is written with its unit
+    is not asked about for being small.
     """
-    asked = []
-    for part in PARTS:
-        given = content.get(part) if isinstance(content, Mapping) else None
+    if not isinstance(content, Mapping):
+        return []
+    fitted = _fitted(content)
+    asked = questions_of_drive(fitted, str(content["drive"].get("name"))) if fitted else []
+    parts = {part: content.get(part) for part in PARTS}
+    parts["observations"] = _columns(content.get("observations"))
+    for part, given in parts.items():
         for name, raw in given.items() if isinstance(given, Mapping) else ():
             quantity = QUANTITIES.get(str(name))
-            if quantity is not None and quantity.usual is not None:
-                question = _question(str(name), quantity, quantity.usual, [*_leaves(raw)])
-                asked += [question] if question else []
+            if quantity is None or quantity.usual is None:
+                continue
+            if part == "parameters" and name in fitted:
+                continue
+            question = _question(str(name), quantity, quantity.usual, [*leaves_of(raw)])
+            asked += [question] if question else []
     return asked
 
 
-def _leaves(raw: object) -> Iterator[Any]:
+def questions_of_drive(numbers: Mapping[str, float], name: str) -> list[str]:
+    """Return a question for each number of a fitted drive that no usual feeder has.
+
+    `numbers` are parameters by name, `name` is that of the recording. An unusual frequency makes
+    all amplitudes unusual: it alone is asked about, with the unit of times that is likely.
+    """
+    asked = []
+    for parameter, value in sorted(numbers.items(), key=lambda item: item[0] != "frequency"):
+        quantity = QUANTITIES[parameter]
+        low, high = quantity.usual or (-math.inf, math.inf)
+        if low <= value <= high or value == 0.0:
+            continue
+        shown = ShownUnits().of(quantity.unit, value)
+        ends = f"{low * shown.factor:,.6g} to {high * shown.factor:,.6g} {shown.unit}"
+        ask = "Are the unit of the accelerations and that of the times right?"
+        if parameter == "frequency":
+            unit = likely_unit_of_times(value)
+            ask = "Is the unit of the times, or the rate, right?"
+            ask += (
+                f" With times in {unit} it would be {value * TIMES[unit]:.4g} Hz." if unit else ""
+            )
+        asked.append(
+            f"{parameter} = {value * shown.factor:,.6g} {shown.unit}, fitted to {name}, is "
+            f"unusual; usual values are {ends}. {ask}"
+        )
+        if parameter == "frequency":
+            break
+    return asked
+
+
+def likely_unit_of_times(frequency: float) -> str | None:
+    """Return the unit of times that were probably taken for seconds; None if none is likely.
+
+    `frequency` was fitted to them [Hz]; in the right unit it is a usual one.
+    """
+    low, high = QUANTITIES["frequency"].usual or (0.0, 0.0)
+    return next((unit for unit, by in TIMES.items() if low <= by * frequency <= high), None)
+
+
+def _fitted(content: Mapping[Any, Any]) -> dict[str, float]:
+    """Return the parameters of a study that are the numbers of its fitted drive, by name."""
+    drive, parameters = content.get("drive"), content.get("parameters")
+    numbers = drive.get("numbers") if isinstance(drive, Mapping) else None
+    if not isinstance(numbers, Mapping) or not isinstance(parameters, Mapping):
+        return {}
+    return {
+        name: value
+        for name, value in numbers.items()
+        if name in QUANTITIES and isinstance(value, float) and parameters.get(name) == value
+    }
+
+
+def _columns(rows: object) -> dict[str, list[Any]]:
+    """Return the values of observations by column, from rows as a study or a table has them.
+
+    Empty for anything else than rows.
+    """
+    columns: dict[str, list[Any]] = {}
+    for row in [rows] if isinstance(rows, Mapping) else rows if isinstance(rows, list) else ():
+        for name, raw in row.items() if isinstance(row, Mapping) else ():
+            columns.setdefault(str(name), []).extend(leaves_of(raw))
+    return columns
+
+
+def leaves_of(raw: object) -> Iterator[Any]:
     """Yield the single values that a user wrote for a parameter, to look at each.
 
     `raw` may be a value, a list, or a mapping: a range or a distribution, with its ends and values.

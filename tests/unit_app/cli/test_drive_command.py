@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from app.cli import app
 from core.intake import parse_study
 from core.measured import Recording, fit_drive
+from recordings import csv_of, signal_of
 
 RECORDING = Path(__file__).parents[3] / "examples" / "accelerometer.csv"
 AXES = ("--sensor", "ax,ay,az", "--line-frequency", "50 Hz")
@@ -42,6 +43,24 @@ def test_without_a_column_the_options_and_the_columns_are_named():
     )
 
 
+def test_the_stroke_has_a_line_and_unusual_numbers_a_question(tmp_path):
+    """The drive along is 0.2 mm and normal 0.1 mm in phase: 0.1 sqrt(5) mm at atan(1/2)."""
+    text = csv_of(signal_of({"along": [(2e-4, 0.0)], "normal": [(1e-4, 0.0)]}))
+    file = tmp_path / "part.csv"
+    file.write_text(text)
+    axes = ("--along", "ax", "--normal", "az")
+    usual = run("drive", file, *axes)
+    assert "line of the stroke: 0.2236" in usual.output
+    assert " mm at 26.56" in usual.output
+    assert "unusual" not in usual.output
+    file.write_text(text.replace("time [s]", "number"))
+    told = run("drive", file, *axes)
+    assert "Give --rate=the samples per second, or --time=the name of the column" in told.output
+    unusual = run("drive", file, *axes, "--rate", "2")
+    assert unusual.exit_code == 0
+    assert "frequency = 0.05 Hz, fitted to part.csv, is unusual; usual values are" in unusual.stderr
+
+
 def test_the_toml_is_the_parameters_of_a_study(tmp_path):
     part = tmp_path / "part.toml"
     result = run("drive", RECORDING, *AXES, "--toml", "-o", part)
@@ -60,7 +79,7 @@ def test_the_toml_is_the_parameters_of_a_study(tmp_path):
 @pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
 def test_a_picture_is_drawn(kind, tmp_path):
     target = tmp_path / f"fit.{kind}"
-    result = run("drive", RECORDING, "--along", "ax", "--normal", "-az", "--plot", target)
+    result = run("drive", RECORDING, "--along", "-ax", "--normal", "az", "--plot", target)
     assert result.exit_code == 0, result.output
     assert target.stat().st_size > 10_000
 
@@ -75,14 +94,14 @@ def test_every_problem_is_told_at_once(tmp_path):
         f"{RECORDING}: 6 problems",
         "  plot: '.bmp': unknown picture format. End the name of the picture in .png, .svg "
         "or .pdf.",
-        "  rate: 'x' is not a unit. Write rate = \"5 kHz\" (a bare number is in Hz).",
-        "  mounting: mounting applies only together with sensor (three columns), which is "
+        "  --rate: 'x' is not a unit. Write --rate=\"5 kHz\" (a bare number is in Hz).",
+        "  --mounting: mounting applies only together with sensor (three columns), which is "
         "not given. Give "
-        "sensor = three columns instead of "
+        "--sensor=three columns instead of "
         "along, across and normal.",
-        "  along: the recording has no column 'bx'. Known: ax, ay, az, time.",
-        "  unit: 'kg' is not a unit of acceleration. Known: m s-2, mm s-2, cm/s2, g, mg.",
-        "  harmonics: 12 orders cannot be fitted. Give a whole number from 1 to 10, or leave it "
+        "  --along: the recording has no column 'bx'. Known: ax, ay, az, time.",
+        "  --unit: 'kg' is not a unit of acceleration. Known: m s-2, mm s-2, cm/s2, g, mg.",
+        "  --harmonics: 12 orders cannot be fitted. Give a whole number from 1 to 10, or leave it "
         "out.",
     ]
     absent = run("drive", tmp_path / "absent.csv", "--along", "ax")

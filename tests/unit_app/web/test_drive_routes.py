@@ -37,6 +37,17 @@ def test_a_recording_is_sent_as_text(client):
     assert TEXT[:200] not in reply.text
 
 
+def test_a_reply_asks_about_unusual_numbers_and_refuses_contradictions(client):
+    slow = study(data=TEXT.replace("time [s]", "number"), rate=2)
+    warnings = client.post(PATH, json=slow).json()["attributes"]["warnings"]
+    assert warnings.startswith("frequency = 0.05 Hz, fitted to data, is unusual; usual values are")
+    signal = signal_of(DRIVE)
+    hung = csv_of(signal._replace(accelerations=signal.accelerations - [[0.0], [9.81]]))
+    (told,) = refused(client, study(data=hung))
+    assert told["place"] == "drive.normal"
+    assert "the channel points downwards" in told["message"]
+
+
 def test_no_file_of_the_server_is_read(client, tmp_path):
     path = tmp_path / "recording.csv"
     path.write_text(TEXT)

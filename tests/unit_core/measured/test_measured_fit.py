@@ -45,14 +45,14 @@ def noisy(signal, rng, colour=0.0, size=1.0):
 
 def test_a_drive_without_noise_comes_back_to_nine_digits():
     signal = signal_of(DRIVE, frequency=49.87, start=0.0031)
-    drift = 9.8 + 0.3 * np.linspace(-1, 1, 800)
+    drift = np.array([[0.8], [9.8]]) + 0.3 * np.linspace(-1, 1, 800)
     fit = fit_signal(signal._replace(accelerations=signal.accelerations + drift))
     assert fit.frequency == pytest.approx(49.87, rel=NEAR)
     assert fit.orders == (1, 2, 3)
     assert fit.significant.all()
     np.testing.assert_allclose(fit.amplitudes, AMPLITUDES, rtol=NEAR)
     np.testing.assert_allclose(turned(fit.phases - PHASES), 0, atol=NEAR)
-    np.testing.assert_allclose(fit.constant, 9.8, rtol=NEAR)
+    np.testing.assert_allclose(fit.constant, [0.8, 9.8], rtol=NEAR)
     np.testing.assert_allclose(fit.drift, 0.3, rtol=NEAR)
     assert fit.left_over.max() < NEAR
     np.testing.assert_array_equal(fit.effective_samples, 800)
