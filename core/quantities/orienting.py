@@ -92,6 +92,26 @@ def _rate(symbol: str, label: str, says: str) -> Quantity:
     return Quantity("min-1", symbol, label, says)
 
 
+def _ends() -> dict[str, Quantity]:
+    """Return the declarations of both ends of what the shares leave open, by name."""
+    quantities = {}
+    for name, (unit, symbol, words) in {
+        "yield": ("1", "eta", "yield"),
+        "laps": ("1", "1/eta", "number of laps"),
+        "line_feed_rate": ("min-1", "q eta", "feed rate of the line"),
+        "purity": ("1", "e*/eta", "purity"),
+        "oriented_feed_rate": ("min-1", "q e*", "oriented feed rate"),
+        "return_rate": ("min-1", "q (1 - eta)", "return rate"),
+    }.items():
+        for end, sign, which in (("lower", "-", "least"), ("upper", "+", "largest")):
+            quantities[f"{name}_{end}"] = Quantity(
+                unit, f"({symbol}){sign}", f"{which.capitalize()} {words}",
+                f"The {which} {words} of let-down and of thrown parts; with a drop test, the {end} "
+                "end of its interval of 95 %.",
+            )  # fmt: skip
+    return quantities
+
+
 ORIENTING: dict[str, Quantity] = {
     "arrival_rate": Quantity(
         "min-1", "q", "Arriving parts", "Parts a minute that arrive at the first device.", 0.0,
@@ -134,12 +154,18 @@ ORIENTING: dict[str, Quantity] = {
     "devices": Quantity("1", "D", "Devices", "The devices of a line.", bundle=True),
     "line": Quantity("1", "e", "Line", "Shares of parts that pass the devices of a "
     "line.", bundle=True),
-    "tested_shares": Quantity("1", "p", "Shares by a test",
-    "Posterior shares, one per aspect.", bundle=True),
-    "tested_line": Quantity("1", "e", "Line by a test", "Shares that pass the line, by the drop "
-    "test.", bundle=True),
+    "thrown_line": Quantity(
+        "1", "e", "Line, thrown", "Shares of thrown parts that pass the devices of a line.",
+        bundle=True,
+    ),
+    "line_ends": Quantity(
+        "1", "e", "Ends of the line", "Shares that pass a line at both ends of what is known of the "
+        "shares that arrive.", bundle=True,
+    ),
     "drop_count": number("A", "Counts", "Counts of a drop test, and half a count an aspect."),
-    "yield": number("eta", "Yield", "Share of the arriving parts that leave the line."),
+    "yield": number(
+        "eta", "Yield", "Share of the arriving parts that leave the line, in any aspect."
+    ),
     **_shares(),
     "leaving_wanted": number(
         "e*", "Share that leaves as wanted", "Share of all arriving parts that leave as wanted."
@@ -159,14 +185,23 @@ ORIENTING: dict[str, Quantity] = {
     ),
     "line_yield": Quantity(
         "1", "eta", "Yield of the line",
-        "Share of the parts that pass the devices behind the track, as yield of orienting-line.",
+        "Share of the parts that pass the devices behind the track, in any aspect, as yield of "
+        "orienting-line.",
         0.0, 1.0, parameter=True, examples=("0.79",),
     ),
-    "oriented_feed_rate": _rate(
-        "q eta", "Oriented feed rate", "Parts a minute that leave the line, in any aspect."
+    "line_purity": Quantity(
+        "1", "e*/eta", "Purity of the line",
+        "Share of the parts leaving the devices behind the track that lie as wanted, as purity of "
+        "orienting-line.",
+        0.0, 1.0, parameter=True, examples=("1.0",),
     ),
-    "wanted_feed_rate": _rate(
-        "q e*", "Feed rate as wanted", "Parts a minute that leave the line in the wanted aspect."
+    "line_feed_rate": _rate(
+        "q eta", "Feed rate of the line", "Parts a minute that leave the line, in any aspect."
+    ),
+    "oriented_feed_rate": _rate(
+        "q e*", "Oriented feed rate",
+        "Parts a minute that leave the line in the wanted aspect: feed rate of the line times "
+        "purity.",
     ),
     "return_rate": _rate(
         "q (1 - eta)", "Return rate", "Parts a minute that fall back into the bowl."
@@ -175,16 +210,5 @@ ORIENTING: dict[str, Quantity] = {
         "1", "s(eta)", "Deviation of the yield", "Standard deviation of the yield by a drop test.",
         error_of="yield",
     ),
-    "yield_lower": number(
-        "eta-", "Least yield", "Lower end of an interval of 95 % by a drop test."
-    ),
-    "yield_upper": number(
-        "eta+", "Largest yield", "Upper end of an interval of 95 % by a drop test."
-    ),
-    "oriented_feed_rate_lower": _rate(
-        "q eta-", "Least oriented feed rate", "Lower end of an interval of 95 % by a drop test."
-    ),
-    "oriented_feed_rate_upper": _rate(
-        "q eta+", "Largest oriented feed rate", "Upper end of an interval of 95 % by a drop test."
-    ),
+    **_ends(),
 }  # fmt: skip
