@@ -43,8 +43,8 @@ def yield_deviation(
 ) -> Array:
     """Return the standard deviation of the yield that a drop test leaves [1].
 
-    sqrt(sum p_o (v_o - eta)^2/(A + 1)): p_o are the counted shares of the aspects, v_o the shares of
-    them that pass the line, eta the yield (both in `line`), and A (`drop_count`) is N + K/2.
+    sqrt(sum p_o (v_o - eta)^2/(A + 1)): p_o are the counted shares of the aspects, v_o the shares
+    of them that pass the line, eta the yield (both in `line`), and A (`drop_count`) is N + K/2.
     """
     return _deviation(counted_shares, [v - line.total for v in line.passing], drop_count)
 
@@ -69,7 +69,10 @@ def line_ends(
     pure = [
         ratio(
             deviation(
-                [v - line.pure[j] * every for v, every in zip(columns[j], line.passing, strict=True)]
+                [
+                    v - line.pure[j] * every
+                    for v, every in zip(columns[j], line.passing, strict=True)
+                ]
             ),
             line.total,
             0.0,

@@ -1,9 +1,10 @@
 """On which face a part comes to rest: a bracket of two shares, let down and thrown.
 
-Every orientation is as likely as any other. A part that is let down with negligible momentum ends on
-the face that its centre is above: its share is the solid angle under which the centre sees the face.
-A part that is thrown loses its energy in many small steps, and faces near its centre have more of
-it. The truth lies between, by drop height and rebound: the distance of both shares is their error.
+Every orientation is as likely as any other. A part that is let down with negligible momentum ends
+on the face that its centre is above: its share is the solid angle under which the centre sees the
+face. A part that is thrown loses its energy in many small steps, and faces near its centre have
+more of it. The truth lies between, by drop height and rebound: the distance of both shares is their
+error.
 """
 
 from __future__ import annotations

@@ -59,7 +59,12 @@ class Optimisation(Prepared):
         units["objective"] = QUANTITIES[criterion.output].unit
         if problem.states_error:
             units["objective_error"] = units["objective"]
-        told = (criterion.output, problem.against, *(kept.output for kept in problem.kept))
+        told = (
+            criterion.output,
+            problem.against,
+            problem.second,
+            *(kept.output for kept in problem.kept),
+        )
         asked = [name for name in self.study.outputs if name != "regime"]
         units |= {name: QUANTITIES[name].unit for name in (*filter(None, told), *asked)}
         for kept in problem.kept:

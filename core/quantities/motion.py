@@ -176,8 +176,9 @@ FEEDING: dict[str, Quantity] = {
     ),
     "feed_rate": Quantity(
         "min-1", "", "Feed rate",
-        "Parts a minute that pass a place of the track, a part_gap apart; negative where they travel "
-        "backwards. Without part_gap or occupancy each part touches the next: the most that can pass.",
+        "Parts a minute that pass a place of the track, a part_gap apart; negative where they "
+        "travel backwards. Without part_gap or occupancy each part touches the next: the most that "
+        "can pass.",
     ),
     "direction": flag(
         "Direction of travel", "Direction in which the part travels: forwards, backwards, "

@@ -159,8 +159,9 @@ ORIENTING: dict[str, Quantity] = {
         bundle=True,
     ),
     "line_ends": Quantity(
-        "1", "e", "Ends of the line", "Shares that pass a line at both ends of what is known of the "
-        "shares that arrive.", bundle=True,
+        "1", "e", "Ends of the line",
+        "Shares that pass a line at both ends of what is known of the shares that arrive.",
+        bundle=True,
     ),
     "drop_count": number("A", "Counts", "Counts of a drop test, and half a count an aspect."),
     "yield": number(

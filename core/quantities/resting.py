@@ -25,8 +25,8 @@ def _shares() -> dict[str, Quantity]:
         plain = where.replace("`", "")
         quantities[f"let_down_share_{name}"] = number(
             f"s_{name}", f"Share that rests {words}, let down",
-            f"Share of parts that come to rest {plain}, let down with negligible momentum. The truth "
-            f"lies between this and thrown_share_{name}: their distance is the error.",
+            f"Share of parts that come to rest {plain}, let down with negligible momentum. The "
+            f"truth lies between this and thrown_share_{name}: their distance is the error.",
         )  # fmt: skip
         quantities[f"thrown_share_{name}"] = number(
             f"t_{name}", f"Share that rests {words}, thrown",

@@ -199,10 +199,11 @@ SCENE = Scene(
     name="orienting-line",
     title="A line of devices that orient parts",
     source="",
-    validity="Parts arrive one by one in the shares in which they come to rest: by the counts of a "
-    "drop test, else those of let-down parts, and lower and upper ends are those of let-down and of "
-    "thrown parts, between which the truth lies. Each device sees only how parts lie. What falls back into the bowl comes again in any orientation: it does "
-    "not remember how it lay. A vibrating track may lay parts down by itself.",
+    validity="Parts arrive one by one in the shares in which they come to rest: those that a drop "
+    "test counted, else those of let-down parts. Lower and upper ends are then those of let-down "
+    "and of thrown parts, between which the truth lies. Each device sees only how parts lie. What "
+    "falls back into the bowl comes again in any orientation: it does not remember how it lay. A "
+    "vibrating track may lay parts down by itself.",
     variants={shape: any_line(shape) for shape in SHAPES},
     default_variant="box",
     conditions={

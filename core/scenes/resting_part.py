@@ -1,4 +1,4 @@
-"""A part that is let down or thrown in any orientation: how it lies; and when it topples, standing."""
+"""A part that is let down or thrown: how it comes to rest; and when it topples, standing."""
 
 from __future__ import annotations
 
