@@ -81,12 +81,12 @@ def line_ends(
     ]
 
     def end(side: int) -> PassedShares:
-        total = _quantile(line.total, whole, side)
+        total = quantile(line.total, whole, side)
         return line._replace(
-            leaving=tuple(_quantile(line.leaving[j], leaving[j], side) for j in places),
-            pure=tuple(_quantile(line.pure[j], pure[j], side) for j in places),
+            leaving=tuple(quantile(line.leaving[j], leaving[j], side) for j in places),
+            pure=tuple(quantile(line.pure[j], pure[j], side) for j in places),
             total=total,
-            lost=_quantile(line.lost, whole, -side),
+            lost=quantile(line.lost, whole, -side),
         )
 
     return end(-1), end(1)
@@ -101,7 +101,7 @@ def _deviation(shares: Sequence[Array], off: Sequence[Array], drop_count: Array)
     return np.sqrt(squares / (drop_count + 1))
 
 
-def _quantile(mean: Array, deviation: Array, side: int) -> Array:
+def quantile(mean: Array, deviation: Array, side: int) -> Array:
     """Return an end of the 95 % interval of a beta distribution by its mean and deviation [1].
 
     For a share known from a drop test. `deviation` is the standard deviation, `side` is -1 for the

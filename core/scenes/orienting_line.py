@@ -120,7 +120,8 @@ def any_line(shape: str) -> tuple[Equation, ...]:
         *equations(shape),
         Equation("devices", AnyOf((*names, "device_order")), LINE),
         Equation("line", AnyOf(("let_down_shares", "devices")), LINE),
-        Equation("line_ends", AnyOf(("let_down_shares", "thrown_shares", "devices")), LINE),
+        Equation("thrown_line", AnyOf(("thrown_shares", "devices")), LINE),
+        Equation("line_ends", orienting.line_ends, LINE),
     )
 
 

@@ -55,7 +55,6 @@ def exact(scene: str, variant: str, p: dict[str, mpf]) -> dict[str, mpf]:
         "limiting_friction_left": -nn / nt if nt < 0 else mp.inf,
         "least_limiting_friction": 2 * mp.sqrt(1 + kappa) / kappa,
         "least_limiting_pitch": mp.atan(mp.sqrt(1 + kappa)) - zeta,
-        **resting(scene, p),
     }  # fmt: skip
     slip = out["gap_tangential_rate"]
     normal, friction = out["holding_normal_acceleration"], out["holding_tangential_acceleration"]
@@ -89,21 +88,6 @@ def exact(scene: str, variant: str, p: dict[str, mpf]) -> dict[str, mpf]:
         "pitch_acceleration": -kappa * (n * cosine + t * sine) / rho,
         "gap_normal_acceleration": gap, "gap_tangential_acceleration": slipping,
     }  # fmt: skip
-
-
-def resting(scene: str, p: dict[str, mpf]) -> dict[str, mpf]:
-    """Return the shares of parts on each face, from solid angles."""
-    if scene.startswith("cylinder"):
-        side = p["length"] / mp.sqrt(p["length"] ** 2 + p["diameter"] ** 2)
-        return {"resting_share_on_side": side, "resting_share_on_end": 1 - side}
-    sizes = p["length"], p["width"], p["height"]
-    through = mp.sqrt(sum(size**2 for size in sizes))
-    product = sizes[0] * sizes[1] * sizes[2]
-    names = ("resting_share_on_end", "resting_share_on_side", "resting_share_flat")
-    return {
-        name: 2 / mp.pi * mp.atan(product / size / (size * through))
-        for name, size in zip(names, sizes, strict=True)
-    }
 
 
 JUMPING = {
