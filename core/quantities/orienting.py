@@ -103,11 +103,10 @@ def _ends() -> dict[str, Quantity]:
         "oriented_feed_rate": ("min-1", "q e*", "oriented feed rate"),
         "return_rate": ("min-1", "q (1 - eta)", "return rate"),
     }.items():
-        for end, sign, which in (("lower", "-", "least"), ("upper", "+", "largest")):
+        for end, sign, which in (("lower", "-", "Least"), ("upper", "+", "Largest")):
             quantities[f"{name}_{end}"] = Quantity(
-                unit, f"({symbol}){sign}", f"{which.capitalize()} {words}",
-                f"The {which} {words} of let-down and of thrown parts; with a drop test, the {end} "
-                "end of its interval of 95 %.",
+                unit, f"({symbol}){sign}", f"{which} {words}",
+                f"{which} {words}, let down or thrown; by a drop test, of 95 %.",
             )  # fmt: skip
     return quantities
 

@@ -84,9 +84,9 @@ def test_what_passes_at_both_ends_of_the_shares():
             for end in ("lower", "upper")
         )  # fmt: skip
         expected = [least, 1 / most, 300 * least, 300 * (1 - most), pure, 300 * flat]
-        assert low == pytest.approx(expected, rel=2e-9)
+        assert low == pytest.approx(expected, rel=1e-8)
         expected = [most, 1 / least, 300 * most, 300 * (1 - least), purer, 300 * thrown]
-        assert high == pytest.approx(expected, rel=2e-9)
+        assert high == pytest.approx(expected, rel=1e-8)
         found = line(*names, **BOX, wiper_height_1=f"{wiper} mm", arrival_rate=300, wanted_aspect=1)
         assert np.all((np.array(low) <= found) & (np.array(found) <= high))
 
@@ -104,8 +104,6 @@ def test_oriented_parts_are_those_that_lie_as_wanted():
     assert oriented[0] == every[0] == 0
     assert oriented[1:] == pytest.approx(335.438, abs=5e-4)
     assert every[-1] == 400
-    missing = refused(**BOX, wiper_height_1="12 mm")
-    assert "wanted_aspect" not in missing
     with pytest.raises(StudyError, match="wanted_aspect: it is missing"):
         line("oriented_feed_rate", **BOX, wiper_height_1="12 mm", arrival_rate=300)
 
@@ -126,12 +124,14 @@ def test_the_recommended_wiper_sorts(end, rate, method):
 
 def test_a_line_that_lets_nothing_pass_is_an_answer():
     found = vibrafeed.sweep(
-        scene="orienting-line", outputs=["line_feed_rate", "return_rate", "laps"], **SMALL,
+        scene="orienting-line", outputs=["oriented_feed_rate", "return_rate", "laps"], **SMALL,
         wiper_height_2=["2 mm", "5 mm"],
-        reduce={"over": ["wiper_height_2"], "statistics": ["min", "argmin", "count"]},
+        reduce={"over": ["wiper_height_2"], "statistics": ["min", "max"]},
     )  # fmt: skip
     assert REGIMES["no_pass"].valid
-    assert float(found.line_feed_rate_min) == 0
+    assert float(found.oriented_feed_rate_min) == 0
+    assert float(found.return_rate_max) == 400
+    assert float(found.laps_max) == np.inf
     assert float(found.return_rate_count) == 2
 
 
@@ -144,7 +144,10 @@ def test_nothing_returns_where_all_pass():
     outputs = ("return_rate", "return_rate_lower", "return_rate_upper", "laps_variance", "yield")
     for shape, names in shapes.items():
         for _ in range(20):
-            sizes = {name: float(size) for name, size in zip(names, random.uniform(0.01, 0.03, 3))}
+            sizes = {
+                name: float(size)
+                for name, size in zip(names, random.uniform(0.01, 0.03, 3), strict=False)
+            }
             share, counts = float(random.uniform()), random.integers(0, 200, 3).astype(float)
             for tested in (False, True):
                 given = {f"drop_count_{k}": n for k, n in enumerate(counts, 1)} if tested else {}
