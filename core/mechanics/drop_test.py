@@ -39,18 +39,20 @@ def posterior_count(counts: Sequence[Array]) -> Array:
 
 
 def yield_deviation(
-    *, counted_shares: tuple[Array, ...], line: PassedShares, drop_count: Array
+    *, counted_shares: tuple[Array, ...], counted_line: PassedShares, drop_count: Array
 ) -> Array:
     """Return the standard deviation of the yield that a drop test leaves [1].
 
     sqrt(sum p_o (v_o - eta)^2/(A + 1)): p_o are the counted shares of the aspects, v_o the shares
-    of them that pass the line, eta the yield (both in `line`), and A (`drop_count`) is N + K/2.
+    of them that pass the line, eta the yield (both in `counted_line`), and A (`drop_count`) is N +
+    K/2.
     """
-    return _deviation(counted_shares, [v - line.total for v in line.passing], drop_count)
+    total = counted_line.total
+    return _deviation(counted_shares, [v - total for v in counted_line.passing], drop_count)
 
 
 def line_ends(
-    *, counted_shares: tuple[Array, ...], line: PassedShares, drop_count: Array
+    *, counted_shares: tuple[Array, ...], counted_line: PassedShares, drop_count: Array
 ) -> tuple[PassedShares, PassedShares]:
     """Return the lower and the upper ends of all shares of a line after a drop test [1].
 
@@ -58,33 +60,25 @@ def line_ends(
     and standard deviation, which is exactly the yield's where each aspect passes as a whole or not
     at all. That of a purity, the quotient of two such shares, is taken to first order.
     """
-    places = range(len(counted_shares))
+    line, aspects = counted_line, range(len(counted_shares))
 
     def deviation(off: Sequence[Array]) -> Array:
         return _deviation(counted_shares, off, drop_count)
 
-    columns = [[row[j] for row in line.matrix] for j in places]
-    whole = yield_deviation(counted_shares=counted_shares, line=line, drop_count=drop_count)
-    leaving = [deviation([v - line.leaving[j] for v in columns[j]]) for j in places]
-    pure = [
-        ratio(
-            deviation(
-                [
-                    v - line.pure[j] * every
-                    for v, every in zip(columns[j], line.passing, strict=True)
-                ]
-            ),
-            line.total,
-            0.0,
-        )
-        for j in places
+    columns = [[row[j] for row in line.matrix] for j in aspects]
+    whole = deviation([v - line.total for v in line.passing])
+    leaving = [deviation([v - line.leaving[j] for v in columns[j]]) for j in aspects]
+    impure = [
+        [v - line.pure[j] * every for v, every in zip(columns[j], line.passing, strict=True)]
+        for j in aspects
     ]
+    pure = [ratio(deviation(off), line.total, 0.0) for off in impure]
 
     def end(side: int) -> PassedShares:
         total = quantile(line.total, whole, side)
         return line._replace(
-            leaving=tuple(quantile(line.leaving[j], leaving[j], side) for j in places),
-            pure=tuple(quantile(line.pure[j], pure[j], side) for j in places),
+            leaving=tuple(quantile(line.leaving[j], leaving[j], side) for j in aspects),
+            pure=tuple(quantile(line.pure[j], pure[j], side) for j in aspects),
             total=total,
             lost=quantile(line.lost, whole, -side),
         )

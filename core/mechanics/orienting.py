@@ -193,8 +193,8 @@ def passed(shares: Sequence[Array], matrix: Matrix) -> PassedShares:
     `shares` are those of the arriving parts that lie in each aspect, `matrix` that of all the
     line's devices: row i holds the share of parts of aspect i that leave in each aspect.
     """
-    places = range(len(shares))
-    leaving = tuple(_sum([shares[i] * matrix[i][j] for i in places]) for j in places)
+    aspects = range(len(shares))
+    leaving = tuple(_sum([shares[i] * matrix[i][j] for i in aspects]) for j in aspects)
     passing = tuple(_sum(row) for row in matrix)
     total = np.minimum(_sum(leaving), 1.0)
     return PassedShares(
@@ -203,7 +203,7 @@ def passed(shares: Sequence[Array], matrix: Matrix) -> PassedShares:
         pure=tuple(np.minimum(ratio(one, total, np.nan), 1.0) for one in leaving),
         passing=passing,
         total=total,
-        lost=_sum([shares[i] * np.maximum(1 - passing[i], 0.0) for i in places]),
+        lost=_sum([shares[i] * np.maximum(1 - passing[i], 0.0) for i in aspects]),
     )
 
 
@@ -290,7 +290,7 @@ def rate_by_pitch(*, arrival_speed: Array, part_pitch: Array) -> Array:
 def line_ends(
     *, line: PassedShares, thrown_line: PassedShares
 ) -> tuple[PassedShares, PassedShares]:
-    """Return what passes at both ends of the bracket of shares: parts let down, and thrown."""
+    """Return the shares that pass at both ends of the bracket: parts let down, and thrown."""
     return line, thrown_line
 
 

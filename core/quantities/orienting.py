@@ -157,6 +157,9 @@ ORIENTING: dict[str, Quantity] = {
         "1", "e", "Line, thrown", "Shares of thrown parts that pass the devices of a line.",
         bundle=True,
     ),
+    "counted_line": Quantity(
+        "1", "e", "Line by a test", "Shares that pass the line, by the drop test.", bundle=True
+    ),
     "line_ends": Quantity(
         "1", "e", "Ends of the line",
         "Shares that pass a line at both ends of what is known of the shares that arrive.",

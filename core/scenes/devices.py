@@ -251,7 +251,7 @@ class EndOf:
 
     @property
     def __signature__(self) -> inspect.Signature:
-        """What the function needs, and both ends in the place of the line."""
+        """The arguments of the function, with both ends instead of the line."""
         return taking(self.function, "line_ends", without="line")
 
     def __call__(self, *, line_ends: tuple[PassedShares, PassedShares], **values: Any) -> Array:

@@ -59,7 +59,7 @@ RESULTS = (
     Equation("leaving_wanted", orienting.leaving_wanted, LINE),
     Equation("yield_deviation", drop_test.yield_deviation, TEST),
 )
-OF_LINE = frozenset(one.gives for one in RESULTS)
+OF_LINE = frozenset(one.gives for one in RESULTS if one.source == LINE)
 
 
 def numbers_of(shape: str) -> tuple[str, ...]:
@@ -121,6 +121,7 @@ def any_line(shape: str) -> tuple[Equation, ...]:
         Equation("devices", AnyOf((*names, "device_order")), LINE),
         Equation("line", AnyOf(("let_down_shares", "devices")), LINE),
         Equation("thrown_line", AnyOf(("thrown_shares", "devices")), LINE),
+        Equation("counted_line", AnyOf(("counted_shares", "devices")), TEST),
         Equation("line_ends", orienting.line_ends, LINE),
     )
 
@@ -177,16 +178,18 @@ def _equations_with_devices(
         Device(place, tuple(n for n in known if n in numbers[place])) for place in sorted(numbers)
     ]
     line = DeviceLine(tuple(d for d in devices if d.numbers), aspects, ordered)
-    if tested:
-        return (
-            *equations(shape),
-            Equation("line", replace(line, shares="counted_shares"), LINE),
-            Equation("line_ends", drop_test.line_ends, TEST),
-        )
-    return (
+    lines = (
         *equations(shape),
-        Equation("line", line, LINE),
         Equation("thrown_line", replace(line, shares="thrown_shares"), LINE),
+        Equation("counted_line", replace(line, shares="counted_shares"), TEST),
+    )
+    if tested:
+        counted = Field("counted_line", (), "Return the shares that pass by a drop test [1].")
+        ends = Equation("line_ends", drop_test.line_ends, TEST)
+        return (*lines, Equation("line", counted, TEST), ends)
+    return (
+        *lines,
+        Equation("line", line, LINE),
         Equation("line_ends", orienting.line_ends, LINE),
     )
 

@@ -47,17 +47,17 @@ DICE_LEFT = 0.032
 WAYS = {"let-down": "let_down_share", "thrown": "thrown_share"}
 
 
-def term_of(family: str, one: Throws, way: str) -> Term:
+def term_of(family: str, thrown: Throws, way: str) -> Term:
     """Return the share of a die's squares, or of a coin's side, as a term of a result.
 
     `family` is D for dice, C for coins; `way` a key of `WAYS`.
     """
     if family == "D":
         variant, aspect = "box", "on_end"
-        sizes = {"length": one.ratio, "width": 1.0, "height": 1.0}
+        sizes = {"length": thrown.ratio, "width": 1.0, "height": 1.0}
     else:
         variant, aspect = "cylinder", "on_side"
-        sizes = {"length": one.ratio, "diameter": 1.0}
+        sizes = {"length": thrown.ratio, "diameter": 1.0}
     output = f"{WAYS[way]}_{aspect}"
     study = {"kind": "sweep", "scene": "resting-part", "variant": variant, "outputs": [output],
              "parameters": {name: 0.01 * size for name, size in sizes.items()}}  # fmt: skip
@@ -70,19 +70,19 @@ def dice() -> Iterator[Case]:
     The share of both squares of a cuboid is shown beside the measured one, and not judged alone.
     The last case judges the root mean square of what the shares of thrown parts leave.
     """
-    for number, one in enumerate(DICE, 1):
+    for number, die in enumerate(DICE, 1):
         for way in WAYS:
             yield _case(
                 f"D-{way}-{number}",
-                f"Steel cuboid {one.ratio:g} : 1 : 1, {one.throws:,} throws: squares, {way}",
-                one,
-                (term_of("D", one, way),),
+                f"Steel cuboid {die.ratio:g} : 1 : 1, {die.throws:,} throws: squares, {way}",
+                die,
+                (term_of("D", die, way),),
                 relation="shown",
                 why="not judged alone: the truth lies between let down and thrown",
             )
     terms = (
-        Term(term.study, term.output, minus=one.share)
-        for one, term in ((one, term_of("D", one, "thrown")) for one in DICE)
+        Term(term.study, term.output, minus=die.share)
+        for die, term in ((die, term_of("D", die, "thrown")) for die in DICE)
     )
     yield Case(
         id="D-scatter-1",
@@ -91,7 +91,7 @@ def dice() -> Iterator[Case]:
         terms=tuple(terms),
         known=Truth(DICE_LEFT, 0.0, SOURCES["D"]),
         evidence="measured",
-        inputs={"throws": float(sum(one.throws for one in DICE))},
+        inputs={"throws": float(sum(die.throws for die in DICE))},
         relation="at most",
         why="the bar that the formula, which has no fitted number, was held to",
         combine="rms",
@@ -100,20 +100,20 @@ def dice() -> Iterator[Case]:
 
 def coins() -> Iterator[Case]:
     """Yield two cases for each coin: what is measured lies between thrown and let down."""
-    for number, one in enumerate(COINS, 1):
+    for number, coin in enumerate(COINS, 1):
         for way, relation in (("let-down", "at least"), ("thrown", "at most")):
             yield _case(
                 f"C-{way}-{number}",
-                f"Coin, height over diameter {one.ratio:g}: side, {way}",
-                one,
-                (term_of("C", one, way),),
+                f"Coin, height over diameter {coin.ratio:g}: side, {way}",
+                coin,
+                (term_of("C", coin, way),),
                 relation=relation,
                 why="the truth lies between let down and thrown",
             )
 
 
 def _case(
-    name: str, title: str, one: Throws, terms: tuple[Term, ...], *, relation: str, why: str
+    name: str, title: str, thrown: Throws, terms: tuple[Term, ...], *, relation: str, why: str
 ) -> Case:
     """Return a case beside the measured share."""
     return Case(
@@ -121,9 +121,9 @@ def _case(
         family=name[0],
         title=title,
         terms=terms,
-        known=Truth(one.share, 0.0, SOURCES[name[0]]),
+        known=Truth(thrown.share, 0.0, SOURCES[name[0]]),
         evidence="measured",
-        inputs={"ratio": one.ratio},
+        inputs={"ratio": thrown.ratio},
         relation=relation,
         why=why,
     )
