@@ -174,17 +174,17 @@ ORIENTING: dict[str, Quantity] = {
         "e*", "Share that leaves as wanted", "Share of all arriving parts that leave as wanted."
     ),
     "purity": number("e*/eta", "Purity", "Share of the leaving parts that lie as wanted."),
-    "laps": number("1/eta", "Laps", "Mean number of arrivals of a part until it passes."),
+    "laps": number("1/eta", "Laps", "Mean number of arrivals of a part until it leaves, in any aspect."),
     "laps_variance": number("var", "Variance of the laps",
     "Variance of the number of laps that a part "
     "needs."),
-    "laps_99": number("n_99", "Laps of 99 %", "Laps within which 99 of 100 parts pass."),
+    "laps_99": number("n_99", "Laps of 99 %", "Laps within which 99 of 100 parts leave, in any aspect."),
     "lap_time": Quantity(
         "s", "T", "Time of a lap", "Time from the bowl to the first device and back.", 0.0,
         strict=True, parameter=True, examples=("40 s",),
     ),
     "time_per_part": Quantity(
-        "s", "T/eta", "Time in the bowl", "Mean time for which a part circulates until it passes."
+        "s", "T/eta", "Time in the bowl", "Mean time for which a part circulates until it leaves, in any aspect."
     ),
     "line_yield": Quantity(
         "1", "eta", "Yield of the line",
@@ -207,7 +207,7 @@ ORIENTING: dict[str, Quantity] = {
         "purity.",
     ),
     "return_rate": _rate(
-        "q (1 - eta)", "Return rate", "Parts a minute that fall back into the bowl."
+        "q (1 - eta)", "Return rate", "Parts a minute that do not leave the line and fall back into the bowl."
     ),
     "yield_deviation": Quantity(
         "1", "s(eta)", "Deviation of the yield", "Standard deviation of the yield by a drop test.",
