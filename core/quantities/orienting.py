@@ -65,6 +65,9 @@ def _device(position: int) -> dict[str, Quantity]:
     }  # fmt: skip
 
 
+END = "In orienting-line of let-down parts, unless a drop test counts; _lower and _upper are the ends."
+"""What a single number of a line stands for."""
+
 DEVICES = tuple(_device(1))
 """What a study may give of a device, without its place."""
 
@@ -167,24 +170,30 @@ ORIENTING: dict[str, Quantity] = {
     ),
     "drop_count": number("A", "Counts", "Counts of a drop test, and half a count an aspect."),
     "yield": number(
-        "eta", "Yield", "Share of the arriving parts that leave the line, in any aspect."
+        "eta", "Yield", f"Share of the arriving parts that leave the line, in any aspect. {END}"
     ),
     **_shares(),
     "leaving_wanted": number(
         "e*", "Share that leaves as wanted", "Share of all arriving parts that leave as wanted."
     ),
-    "purity": number("e*/eta", "Purity", "Share of the leaving parts that lie as wanted."),
-    "laps": number("1/eta", "Laps", "Mean number of arrivals of a part until it leaves, in any aspect."),
+    "purity": number("e*/eta", "Purity", f"Share of the leaving parts that lie as wanted. {END}"),
+    "laps": number(
+        "1/eta", "Laps",
+        f"Mean number of arrivals of a part until it leaves, in any aspect. {END}",
+    ),
     "laps_variance": number("var", "Variance of the laps",
     "Variance of the number of laps that a part "
     "needs."),
-    "laps_99": number("n_99", "Laps of 99 %", "Laps within which 99 of 100 parts leave, in any aspect."),
+    "laps_99": number(
+        "n_99", "Laps of 99 %", "Laps within which 99 of 100 parts leave, in any aspect."
+    ),
     "lap_time": Quantity(
         "s", "T", "Time of a lap", "Time from the bowl to the first device and back.", 0.0,
         strict=True, parameter=True, examples=("40 s",),
     ),
     "time_per_part": Quantity(
-        "s", "T/eta", "Time in the bowl", "Mean time for which a part circulates until it leaves, in any aspect."
+        "s", "T/eta", "Time in the bowl",
+        "Mean time for which a part circulates until it leaves, in any aspect.",
     ),
     "line_yield": Quantity(
         "1", "eta", "Yield of the line",
@@ -199,15 +208,17 @@ ORIENTING: dict[str, Quantity] = {
         0.0, 1.0, parameter=True, examples=("1.0",),
     ),
     "line_feed_rate": _rate(
-        "q eta", "Feed rate of the line", "Parts a minute that leave the line, in any aspect."
+        "q eta", "Feed rate of the line",
+        f"Parts a minute that leave the line, in any aspect. {END}",
     ),
     "oriented_feed_rate": _rate(
         "q e*", "Oriented feed rate",
         "Parts a minute that leave the line in the wanted aspect: feed rate of the line times "
-        "purity.",
+        f"purity. {END}",
     ),
     "return_rate": _rate(
-        "q (1 - eta)", "Return rate", "Parts a minute that do not leave the line and fall back into the bowl."
+        "q (1 - eta)", "Return rate",
+        f"Parts a minute that do not leave the line and fall back into the bowl. {END}",
     ),
     "yield_deviation": Quantity(
         "1", "s(eta)", "Deviation of the yield", "Standard deviation of the yield by a drop test.",
