@@ -65,7 +65,7 @@ def _device(position: int) -> dict[str, Quantity]:
     }  # fmt: skip
 
 
-END = "In orienting-line of let-down parts, unless a drop test counts; _lower and _upper are the ends."
+END = "In orienting-line of let-down parts, unless a drop test counts; ends: _lower, _upper."
 """What a single number of a line stands for."""
 
 DEVICES = tuple(_device(1))
