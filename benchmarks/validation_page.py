@@ -18,7 +18,7 @@ from core.assurance.catalogue import FAMILIES, NOT_CLAIMED, cases
 from core.assurance.forms import Form, forms
 from core.assurance.judge import Outcome, run_cases
 from core.assurance.tables import expected, number
-from core.assurance.worked import rail
+from core.assurance.worked import rail, throws
 from core.dataset.markdown import markdown_table
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -30,7 +30,7 @@ HEAD = """\
 
 Does vibrafeed give the values that are known? This page has what is known about parts on vibrating
 tracks, and what vibrafeed says: exact
-solutions from the literature and our own, limits, laws that every drive keeps, a measured set,
+solutions from the literature and our own, limits, laws that every drive keeps, measured sets,
 worked values, and general physics engines on the same problems. Written by `python -m
 benchmarks.validation_page`.
 
@@ -97,7 +97,18 @@ def page() -> str:
     for form in sorted(forms().values(), key=lambda form: families.index(form.name[0])):
         mine = [one for one in outcomes if one.case.form == form.name]
         lines += [*_form(form, mine), ""]
-    lines += [*_measured(outcomes), "", *_worked(outcomes), "", *_thesis(), "", ENTER, ""]
+    lines += [
+        *_thrown(outcomes),
+        "",
+        *_measured(outcomes),
+        "",
+        *_worked(outcomes),
+        "",
+        *_thesis(),
+        "",
+        ENTER,
+        "",
+    ]
     lines += [*_engines(), "", *_not_claimed()]
     return "\n".join(lines) + "\n"
 
@@ -142,6 +153,35 @@ def _row(outcome: Outcome) -> tuple[str, ...]:
         f"{case.right.tolerance:.1g}: {case.why}",
         "right" if outcome.passed else "**wrong**",
     )
+
+
+def _thrown(outcomes: list[Outcome]) -> Iterator[str]:
+    """Yield the section on measured throws of dice and coins."""
+    found = {one.case.id: one for one in outcomes if one.case.family in "DC"}
+    yield "## Measured: dice and coins"
+    yield ""
+    yield (
+        "The share of cuboids x : y : y that came to rest on either square, and of coins that came "
+        "to rest on their side, beside the shares of let-down and of thrown parts. Sources: "
+        f"{throws.SOURCES['D']}; {throws.SOURCES['C']}."
+    )
+    yield ""
+    yield (
+        f"Of the cuboids {100 * found['D-scatter-1'].value:.1f} points are left by the shares of "
+        "thrown parts, as a root of the mean square. Coins lie between both ends, at neither: no "
+        "one law fits both, and the distance of both shares is the error of either."
+    )
+    yield ""
+    rows = [
+        (
+            f"{kind} {one.ratio:g}", f"{one.throws:,}" if one.throws else "", f"{one.share:.3f}",
+            *(f"{found[f'{letter}-{way}-{number}'].value:.3f}" for way in throws.WAYS),
+        )
+        for letter, kind, thrown in (("D", "cuboid", throws.DICE), ("C", "coin", throws.COINS))
+        for number, one in enumerate(thrown, 1)
+    ]  # fmt: skip
+    columns = ("x/y, or height over diameter", "throws", "measured", "let down", "thrown")
+    yield from markdown_table(columns, rows)
 
 
 def _measured(outcomes: list[Outcome]) -> Iterator[str]:

@@ -73,6 +73,7 @@ def new(
     mass: Annotated[Answer, _option("mass")] = None,
     width: Annotated[Answer, _option("width")] = None,
     wiper: Annotated[Answer, _option("wiper")] = None,
+    wanted: Annotated[Answer, _option("wanted")] = None,
     arrivals: Annotated[Answer, _option("arrivals")] = None,
     yes: Annotated[
         bool,

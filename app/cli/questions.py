@@ -259,6 +259,11 @@ QUESTIONS: Final = (
         "turned_share_1, gap_length_2 or outlet_capacity_3: docs/which-way-up.md.", needs=_OF_LINE,
     ),
     Question(
+        "wanted", "How parts are to leave: 1 flat, 2 on their side, 3 on an end", "1",
+        parameter="wanted_aspect", says="How parts are to leave: 1 flat, 2 on their side, 3 on an "
+        "end.", needs=_OF_LINE,
+    ),
+    Question(
         "arrivals", "Parts a minute that reach the wiper", "300 1/min", parameter="arrival_rate",
         says="Parts a minute that arrive: the feed_rate of a study of their motion.",
         needs=_OF_LINE,

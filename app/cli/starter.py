@@ -97,12 +97,20 @@ STARTERS: Final[Mapping[str, Starter]] = {
     ),
     "which-way": Starter(
         (
-            "How many parts a minute leave the bowl flat, and how often does a part go round?",
-            "Shares of the ways in which parts lie follow from their size: docs/which-way-up.md.",
+            "How many parts a minute leave the bowl as wanted, and how often does a part go round?",
+            "Shares of the ways in which parts lie follow from their size, between let down and",
+            "thrown; counts of a drop test are better: docs/which-way-up.md.",
         ),
         "sweep",
         "closed forms, over any ranges of parameters",
-        ("oriented_feed_rate", "return_rate", "yield", "laps", "leaving_share_flat"),
+        (
+            "oriented_feed_rate_lower",
+            "oriented_feed_rate_upper",
+            "line_feed_rate_upper",
+            "purity_lower",
+            "laps_upper",
+            "return_rate_upper",
+        ),
     ),
     "forces": Starter(
         (

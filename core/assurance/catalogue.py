@@ -9,7 +9,7 @@ from typing import Any
 import core
 from core.assurance.case import EVIDENCE, RELATIONS, Case
 from core.assurance.forms import forms
-from core.assurance.worked import rail, values
+from core.assurance.worked import rail, throws, values
 from core.errors import Problem, StudyError
 
 FORMAT = "vibrafeed-validation-1"
@@ -31,6 +31,8 @@ FAMILIES: Mapping[str, str] = MappingProxyType(
         "B": "Balances of any drive",
         "Z": "Level sine",
         "R": "On which side a part comes to rest",
+        "D": "Dice of steel, thrown",
+        "C": "Thick coins, thrown",
         "Y": "A rail of cast iron, measured",
         "V": "Worked values",
         "F": "Figures of the thesis",
@@ -41,6 +43,8 @@ FAMILIES: Mapping[str, str] = MappingProxyType(
 
 ELSEWHERE: Mapping[str, tuple[Callable[[], Iterable[Case]], ...]] = MappingProxyType(
     {
+        "D": (throws.dice,),
+        "C": (throws.coins,),
         "Y": (rail.cases,),
         "V": (values.mean_velocities, values.reference_speeds, values.hops, values.closed_forms,
               values.limiting_friction),
@@ -52,8 +56,6 @@ ELSEWHERE: Mapping[str, tuple[Callable[[], Iterable[Case]], ...]] = MappingProxy
 
 NOT_CLAIMED: Mapping[str, str] = MappingProxyType(
     {
-        "C": "Rows of parts: every study follows one part. That n equal parts in contact move as "
-        "one is why it may; unequal friction in a row is not computed.",
         "bulk": "v = 3.81 N S of bulk conveyors, and rates that rise by 20 to 30 % with 10 % of "
         "amplitude: rules of thumb, which judge nothing.",
     }

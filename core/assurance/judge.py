@@ -24,7 +24,7 @@ from core.watch import Watch
 
 STATED = "conveying_velocity_error"
 
-WITHOUT_VALUE = {"unbounded", "no_motion", "stopped"}
+WITHOUT_VALUE = {"unbounded", "no_motion", "stopped", "no_pass"}
 """Valid regimes that explain a value that is not finite; all that are not valid do so too."""
 
 

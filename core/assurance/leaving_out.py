@@ -64,8 +64,8 @@ TYPICAL: dict[str, Any] = {
     # parts that come to rest
     "small_diameter": 0.005, "centre_of_mass": 0.0006, "radius_of_gyration": 0.002, "sides": 6.0,
     # lines of devices; an order counts from 1
-    "arrival_rate": 300.0, "lap_time": 20.0, "line_yield": 0.8, "wanted_aspect": 1.0,
-    "shank_diameter": 0.004, "device_order": 2.0,
+    "arrival_rate": 300.0, "lap_time": 20.0, "line_yield": 0.8, "line_purity": 0.9,
+    "wanted_aspect": 1.0, "shank_diameter": 0.004, "device_order": 2.0,
     "drop_count_1": 129.0, "drop_count_2": 49.0, "drop_count_3": 22.0,
     **{
         f"{name}_{place}": value

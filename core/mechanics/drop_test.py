@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from core.mechanics.arrays import Array
+from core.mechanics.arrays import Array, ratio
 from core.mechanics.orienting import PassedShares
 
 PRIOR = 0.5
@@ -39,39 +39,66 @@ def posterior_count(counts: Sequence[Array]) -> Array:
 
 
 def yield_deviation(
-    *, tested_shares: tuple[Array, ...], tested_line: PassedShares, drop_count: Array
+    *, counted_shares: tuple[Array, ...], counted_line: PassedShares, drop_count: Array
 ) -> Array:
     """Return the standard deviation of the yield that a drop test leaves [1].
 
-    sqrt(sum p_o (v_o - eta)^2/(A + 1)): p_o are the tested shares of the aspects, v_o the shares of
-    them that pass the line, eta the yield (both in `tested_line`), and A (`drop_count`) is N + K/2.
+    sqrt(sum p_o (v_o - eta)^2/(A + 1)): p_o are the counted shares of the aspects, v_o the shares
+    of them that pass the line, eta the yield (both in `counted_line`), and A (`drop_count`) is N +
+    K/2.
     """
-    terms = zip(tested_shares, tested_line.passing, strict=True)
-    squares = sum(p * np.square(v - tested_line.total) for p, v in terms)
+    total = counted_line.total
+    return _deviation(counted_shares, [v - total for v in counted_line.passing], drop_count)
+
+
+def line_ends(
+    *, counted_shares: tuple[Array, ...], counted_line: PassedShares, drop_count: Array
+) -> tuple[PassedShares, PassedShares]:
+    """Return the lower and the upper ends of all shares of a line after a drop test [1].
+
+    Each share has its own interval of 95 %: the quantiles of the beta distribution with its mean
+    and standard deviation, which is exactly the yield's where each aspect passes as a whole or not
+    at all. That of a purity, the quotient of two such shares, is taken to first order.
+    """
+    line, aspects = counted_line, range(len(counted_shares))
+
+    def deviation(off: Sequence[Array]) -> Array:
+        return _deviation(counted_shares, off, drop_count)
+
+    columns = [[row[j] for row in line.matrix] for j in aspects]
+    whole = deviation([v - line.total for v in line.passing])
+    leaving = [deviation([v - line.leaving[j] for v in columns[j]]) for j in aspects]
+    impure = [
+        [v - line.pure[j] * every for v, every in zip(columns[j], line.passing, strict=True)]
+        for j in aspects
+    ]
+    pure = [ratio(deviation(off), line.total, 0.0) for off in impure]
+
+    def end(side: int) -> PassedShares:
+        total = quantile(line.total, whole, side)
+        return line._replace(
+            leaving=tuple(quantile(line.leaving[j], leaving[j], side) for j in aspects),
+            pure=tuple(quantile(line.pure[j], pure[j], side) for j in aspects),
+            total=total,
+            lost=quantile(line.lost, whole, -side),
+        )
+
+    return end(-1), end(1)
+
+
+def _deviation(shares: Sequence[Array], off: Sequence[Array], drop_count: Array) -> Array:
+    """Return the standard deviation of a sum of Dirichlet's shares with weights [1].
+
+    `off` are the weights less their mean, for each of the `shares`; `drop_count` is N + K/2.
+    """
+    squares = sum(p * np.square(v) for p, v in zip(shares, off, strict=True))
     return np.sqrt(squares / (drop_count + 1))
 
 
-def yield_lower(*, tested_line: PassedShares, yield_deviation: Array) -> Array:
-    """Return the lower end of the yield's 95 % interval after a drop test [1].
-
-    It is the 2.5 % quantile of the beta distribution with the yield's mean and standard deviation,
-    which is exactly the yield's where each aspect passes as a whole or not at all.
-    """
-    return _quantile(tested_line.total, yield_deviation, -1)
-
-
-def yield_upper(*, tested_line: PassedShares, yield_deviation: Array) -> Array:
-    """Return the upper end of the yield's 95 % interval after a drop test [1].
-
-    It is the 97.5 % quantile of the beta distribution with the yield's mean and standard deviation.
-    """
-    return _quantile(tested_line.total, yield_deviation, 1)
-
-
-def _quantile(mean: Array, deviation: Array, side: int) -> Array:
+def quantile(mean: Array, deviation: Array, side: int) -> Array:
     """Return an end of the 95 % interval of a beta distribution by its mean and deviation [1].
 
-    For a yield known from a drop test. `deviation` is the standard deviation, `side` is -1 for the
+    For a share known from a drop test. `deviation` is the standard deviation, `side` is -1 for the
     lower end, 1 for the upper. With the distribution's parameters a and b, its variable x and F = b
     x/(a (1 - x)), the quotient of F^(1/3) (1 - 1/(9 b)) - (1 - 1/(9 a)) and sqrt(F^(2/3)/(9 b) +
     1/(9 a)) is nearly standard normal (Paulson 1942): the ends are right to 0.02 standard
@@ -95,13 +122,3 @@ def _quantile(mean: Array, deviation: Array, side: int) -> Array:
     cube = first * (turned * turned * turned)
     low = cube / (cube + second)
     return np.where(spread, 1 - low if side > 0 else low, mean)
-
-
-def rate_lower(*, arrival_rate: Array, yield_lower: Array) -> Array:
-    """Return the lower end of the oriented feed rate's interval of 95 % [min-1]."""
-    return arrival_rate * yield_lower
-
-
-def rate_upper(*, arrival_rate: Array, yield_upper: Array) -> Array:
-    """Return the upper end of the oriented feed rate's interval of 95 % [min-1]."""
-    return arrival_rate * yield_upper

@@ -34,17 +34,26 @@ class PassedShares(NamedTuple):
 
     Attributes
     ----------
+    matrix : tuple of tuple of ndarray
+        Row i holds the shares of the parts arriving in aspect i that leave in each aspect [1].
     leaving : tuple of ndarray
         For each aspect, the share of all arriving parts that leave the line in it [1].
+    pure : tuple of ndarray
+        For each aspect, the share of the leaving parts that leave in it [1]; NaN if none leaves.
     passing : tuple of ndarray
         For each aspect, the share of the parts arriving in it that leave, in any aspect [1].
     total : ndarray
         Share of all arriving parts that leave [1].
+    lost : ndarray
+        Share of all arriving parts that fall back [1]; exactly 0 where each aspect passes whole.
     """
 
+    matrix: Matrix
     leaving: tuple[Array, ...]
+    pure: tuple[Array, ...]
     passing: tuple[Array, ...]
     total: Array
+    lost: Array
 
 
 # --- sizes of parts as they lie, the longer side along the wall
@@ -184,9 +193,18 @@ def passed(shares: Sequence[Array], matrix: Matrix) -> PassedShares:
     `shares` are those of the arriving parts that lie in each aspect, `matrix` that of all the
     line's devices: row i holds the share of parts of aspect i that leave in each aspect.
     """
-    places = range(len(shares))
-    leaving = tuple(_sum([shares[i] * matrix[i][j] for i in places]) for j in places)
-    return PassedShares(leaving, tuple(_sum(row) for row in matrix), _sum(leaving))
+    aspects = range(len(shares))
+    leaving = tuple(_sum([shares[i] * matrix[i][j] for i in aspects]) for j in aspects)
+    passing = tuple(_sum(row) for row in matrix)
+    total = np.minimum(_sum(leaving), 1.0)
+    return PassedShares(
+        matrix=tuple(tuple(row) for row in matrix),
+        leaving=leaving,
+        pure=tuple(np.minimum(ratio(one, total, np.nan), 1.0) for one in leaving),
+        passing=passing,
+        total=total,
+        lost=_sum([shares[i] * np.maximum(1 - passing[i], 0.0) for i in aspects]),
+    )
 
 
 def outlet_share(
@@ -238,7 +256,7 @@ def laps_variance(*, line: PassedShares) -> Array:
 
     eta is the yield of the line.
     """
-    return ratio(1 - line.total, line.total * line.total, np.inf)
+    return ratio(line.lost, line.total * line.total, np.inf)
 
 
 def laps_99(*, line: PassedShares) -> Array:
@@ -247,10 +265,13 @@ def laps_99(*, line: PassedShares) -> Array:
     Rejected parts go round once more. eta is the yield of the `line`, its share of parts that pass
     in a lap. At least 1; infinite where no part passes.
     """
-    lost = np.minimum(np.maximum(1 - line.total, 0.0), 1.0)
-    some = (lost > 0) & (lost < 1)
-    laps = np.log(CERTAIN) / np.log(np.where(some, lost, 0.5))
-    return np.where(some, np.maximum(laps, 1.0), np.where(lost > 0, np.inf, 1.0))
+    some = (line.lost > 0) & (line.total > 0)
+    few = some & (line.total < 0.5)  # where 1 - eta would lose what eta is
+    log = np.where(
+        few, np.log1p(-np.where(few, line.total, 0.5)), np.log(np.where(some, line.lost, 0.5))
+    )
+    laps = np.log(CERTAIN) / np.where(some & (log < 0), log, -1.0)
+    return np.where(some, np.maximum(laps, 1.0), np.where(line.lost > 0, np.inf, 1.0))
 
 
 def time_per_part(*, lap_time: Array, laps: Array) -> Array:
@@ -266,8 +287,20 @@ def rate_by_pitch(*, arrival_speed: Array, part_pitch: Array) -> Array:
     return 60 * arrival_speed / part_pitch
 
 
-def oriented_feed_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
-    """Return the number of parts that leave the line per minute, q eta [min-1].
+def line_ends(
+    *, line: PassedShares, thrown_line: PassedShares
+) -> tuple[PassedShares, PassedShares]:
+    """Return the shares that pass at both ends of the bracket: parts let down, and thrown."""
+    return line, thrown_line
+
+
+def line_yield(*, line: PassedShares) -> Array:
+    """Return the share of the arriving parts that leave the line, in any aspect [1]."""
+    return line.total
+
+
+def line_feed_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
+    """Return the number of parts that leave the line per minute, in any aspect, q eta [min-1].
 
     q parts a minute arrive, of which the share eta passes.
     """
@@ -277,31 +310,42 @@ def oriented_feed_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
 def return_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
     """Return the number of parts that fall back into the bowl per minute, q (1 - eta) [min-1].
 
-    q parts a minute arrive, of which the share eta passes.
+    q parts a minute arrive, of which the share eta passes. It is 0 where all parts pass.
     """
-    return arrival_rate * (1 - line.total)
+    return arrival_rate * line.lost
+
+
+def purity(*, line: PassedShares, wanted_aspect: Array) -> Array:
+    """Return the share of the leaving parts that lie in the wanted aspect [1].
+
+    `wanted_aspect` is its number, counted from 1. NaN where no part leaves.
+    """
+    return _wanted(line.pure, wanted_aspect)
 
 
 def leaving_wanted(*, line: PassedShares, wanted_aspect: Array) -> Array:
     """Return the share of the arriving parts that leave a line of devices as they are wanted [1].
 
-    `line.leaving` holds the share that leaves in each aspect, such as flat or upright;
-    `wanted_aspect` is the number of the wanted one, counted from 1.
+    `wanted_aspect` is the number of the wanted aspect, such as flat or upright, counted from 1.
     """
-    wanted = line.leaving[0]
-    for place, share in enumerate(line.leaving[1:], 2):
+    return _wanted(line.leaving, wanted_aspect)
+
+
+def oriented_feed_rate(*, arrival_rate: Array, line: PassedShares, wanted_aspect: Array) -> Array:
+    """Return the number of parts that leave in the wanted aspect per minute [min-1].
+
+    The line's feed rate times its purity: q parts a minute arrive, of which the share e* leaves as
+    wanted.
+    """
+    return arrival_rate * _wanted(line.leaving, wanted_aspect)
+
+
+def _wanted(shares: Sequence[Array], wanted_aspect: Array) -> Array:
+    """Return the share of the wanted aspect, counted from 1."""
+    wanted = shares[0]
+    for place, share in enumerate(shares[1:], 2):
         wanted = np.where(wanted_aspect == place, share, wanted)
     return wanted
-
-
-def purity(*, leaving_wanted: Array, line: PassedShares) -> Array:
-    """Return the share of the leaving parts that lie in the wanted aspect [1]."""
-    return ratio(leaving_wanted, line.total, np.nan)
-
-
-def wanted_feed_rate(*, arrival_rate: Array, leaving_wanted: Array) -> Array:
-    """Return the number of parts that leave in the wanted aspect per minute [min-1]."""
-    return arrival_rate * leaving_wanted
 
 
 def lets_none_pass(*, line: PassedShares) -> Mask:

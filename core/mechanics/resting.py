@@ -1,14 +1,17 @@
-"""On which face a part comes to rest: the solid angle under which its centre sees the face.
+"""On which face a part comes to rest: a bracket of two shares, let down and thrown.
 
-Every orientation is as likely as any other, and the part is let down with negligible momentum: it
-ends on the face that its centre is above. A part that tumbles fast favours large faces more.
+Every orientation is as likely as any other. A part that is let down with negligible momentum ends
+on the face that its centre is above: its share is the solid angle under which the centre sees the
+face. A part that is thrown loses its energy in many small steps, and faces near its centre have
+more of it. The truth lies between, by drop height and rebound: the distance of both shares is their
+error.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.angles import cosine
+from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask, hypot
 
 
@@ -40,9 +43,9 @@ Shares = tuple[Array, ...]
 
 
 def box_shares(*, length: Array, width: Array, height: Array) -> Shares:
-    """Return the shares of boxes that come to rest flat, on their side, and on their end [1].
+    """Return the shares of let-down boxes that rest flat, on their side, and on their end [1].
 
-    Tipped out in any orientation (theory 16.1). Flat is the face `length` by `width`, on its side
+    In any orientation (theory 16.1). Flat is the face `length` by `width`, on its side
     `length` by `height`, on its end `width` by `height` [m].
     """
     return (
@@ -58,7 +61,7 @@ def box_centres(*, length: Array, width: Array, height: Array) -> Shares:
 
 
 def cylinder_shares(*, length: Array, diameter: Array) -> Shares:
-    """Return the resting shares of a cylinder: on its side, on either end [1]."""
+    """Return the shares of let-down cylinders that rest on their side, and on either end [1]."""
     return share_of_mantle(length, diameter), share_of_ends(length, diameter)
 
 
@@ -68,9 +71,9 @@ def cylinder_centres(*, length: Array, diameter: Array) -> Shares:
 
 
 def prism_shares(*, sides: Array, length: Array, diameter: Array) -> Shares:
-    """Return the shares of prisms that come to rest on a side, and on either end [1].
+    """Return the shares of let-down prisms that rest on a side, and on either end [1].
 
-    Tipped out in any orientation (theory 16.1). Of n `sides`, `length` L and `diameter` d of the
+    In any orientation (theory 16.1). Of n `sides`, `length` L and `diameter` d of the
     circle through the corners, with k = L/sqrt(L^2 + d^2): both ends together have (n/pi) (pi/n -
     atan(k tan(pi/n))), the sides the rest.
     """
@@ -145,9 +148,9 @@ def turned_shares(
     *, diameter: Array, small_diameter: Array, height: Array, mass_height: Array,
     side_foot: Array,
 ) -> Shares:  # fmt: skip
-    """Return the shares of turned parts that come to rest upright, on the side, and inverted [1].
+    """Return the shares of let-down turned parts that rest upright, on the side, and inverted [1].
 
-    Tipped out in any orientation (theory 16.1). Upright a part stands on the end of `diameter`,
+    In any orientation (theory 16.1). Upright a part stands on the end of `diameter`,
     inverted on that of `small_diameter`; `height` and `mass_height` are its length and the height
     of its centre of mass, all [m]. `side_foot` is the foot of the centre on the side over its
     length [1]: outside 0 to 1 the side is unstable, and its share goes to the end that the part
@@ -174,25 +177,77 @@ def turned_centres(
     return mass_height, across, height - mass_height
 
 
-# --- the second estimate
+# --- thrown parts
 
 
-def second_shares(*, resting_shares: Shares, centre_heights: Shares) -> Shares:
-    """Return a second estimate of the resting shares: solid angle over height of the centre [1].
+def _depth(centre: Array, reach: Array) -> Array:
+    """Return R - h for a corner at the distance R = hypot(h, reach) from the centre [m].
 
-    Each share is divided by the height of the centre in its aspect [m], then all are scaled to the
-    sum 1 (Ngoi et al. 1995). The difference to the first estimate tells how far either may be
-    trusted.
+    h (`centre`) is the height of the centre, `reach` the distance of the corner from the centre's
+    foot [m]: reach^2/(R + h), without the difference of what is nearly equal.
     """
-    weights = [share / height for share, height in zip(resting_shares, centre_heights, strict=True)]
-    total = sum(weights[1:], weights[0])
-    return tuple(weight / total for weight in weights)
+    return reach * (reach / (hypot(centre, reach) + centre))
 
 
-def share_errors(*, resting_shares: Shares, second_shares: Shares) -> Shares:
-    """Return the difference between both estimates of the shares [1]."""
-    both = zip(resting_shares, second_shares, strict=True)
-    return tuple(np.abs(first - second) for first, second in both)
+def box_depths(*, length: Array, width: Array, height: Array) -> Shares:
+    """Return the depths of a box in each aspect: flat, on its side, on its end [m].
+
+    The depth of an aspect is R - h: the height h of the centre below its distance R from the
+    farthest corner, the highest that it can be above the floor.
+    """
+    return (
+        _depth(height / 2, hypot(length, width) / 2),
+        _depth(width / 2, hypot(length, height) / 2),
+        _depth(length / 2, hypot(width, height) / 2),
+    )
+
+
+def cylinder_depths(*, length: Array, diameter: Array) -> Shares:
+    """Return the depths R - h of a cylinder: on its side, on an end [m]."""
+    return _depth(diameter / 2, length / 2), _depth(length / 2, diameter / 2)
+
+
+def prism_depths(*, sides: Array, length: Array, diameter: Array) -> Shares:
+    """Return the depths R - h of a prism: on a side, on an end [m]."""
+    half, half_angle = diameter / 2, np.pi / sides
+    side = _depth(half * cosine(half_angle), hypot(length / 2, half * sine(half_angle)))
+    return side, _depth(length / 2, half)
+
+
+def turned_depths(
+    *, diameter: Array, small_diameter: Array, height: Array, mass_height: Array,
+    side_foot: Array,
+) -> Shares:  # fmt: skip
+    """Return the depths R - h of a turned part: upright, on its side, inverted [m].
+
+    R is the distance of the centre from the farther rim. The side's holds where the part can lie
+    on it.
+    """
+    low, high = mass_height, height - mass_height
+    base, top = _depth(low, diameter / 2), _depth(high, small_diameter / 2)
+    generator = hypot((diameter - small_diameter) / 2, height)
+    _, across, _ = turned_centres(
+        diameter=diameter, small_diameter=small_diameter, height=height, mass_height=mass_height
+    )
+    reach = generator * np.maximum(side_foot, 1 - side_foot)
+    return (
+        np.maximum(base, top + (high - low)),
+        _depth(across, reach),
+        np.maximum(top, base + (low - high)),
+    )
+
+
+def thrown_shares(*, let_down_shares: Shares, depths: Shares) -> Shares:
+    """Return the shares of thrown parts that come to rest in each aspect [1].
+
+    Each is as the solid angle, with what an aspect receives from unstable faces, times the square
+    of its depth, Omega (R - h)^2 (theory 16.1): energy is lost in many small steps.
+    """
+    total = sum(depths[1:], depths[0])
+    both = zip(let_down_shares, depths, strict=True)
+    weights = [share * np.square(depth / total) for share, depth in both]
+    every = sum(weights[1:], weights[0])
+    return tuple(weight / every for weight in weights)
 
 
 def long_side_share(*, length: Array, width: Array) -> Array:

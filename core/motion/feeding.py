@@ -39,12 +39,21 @@ def feed_rate(*, conveying_velocity: Array, length: Array, occupancy: Array) -> 
     return parts_per_minute(velocity=conveying_velocity, length=length / occupancy)
 
 
-def oriented_feed_rate(*, feed_rate: Array, line_yield: Array) -> Array:
+def line_feed_rate(*, feed_rate: Array, line_yield: Array) -> Array:
     """Return the parts per minute behind a line of devices, feed rate times yield [min-1].
 
-    None pass of a track that brings none: a rate below 0 counts as 0.
+    They leave in any aspect. None pass of a track that brings none: a rate below 0 counts as 0.
     """
     return np.maximum(feed_rate, 0.0) * line_yield
+
+
+def oriented_feed_rate(*, line_feed_rate: Array, line_purity: Array) -> Array:
+    """Return the parts per minute that leave a line of devices as they are wanted [min-1].
+
+    The feed rate of the line times the purity of the line, the share of the leaving parts that lie
+    in the wanted aspect.
+    """
+    return line_feed_rate * line_purity
 
 
 def direction(*, motion: Motion, drive_number: Array) -> NDArray[np.int8]:
@@ -68,6 +77,7 @@ def direction(*, motion: Motion, drive_number: Array) -> NDArray[np.int8]:
 RESULTS = (
     Equation("occupancy", occupancy, "theory 13.12"),
     Equation("feed_rate", feed_rate, "theory 13.12"),
+    Equation("line_feed_rate", line_feed_rate, "theory 16.3"),
     Equation("oriented_feed_rate", oriented_feed_rate, "theory 16.3"),
     Equation("direction", direction, "theory 13.12"),
 )

@@ -59,9 +59,14 @@ class Optimisation(Prepared):
         units["objective"] = QUANTITIES[criterion.output].unit
         if problem.states_error:
             units["objective_error"] = units["objective"]
-        told = (criterion.output, problem.against, *(kept.output for kept in problem.kept))
+        judged = (
+            criterion.output,
+            problem.against,
+            problem.second,
+            *(kept.output for kept in problem.kept),
+        )
         asked = [name for name in self.study.outputs if name != "regime"]
-        units |= {name: QUANTITIES[name].unit for name in (*filter(None, told), *asked)}
+        units |= {name: QUANTITIES[name].unit for name in (*filter(None, judged), *asked)}
         for kept in problem.kept:
             units[f"margin_{kept.name}"] = QUANTITIES[kept.output].unit
             units[f"binds_{kept.name}"] = "1"

@@ -13,7 +13,14 @@ from core.motion.systems import CONTACTS, SYSTEMS
 from core.optimise.checks import misplaced, of_other_drive, problems_of_intervals
 from core.optimise.methods import METHODS, default_method, refusal
 from core.optimise.optimisation import Optimisation
-from core.optimise.problem import CONTACT_OUTPUTS, LIMIT, Kept, OptimisationProblem, Variable
+from core.optimise.problem import (
+    CONTACT_OUTPUTS,
+    LIMIT,
+    SECOND,
+    Kept,
+    OptimisationProblem,
+    Variable,
+)
 from core.optimise.robust import uncertain_of
 from core.optimise.search import MAX_VARIABLES
 from core.optimise.slopes import MAX_SENSITIVE
@@ -44,6 +51,9 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     asked = tuple(dict.fromkeys((*study.criterion_outputs(), *study.outputs)))
     scene, variant, _ = chosen = _chosen(study, asked)
     kept = tuple(_kept(study, scene, variant))
+    second = SECOND.get(study.criterion.output, "")
+    if study.criterion.kind == "maximise" and second in scene.outputs(variant):
+        asked = (*asked, second)
     concerned = dict.fromkeys((*asked, *(each.output for each in kept)))
     outputs = tuple(name for name in concerned if name != "regime")
     bounds = study.bounds() or _default_bounds(scene, variant, outputs, values)

@@ -37,6 +37,15 @@ LONGEST = 1000.0
 """Times the periods over which a motion that does not repeat is followed, to see whether it stands:
 some fall into another motion, far slower, after a hundred thousand periods only."""
 
+SECOND: dict[str, str] = {
+    f"oriented_feed_rate{end}": f"purity{end}" for end in ("", "_lower", "_upper")
+}
+"""Of choices that are as good by a maximised output, the output that decides between them: a line
+that also lets wrong parts through gives no fewer right ones."""
+
+TIE = 1e-12
+"""Share of an output's scale within which choices are as good."""
+
 Arrays = dict[str, Any]
 
 
@@ -120,6 +129,12 @@ class OptimisationProblem:
         """The weight of the other output in the objective."""
         return self.criterion.weight if isinstance(self.criterion, Weighted) else 0.0
 
+    @property
+    def second(self) -> str | None:
+        """The output that decides between choices that are as good; None if there is none."""
+        second = SECOND.get(self.criterion.output)
+        return second if self.criterion.kind == "maximise" and second in self.plan.outputs else None
+
     @cached_property
     def is_motion(self) -> bool:
         """True if the outputs are those of a simulated motion, which have jumps."""
@@ -128,7 +143,8 @@ class OptimisationProblem:
     @cached_property
     def concerned(self) -> tuple[str, ...]:
         """The outputs by which candidates are judged."""
-        names = (self.criterion.output, self.against, *(kept.output for kept in self.kept))
+        kept = (kept.output for kept in self.kept)
+        names = (self.criterion.output, self.against, self.second, *kept)
         return tuple(dict.fromkeys(name for name in names if name))
 
     @cached_property
@@ -391,6 +407,10 @@ class OptimisationProblem:
         known = self.known(x, design, watch, self.bare)
         shape = np.broadcast_shapes(*(part.shape for part in (*x, *design.values())))
         value = np.broadcast_to(self.objective(known), shape)
+        if self.second:
+            value = value + TIE * scales[self.criterion.output] * np.nan_to_num(
+                self.output(self.second, known)
+            )
         beyond = np.zeros(shape)
         for kept, margin in zip(self.kept, self.margins(known, design), strict=True):
             beyond = beyond + np.maximum(-margin, 0.0) / scales[kept.output]

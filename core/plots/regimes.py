@@ -85,7 +85,7 @@ LOOKS = {
         ("unstable_side", "/", 1.8),
         ("stands", "", 1.8),
         ("may_topple", "..", 0.9),
-        ("no_pass", "xxx", 1.3),
+        ("no_pass", "", 1.8),
         ("passes", "", 1.8),
         # --- rows of parts
         ("crowded", "\\", 1.8),

@@ -111,9 +111,7 @@ REGIMES: dict[str, Flag] = {
         45, "the standing part does not rock, or the drive is too slow by half to topple it"
     ),
     "may_topple": Flag(46, "the drive may topple the standing part: simulate it"),
-    "no_pass": Flag(
-        47, "the devices let no part pass: all return to the bowl", valid=False
-    ),
+    "no_pass": Flag(47, "the devices let no part pass: all return to the bowl"),
     "passes": Flag(48, "the devices let parts pass"),
     # --- rows of parts
     "crowded": Flag(49, "more parts come than the lane can take: the rest is turned away"),

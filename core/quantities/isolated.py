@@ -53,21 +53,6 @@ ISOLATED: dict[str, Quantity] = {
         "1", "kappa", "Inertia ratio",
         "Mass times squared half diagonal over the moment of inertia about the centre.",
     ),
-    "resting_share_flat": Quantity(
-        "1", "p_ha", "Share that rests flat",
-        "Share of parts that come to rest on a face of length by width, let down in any "
-        "orientation with negligible momentum.",
-    ),
-    "resting_share_on_side": Quantity(
-        "1", "p_hb", "Share that rests on a side",
-        "Share of parts that come to rest on a face of length by "
-        "height, or on the round side of a cylinder.",
-    ),
-    "resting_share_on_end": Quantity(
-        "1", "p_ab", "Share that rests on an end",
-        "Share of parts that come to rest on a face of width by "
-        "height, or on an end of a cylinder.",
-    ),
     "touching_height": Quantity(
         "m", "rho sin(s)", "Touching height", "Height of the centre at which the corner touches."
     ),

@@ -176,7 +176,7 @@ FEEDING: dict[str, Quantity] = {
     ),
     "feed_rate": Quantity(
         "min-1", "", "Feed rate",
-        "Parts a minute that pass a place of the track; negative where they travel backwards.",
+        "Parts a minute past a place, touching unless part_gap is given; negative backwards.",
     ),
     "direction": flag(
         "Direction of travel", "Direction in which the part travels: forwards, backwards, "

@@ -65,6 +65,9 @@ def _device(position: int) -> dict[str, Quantity]:
     }  # fmt: skip
 
 
+END = "In orienting-line of let-down parts, unless a drop test counts; ends: _lower, _upper."
+"""What a single number of a line stands for."""
+
 DEVICES = tuple(_device(1))
 """What a study may give of a device, without its place."""
 
@@ -90,6 +93,25 @@ def _shares() -> dict[str, Quantity]:
 def _rate(symbol: str, label: str, says: str) -> Quantity:
     """Return the quantity of a number of parts per minute."""
     return Quantity("min-1", symbol, label, says)
+
+
+def _ends() -> dict[str, Quantity]:
+    """Return the declarations of both ends of what the shares leave open, by name."""
+    quantities = {}
+    for name, (unit, symbol, words) in {
+        "yield": ("1", "eta", "yield"),
+        "laps": ("1", "1/eta", "number of laps"),
+        "line_feed_rate": ("min-1", "q eta", "feed rate of the line"),
+        "purity": ("1", "e*/eta", "purity"),
+        "oriented_feed_rate": ("min-1", "q e*", "oriented feed rate"),
+        "return_rate": ("min-1", "q (1 - eta)", "return rate"),
+    }.items():
+        for end, sign, which in (("lower", "-", "Least"), ("upper", "+", "Largest")):
+            quantities[f"{name}_{end}"] = Quantity(
+                unit, f"({symbol}){sign}", f"{which} {words}",
+                f"{which} {words}, let down or thrown; by a drop test, of 95 %.",
+            )  # fmt: skip
+    return quantities
 
 
 ORIENTING: dict[str, Quantity] = {
@@ -134,57 +156,73 @@ ORIENTING: dict[str, Quantity] = {
     "devices": Quantity("1", "D", "Devices", "The devices of a line.", bundle=True),
     "line": Quantity("1", "e", "Line", "Shares of parts that pass the devices of a "
     "line.", bundle=True),
-    "tested_shares": Quantity("1", "p", "Shares by a test",
-    "Posterior shares, one per aspect.", bundle=True),
-    "tested_line": Quantity("1", "e", "Line by a test", "Shares that pass the line, by the drop "
-    "test.", bundle=True),
+    "thrown_line": Quantity(
+        "1", "e", "Line, thrown", "Shares of thrown parts that pass the devices of a line.",
+        bundle=True,
+    ),
+    "counted_line": Quantity(
+        "1", "e", "Line by a test", "Shares that pass the line, by the drop test.", bundle=True
+    ),
+    "line_ends": Quantity(
+        "1", "e", "Ends of the line",
+        "Shares that pass a line at both ends of what is known of the shares that arrive.",
+        bundle=True,
+    ),
     "drop_count": number("A", "Counts", "Counts of a drop test, and half a count an aspect."),
-    "yield": number("eta", "Yield", "Share of the arriving parts that leave the line."),
+    "yield": number(
+        "eta", "Yield", f"Share of the arriving parts that leave the line, in any aspect. {END}"
+    ),
     **_shares(),
     "leaving_wanted": number(
         "e*", "Share that leaves as wanted", "Share of all arriving parts that leave as wanted."
     ),
-    "purity": number("e*/eta", "Purity", "Share of the leaving parts that lie as wanted."),
-    "laps": number("1/eta", "Laps", "Mean number of arrivals of a part until it passes."),
+    "purity": number("e*/eta", "Purity", f"Share of the leaving parts that lie as wanted. {END}"),
+    "laps": number(
+        "1/eta", "Laps",
+        f"Mean number of arrivals of a part until it leaves, in any aspect. {END}",
+    ),
     "laps_variance": number("var", "Variance of the laps",
     "Variance of the number of laps that a part "
     "needs."),
-    "laps_99": number("n_99", "Laps of 99 %", "Laps within which 99 of 100 parts pass."),
+    "laps_99": number(
+        "n_99", "Laps of 99 %", "Laps within which 99 of 100 parts leave, in any aspect."
+    ),
     "lap_time": Quantity(
         "s", "T", "Time of a lap", "Time from the bowl to the first device and back.", 0.0,
         strict=True, parameter=True, examples=("40 s",),
     ),
     "time_per_part": Quantity(
-        "s", "T/eta", "Time in the bowl", "Mean time for which a part circulates until it passes."
+        "s", "T/eta", "Time in the bowl",
+        "Mean time for which a part circulates until it leaves, in any aspect.",
     ),
     "line_yield": Quantity(
         "1", "eta", "Yield of the line",
-        "Share of the parts that pass the devices behind the track, as yield of orienting-line.",
+        "Share of the parts that pass the devices behind the track, in any aspect, as yield of "
+        "orienting-line.",
         0.0, 1.0, parameter=True, examples=("0.79",),
     ),
-    "oriented_feed_rate": _rate(
-        "q eta", "Oriented feed rate", "Parts a minute that leave the line, in any aspect."
+    "line_purity": Quantity(
+        "1", "e*/eta", "Purity of the line",
+        "Share of the parts leaving the devices behind the track that lie as wanted, as purity of "
+        "orienting-line.",
+        0.0, 1.0, parameter=True, examples=("1.0",),
     ),
-    "wanted_feed_rate": _rate(
-        "q e*", "Feed rate as wanted", "Parts a minute that leave the line in the wanted aspect."
+    "line_feed_rate": _rate(
+        "q eta", "Feed rate of the line",
+        f"Parts a minute that leave the line, in any aspect. {END}",
+    ),
+    "oriented_feed_rate": _rate(
+        "q e*", "Oriented feed rate",
+        "Parts a minute that leave the line in the wanted aspect: feed rate of the line times "
+        f"purity. {END}",
     ),
     "return_rate": _rate(
-        "q (1 - eta)", "Return rate", "Parts a minute that fall back into the bowl."
+        "q (1 - eta)", "Return rate",
+        f"Parts a minute that do not leave the line and fall back into the bowl. {END}",
     ),
     "yield_deviation": Quantity(
         "1", "s(eta)", "Deviation of the yield", "Standard deviation of the yield by a drop test.",
         error_of="yield",
     ),
-    "yield_lower": number(
-        "eta-", "Least yield", "Lower end of an interval of 95 % by a drop test."
-    ),
-    "yield_upper": number(
-        "eta+", "Largest yield", "Upper end of an interval of 95 % by a drop test."
-    ),
-    "oriented_feed_rate_lower": _rate(
-        "q eta-", "Least oriented feed rate", "Lower end of an interval of 95 % by a drop test."
-    ),
-    "oriented_feed_rate_upper": _rate(
-        "q eta+", "Largest oriented feed rate", "Upper end of an interval of 95 % by a drop test."
-    ),
+    **_ends(),
 }  # fmt: skip

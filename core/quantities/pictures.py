@@ -106,6 +106,7 @@ FILLS = {
     "unstable_side": "#ffd98f",
     "stands": "#9ccbff",
     "may_topple": "#c66a2c",
+    "no_pass": "#d6d6d6",
     "passes": "#9ccbff",
     "crowded": "#c66a2c",
     "indeterminate_force": "#d6d6d6",

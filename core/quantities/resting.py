@@ -14,23 +14,28 @@ ASPECTS = {
 """How parts lie; those of one shape are numbered in the order in which its scene lists them."""
 
 
-def _estimates() -> dict[str, Quantity]:
-    """Return the declarations of second estimates of the shares in which parts rest, by name.
+def _shares() -> dict[str, Quantity]:
+    """Return the declarations of the shares in which parts rest, by name.
 
-    For each aspect, the way in which a part lies, there are a share by another formula and the
-    difference of both, which tells how far the share can be trusted.
+    For each aspect, the way in which a part lies, there are the shares of let-down and of thrown
+    parts, between which the truth lies, and that by the counts of a drop test.
     """
     quantities = {}
     for name, (words, where) in ASPECTS.items():
         plain = where.replace("`", "")
-        quantities[f"second_share_{name}"] = number(
-            f"p2_{name}", f"Second estimate, {words}",
-            f"Share of parts that come to rest {plain}, by solid angle over height of the centre.",
+        quantities[f"let_down_share_{name}"] = number(
+            f"s_{name}", f"Share that rests {words}, let down",
+            f"Share of parts that come to rest {plain}, let down with negligible momentum. The "
+            f"truth lies between this and thrown_share_{name}: their distance is the error.",
         )  # fmt: skip
-        quantities[f"share_error_{name}"] = Quantity(
-            "1", f"e_{name}", f"Error of the share, {words}",
-            f"Difference of both estimates of the share that comes to rest {plain}.",
-            error_of=f"resting_share_{name}",
+        quantities[f"thrown_share_{name}"] = number(
+            f"t_{name}", f"Share that rests {words}, thrown",
+            f"Share of parts that come to rest {plain}, thrown. The truth lies between this and "
+            f"let_down_share_{name}: their distance is the error.",
+        )  # fmt: skip
+        quantities[f"counted_share_{name}"] = number(
+            f"p_{name}", f"Share that rests {words}, counted",
+            f"Share of parts that come to rest {plain}, by the counts of a drop test.",
         )  # fmt: skip
     return quantities
 
@@ -62,25 +67,23 @@ RESTING: dict[str, Quantity] = {
         "Sides of a regular prism; diameter is that of the circle through its corners.", 3.0,
         parameter=True, examples=("6",), usual=(3.0, 100.0),
     ),
-    "resting_shares": Quantity("1", "p", "Shares", "Resting share of each aspect.", bundle=True),
+    "let_down_shares": Quantity(
+        "1", "s", "Shares, let down", "Share of let-down parts in each aspect.", bundle=True
+    ),
+    "thrown_shares": Quantity(
+        "1", "t", "Shares, thrown", "Share of thrown parts in each aspect.", bundle=True
+    ),
+    "counted_shares": Quantity(
+        "1", "p", "Shares by a test", "Posterior shares, one per aspect.", bundle=True
+    ),
     "centre_heights": Quantity(
         "m", "z", "Heights of the centre", "Height of the centre in each aspect.", bundle=True
     ),
-    "second_shares": Quantity("1", "p2", "Second estimates",
-    "Posterior shares, one per aspect.", bundle=True),
-    "share_errors": Quantity("1", "e", "Errors of the shares",
-    "Posterior shares, one per aspect.", bundle=True),
-    "resting_share_upright": number(
-        "p_1", "Share that rests upright",
-        "Share of parts that come to rest on the end of diameter, let down in any orientation with "
-        "negligible momentum.",
+    "depths": Quantity(
+        "m", "R - h", "Depths of the aspects",
+        "Height of the centre in each aspect below the highest that it can have.", bundle=True,
     ),
-    "resting_share_inverted": number(
-        "p_3", "Share that rests inverted",
-        "Share of parts that come to rest on the end opposite to "
-        "diameter."
-    ),
-    **_estimates(),
+    **_shares(),
     "side_foot": number(
         "s/L_g", "Foot of the centre on the side",
         "Place of the centre's foot along the side, from the end of diameter; outside of 0 to 1 "

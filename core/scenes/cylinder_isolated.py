@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics import corner, resting
+from core.mechanics import corner
 from core.mechanics.arrays import Array, hypot
 from core.mechanics.corner import Direction
 from core.scenes.corner import CONDITIONS, CORNER, CORNER_DEFAULTS, DERIVED, VALIDITY
@@ -36,19 +36,6 @@ def inertia_ratio(*, corner_direction: Direction) -> Array:
     """
     _, cosine = corner_direction
     return 12.0 / (3.0 + cosine * cosine)
-
-
-def resting_share_on_side(*, length: Array, diameter: Array) -> Array:
-    """Return the share of parts that come to rest on their round side [1].
-
-    Let down in any orientation with negligible momentum, as the other share.
-    """
-    return resting.share_of_mantle(length, diameter)
-
-
-def resting_share_on_end(*, length: Array, diameter: Array) -> Array:
-    """Return the share of parts that come to rest on one of their ends [1]."""
-    return resting.share_of_ends(length, diameter)
 
 
 def printed_gap_tangential_acceleration(
@@ -94,8 +81,6 @@ BODY = (
     Equation("corner_direction", corner_direction, "(3.28)"),
     Equation("half_diagonal", half_diagonal, "(3.28)"),
     Equation("inertia_ratio", inertia_ratio, "theory 6"),
-    Equation("resting_share_on_side", resting_share_on_side, "docs/validation.md"),
-    Equation("resting_share_on_end", resting_share_on_end, "docs/validation.md"),
 )
 PRINTED = Equation(
     "gap_tangential_acceleration", printed_gap_tangential_acceleration, "(3.33b)", "thesis"

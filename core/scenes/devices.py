@@ -12,7 +12,7 @@ import numpy as np
 from core.mechanics import orienting
 from core.mechanics.arrays import Array
 from core.mechanics.orienting import Matrix, PassedShares
-from core.scenes.scene import keywords
+from core.scenes.scene import Function, keywords, taking
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ class DeviceLine:
     devices: tuple[Device, ...]
     aspects: int
     ordered: bool
-    shares: str = "resting_shares"
+    shares: str = "let_down_shares"
 
     def __post_init__(self) -> None:
         says = "Return what passes the devices of a line, one after another [1]."
@@ -225,6 +225,40 @@ class Counts:
     def __call__(self, **values: Any) -> Any:
         """Return the value of the function for the counts of all aspects."""
         return self.function([values[name] for name in self.names])
+
+
+@dataclass(frozen=True)
+class EndOf:
+    """The function that gives the lesser or the larger of what both ends of a line's shares give.
+
+    Attributes
+    ----------
+    function : callable
+        Gives an output from a `line`.
+    upper : bool
+        True for the larger one.
+    says : str
+        The output, in words, and its unit.
+    """
+
+    function: Function
+    upper: bool
+    says: str
+
+    def __post_init__(self) -> None:
+        end = "largest" if self.upper else "least"
+        object.__setattr__(self, "__doc__", f"Return the {end} {self.says}.")
+
+    @property
+    def __signature__(self) -> inspect.Signature:
+        """The arguments of the function, with both ends instead of the line."""
+        return taking(self.function, "line_ends", without="line")
+
+    def __call__(self, *, line_ends: tuple[PassedShares, PassedShares], **values: Any) -> Array:
+        """Return the output at that end of the line's shares."""
+        both = [self.function(line=line, **values) for line in line_ends]
+        end: Array = (np.maximum if self.upper else np.minimum)(*both)
+        return end
 
 
 @dataclass(frozen=True)

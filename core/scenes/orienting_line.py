@@ -15,9 +15,9 @@ from typing import Any
 
 from core.mechanics import drop_test, orienting
 from core.quantities.orienting import DEVICES, MAX_DEVICES, PAIRS
-from core.scenes.devices import AnyOf, Counts, Device, DeviceLine
+from core.scenes.devices import AnyOf, Counts, Device, DeviceLine, EndOf
 from core.scenes.scene import Condition, Constraint, Equation, Field, Function, Scene
-from core.scenes.shapes import ASPECTS, SHAPES, WORDS
+from core.scenes.shapes import ASPECTS, SHAPES, WORDS, shares_of
 
 LINE, TEST = "theory 16.3", "theory 16.4"
 SIZES: dict[str, Function] = {
@@ -30,23 +30,36 @@ SIZES: dict[str, Function] = {
 _NUMBER = re.compile(rf"({'|'.join(DEVICES)})_(\d)")
 POSITIONS = range(1, MAX_DEVICES + 1)
 
+BRACKETED: dict[str, tuple[Function, str]] = {
+    "yield": (orienting.line_yield, "share of the arriving parts that leave [1]"),
+    "laps": (orienting.laps, "mean number of laps of a part until it passes [1]"),
+    "line_feed_rate": (
+        orienting.line_feed_rate, "number of parts that leave the line per minute [min-1]"
+    ),
+    "purity": (orienting.purity, "share of the leaving parts that lie as wanted [1]"),
+    "oriented_feed_rate": (
+        orienting.oriented_feed_rate, "number of parts that leave as wanted per minute [min-1]"
+    ),
+    "return_rate": (
+        orienting.return_rate, "number of parts that fall back into the bowl per minute [min-1]"
+    ),
+}  # fmt: skip
+"""What is given with both ends of what the shares leave open: its function, and what it is."""
+
 RESULTS = (
-    Equation("laps", orienting.laps, LINE),
+    *(Equation(name, function, LINE) for name, (function, _) in BRACKETED.items()),
+    *(
+        Equation(f"{name}_{end}", EndOf(function, end == "upper", says), LINE)
+        for name, (function, says) in BRACKETED.items()
+        for end in ("lower", "upper")
+    ),
     Equation("laps_variance", orienting.laps_variance, LINE),
     Equation("laps_99", orienting.laps_99, LINE),
     Equation("time_per_part", orienting.time_per_part, LINE),
-    Equation("oriented_feed_rate", orienting.oriented_feed_rate, LINE),
-    Equation("return_rate", orienting.return_rate, LINE),
     Equation("leaving_wanted", orienting.leaving_wanted, LINE),
-    Equation("purity", orienting.purity, LINE),
-    Equation("wanted_feed_rate", orienting.wanted_feed_rate, LINE),
     Equation("yield_deviation", drop_test.yield_deviation, TEST),
-    Equation("yield_lower", drop_test.yield_lower, TEST),
-    Equation("yield_upper", drop_test.yield_upper, TEST),
-    Equation("oriented_feed_rate_lower", drop_test.rate_lower, TEST),
-    Equation("oriented_feed_rate_upper", drop_test.rate_upper, TEST),
 )
-OF_LINE = frozenset(("yield", *(one.gives for one in RESULTS if one.source == LINE)))
+OF_LINE = frozenset(one.gives for one in RESULTS if one.source == LINE)
 
 
 def numbers_of(shape: str) -> tuple[str, ...]:
@@ -54,21 +67,18 @@ def numbers_of(shape: str) -> tuple[str, ...]:
     return tuple(n for n in DEVICES if n != "rail_width" or ASPECTS[shape][0] == "upright")
 
 
-def shares_of(shape: str) -> tuple[Equation, ...]:
-    """Return the equations for the shares of parts by aspect, the way in which a part lies.
+def passed_shares_of(shape: str) -> tuple[Equation, ...]:
+    """Return the equations for the shares of parts that pass, by aspect, the way in which one lies.
 
-    They give the share of all parts that leave the line, and for each aspect of a `shape` (a key of
-    `ASPECTS`) the share that comes to rest in it, the share of these that passes the line, and the
-    share that leaves so. Each equation picks a number out of a quantity that has them all:
-    `bundle`, at `path`.
+    For each aspect of a `shape` (a key of `ASPECTS`) they give the share by a drop test, the share
+    of the parts arriving in it that passes the line, and the share of all that leaves so.
     """
-    rows: list[tuple[str, tuple[Any, ...], str, str]] = [
-        ("yield", ("total",), "line", "the share of the arriving parts that leave [1]")
-    ]
+    rows: list[tuple[str, tuple[Any, ...], str, str]] = []
     for position, name in enumerate(ASPECTS[shape]):
         words = WORDS[name]
         rows += [
-            (f"resting_share_{name}", (position,), "resting_shares", f"the share {words} [1]"),
+            (f"counted_share_{name}", (position,), "counted_shares",
+             f"the share {words} by a drop test [1]"),
             (f"passing_share_{name}", ("passing", position), "line",
              f"the share that passes of those that arrive {words} [1]"),
             (f"leaving_share_{name}", ("leaving", position), "line",
@@ -90,11 +100,11 @@ def equations(shape: str) -> tuple[Equation, ...]:
         for function in (drop_test.posterior_count, drop_test.posterior_shares)
     )
     return (
-        *SHAPES[shape],
-        Equation("aspect_sizes", SIZES[shape], LINE),
         *shares_of(shape),
+        Equation("aspect_sizes", SIZES[shape], LINE),
         Equation("drop_count", count, TEST),
-        Equation("tested_shares", posterior, TEST),
+        Equation("counted_shares", posterior, TEST),
+        *passed_shares_of(shape),
         *RESULTS,
     )
 
@@ -109,8 +119,10 @@ def any_line(shape: str) -> tuple[Equation, ...]:
     return (
         *equations(shape),
         Equation("devices", AnyOf((*names, "device_order")), LINE),
-        Equation("line", AnyOf(("resting_shares", "devices")), LINE),
-        Equation("tested_line", AnyOf(("tested_shares", "devices")), TEST),
+        Equation("line", AnyOf(("let_down_shares", "devices")), LINE),
+        Equation("thrown_line", AnyOf(("thrown_shares", "devices")), LINE),
+        Equation("counted_line", AnyOf(("counted_shares", "devices")), TEST),
+        Equation("line_ends", orienting.line_ends, LINE),
     )
 
 
@@ -159,19 +171,27 @@ def _equations_with_devices(
 
     `numbers` has for each place of the line, from 1, the names of what the study gives of the
     device there, such as ``wiper_height``; `ordered` is true if the study gives the order of the
-    devices, `tested` if it gives a drop test, from which the resting shares are then taken.
+    devices, `tested` if it gives a drop test, from which the shares and their ends are then taken.
     """
     known, aspects = numbers_of(shape), len(ASPECTS[shape])
     devices = [
         Device(place, tuple(n for n in known if n in numbers[place])) for place in sorted(numbers)
     ]
-    own = equations(shape)
-    if tested:
-        shares = Equation("resting_shares", Counts(drop_test.posterior_shares, aspects), TEST)
-        own = tuple(shares if one.gives == "resting_shares" else one for one in own)
     line = DeviceLine(tuple(d for d in devices if d.numbers), aspects, ordered)
-    tried = replace(line, shares="tested_shares")
-    return (*own, Equation("line", line, LINE), Equation("tested_line", tried, TEST))
+    lines = (
+        *equations(shape),
+        Equation("thrown_line", replace(line, shares="thrown_shares"), LINE),
+        Equation("counted_line", replace(line, shares="counted_shares"), TEST),
+    )
+    if tested:
+        counted = Field("counted_line", (), "Return the shares that pass by a drop test [1].")
+        ends = Equation("line_ends", drop_test.line_ends, TEST)
+        return (*lines, Equation("line", counted, TEST), ends)
+    return (
+        *lines,
+        Equation("line", line, LINE),
+        Equation("line_ends", orienting.line_ends, LINE),
+    )
 
 
 def _turns(least: float, largest: float) -> bool:
@@ -183,9 +203,11 @@ SCENE = Scene(
     name="orienting-line",
     title="A line of devices that orient parts",
     source="",
-    validity="Parts arrive one by one in the shares in which they come to rest, and each device "
-    "sees only how they lie. What falls back into the bowl comes again in any orientation: it does "
-    "not remember how it lay. A vibrating track may lay parts down by itself.",
+    validity="Parts arrive one by one in the shares in which they come to rest: those that a drop "
+    "test counted, else those of let-down parts. Lower and upper ends are then those of let-down "
+    "and of thrown parts, between which the truth lies. Each device sees only how parts lie. What "
+    "falls back into the bowl comes again in any orientation: it does not remember how it lay. A "
+    "vibrating track may lay parts down by itself.",
     variants={shape: any_line(shape) for shape in SHAPES},
     default_variant="box",
     conditions={

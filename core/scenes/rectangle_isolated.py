@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics import corner, resting
+from core.mechanics import corner
 from core.mechanics.arrays import Array, hypot
 from core.mechanics.corner import Direction
 from core.scenes.corner import CONDITIONS, CORNER, CORNER_DEFAULTS, DERIVED, VALIDITY
@@ -29,24 +29,6 @@ def half_diagonal(*, height: Array, length: Array) -> Array:
 def inertia_ratio() -> Array:
     """Return the inertia ratio, kappa = m rho^2/I = 3, the same for every rectangle [1]."""
     return np.full((), 3.0)
-
-
-def resting_share_flat(*, length: Array, width: Array, height: Array) -> Array:
-    """Return the share of parts that come to rest flat: on a face of length by width [1].
-
-    Let down in any orientation with negligible momentum, as the other two shares.
-    """
-    return resting.share_of_faces(length, width, height)
-
-
-def resting_share_on_side(*, length: Array, width: Array, height: Array) -> Array:
-    """Return the share of parts that come to rest on a face of length by height [1]."""
-    return resting.share_of_faces(length, height, width)
-
-
-def resting_share_on_end(*, length: Array, width: Array, height: Array) -> Array:
-    """Return the share of parts that come to rest on a face of width by height [1]."""
-    return resting.share_of_faces(width, height, length)
 
 
 def printed_gap_tangential_acceleration(
@@ -91,9 +73,6 @@ BODY = (
     Equation("corner_direction", corner_direction, "(3.2)"),
     Equation("half_diagonal", half_diagonal, "(3.2)"),
     Equation("inertia_ratio", inertia_ratio, "theory 2.1"),
-    Equation("resting_share_flat", resting_share_flat, "docs/validation.md"),
-    Equation("resting_share_on_side", resting_share_on_side, "docs/validation.md"),
-    Equation("resting_share_on_end", resting_share_on_end, "docs/validation.md"),
 )
 PRINTED = Equation(
     "gap_tangential_acceleration", printed_gap_tangential_acceleration, "(3.6b)", "thesis"

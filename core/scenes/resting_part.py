@@ -1,10 +1,10 @@
-"""A part that is let down in any orientation: how it lies; and when it topples, standing."""
+"""A part that is let down or thrown: how it comes to rest; and when it topples, standing."""
 
 from __future__ import annotations
 
 from core.mechanics import resting, toppling
-from core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Field, Scene
-from core.scenes.shapes import ASPECTS, SHAPES, SOURCE, WORDS, lying
+from core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
+from core.scenes.shapes import ASPECTS, SHAPES, SHARES, SOURCE, lying, shares_of
 
 SECTION = "theory 16.2"
 _ROUND = (Equation("standing_base", toppling.round_base, SECTION),)
@@ -42,17 +42,6 @@ TOPPLING = (
     Equation("push_over_load", toppling.push_over_load, SECTION),
     Equation("rocking_margin", toppling.rocking_margin, SECTION),
 )
-ESTIMATES = (
-    Equation("second_shares", resting.second_shares, SOURCE),
-    Equation("share_errors", resting.share_errors, SOURCE),
-)
-SHARES = {
-    "resting_share": ("resting_shares", "the share that rests"),
-    "second_share": ("second_shares", "the second estimate of the share that rests"),
-    "share_error": ("share_errors", "how far apart both estimates are"),
-}
-"""Outputs of each aspect: the bundle that they stand in, and what they are."""
-
 STANDS = (
     Condition("stands", toppling.never_rocks, frozenset(("rocking_margin",)), "may_topple"),
     Condition("may_topple", toppling.may_topple, frozenset(("topple_margin",)), "stands"),
@@ -60,19 +49,12 @@ STANDS = (
 
 
 def equations(shape: str) -> tuple[Equation, ...]:
-    """Return the equations of a scene in which a part of a shape is tipped out and comes to rest.
+    """Return the equations of a scene in which a part of a shape comes to rest, and stands.
 
-    They give sizes and the shares that rest in each aspect (way of lying), each picked out of a
-    quantity that has all. `shape` is a key of `ASPECTS`.
+    They give the shares that rest in each aspect (way of lying), and what topples the part.
+    `shape` is a key of `ASPECTS`.
     """
-    rows = [
-        Equation(
-            f"{kind}_{name}", Field(bundle, (place,), f"Return {says} {WORDS[name]} [1]."), SOURCE
-        )
-        for place, name in enumerate(ASPECTS[shape])
-        for kind, (bundle, says) in SHARES.items()
-    ]
-    return (*SHAPES[shape], *ESTIMATES, *rows, *POSES[shape], *TOPPLING)
+    return (*shares_of(shape), *POSES[shape], *TOPPLING)
 
 
 def conditions(shape: str) -> tuple[Condition, ...]:
@@ -85,9 +67,10 @@ SCENE = Scene(
     name="resting-part",
     title="How a part comes to rest, and when it topples",
     source="",
-    validity="Convex parts let down in any orientation, each as likely, with negligible momentum, "
-    "on a hard level floor: high drops favour flat sides more, so that the "
-    "flattest has at least its share. Ends of turned parts are those of the hull. A standing "
+    validity="Convex parts on a hard level floor, in any orientation, each as likely. Shares are a "
+    "bracket: parts that are let down with negligible momentum, and parts that are thrown; drop "
+    "height and rebound decide where between both a part is, so that their distance is the error "
+    "of either. Ends of turned parts are those of the hull. A standing "
     "part is rigid, does not slide, and its foot does not bounce.",
     variants={shape: equations(shape) for shape in SHAPES},
     default_variant="box",

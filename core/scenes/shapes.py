@@ -1,4 +1,4 @@
-"""The shapes of parts that come to rest: their shares and the heights of their centre.
+"""The shapes of parts that come to rest: their shares, and heights and depths of their centre.
 
 A shape lists its aspects, the ways in which it may lie, in the order of their numbers.
 """
@@ -6,7 +6,7 @@ A shape lists its aspects, the ways in which it may lie, in the order of their n
 from __future__ import annotations
 
 from core.mechanics import resting
-from core.scenes.scene import Condition, Equation
+from core.scenes.scene import Condition, Equation, Field
 
 ASPECTS: dict[str, tuple[str, ...]] = {
     "box": ("flat", "on_side", "on_end"),
@@ -20,26 +20,37 @@ ASPECTS: dict[str, tuple[str, ...]] = {
 SOURCE = "theory 16.1"
 _TURNED = (
     Equation("side_foot", resting.side_foot, SOURCE),
-    Equation("resting_shares", resting.turned_shares, SOURCE),
+    Equation("let_down_shares", resting.turned_shares, SOURCE),
     Equation("centre_heights", resting.turned_centres, SOURCE),
+    Equation("depths", resting.turned_depths, SOURCE),
 )
 SHAPES: dict[str, tuple[Equation, ...]] = {
     "box": (
-        Equation("resting_shares", resting.box_shares, SOURCE),
+        Equation("let_down_shares", resting.box_shares, SOURCE),
         Equation("centre_heights", resting.box_centres, SOURCE),
+        Equation("depths", resting.box_depths, SOURCE),
     ),
     "cylinder": (
-        Equation("resting_shares", resting.cylinder_shares, SOURCE),
+        Equation("let_down_shares", resting.cylinder_shares, SOURCE),
         Equation("centre_heights", resting.cylinder_centres, SOURCE),
+        Equation("depths", resting.cylinder_depths, SOURCE),
     ),
     "prism": (
-        Equation("resting_shares", resting.prism_shares, SOURCE),
+        Equation("let_down_shares", resting.prism_shares, SOURCE),
         Equation("centre_heights", resting.prism_centres, SOURCE),
+        Equation("depths", resting.prism_depths, SOURCE),
     ),
     "truncated_cone": (Equation("mass_height", resting.cone_centre, SOURCE), *_TURNED),
     "turned": (Equation("mass_height", resting.turned_centre, SOURCE), *_TURNED),
 }
 """What the shares of each shape follow from."""
+
+THROWN = Equation("thrown_shares", resting.thrown_shares, SOURCE)
+SHARES = {
+    "let_down_share": ("let_down_shares", "the share of let-down parts that rest"),
+    "thrown_share": ("thrown_shares", "the share of thrown parts that rest"),
+}
+"""Outputs of each aspect: the bundle that they stand in, and what they are."""
 
 WORDS = {
     "flat": "flat",
@@ -48,6 +59,26 @@ WORDS = {
     "upright": "on the end of `diameter`",
     "inverted": "on the opposite end",
 }
+
+
+def shares_of(shape: str) -> tuple[Equation, ...]:
+    """Return the equations of both shares of each aspect: let down, and thrown.
+
+    An aspect is a way in which a part lies; `shape` is a key of `ASPECTS`.
+    """
+    return (
+        *SHAPES[shape],
+        THROWN,
+        *(
+            Equation(
+                f"{kind}_{name}",
+                Field(bundle, (place,), f"Return {says} {WORDS[name]} [1]."),
+                SOURCE,
+            )
+            for place, name in enumerate(ASPECTS[shape])
+            for kind, (bundle, says) in SHARES.items()
+        ),
+    )
 
 
 def lying(shape: str, outputs: frozenset[str]) -> tuple[Condition, ...]:

@@ -59,7 +59,7 @@ export const QUESTIONS = {
       kind: "sweep",
       scene: "resting-part",
       choice: "truncated_cone",
-      output: "resting_share_upright",
+      output: "let_down_share_upright",
       x: { name: "small_diameter", from: 0.002, to: 0.02 },
       y: { name: "height", from: 0.01, to: 0.04 },
       values: { diameter: 0.02 },

@@ -13,16 +13,17 @@ WIDE = 1e12
 """Of a box that stands for a plane rectangle, over its length."""
 
 
-def _share(scene: str, output: str, **sizes: float) -> tuple[Term, ...]:
-    """Return the terms of a resting share."""
-    study = {"kind": "sweep", "scene": scene, "outputs": [output], "parameters": sizes}
+def _share(shape: str, output: str, **sizes: float) -> tuple[Term, ...]:
+    """Return the terms of a share of let-down parts."""
+    study = {"kind": "sweep", "scene": "resting-part", "variant": shape, "outputs": [output],
+             "parameters": sizes}  # fmt: skip
     return (Term(study, output),)
 
 
 def box_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the terms of the share that rests flat, for a face of length by width."""
     sizes = {"length": inputs["a"], "width": inputs["b"], "height": inputs["c"]}
-    return _share("rectangle-isolated", "resting_share_flat", **sizes)
+    return _share("box", "let_down_share_flat", **sizes)
 
 
 def box(inputs: Inputs) -> float:
@@ -38,7 +39,7 @@ def random_box(random: Generator) -> dict[str, float]:
 
 def cylinder_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the terms of the share that rests on the round side."""
-    return _share("cylinder-isolated", "resting_share_on_side", **inputs)
+    return _share("cylinder", "let_down_share_on_side", **inputs)
 
 
 def cylinder(inputs: Inputs) -> float:
@@ -54,7 +55,7 @@ def random_cylinder(random: Generator) -> dict[str, float]:
 def rectangle_terms(inputs: Inputs) -> tuple[Term, ...]:
     """Return the terms of the share that rests flat, for a box too wide for its other faces."""
     sizes = {"length": inputs["long"], "width": WIDE * inputs["long"], "height": inputs["short"]}
-    return _share("rectangle-isolated", "resting_share_flat", **sizes)
+    return _share("box", "let_down_share_flat", **sizes)
 
 
 def rectangle(inputs: Inputs) -> float:

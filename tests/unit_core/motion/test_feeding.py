@@ -55,10 +55,16 @@ def test_occupancy_stands_in_the_place_of_a_gap() -> None:
 
 
 def test_oriented_parts_of_a_drive_unit_in_one_study() -> None:
-    sizes = {"length": "8 mm", "line_yield": 0.79, "beta": [20, 160]}
-    found = result("feed_rate", "oriented_feed_rate", **sizes)
+    sizes = {"length": "8 mm", "line_yield": 0.79, "line_purity": 0.9, "beta": [20, 160]}
+    found = result("feed_rate", "line_feed_rate", "oriented_feed_rate", **sizes)
     ahead, _ = values(found, "feed_rate")
-    assert values(found, "oriented_feed_rate") == pytest.approx([0.79 * ahead, 0.0], rel=1e-14)
+    leaving = [0.79 * ahead, 0.0]
+    assert values(found, "line_feed_rate") == pytest.approx(leaving, rel=1e-14)
+    assert values(found, "oriented_feed_rate") == pytest.approx(
+        [0.9 * one for one in leaving], rel=1e-14
+    )
+    with pytest.raises(StudyError, match="line_purity: it is missing"):
+        result("oriented_feed_rate", length="8 mm", line_yield=0.79)
 
 
 def test_a_rate_backwards_is_below_0() -> None:

@@ -8,7 +8,6 @@ from core.quantities import FLAGS, QUANTITIES
 
 ERRORS = {
     "conveying_velocity_error", "conveying_velocity_spread", "yield_deviation",
-    *(f"share_error_{name}" for name in ("flat", "on_side", "on_end", "upright", "inverted")),
 }  # fmt: skip
 COUNTS = {
     "period_multiple", "impacts_per_period", "impact_count", "platoons", "friction_seed",

@@ -1,4 +1,4 @@
-"""Resting shares and toppling: worked values, limits, a slow descent, rocking step by step."""
+"""Resting shares and toppling: worked values, measured throws, limits, descents, rocking."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import vibrafeed
+from core.assurance.worked import throws
 from core.mechanics import resting, toppling
 from core.plan.loops.trace import traced
 from core.plan.plan import make_plan, scene_parameters
@@ -27,7 +28,7 @@ def part(shape, *outputs, **given):
     return [float(found[name]) for name in outputs]
 
 
-def shares(shape, kind="resting_share", **given):
+def shares(shape, kind="let_down_share", **given):
     """Return the shares of a shape whose sizes are in mm."""
     sizes = {name: size * (1 if name == "sides" else MILLIMETRE) for name, size in given.items()}
     return part(shape, *(f"{kind}_{name}" for name in ASPECTS[shape]), **sizes)
@@ -36,25 +37,46 @@ def shares(shape, kind="resting_share", **given):
 # --- worked values, of the problem's own statement
 
 
-def test_box_by_both_estimates():
+def test_a_box_let_down_and_thrown():
     sizes = {"length": 3, "width": 2, "height": 1}
     assert shares("box", **sizes) == pytest.approx(
         [0.6450215619, 0.2427271960, 0.1122512421], abs=5e-11
     )
-    assert shares("box", "second_share", **sizes) == pytest.approx(
-        [0.8024630, 0.1509869, 0.0465501], abs=5e-8
+    assert shares("box", "thrown_share", **sizes) == pytest.approx(
+        [0.8586676690, 0.1303972419, 0.0109350890], abs=5e-11
     )
-    assert shares("box", "share_error", **sizes)[0] == pytest.approx(0.1574414, abs=1e-7)
+    cube = shares("box", "thrown_share", length=1, width=1, height=1)
+    assert cube == pytest.approx([1 / 3] * 3, abs=ROUNDING)
 
 
 @pytest.mark.parametrize(
-    ("length", "end", "second"),
-    [(1, 0.2928932188, 0.2928932), (2, 0.1055728090, 0.0557281), (0.5, 0.5527864045, 0.7119928)],
+    ("length", "end"), [(1, 0.2928932188), (2, 0.1055728090), (0.5, 0.5527864045)]
 )
-def test_cylinder_by_both_estimates(length, end, second):
+def test_a_cylinder_let_down(length, end):
     assert shares("cylinder", length=length, diameter=1)[1] == pytest.approx(end, abs=5e-11)
-    by_height = shares("cylinder", "second_share", length=length, diameter=1)
-    assert by_height[1] == pytest.approx(second, abs=5e-8)
+
+
+def test_the_bracket_of_both_shares_holds_measured_dice():
+    # 9,329 throws of 15 steel cuboids; two of them lie further outside, by 4.4 and 5.4 points.
+    assert sum(one.throws for one in throws.DICE) == 9329
+    left, outside = [], []
+    for one in throws.DICE:
+        sizes = {"length": one.ratio, "width": 1, "height": 1}
+        let_down = shares("box", **sizes)[2]
+        thrown = shares("box", "thrown_share", **sizes)[2]
+        low, high = sorted((let_down, thrown))
+        left.append(thrown - one.share)
+        outside.append(max(low - one.share, one.share - high))
+    assert np.sqrt(np.mean(np.square(left))) < 0.032
+    assert sum(off <= throws.WITHIN for off in outside) == 13
+    assert max(outside) < 0.055
+
+
+def test_the_bracket_of_both_shares_holds_measured_coins():
+    for one in throws.COINS:
+        sizes = {"length": one.ratio, "diameter": 1}
+        assert shares("cylinder", "thrown_share", **sizes)[0] < one.share
+        assert one.share < shares("cylinder", **sizes)[0]
 
 
 def test_a_coin_of_one_third_on_its_edge():
@@ -102,15 +124,59 @@ def test_shares_add_up_to_one(shape):
         sizes["side_foot"] = resting.side_foot(**sizes)
         assert {True, False} == set(resting.is_side_unstable(side_foot=sizes["side_foot"]))
     found = getattr(resting, f"{shape}_shares")(**sizes)
-    assert np.all(np.array(found) >= 0)
-    assert np.abs(sum(found) - 1).max() < ROUNDING
+    depths = getattr(resting, f"{shape}_depths")
+    thrown = resting.thrown_shares(let_down_shares=found, depths=depths(**sizes))
+    for each in (found, thrown):
+        assert np.all(np.array(each) >= 0)
+        assert np.abs(sum(each) - 1).max() < ROUNDING
+    # Sizes in another unit: the powers of two leave each bit.
+    larger = {k: v * (1 if k in ("sides", "side_foot") else 1024) for k, v in sizes.items()}
+    assert np.array_equal(
+        thrown, resting.thrown_shares(let_down_shares=found, depths=depths(**larger))
+    )
 
 
 def test_a_box_does_not_know_which_side_is_which():
     sizes = random_sizes(1_000, "length", "width", "height")
     turned = {"length": sizes["width"], "width": sizes["length"], "height": sizes["height"]}
-    flat, side, end = resting.box_shares(**sizes)
-    assert np.abs(np.array(resting.box_shares(**turned)) - [flat, end, side]).max() < ROUNDING
+    for of_box in (resting.box_shares, thrown_boxes):
+        flat, side, end = of_box(**sizes)
+        assert np.abs(np.array(of_box(**turned)) - [flat, end, side]).max() < ROUNDING
+
+
+def thrown_boxes(**sizes):
+    return resting.thrown_shares(
+        let_down_shares=resting.box_shares(**sizes), depths=resting.box_depths(**sizes)
+    )
+
+
+@pytest.mark.parametrize("shape", ["box", "cylinder", "prism", "turned"])
+def test_depths_are_those_of_the_farthest_point(shape):
+    random = np.random.default_rng(12)
+    for _ in range(20):
+        a, b, c = random.uniform(2, 20, 3)
+        low = c * random.uniform(0.1, 0.9)
+        sizes = {
+            "box": {"length": a, "width": b, "height": c}, "cylinder": {"length": a, "diameter": b},
+            "prism": {"sides": 5.0, "length": a, "diameter": b},
+            "turned": {"diameter": a, "small_diameter": b, "height": c, "mass_height": low},
+        }[shape]  # fmt: skip
+        farthest = {
+            "box": np.sqrt(a * a + b * b + c * c) / 2, "cylinder": np.hypot(a, b) / 2,
+            "prism": np.hypot(a, b) / 2,
+            "turned": max(np.hypot(a / 2, low), np.hypot(b / 2, c - low)),
+        }[shape]  # fmt: skip
+        heights = getattr(resting, f"{shape}_centres")(**sizes)
+        if shape == "turned":
+            sizes["side_foot"] = resting.side_foot(**sizes)
+        depths = getattr(resting, f"{shape}_depths")(**sizes)
+        assert depths == pytest.approx([farthest - h for h in heights], abs=1e-13)
+
+
+def test_the_depth_of_a_needle_keeps_its_digits():
+    # R - h of a needle that stands on its end: (d/2)^2/(R + h), 1e-14 of its length.
+    _, end = resting.cylinder_depths(length=1.0, diameter=2e-7)
+    assert end == pytest.approx(1e-14, rel=1e-13)
 
 
 def test_prisms_become_boxes_and_cylinders_and_cones_cylinders():
@@ -119,14 +185,25 @@ def test_prisms_become_boxes_and_cylinders_and_cones_cylinders():
     box = resting.box_shares(length=length, width=side, height=side)
     four = resting.prism_shares(sides=np.float64(4), length=length, diameter=diameter)
     assert np.abs(four - np.array([box[0] + box[1], box[2]])).max() < ROUNDING
+    thrown = thrown_boxes(length=length, width=side, height=side)
+    four = resting.thrown_shares(
+        let_down_shares=four,
+        depths=resting.prism_depths(sides=np.float64(4), length=length, diameter=diameter),
+    )
+    assert np.abs(four - np.array([thrown[0] + thrown[1], thrown[2]])).max() < ROUNDING
     round_ = resting.cylinder_shares(length=length, diameter=diameter)
     many = resting.prism_shares(sides=np.float64(1e8), length=length, diameter=diameter)
     assert np.abs(np.array(many) - round_).max() < ROUNDING  # n-gons differ by 1/n^2
+    depths = resting.cylinder_depths(length=length, diameter=diameter)
+    ngon = resting.prism_depths(sides=np.float64(1e8), length=length, diameter=diameter)
+    assert ngon == pytest.approx(np.array(depths), rel=1e-13)
     sizes = {"diameter": diameter, "small_diameter": diameter, "height": length}
     centre = resting.cone_centre(**sizes)
     foot = resting.side_foot(**sizes, mass_height=centre)
     cone = resting.turned_shares(**sizes, mass_height=centre, side_foot=foot)
     assert np.abs(np.array([cone[1], cone[0] + cone[2]]) - round_).max() < ROUNDING
+    up, lying, down = resting.turned_depths(**sizes, mass_height=centre, side_foot=foot)
+    assert [lying, up, down] == pytest.approx(np.array([*depths, depths[1]]), rel=1e-9)
     k = toppling.cone_gyration(**sizes, mass_height=centre)
     assert k == pytest.approx(
         toppling.cylinder_gyration(length=length, diameter=diameter), rel=1e-13
@@ -138,9 +215,11 @@ def test_prisms_become_boxes_and_cylinders_and_cones_cylinders():
 
 def test_an_unstable_side_hands_its_share_on():
     sizes = {"diameter": "20 mm", "small_diameter": "12 mm", "height": "10 mm"}
-    names = [f"resting_share_{name}" for name in ASPECTS["turned"]]
+    names, thrown = (
+        [f"{kind}_share_{name}" for name in ASPECTS["turned"]] for kind in ("let_down", "thrown")
+    )
     top = vibrafeed.sweep(
-        scene="resting-part", variant="turned", outputs=names, **sizes,
+        scene="resting-part", variant="turned", outputs=[*names, *thrown], **sizes,
         centre_of_mass=["1 mm", "4 mm", "9 mm", "11 mm"],
     )  # fmt: skip
     states = ("contact", "contact", "unstable_side", "invalid_geometry")
@@ -148,7 +227,9 @@ def test_an_unstable_side_hands_its_share_on():
     assert float(top[names[1]][0]) > 0
     assert float(top[names[1]][2]) == 0
     assert float(top[names[2]][2]) > float(top[names[2]][1])
-    assert sum(float(top[name][2]) for name in names) == pytest.approx(1, abs=ROUNDING)
+    for kind in (names, thrown):
+        assert float(top[kind[1]][2]) == 0
+        assert sum(float(top[name][2]) for name in kind) == pytest.approx(1, abs=ROUNDING)
 
 
 # --- a slow descent, by a program that knows points of a body and nothing of solid angles
@@ -362,8 +443,8 @@ def test_every_output_is_traced_and_agrees_with_fifty_digits():
     found = vibrafeed.sweep(
         scene="resting-part", variant="truncated_cone", diameter="20 mm", frequency=[10, 100],
         small_diameter={"start": "1 mm", "stop": "20 mm", "num": 20}, height=["5 mm", "40 mm"],
-        outputs=["resting_share_upright", "second_share_on_side", "topple_acceleration"],
+        outputs=["let_down_share_upright", "thrown_share_on_side", "topple_acceleration"],
         verify=20,
     )  # fmt: skip
-    error = re.search(r"error (\S+),", found.attrs["verified_worst"])
+    error = re.search(r"error ([^\s,]+)", found.attrs["verified_worst"])
     assert float(error[1]) < ROUNDING
