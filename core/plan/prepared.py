@@ -17,6 +17,7 @@ from core.plan.price import in_words
 from core.plan.shares import Shares
 from core.quantities import FLAGS, QUANTITIES
 from core.scenes import Scene
+from core.scenes.aliases import CONSTRAINTS
 from core.study.grid_study import PARAMETERS, Study
 from core.study.values import Values
 from core.suggestions import SEARCHED, nearest
@@ -359,7 +360,7 @@ def broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Probl
     that of the `scene`.
     """
     given = {*grid.axes, *grid.fixed}
-    for constraint in scene.constraints:
+    for constraint in (*scene.constraints, *CONSTRAINTS):
         concerned = constraint.variant in ("", variant)
         if concerned and set(constraint.parameters) <= given:
             ends = [end for name in constraint.parameters for end in grid.bounds(name)]
