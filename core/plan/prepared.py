@@ -20,7 +20,7 @@ from core.scenes import Scene
 from core.scenes.aliases import CONSTRAINTS
 from core.study.grid_study import PARAMETERS, Study
 from core.study.values import Values
-from core.suggestions import SEARCHED, nearest
+from core.suggestions import SEARCHED, intended
 
 Box = Mapping[str, tuple[int, int]]
 """A part of a grid: start and stop on the axes of which it is not the whole."""
@@ -333,7 +333,7 @@ def names_intended(parameters: Iterable[object]) -> list[str]:
     """
     given = [*map(str, parameters)]
     unknown = [name for name in given if name not in PARAMETERS]
-    meant = {name: nearest(name, PARAMETERS) for name in unknown[:SEARCHED]}
+    meant = {name: intended(name, PARAMETERS) for name in unknown[:SEARCHED]}
     names = (name if name in PARAMETERS else meant.get(name) for name in given)
     return [name for name in names if name]
 
