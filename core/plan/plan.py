@@ -11,7 +11,7 @@ from core.quantities import QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE
 from core.quantities.motion import FEEDING, RESULTS
 from core.scenes import ALIASES, SCENES, Condition, Equation, Scene
-from core.scenes.aliases import ALTERNATIVES, BESIDE, NEEDS, WRITTEN_AS
+from core.scenes.aliases import ALTERNATIVES, BESIDE, NEEDS, NOT_OF_SHAPE, WRITTEN_AS
 from core.scenes.graph import behind
 from core.suggestions import Suggestions, by_synonym, suggestion
 
@@ -387,6 +387,9 @@ def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> 
         message = (
             f"{scene.name} supports only the plain sine here, and {name} belongs to another drive"
         )
+        return Problem(f"parameters.{name}", message, fix)
+    if (variant, name) in NOT_OF_SHAPE:
+        message, fix = NOT_OF_SHAPE[variant, name]
         return Problem(f"parameters.{name}", message, fix)
     takes_part = name in scene_parameters(scene, variant)
     what = f"{', '.join(outputs)} of {scene.name}" if takes_part else scene.name

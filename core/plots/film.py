@@ -324,7 +324,9 @@ def amplitude_of(dataset: xarray.Dataset) -> float | None:
         return float(given["amplitude"])
     for alias in ALIASES:
         if alias.gives == "amplitude" and set(alias.inputs) <= set(given):
-            values = {name: parameter_to_si(name, np.asarray(given[name].values)) for name in alias.inputs}
+            values = {
+                name: parameter_to_si(name, np.asarray(given[name].values)) for name in alias.inputs
+            }
             return float(alias.function(**values))
     return None
 

@@ -68,3 +68,13 @@ CONSTRAINTS = tuple(
     for name in VERTICAL
 )
 """Relations between other ways of giving a parameter and what they need, in every scene."""
+
+NOT_OF_SHAPE = {
+    (shape, "centre_of_mass"): (
+        f"a {shape} has its mass in the middle, so that centre_of_mass is not used",
+        "Remove it. For a part whose mass is off the middle, count a drop test: scene "
+        '"orienting-line" takes drop_count_1, drop_count_2 and so on',
+    )
+    for shape in ("box", "prism")
+}
+"""Of a variant and a parameter that only parts of quite another shape have: what to say of it."""

@@ -205,7 +205,10 @@ def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object
         repeated = next((one for one, after in pairwise(values) if one == after), None)
         if repeated is not None:
             raise UnitError(f"{name} lists {repeated:g} twice", "List each value once")
-        raise UnitError(f"the values of {name} are not in order", "Sort the values")
+        raise UnitError(
+            f"the values of {name} are not in order",
+            "Sort the values, and write decimals with a point",
+        )
     return Points(values)
 
 
