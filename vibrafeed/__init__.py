@@ -75,6 +75,7 @@ from vibrafeed._packages import ForeignPackageError, claim
 claim("core")
 
 import core  # noqa: E402 - found only now
+from vibrafeed._functions import load as _load  # noqa: E402
 from vibrafeed._functions import of_kind  # noqa: E402
 from vibrafeed._studies import (  # noqa: E402
     calibrate,
@@ -203,7 +204,7 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     >>> study.kind, study.scene
     ('sweep', 'cylinder-on-plane')
     """
-    return import_module("core.intake").load_study(path)
+    return _load(path)
 
 
 def plot(

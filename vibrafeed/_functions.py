@@ -60,7 +60,22 @@ def study(base: StudyLike | None = None, /, **keywords: Any) -> Study:
     """
     intake = import_module("core.intake")
     content = intake.gather(base, keywords)
-    return intake.study_of(content) if isinstance(content, dict) else content
+    if not isinstance(content, dict):
+        return content
+    made: Study = intake.study_of(content)
+    _warn_of(content, CALLER - 1)
+    return made
+
+
+def load(path: str | os.PathLike[str]) -> Study:
+    """Return the study in a file for `vibrafeed.load_study`; warn of unusual values."""
+    from pathlib import Path
+
+    intake = import_module("core.intake")
+    content = intake.read_content(Path(path))
+    loaded: Study = intake.study_of(content)
+    _warn_of(content, CALLER - 1)
+    return loaded
 
 
 def sweep(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
@@ -346,7 +361,9 @@ def drive_error(
 
     intake = import_module("core.intake")
     found = intake.gather(study, keywords, "simulate")
-    asked, fit = intake.study_and_fit(found if isinstance(found, dict) else found.content())
+    content = found if isinstance(found, dict) else found.content()
+    asked, fit = intake.study_and_fit(content)
+    _warn_of(content, CALLER - 1)
     return drive_error(asked, fit, draws, np.random.default_rng(seed))
 
 
@@ -373,9 +390,14 @@ def _prepared(kind: str, base: StudyLike | None, keywords: Mapping[str, Any]) ->
     if not isinstance(content, dict):
         return import_module("core.kinds").prepare(content)
     prepared = intake.prepare_content(content, files=True)
-    for question in import_module("core.study.unusual").questions(content):
-        warnings.warn(question, stacklevel=CALLER)
+    _warn_of(content, CALLER + 1)
     return prepared
+
+
+def _warn_of(content: object, stacklevel: int) -> None:
+    """Warn of unusual values in the content of a study; `stacklevel` is as in `warnings.warn`."""
+    for question in import_module("core.study.unusual").questions(content):
+        warnings.warn(question, stacklevel=stacklevel)
 
 
 def _carry_out(kind: str, base: StudyLike | None, keywords: Mapping[str, Any]) -> xarray.Dataset:

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.studies import content_of, refuse
+from app.cli.studies import content_of, name_of, refuse, warn
 from app.cli.texts import refuse_taken, write_text
 from core.errors import Problem, StudyError
 from core.intake import prepare_content
 from core.intake.forms import FORMS, SERVICE, resolve_files, to_curl
+from core.study.unusual import questions
 from core.suggestions import suggestion
 
 if TYPE_CHECKING:
@@ -87,6 +88,7 @@ def _read_valid_study(file: Path) -> Mapping[str, Any]:
     try:
         content = content_of(file)
         prepare_content(content, files=True)
+        warn(name_of(file), questions(content))
     except StudyError as error:
         refuse({file: error.problems})
     assert isinstance(content, dict)  # otherwise it was refused

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
@@ -24,6 +25,13 @@ PARTS: Final = ("parameters", "variables", "uncertain", "unknowns", "candidates"
 ENDS: Final = ("start", "stop", "lower", "upper", "mean", "most_likely", "median")
 
 
+VERTICAL: Final = {
+    "vertical_amplitude": "amplitude",
+    "vertical_peak_to_peak": "peak_to_peak",
+}
+"""Vertical amplitudes, and what they make along the drive, divided by sin(beta)."""
+
+
 def questions(content: object) -> list[str]:
     """Return a question for each parameter value of a study that is allowed but unusual.
 
@@ -39,7 +47,33 @@ def questions(content: object) -> list[str]:
             if quantity is not None and quantity.usual is not None:
                 question = _question(str(name), quantity, quantity.usual, [*_leaves(raw)])
                 asked += [question] if question else []
-    return asked
+    return asked or _questions_of_vertical(content)
+
+
+def _questions_of_vertical(content: object) -> list[str]:
+    """Return the question about an amplitude that a vertical one and the angle `beta` make.
+
+    It is computed of the largest vertical amplitude and the flattest angle in a study's `content`.
+    """
+    given: dict[str, list[float]] = {}
+    for part in PARTS if isinstance(content, Mapping) else ():
+        section = content.get(part)  # type: ignore[attr-defined]
+        for name in (*VERTICAL, "beta") if isinstance(section, Mapping) else ():
+            if name in section:
+                leaves = [*_leaves(section[name])]
+                given.setdefault(name, []).extend(read_numbers(name, QUANTITIES[name], leaves))
+    flattest = min((abs(math.sin(math.radians(one))) for one in given.get("beta", ())), default=0.0)
+    for name, of in VERTICAL.items():
+        low, high = QUANTITIES[of].usual or (0.0, math.inf)
+        largest = max(map(abs, given.get(name, ())), default=0.0)
+        if flattest and largest / flattest > high:
+            shown = ShownUnits().of(QUANTITIES[of].unit, high)
+            found, *ends = (f"{one * shown.factor:,.6g}" for one in (largest / flattest, low, high))
+            return [
+                f"{name} and beta make {of} = {found} {shown.unit} along the drive; usual values "
+                f"are {' to '.join(ends)} {shown.unit}. Is that what you mean?"
+            ]
+    return []
 
 
 def _leaves(raw: object) -> Iterator[Any]:
