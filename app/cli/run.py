@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -20,9 +20,6 @@ from app.cli.studies import Studies, prepare_all, refuse
 from app.cli.targets import targets_of
 from app.cli.units import units_asked
 from core.errors import Problem
-
-if TYPE_CHECKING:
-    pass
 
 
 def run(

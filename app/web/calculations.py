@@ -23,6 +23,7 @@ from core.intake import prepare_content, read_json
 from core.intake.forms import FORMS, to_curl
 from core.kinds import is_whole, tabulate
 from core.plan.prepared import Prepared
+from core.study.unusual import questions
 from core.sweep.slice import SliceCut, compute_slice, prepare_cut
 from core.watch import Watch
 
@@ -81,6 +82,7 @@ def execute_at_once(
     content: dict[str, Any] = {
         "complete": True,
         "cells": prepared.cells,
+        "warnings": questions(asked.study),
         **to_document(table),
     }
     if asked.as_document:

@@ -62,6 +62,7 @@ from core.intake import prepare_content, read_json
 from core.plan.prepared import Prepared
 from core.study import SweepStudy
 from core.study.grid_study import PARAMETERS
+from core.study.unusual import questions
 from core.sweep.slice import SliceCut, compute_slice, prepare_cut, table_of
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
@@ -118,13 +119,14 @@ def post_sweep(
 
     A sweep may be far larger than what is computed as a whole: slices and Zarr read pieces of it.
     """
-    sweep = prepare_content(read_json(body), "sweep")
+    content = read_json(body)
+    sweep = prepare_content(content, "sweep")
     _check_size(sweep, settings)
     sweep.check_limits(cells=who.cells, bytes_=None)
     key, is_new = admission.keep(sweep, who)
     location = str(request.url_for("get_sweep", key=key))
     return json_reply(
-        _describe_sweep(admission, key, sweep, who),
+        {**_describe_sweep(admission, key, sweep, who), "warnings": questions(content)},
         201 if is_new else 200,
         headers={"Location": location},
     )
