@@ -75,7 +75,6 @@ from vibrafeed._packages import ForeignPackageError, claim
 claim("core")
 
 import core  # noqa: E402 - found only now
-from vibrafeed._functions import load as _load  # noqa: E402
 from vibrafeed._functions import of_kind  # noqa: E402
 from vibrafeed._studies import (  # noqa: E402
     calibrate,
@@ -204,7 +203,8 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     >>> study.kind, study.scene
     ('sweep', 'cylinder-on-plane')
     """
-    return _load(path)
+    loaded: Study = import_module("vibrafeed._functions").load(path)
+    return loaded
 
 
 def plot(

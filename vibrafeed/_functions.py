@@ -11,6 +11,7 @@ import sys
 import time
 import warnings
 from importlib import import_module
+from pathlib import Path
 
 CALLER = 5
 """Calls from a warning to who called a function of `vibrafeed`."""
@@ -69,8 +70,6 @@ def study(base: StudyLike | None = None, /, **keywords: Any) -> Study:
 
 def load(path: str | os.PathLike[str]) -> Study:
     """Return the study in a file for `vibrafeed.load_study`; warn of unusual values."""
-    from pathlib import Path
-
     intake = import_module("core.intake")
     content = intake.read_content(Path(path))
     loaded: Study = intake.study_of(content)

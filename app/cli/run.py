@@ -16,7 +16,7 @@ from app.cli.options import FAILED, NO_SOLUTION, Json, Units
 from app.cli.pipes import is_standard, standard_output
 from app.cli.running import Running, history_of
 from app.cli.shares import run_share
-from app.cli.studies import Studies, prepare_all, refuse
+from app.cli.studies import Batch, prepare_all, refuse
 from app.cli.targets import targets_of
 from app.cli.units import units_asked
 from core.errors import Problem
@@ -181,13 +181,13 @@ def run(
         raise typer.Exit(NO_SOLUTION)
 
 
-def _count_warnings(studies: Studies) -> None:
+def _count_warnings(studies: Batch) -> None:
     """Print the number of warnings of all studies on the error stream, if there were any."""
     if studies.warnings:
         typer.echo(studies.count_of_warnings, err=True)
 
 
-def _show_plans(studies: Studies, units: str | None, as_json: bool) -> None:
+def _show_plans(studies: Batch, units: str | None, as_json: bool) -> None:
     """Print the plans of all studies, or one JSON document with all of them (`as_json`).
 
     `studies` are by their files; `units` is the text of the option `--units`, if given.

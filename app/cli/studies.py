@@ -37,7 +37,7 @@ STANDARD = Path("-")
 """Standard input where a study is read, standard output where a result is written."""
 
 
-class Studies(dict[Path, "Prepared"]):
+class Batch(dict[Path, "Prepared"]):
     """Prepared studies by their files, and the warnings of each that has any."""
 
     def __init__(self) -> None:
@@ -62,13 +62,13 @@ def prepare_all(
     cells: int | None = None,
     bytes_: int | None = None,
     strict: bool = False,
-) -> Studies:
+) -> Batch:
     """Read and prepare the study of each file; print every error of every file and exit.
 
     `cells` and `bytes_` are the largest size that is accepted, if any. Unusual values are allowed,
     and a line on the error stream warns of each; with `strict` they are refused.
     """
-    prepared = Studies()
+    prepared = Batch()
     invalid: dict[Path, Sequence[Problem]] = {}
     for path in files:
         try:

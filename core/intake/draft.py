@@ -186,9 +186,9 @@ class Draft:
             plan_scene(chosen, variant, outputs[:MAX_OUTPUTS], given)
         except StudyError as error:
             problems = [*problems, *error.problems]
-        places = {problem.place for problem in known.problems}
-        # A name that nobody wrote is not to be removed.
-        places |= {f"parameters.{name}" for name in {*names(())} - {*written(())}}
+        places = [problem.place for problem in known.problems]
+        # The corrected name itself is not in the study, and cannot be removed from it.
+        places += map("parameters.{}".format, {*names(())} - {*written(())})
         return [problem for problem in problems if problem.place not in places]
 
     def _outputs(self, kind: Kind) -> Iterable[Any]:

@@ -319,13 +319,13 @@ def amplitude_of(dataset: xarray.Dataset) -> float | None:
 
     The study may give it, a stroke, or a vertical amplitude.
     """
-    given = {str(name): one for name, one in dataset.coords.items() if one.ndim == 0}
-    if "amplitude" in given:
-        return float(given["amplitude"])
+    known = {str(name): one for name, one in dataset.coords.items() if one.ndim == 0}
+    if "amplitude" in known:
+        return float(known["amplitude"])
     for alias in ALIASES:
-        if alias.gives == "amplitude" and set(alias.inputs) <= set(given):
+        if alias.gives == "amplitude" and set(alias.inputs) <= set(known):
             values = {
-                name: parameter_to_si(name, np.asarray(given[name].values)) for name in alias.inputs
+                name: parameter_to_si(name, np.asarray(known[name].values)) for name in alias.inputs
             }
             return float(alias.function(**values))
     return None

@@ -55,25 +55,27 @@ def _questions_of_vertical(content: object) -> list[str]:
 
     It is computed of the largest vertical amplitude and the flattest angle in a study's `content`.
     """
-    given: dict[str, list[float]] = {}
-    for part in PARTS if isinstance(content, Mapping) else ():
-        section = content.get(part)  # type: ignore[attr-defined]
-        for name in (*VERTICAL, "beta") if isinstance(section, Mapping) else ():
-            if name in section:
-                leaves = [*_leaves(section[name])]
-                given.setdefault(name, []).extend(read_numbers(name, QUANTITIES[name], leaves))
-    flattest = min((abs(math.sin(math.radians(one))) for one in given.get("beta", ())), default=0.0)
-    for name, of in VERTICAL.items():
-        low, high = QUANTITIES[of].usual or (0.0, math.inf)
-        largest = max(map(abs, given.get(name, ())), default=0.0)
-        if flattest and largest / flattest > high:
-            shown = ShownUnits().of(QUANTITIES[of].unit, high)
-            found, *ends = (f"{one * shown.factor:,.6g}" for one in (largest / flattest, low, high))
-            return [
-                f"{name} and beta make {of} = {found} {shown.unit} along the drive; usual values "
+    flattest = min((abs(math.sin(math.radians(one))) for one in _all(content, "beta")), default=0.0)
+    asked = []
+    for name, makes in VERTICAL.items():
+        low, high = QUANTITIES[makes].usual or (0.0, math.inf)
+        largest = max(map(abs, _all(content, name)), default=0.0)
+        if largest > high * flattest > 0:
+            shown = ShownUnits().of(QUANTITIES[makes].unit, high)
+            size, *ends = (f"{one * shown.factor:,.6g}" for one in (largest / flattest, low, high))
+            asked.append(
+                f"{name} and beta make {makes} = {size} {shown.unit} along the drive; usual values "
                 f"are {' to '.join(ends)} {shown.unit}. Is that what you mean?"
-            ]
-    return []
+            )
+    return asked
+
+
+def _all(content: object, name: str) -> list[float]:
+    """Return all values of a parameter in a study's `content`, in the unit of its quantity."""
+    sections = [content.get(part) for part in PARTS] if isinstance(content, Mapping) else []
+    written = [one[name] for one in sections if isinstance(one, Mapping) and name in one]
+    leaves = [leaf for raw in written for leaf in _leaves(raw)]
+    return [*read_numbers(name, QUANTITIES[name], leaves)] if leaves else []
 
 
 def _leaves(raw: object) -> Iterator[Any]:
