@@ -235,8 +235,8 @@ LONGEST = 60  # letters of a name that are looked at; no name of ours has more
 def nearest(name: str, known: Iterable[str]) -> str | None:
     """Return the known name most similar to a mistyped or shortened one; None if none is similar.
 
-    Synonyms come first, then names that begin with the typed one, then similar spellings. A name
-    that is another quantity, such as `amplitude` for `rms_amplitude`, is not similar.
+    Synonyms come first, then names that begin with the typed one, then similar spellings. Another
+    quantity, such as `amplitude` for `rms_amplitude`, is not similar.
     """
     choice, name = sorted(known), name[:LONGEST]
     said = by_synonym(name, choice)
@@ -244,7 +244,9 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
         return said
     longer = [known for known in choice if len(name) >= PREFIX and known.startswith(name)]
     near = longer or difflib.get_close_matches(name, choice, n=3, cutoff=0.6)
-    return next((one for one in near if _may_mean(_plain(name), one)), None)
+    return next(
+        (one for one in near if one not in QUANTITIES or _may_mean(_plain(name), one)), None
+    )
 
 
 def _may_mean(typed: str, name: str) -> bool:

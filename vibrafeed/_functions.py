@@ -11,7 +11,6 @@ import sys
 import time
 import warnings
 from importlib import import_module
-from pathlib import Path
 
 CALLER = 5
 """Calls from a warning to who called a function of `vibrafeed`."""
@@ -71,7 +70,7 @@ def study(base: StudyLike | None = None, /, **keywords: Any) -> Study:
 def load(path: str | os.PathLike[str]) -> Study:
     """Return the study in a file for `vibrafeed.load_study`; warn of unusual values."""
     intake = import_module("core.intake")
-    content = intake.read_content(Path(path))
+    content = intake.read_content(import_module("pathlib").Path(path))
     loaded: Study = intake.study_of(content)
     _warn_of(content, CALLER - 1)
     return loaded

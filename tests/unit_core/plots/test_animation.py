@@ -17,7 +17,7 @@ from core.errors import VibrafeedError
 from core.extras import installing
 from core.plots import PlotError, draw, draw_file
 from core.plots.animation import COLOURS, draw_frames
-from core.plots.film import FRAMES_PER_SECOND, read_film
+from core.plots.film import FRAMES_PER_SECOND, amplitude_of, read_film
 from core.plots.style import Style, mix
 from core.study.shown import ShownUnits
 
