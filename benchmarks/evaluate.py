@@ -65,7 +65,10 @@ CASES: tuple[tuple[str, str, str, Mapping[str, float]], ...] = (
 )
 """Scene, variant, output, and parameters that are fixed."""
 
-STANDS_FOR_OTHERS = ("friction", "peak_to_peak", "centripetal_acceleration")
+STANDS_FOR_OTHERS = (
+    *("friction", "peak_to_peak", "vertical_amplitude", "vertical_peak_to_peak"),
+    "centripetal_acceleration",
+)
 
 Arrays = Mapping[str, NDArray[Any]]
 

@@ -9,7 +9,8 @@ from core.plan.plan import find_scene, scene_parameters
 from core.quantities import QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE
 from core.quantities.pictures import INKS, LEVELS, colour_of
-from core.scenes import ALIASES, SCENES, Equation, Scene
+from core.scenes import SCENES, Equation, Scene
+from core.scenes.aliases import instead_of
 from core.scenes.graph import behind
 from core.study.units import read_number
 
@@ -163,7 +164,6 @@ def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]
     """
     quantity = QUANTITIES[name]
     default = scene.defaults_of(variant).get(name)
-    replaces = [alias.gives for alias in ALIASES if name in alias.inputs]
     return {
         "name": name,
         "label": quantity.label,
@@ -174,7 +174,7 @@ def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]
         "lower_excluded": quantity.strict,
         "upper": None if quantity.upper == float("inf") else quantity.upper,
         "default": default,
-        "instead_of": replaces,
+        "instead_of": list(instead_of(name)),
         "examples": list(quantity.examples),
         "example": read_number(name, quantity, quantity.examples[0]) if quantity.examples else None,
     }

@@ -7,17 +7,23 @@ from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
 from typing import Final
 
+from core.quantities import QUANTITIES
+
 _SYNONYMS: Final[Mapping[str, str]] = {
     # --- parameters
     "friction": "mu µ μ cof friction_coefficient coefficient_of_friction coulomb_friction",
-    "friction_static": "mu_s mus mu_0 static_friction static_friction_coefficient stiction",
-    "friction_kinetic": "mu_k muk mu_d kinetic_friction dynamic_friction sliding_friction "
-    "kinetic_friction_coefficient friction_dynamic friction_sliding",
+    "friction_static": "mu_s friction_s mus mu_0 static_friction static_friction_coefficient "
+    "stiction",
+    "friction_kinetic": "mu_k friction_k friction_d muk mu_d kinetic_friction dynamic_friction "
+    "sliding_friction kinetic_friction_coefficient friction_dynamic friction_sliding",
     "wall_friction": "mu_w mu_wall friction_wall",
     "frequency": "f freq hz drive_frequency driving_frequency vibration_frequency excitation_"
-    "frequency rpm vpm omega",
-    "amplitude": "a0 amp drive_amplitude vibration_amplitude displacement zero_to_peak",
+    "frequency",
+    "amplitude": "a0 amp drive_amplitude vibration_amplitude zero_to_peak half_stroke",
     "peak_to_peak": "stroke p2p pp p_p pk_pk peak_peak peak2peak stroke_length double_amplitude",
+    "vertical_amplitude": "amplitude_vertical amplitude_normal normal_amplitude amplitude_z",
+    "vertical_peak_to_peak": "vertical_stroke stroke_vertical normal_stroke peak_to_peak_vertical "
+    "peak_to_peak_normal normal_peak_to_peak vertical_p2p",
     "alpha": "α azimuth drive_azimuth",  # noqa: RUF001
     "beta": "β angle launch_angle vibration_angle throw_angle drive_angle drive_elevation "
     "elevation throwing_angle conveying_angle spring_angle angle_of_attack direction_angle",
@@ -27,7 +33,7 @@ _SYNONYMS: Final[Mapping[str, str]] = {
     "delta": "δ lean lean_angle bank bank_angle banking track_lean",
     "radius": "r bowl_radius track_radius",
     "gravity": "g",
-    "mass": "m weight part_mass",
+    "mass": "m part_mass",
     "restitution": "e eps epsilon cor coefficient_of_restitution bounce bounciness",
     "wall_restitution": "eps_w restitution_wall",
     "length": "l part_length size",
@@ -36,27 +42,35 @@ _SYNONYMS: Final[Mapping[str, str]] = {
     "diameter": "d part_diameter",
     "distance": "effective_distance travel",
     "time": "t",
+    "rolling_resistance": "rolling_friction friction_rolling rolling_friction_coefficient "
+    "coefficient_of_rolling_friction",
+    "ring_down_frequency": "natural_frequency resonance_frequency resonant_frequency "
+    "eigenfrequency",
+    "moving_mass": "trough_mass mass_of_trough mass_of_bowl",
+    "base_mass": "counter_mass countermass",
+    "centre_of_mass": "center_of_mass centre_of_gravity center_of_gravity cog com",
     "drop_height": "height_of_drop fall_height",
-    "hold_down": "magnet magnetic_force vacuum",
+    "hold_down": "magnet vacuum",
+    "hold_down_force": "magnetic_force holding_force suction_force",
     # --- outputs
     "conveying_velocity": "velocity speed conveying_speed transport_velocity transport_speed "
     "feed_speed feed_velocity mean_velocity mean_speed average_velocity average_speed v "
     "velocity_mean",
     "feed_rate": "feedrate throughput rate parts_per_minute ppm output_rate",
-    "part_gap": "gap spacing part_spacing",
+    "part_gap": "gap",
     "occupancy": "fill filling degree_of_filling",
     "transport_velocity": "velocity speed conveying_velocity conveying_speed transport_speed "
     "feed_speed feed_velocity average_velocity v",
     "throw_number": "throw throw_factor throw_index throw_coefficient throwing_number "
-    "throwing_factor machine_number k_v",
+    "throwing_factor k_v",
     "acceleration_x": "acceleration accel ax a_x",
     "acceleration_y": "ay a_y",
     "acceleration_z": "az a_z",
     "floor_force": "normal_force force contact_force reaction_force",
-    "flight_fraction": "flight airtime flight_time hopping hops",
+    "flight_fraction": "flight hopping hops",
     "stick_fraction": "sticking",
     "hop_height": "jump_height height_of_hop",
-    "period_multiple": "period periodicity period_doubling",
+    "period_multiple": "periodicity period_doubling",
     "landing_speed": "impact_velocity impact_speed landing_velocity",
     # --- scenes
     "rectangle-on-track": "bowl track bowl_feeder block_on_track part_on_track rectangle_in_bowl "
@@ -90,6 +104,97 @@ _SYNONYMS: Final[Mapping[str, str]] = {
 }
 
 
+_RELATIONS: Final = (
+    ("frequency", "omega w circular_frequency angular_frequency angular_velocity angular_speed",
+     "Write frequency = omega/(2 pi), in Hz"),
+    ("frequency", "rpm vpm cpm speed_of_rotation rotational_speed motor_speed",
+     'Write the unit with the value: frequency = "3000 rpm"'),
+    ("frequency", "period period_time time_period drive_period vibration_period",
+     "Write frequency = 1/period"),
+    ("frequency", "line_frequency mains_frequency grid_frequency supply_frequency",
+     "Write the frequency of the vibration: a magnet pulls once or twice in a period of the mains"),
+    ("amplitude", "displacement",
+     "Write amplitude from zero to peak, or peak_to_peak, the whole stroke"),
+    ("amplitude", "horizontal_amplitude amplitude_horizontal amplitude_along along_amplitude "
+     "amplitude_x",
+     "Write amplitude = horizontal amplitude/cos(beta)"),
+    ("peak_to_peak", "horizontal_stroke stroke_horizontal horizontal_peak_to_peak "
+     "peak_to_peak_horizontal", "Write peak_to_peak = horizontal stroke/cos(beta)"),
+    ("amplitude", "rms_amplitude amplitude_rms rms displacement_rms rms_displacement",
+     "Write amplitude = sqrt(2) times the rms value of a sine"),
+    ("amplitude", "acceleration_amplitude amplitude_acceleration drive_acceleration g_level "
+     "peak_acceleration vibration_acceleration machine_number acceleration",
+     "Write amplitude = acceleration/(2 pi frequency)^2, along the drive"),
+    ("vertical_amplitude", "vertical_acceleration acceleration_vertical normal_acceleration "
+     "acceleration_normal",
+     "Write vertical_amplitude = acceleration/(2 pi frequency)^2, and beta"),
+    ("amplitude", "rms_acceleration acceleration_rms grms g_rms",
+     "Write amplitude = sqrt(2) rms/(2 pi frequency)^2, along the drive"),
+    ("amplitude", "velocity_amplitude vibration_velocity peak_velocity drive_velocity",
+     "Write amplitude = velocity/(2 pi frequency), along the drive"),
+    ("amplitude", "rms_velocity velocity_rms",
+     "Write amplitude = sqrt(2) rms/(2 pi frequency), along the drive"),
+    ("beta", "angle_to_horizontal angle_from_horizontal horizontal_angle",
+     "Write beta = angle above the horizontal less gamma: it counts from the track"),
+    ("beta", "angle_to_vertical angle_from_vertical vertical_angle",
+     "Write beta = 90 degrees less the angle from the normal of the track"),
+    ("gamma", "track_pitch helix_pitch rise rise_per_turn climb_per_turn lead climb_height",
+     "Write gamma = atan(rise per turn/(2 pi radius))"),
+    ("radius", "bowl_diameter track_diameter",
+     "Write radius = diameter/2, at the wall of the track"),
+    ("diameter", "part_radius cylinder_radius ball_radius roller_radius",
+     "Write diameter = 2 times the radius"),
+    ("mass", "weight part_weight weight_force",
+     'Write mass = weight/gravity of a weight in newtons; of one in grams, mass = "5 g"'),
+    ("mass", "density part_density volume part_volume", "Write mass = density times volume"),
+    ("friction", "friction_angle angle_of_friction angle_of_repose slip_angle",
+     "Write friction = tan(angle at which the part begins to slide)"),
+    ("part_gap", "spacing part_spacing pitch_of_parts",
+     "Write part_gap = spacing from part to part less the length of a part"),
+    ("hold_down_force", "vacuum_pressure suction holding_pressure",
+     "Write hold_down_force = pressure times area"),
+    ("drive_force", "drive_voltage voltage volts drive_volts supply_voltage magnet_voltage "
+     "coil_voltage drive_current current coil_current amperes amps",
+     "A magnet's force goes with the square of voltage and current: measure the amplitude at one "
+     "voltage V0, find the drive_force that gives it, and scale drive_force by (V/V0)^2"),
+    ("drive_force", "static_force mean_force magnet_mean_force",
+     "Write drive_force = amplitude of the alternating part of the force"),
+    ("damping_ratio", "quality_factor q_factor", "Write damping_ratio = 1/(2 Q)"),
+    ("damping_ratio", "loss_factor", "Write damping_ratio = loss factor/2"),
+    ("damping_ratio", "logarithmic_decrement log_decrement decrement",
+     "Write damping_ratio = logarithmic decrement/(2 pi)"),
+    ("damping_ratio", "damping_coefficient damping_constant damping",
+     "Write damping_ratio = c/(2 sqrt(stiffness times mass))"),
+    ("spring_angle", "spring_angle_horizontal angle_of_springs_to_horizontal",
+     "Write spring_angle = 90 degrees less the angle from the horizontal"),
+    ("throw_number", "machine_number",
+     "Ask for throw_number: machine number times sin(beta)/cos(gamma)"),
+    ("feed_rate", "parts_per_hour pph parts_per_second",
+     "Ask for feed_rate, in parts a minute"),
+    ("flight_fraction", "flight_time airtime time_of_flight",
+     "Ask for flight_fraction: flight time times frequency"),
+    ("period_multiple", "period", "Ask for period_multiple: period times frequency"),
+)  # fmt: skip
+"""Quantities that are not a parameter or an output, but make one: that, their names, and how."""
+
+_ALIKE: Final = 0.75
+"""Similarity of two words from which on one may be the other, misspelt."""
+_JOINED: Final = 0.9
+"""Similarity of two names from which on only the breaks between words, or a letter, differ."""
+
+_UNITS: Final = {
+    "m": {"m": "m", "mm": "mm", "um": "um", "micron": "um", "microns": "um", "cm": "cm",
+          "inch": "inch", "in": "inch", "mil": "mil", "mils": "mil"},
+    "Hz": {"hz": "Hz", "rpm": "rpm", "vpm": "vpm", "cpm": "cpm"},
+    "degree": {"deg": "deg", "degree": "deg", "degrees": "deg", "rad": "rad"},
+    "kg": {"kg": "kg", "g": "g", "mg": "mg"},
+    "s": {"s": "s", "sec": "s", "ms": "ms"},
+    "N": {"n": "N", "mn": "mN", "kn": "kN"},
+    "Pa": {"pa": "Pa", "mpa": "MPa", "gpa": "GPa"},
+}  # fmt: skip
+"""Last words of names that say in which unit a value is meant, by the unit of the quantity."""
+
+
 def _names_by_synonym() -> dict[str, tuple[str, ...]]:
     """Return the names of quantities that each synonym stands for, the most likely first.
 
@@ -115,8 +220,12 @@ def by_synonym(name: str, known: Iterable[str]) -> str | None:
     `known` are the names to choose from.
     """
     choice = frozenset(known)
-    spoken = name.strip().casefold().replace("-", "_").replace(" ", "_")
-    return next((one for one in OTHER_NAMES.get(spoken, ()) if one in choice), None)
+    return next((one for one in OTHER_NAMES.get(_plain(name), ()) if one in choice), None)
+
+
+def _plain(name: str) -> str:
+    """Return a typed name in small letters, with underscores between its words."""
+    return name.strip().casefold().replace("-", "_").replace(" ", "_")
 
 
 PREFIX = 4  # letters of a name that tell which is meant
@@ -126,15 +235,67 @@ LONGEST = 60  # letters of a name that are looked at; no name of ours has more
 def nearest(name: str, known: Iterable[str]) -> str | None:
     """Return the known name most similar to a mistyped or shortened one; None if none is similar.
 
-    Synonyms come first, then names that begin with the typed one, then similar spellings.
+    Synonyms come first, then names that begin with the typed one, then similar spellings. Another
+    quantity, such as `amplitude` for `rms_amplitude`, is not similar.
     """
     choice, name = sorted(known), name[:LONGEST]
     said = by_synonym(name, choice)
     if said is not None:
         return said
     longer = [known for known in choice if len(name) >= PREFIX and known.startswith(name)]
-    near = longer or difflib.get_close_matches(name, choice, n=1, cutoff=0.6)
-    return near[0] if near else None
+    near = longer or difflib.get_close_matches(name, choice, n=3, cutoff=0.6)
+    return next(
+        (one for one in near if one not in QUANTITIES or _may_mean(_plain(name), one)), None
+    )
+
+
+def _may_mean(typed: str, name: str) -> bool:
+    """True if a typed name may be a known one, cut or misspelt, and is not another quantity.
+
+    Each word of either has its like in the other; numbers of the known one may be left out.
+    """
+    name = _plain(name)
+    if (
+        name.startswith(typed)
+        or difflib.SequenceMatcher(None, typed.replace("_", ""), name.replace("_", "")).ratio()
+        >= _JOINED
+    ):
+        return True
+    words, others = typed.split("_"), [word for word in name.split("_") if not word.isdecimal()]
+    if len(words) == len(others) == 1:
+        return True
+
+    def has_all(among: list[str], wanted: list[str]) -> bool:
+        """True if each wanted word is like one among others."""
+        return all(difflib.get_close_matches(one, among, n=1, cutoff=_ALIKE) for one in wanted)
+
+    words = [word for word in words if not word.isdecimal()]
+    return has_all(words, others) and has_all(others, words)
+
+
+def relation(name: str, known: Iterable[str]) -> tuple[str, str] | None:
+    """Return the known name that a typed quantity makes, and a sentence that says how, or None.
+
+    Of `angular_frequency` it is `frequency`, and the factor of 2 pi; of `amplitude_mm` it is
+    `amplitude`, and where to write the unit.
+    """
+    choice, typed = frozenset(known), _plain(name[:LONGEST])
+    for target, names, sentence in _RELATIONS:
+        if target in choice and typed in names.split():
+            return target, sentence
+    stem, _, word = typed.rpartition("_")
+    target = stem if stem in choice else by_synonym(stem, choice) or ""
+    unit = _UNITS.get(QUANTITIES[target].unit, {}).get(word) if target in QUANTITIES else None
+    if unit is not None:
+        return target, f'Write the unit with the value, as in {target} = "1 {unit}"'
+    return None
+
+
+def intended(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name that a user probably intended or has a quantity for; None without."""
+    choice = [*known]
+    related = relation(name, choice)
+    return related[0] if related is not None else nearest(name, choice)
 
 
 FEWEST_OF_A_FAMILY = 3
@@ -142,12 +303,16 @@ SEARCHED = 8  # names of one request that are worth a search for what was meant
 
 
 def suggestion(name: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
-    """Return a sentence that helps with an unknown name: ``Did you mean ...?``, or the known names.
+    """Return a sentence that helps with an unknown name.
 
-    `name` is the unknown name, `known` are all known ones; `listed` are those to list where none is
-    similar, if not all of them.
+    It says how a known quantity follows from the named one, asks ``Did you mean ...?``, or lists
+    the known names. `name` is the unknown name, `known` are all known ones; `listed` are those to
+    list where none is similar, if not all of them.
     """
     choice = sorted(known)
+    related = relation(name, choice)
+    if related is not None:
+        return related[1]
     near = nearest(name, choice)
     if near:
         return f"Did you mean '{near}'?"

@@ -60,7 +60,18 @@ def study(base: StudyLike | None = None, /, **keywords: Any) -> Study:
     """
     intake = import_module("core.intake")
     content = intake.gather(base, keywords)
-    return intake.study_of(content) if isinstance(content, dict) else content
+    if not isinstance(content, dict):
+        return content
+    made: Study = intake.study_of(content)
+    return made
+
+
+def load(path: str | os.PathLike[str]) -> Study:
+    """Return the study in a file for `vibrafeed.load_study`; warn of unusual values."""
+    intake = import_module("core.intake")
+    content = intake.read_content(import_module("pathlib").Path(path))
+    loaded: Study = intake.study_of(content)
+    return loaded
 
 
 def sweep(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
@@ -346,7 +357,8 @@ def drive_error(
 
     intake = import_module("core.intake")
     found = intake.gather(study, keywords, "simulate")
-    asked, fit = intake.study_and_fit(found if isinstance(found, dict) else found.content())
+    content = found if isinstance(found, dict) else found.content()
+    asked, fit = intake.study_and_fit(content)
     return drive_error(asked, fit, draws, np.random.default_rng(seed))
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.studies import content_of, refuse
+from app.cli.studies import content_of, name_of, refuse, warn
 from app.cli.texts import refuse_taken, write_text
 from core.errors import Problem, StudyError
 from core.intake import prepare_content
@@ -86,7 +86,7 @@ def _read_valid_study(file: Path) -> Mapping[str, Any]:
     """Return the content of a valid study file as it was typed; else print every error and exit."""
     try:
         content = content_of(file)
-        prepare_content(content, files=True)
+        warn(name_of(file), prepare_content(content, files=True).questions)
     except StudyError as error:
         refuse({file: error.problems})
     assert isinstance(content, dict)  # otherwise it was refused

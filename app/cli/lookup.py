@@ -12,7 +12,7 @@ import typer
 
 from app.cli import console
 from app.cli.options import FAILED, Json, Units
-from app.cli.studies import refuse, refuse_existing
+from app.cli.studies import refuse, refuse_existing, warn
 from app.cli.targets import check_suffix, make_folder_of, write_or_exit
 from app.cli.units import format_number, units_asked
 from core.atlas.lookup import ROW, advice, lookup_grid, lookup_rows
@@ -150,8 +150,7 @@ def _look_up_or_exit(
             looked_up = lookup_rows(opened, columns, parameters, simulate=simulate)
     except StudyError as error:
         refuse({source: error.problems})
-    for line in questions({"parameters": {**columns, **parameters}}):
-        typer.echo(f"lookup: {line}", err=True)
+    warn("lookup", questions({"parameters": {**columns, **parameters}}))
     return looked_up
 
 

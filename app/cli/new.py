@@ -11,7 +11,7 @@ import typer
 
 from app.cli.questions import QUESTIONS, Question
 from app.cli.starter import example_study, starter_study
-from app.cli.studies import STANDARD, refuse
+from app.cli.studies import STANDARD, refuse, warn
 from app.cli.texts import refuse_taken, write_text
 from core.errors import Problem
 from core.kinds import KINDS
@@ -174,8 +174,7 @@ def _collect_answers(options: dict[str, str], *, asks: bool) -> dict[str, str]:
         ]
     if problems:
         refuse({Path("new"): problems})
-    for warning in filter(None, warnings):
-        typer.echo(warning, err=True)
+    warn("new", filter(None, warnings))
     return answers
 
 

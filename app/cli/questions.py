@@ -166,12 +166,14 @@ QUESTIONS: Final = (
     Question(
         "amplitude", "Amplitude of the drive, half of its stroke", "0.3 mm",
         parameter="amplitude", needs={"question": "speed drive"}, unless="peak_to_peak",
-        says="Amplitude of the drive, from zero to peak: half of the stroke, along the drive.",
+        says="Amplitude of the drive, from zero to peak: half of the stroke, along the drive.\n"
+        "Of a gauge that reads upwards, give vertical_amplitude in its place.",
     ),
     Question(
         "amplitude", "Amplitude of the drive, half of its stroke", "0.2 mm",
         parameter="amplitude", needs={"question": "forces"}, unless="peak_to_peak",
-        says="Amplitude of the drive, from zero to peak: half of the stroke, along the drive.",
+        says="Amplitude of the drive, from zero to peak: half of the stroke, along the drive.\n"
+        "Of a gauge that reads upwards, give vertical_amplitude in its place.",
     ),
     Question(
         "angle", "Angle of the drive above the track", "20 deg", parameter="beta",

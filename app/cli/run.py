@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -17,16 +16,14 @@ from app.cli.options import FAILED, NO_SOLUTION, Json, Units
 from app.cli.pipes import is_standard, standard_output
 from app.cli.running import Running, history_of
 from app.cli.shares import run_share
-from app.cli.studies import prepare_all, refuse
+from app.cli.studies import Batch, prepare_all, refuse
 from app.cli.targets import targets_of
 from app.cli.units import units_asked
 from core.errors import Problem
 
-if TYPE_CHECKING:
-    from core.plan.prepared import Prepared
-
 
 def run(
+    context: typer.Context,
     files: Annotated[
         list[Path],
         typer.Argument(
@@ -69,7 +66,17 @@ def run(
     ] = False,
     units: Units = None,
     as_json: Json = False,
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")] = False,
+    quiet: Annotated[
+        bool, typer.Option("-q", "--quiet", help="Print only errors and warnings.")
+    ] = False,
+    strict: Annotated[
+        bool,
+        typer.Option(
+            "--strict",
+            help="Treat warnings, such as that of an unusual value, as errors: run no study, "
+            "exit with code 2.",
+        ),
+    ] = False,
     verbose: Annotated[
         bool,
         typer.Option(
@@ -120,8 +127,9 @@ def run(
 ) -> None:
     """Run studies and write one result file each: NetCDF, or the format of the output's suffix.
 
-    All files are checked before the first is run. Exit code 2 means that a study file is wrong, or
-    that a result is there already, 1 that a result could not be written, that a verification
+    All files are checked before the first is run, and a line warns of each unusual value. Exit
+    code 2 means that a study file is wrong, that --strict met a warning, or that a result is there
+    already, 1 that a result could not be written, that a verification
     failed, or that a study was stopped, by Ctrl-C or the time limit, while it was computed or
     verified: what was finished is written, of a large sweep where --resume finds it. Exit code 3:
     all is done, and an optimisation has no solution.
@@ -132,7 +140,8 @@ def run(
     began = time.perf_counter()
     units_asked(units)
     with console.muted(quiet or as_json or to_standard):
-        studies = prepare_all(files, cells=max_cells, bytes_=max_bytes)
+        studies = prepare_all(files, cells=max_cells, bytes_=max_bytes, strict=strict)
+        context.call_on_close(lambda: _count_warnings(studies))
         if dry_run:
             _show_plans(studies, units, as_json)
             return
@@ -164,20 +173,30 @@ def run(
                 sound = running.carry_out(studies, targets, complete)
             finally:
                 if as_json:
-                    console.document({"vibrafeed": core.__version__, "results": running.facts})
+                    told = [studies.with_warnings(facts) for facts in running.facts]
+                    console.document({"vibrafeed": core.__version__, "results": told})
     if not sound:
         raise typer.Exit(FAILED)
     if not running.solved:
         raise typer.Exit(NO_SOLUTION)
 
 
-def _show_plans(studies: Mapping[Path, Prepared], units: str | None, as_json: bool) -> None:
+def _count_warnings(studies: Batch) -> None:
+    """Print the number of warnings of all studies on the error stream, if there were any."""
+    if studies.warnings:
+        typer.echo(studies.count_of_warnings, err=True)
+
+
+def _show_plans(studies: Batch, units: str | None, as_json: bool) -> None:
     """Print the plans of all studies, or one JSON document with all of them (`as_json`).
 
     `studies` are by their files; `units` is the text of the option `--units`, if given.
     """
     if as_json:
-        told = [plans.plan_facts(path, prepared) for path, prepared in studies.items()]
+        told = [
+            studies.with_warnings(plans.plan_facts(path, prepared))
+            for path, prepared in studies.items()
+        ]
         console.document({"vibrafeed": core.__version__, "plans": told})
         return
     for path, prepared in studies.items():

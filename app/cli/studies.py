@@ -6,10 +6,10 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
 
@@ -36,31 +36,65 @@ STANDARD = Path("-")
 """Standard input where a study is read, standard output where a result is written."""
 
 
+class Batch(dict[Path, "Prepared"]):
+    """Prepared studies by their files, and the warnings of each that has any."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.warnings: dict[Path, list[str]] = {}
+
+    @property
+    def count_of_warnings(self) -> str:
+        """The number of warnings, as in "2 warnings in 1 of 10 studies"; empty without any."""
+        count, of = sum(map(len, self.warnings.values())), len(self)
+        where = f" in {len(self.warnings):,} of {of:,} studies" if of > 1 else ""
+        return f"{count:,} warning{'s' * (count > 1)}{where}" if count else ""
+
+    def with_warnings(self, facts: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the facts on a study, for programs, with the warnings of its file."""
+        return {**facts, "warnings": self.warnings.get(Path(facts["study"]), [])}
+
+
 def prepare_all(
-    files: Sequence[Path], *, cells: int | None = None, bytes_: int | None = None
-) -> dict[Path, Prepared]:
+    files: Sequence[Path],
+    *,
+    cells: int | None = None,
+    bytes_: int | None = None,
+    strict: bool = False,
+) -> Batch:
     """Read and prepare the study of each file; print every error of every file and exit.
 
     `cells` and `bytes_` are the largest size that is accepted, if any. Unusual values are allowed,
-    and a line on the error stream asks about each.
+    and a line on the error stream warns of each; with `strict` they are refused.
     """
-    prepared: dict[Path, Prepared] = {}
+    prepared = Batch()
     invalid: dict[Path, Sequence[Problem]] = {}
     for path in files:
         try:
             content = content_of(path)
             prepared[path] = intake.prepare_content(content, files=True)
             prepared[path].check_limits(cells=cells, bytes_=bytes_)
+            if prepared[path].questions:
+                prepared.warnings[path] = [*prepared[path].questions]
         except StudyError as error:
             invalid[path] = error.problems
         except LimitError as error:
             invalid[path] = [Problem("parameters", error.message, error.fix)]
+    for path, lines in prepared.warnings.items():
+        warn(name_of(path), lines)
     if invalid:
         refuse(invalid)
-    for path, one in prepared.items():
-        for line in one.questions:
-            typer.echo(f"{_name_of(path)}: {line}", err=True)
+    if strict and prepared.warnings:
+        count = prepared.count_of_warnings
+        typer.echo(f"error: {count}; --strict runs no study then", err=True)
+        raise typer.Exit(INVALID_INPUT)
     return prepared
+
+
+def warn(name: object, lines: Iterable[str]) -> None:
+    """Print warnings of a study on the error stream, each behind the `name` of its file."""
+    for line in lines:
+        typer.echo(f"{name}: warning: {line}", err=True)
 
 
 def stem_of(path: Path) -> str:
@@ -68,7 +102,7 @@ def stem_of(path: Path) -> str:
     return "study" if path == STANDARD else path.stem
 
 
-def _name_of(path: Path) -> str:
+def name_of(path: Path) -> str:
     """Return the path as text, or `standard input`."""
     return "standard input" if path == STANDARD else str(path)
 
@@ -100,7 +134,7 @@ def refuse(problems_of: Mapping[Path, Sequence[Problem]]) -> NoReturn:
     """
     for path, problems in problems_of.items():
         count = len(problems)
-        typer.echo(f"{_name_of(path)}: {count} problem{'s' if count > 1 else ''}", err=True)
+        typer.echo(f"{name_of(path)}: error: {count} problem{'s' if count > 1 else ''}", err=True)
         for problem in problems:
             typer.echo(f"  {problem}", err=True)
     raise typer.Exit(INVALID_INPUT)

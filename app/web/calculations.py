@@ -81,6 +81,7 @@ def execute_at_once(
     content: dict[str, Any] = {
         "complete": True,
         "cells": prepared.cells,
+        "warnings": [*prepared.questions],
         **to_document(table),
     }
     if asked.as_document:

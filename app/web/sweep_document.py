@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 
 from core.plan.prepared import Prepared
 from core.quantities import QUANTITIES
@@ -44,6 +44,9 @@ class SweepDescription(BaseModel):
     regimes: list[str]
     shared: bool
     links: dict[str, str]
+    warnings: list[str] = Field(
+        default=[], description="Of unusual values, in the reply to a study that was sent"
+    )
 
 
 def description(key: str, sweep: Prepared, *, shared: bool) -> dict[str, Any]:

@@ -296,7 +296,7 @@ def _spans(
         if low < quantity.lower or high > quantity.upper:
             least = f"{quantity.lower:g}" if low < quantity.lower else f"{quantity.upper:g}"
             word = "below" if low < quantity.lower else "above"
-            message = f"with it {unknown.parameter} may come {word} {least} {quantity.unit}"
+            message = f"with it {unknown.parameter} may come {word} {least}{quantity.suffix}"
             problems.append(
                 Problem(f"{unknown.table}.{unknown.parameter}", message, "Narrow its range")
             )

@@ -171,16 +171,20 @@ class Draft:
         texts = (self.content.get(key) for key in ("variant", "method"))
         variant, method = (text if isinstance(text, str) else None for text in texts)
 
-        def names(parameters: Collection[str]) -> list[str]:
-            """Return the parameters that the sections of the study give or leave open.
+        def written(parameters: Collection[str]) -> list[str]:
+            """Return the parameters that the sections of the study give or leave open, as written.
 
             `parameters` are those of the scene, or none while the scene is not known.
             """
-            problems = (
+            some = (
                 section.names(self.content.get(key), parameters)
                 for key, section in sections.items()
             )
-            return [*dict.fromkeys(names_intended(name for some in problems for name in some))]
+            return [str(name) for names in some for name in names]
+
+        def names(parameters: Collection[str]) -> list[str]:
+            """Return the same parameters, misspelt ones corrected."""
+            return [*dict.fromkeys(names_intended(written(parameters)))]
 
         try:
             sketch = Sketch(scene, variant, method, outputs, names(()))
@@ -189,7 +193,9 @@ class Draft:
             plan_scene(chosen, variant, outputs[:MAX_OUTPUTS], given)
         except StudyError as error:
             problems = [*problems, *error.problems]
-        places = {problem.place for problem in known.problems}
+        places = [problem.place for problem in known.problems]
+        # The corrected name itself is not in the study, and cannot be removed from it.
+        places += map("parameters.{}".format, {*names(())} - {*written(())})
         return [problem for problem in problems if problem.place not in places]
 
     def _outputs(self, kind: Kind) -> Iterable[Any]:

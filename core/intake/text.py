@@ -27,6 +27,8 @@ NO_STUDIES = {
 }  # what other files are, and what to do instead of running them
 MAX_BRACKETS = 10_000  # objects and lists of one text
 LARGEST = sys.float_info.max
+_AT_LINE = re.compile(r"at line (\d+)")
+_DECIMAL_COMMA = re.compile(r"[=:]\s*([-+]?\d+),(\d+)")
 _HALVES = re.compile("[\ud800-\udfff]")
 
 
@@ -69,7 +71,8 @@ def _read_text(text: str, suffix: str, stem: str) -> object:
         except StudyError:
             (problem,) = error.problems
             if problem.place == "body":  # the word of requests
-                problem = Problem("file", problem.message, SYNTAX)
+                fix = SYNTAX if problem.fix == EXPECTED else problem.fix
+                problem = Problem("file", problem.message, fix)
             raise StudyError([problem]) from None
         form = other.removeprefix(".").upper()
         _fail("file", f"this is {form}, and its name ends in {suffix}", f"Name it {stem}{other}")
@@ -80,6 +83,8 @@ def read_toml(text: str) -> object:
     try:
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
+        found = _AT_LINE.search(str(error))
+        _refuse_comma("file", text, int(found[1]) if found else 0)
         fix = f'{SYNTAX}: texts, such as "20 deg", stand in quotes'
         _fail("file", f"it is not TOML: {error}", fix, error)
 
@@ -100,11 +105,26 @@ def read_json(text: str | bytes) -> object:
             text, object_pairs_hook=_unique, parse_constant=_refuse_constant
         )
     except (ValueError, RecursionError) as error:
+        if isinstance(error, json.JSONDecodeError):
+            _refuse_comma("body", error.doc, error.lineno)
         reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
         _fail("body", f"it is not JSON: {reason}"[:300], EXPECTED, error)
     # What is no text can stand there as an escape only, or as itself in what Python hands over.
     _check_values(content, texts="\\u" in text or not text.isascii())
     return content
+
+
+def _refuse_comma(path: str, text: str, number: int) -> None:
+    """Raise `StudyError` if the line of a text where its syntax breaks has a decimal comma.
+
+    `path` is the place for the message, `number` the line from 1, 0 if it is not known.
+    """
+    line = text.split("\n")[number - 1] if number else ""
+    comma = _DECIMAL_COMMA.search(line)
+    if comma is not None:
+        whole, decimals = (part[:20] for part in comma.groups())
+        message = f"line {number}: the number {whole},{decimals} has a decimal comma"
+        _fail(path, message, f"Write {whole}.{decimals}")
 
 
 _READERS: dict[str, Callable[[str], object]] = {".json": read_json, ".toml": read_toml}

@@ -20,6 +20,16 @@ def amplitude(*, peak_to_peak: Array) -> Array:
     return peak_to_peak / 2
 
 
+def amplitude_of_vertical(*, vertical_amplitude: Array, beta: Array) -> Array:
+    """Return the amplitude along the drive, A0 = A_v/|sin(beta)|; NaN for beta = 0 [m]."""
+    return ratio(vertical_amplitude, np.abs(sine(beta)), np.nan)
+
+
+def amplitude_of_vertical_stroke(*, vertical_peak_to_peak: Array, beta: Array) -> Array:
+    """Return the amplitude along the drive, half of the stroke 2 A_v/|sin(beta)| [m]."""
+    return amplitude_of_vertical(vertical_amplitude=vertical_peak_to_peak / 2, beta=beta)
+
+
 def vibration_acceleration(*, frequency: Array, amplitude: Array) -> Array:
     """Return the amplitude of the drive acceleration, P = A0 (2 pi f)^2 [m s-2]."""
     w = 2 * np.pi * frequency

@@ -27,7 +27,10 @@ numbers and set to 0."""
 SHORTEST = 1e-12
 """Shortest step of a drive, as a share of the period: shorter ones are left out."""
 
-SINE = ("amplitude", "peak_to_peak", "alpha", "beta")
+SINE = (
+    *("amplitude", "peak_to_peak", "vertical_amplitude", "vertical_peak_to_peak"),
+    *("alpha", "beta"),
+)
 """Parameters of the plain sine."""
 
 _HARMONIC = re.compile(r"(?:amplitude|phase)_(along|across|normal)_(\d+)")

@@ -51,10 +51,12 @@ def answered(problem: OptimisationProblem) -> Answered | None:
 def _has_optimum(problem: OptimisationProblem, family: Family) -> bool:
     """True if the closed forms of a family hold for the variables, limit and contacts of a problem.
 
-    They hold for a part at rest, for drive angles within half a turn, and for a limit of the
-    family's own output.
+    They hold for a part at rest, for drive angles within half a turn, for a limit of the family's
+    own output, and for a drive as large in any direction: a vertical amplitude is not.
     """
     plan = problem.plan
+    if plan.depends_on(problem.names).get("vibration_acceleration"):
+        return False
     at_rest = "speed" not in plan.parameters and (
         plan.scene.name != "rectangle-on-track" or "centripetal_acceleration" in plan.defaults
     )

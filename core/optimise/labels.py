@@ -141,7 +141,7 @@ def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
     if np.isnan(arrays["objective"][0]):
         return text
     clauses = [
-        f"{n} = {arrays[f'best_{n}'][0]:.6g} {QUANTITIES[n].unit}" for n in prepared.problem.names
+        f"{n} = {arrays[f'best_{n}'][0]:.6g}{QUANTITIES[n].suffix}" for n in prepared.problem.names
     ]
     binding = [n.removeprefix("binds_") for n in arrays if n.startswith("binds_") and arrays[n][0]]
     tight = f"; binding: {', '.join(binding)}" if binding else "; nothing binds"

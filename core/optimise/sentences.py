@@ -32,7 +32,7 @@ def _known(name: str, distribution: Distribution) -> str:
 
     It stands in the criterion of an optimisation; `name` is the parameter.
     """
-    unit = "" if QUANTITIES[name].unit == "1" else f" {QUANTITIES[name].unit}"
+    unit = QUANTITIES[name].suffix
     if isinstance(distribution, Between):
         return f"{name} from {distribution.lower:g} to {distribution.upper:g}{unit}"
     lower, upper = tolerance(name, distribution)
@@ -46,8 +46,8 @@ def _looked_for(problem: OptimisationProblem) -> str:
     if isinstance(criterion, Weighted):
         return f"largest {output} - {criterion.weight:g} |{against}|"
     if isinstance(criterion, Limited):
-        unit = QUANTITIES[criterion.against].unit
-        return f"largest {output} with |{against}| <= {criterion.limit:g} {unit}"
+        unit = QUANTITIES[criterion.against].suffix
+        return f"largest {output} with |{against}| <= {criterion.limit:g}{unit}"
     if isinstance(criterion, Pareto):
         return f"{output} high, |{against}| low: the whole front"
     return f"{'least' if problem.sign < 0 else 'largest'} {output}"

@@ -13,7 +13,7 @@ from core.quantities.drive import DRIVE
 from core.quantities.flags import REGIME
 from core.quantities.motion import FEEDING, RESULTS
 from core.scenes import ALIASES, SCENES, Condition, Equation, Scene
-from core.scenes.aliases import ALTERNATIVES, NEEDS, WRITTEN_AS
+from core.scenes.aliases import ALTERNATIVES, BESIDE, NEEDS, NOT_OF_SHAPE, WRITTEN_AS
 from core.scenes.graph import behind
 from core.suggestions import Suggestions, by_synonym, suggestion
 
@@ -199,10 +199,10 @@ def plan_scene(
     gives, suggest = scene.outputs(variant), Suggestions()
     problems = [
         *(_unknown_output(scene, variant, name, suggest) for name in outputs if name not in gives),
-        *_doubled(parameters),
     ]
     known_outputs = tuple(name for name in dict.fromkeys(outputs) if name in gives)
     walk = _Walk(scene, variant, parameters, known_outputs)
+    problems += _doubled(parameters, walk.missing)
     problems += [_missing(scene, name, user) for name, user in walk.missing.items()]
     if known_outputs:  # otherwise nothing is known to be used, and every parameter would be blamed
         blamed = {problem.place.removeprefix("parameters.") for problem in problems}
@@ -282,7 +282,7 @@ class _Walk:
         if the study asks for it or sets one of its inputs.
         """
         for alias in ALIASES:
-            asked = {one for one in alias.inputs if QUANTITIES[one].parameter}
+            asked = {one for one in alias.inputs if QUANTITIES[one].parameter} - BESIDE
             if alias.gives == name and asked <= set(self.parameters):
                 return alias
         equation = self.producers.get(name)
@@ -348,14 +348,14 @@ def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
     return Problem("outputs", message, f'Ask for {other} in outputs, or set kind = "{kind}"', name)
 
 
-def _doubled(parameters: Collection[str]) -> list[Problem]:
+def _doubled(parameters: Collection[str], missing: Collection[str]) -> list[Problem]:
     """Return the problems of parameters that exclude or need each other, from their names.
 
     Such are parameters that are set twice, by two alternatives such as amplitude and stroke, and
-    those that say nothing without another.
+    those that say nothing without another, unless that is `missing` anyway.
     """
     problems = []
-    for name, others in ALTERNATIVES.items():
+    for name, others in ALTERNATIVES:
         doubled = [other for other in others if name in parameters and other in parameters]
         if doubled:
             problems.append(
@@ -366,7 +366,7 @@ def _doubled(parameters: Collection[str]) -> list[Problem]:
                 )
             )
     for name, (needed, message, example) in NEEDS.items():
-        if name in parameters and needed not in parameters:
+        if name in parameters and needed not in {*parameters, *missing}:
             problems.append(Problem(f"parameters.{name}", message, f"Add {needed} = {example}"))
     return problems
 
@@ -401,6 +401,9 @@ def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> 
         message = (
             f"{scene.name} supports only the plain sine here, and {name} belongs to another drive"
         )
+        return Problem(f"parameters.{name}", message, fix)
+    if (variant, name) in NOT_OF_SHAPE:
+        message, fix = NOT_OF_SHAPE[variant, name]
         return Problem(f"parameters.{name}", message, fix)
     takes_part = name in scene_parameters(scene, variant)
     what = f"{', '.join(outputs)} of {scene.name}" if takes_part else scene.name

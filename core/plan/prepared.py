@@ -17,9 +17,10 @@ from core.plan.price import in_words
 from core.plan.shares import Shares
 from core.quantities import FLAGS, QUANTITIES
 from core.scenes import Scene
+from core.scenes.aliases import CONSTRAINTS
 from core.study.grid_study import PARAMETERS, Study
 from core.study.values import Values
-from core.suggestions import SEARCHED, nearest
+from core.suggestions import SEARCHED, intended
 
 Box = Mapping[str, tuple[int, int]]
 """A part of a grid: start and stop on the axes of which it is not the whole."""
@@ -338,7 +339,7 @@ def names_intended(parameters: Iterable[object]) -> list[str]:
     """
     given = [*map(str, parameters)]
     unknown = [name for name in given if name not in PARAMETERS]
-    meant = {name: nearest(name, PARAMETERS) for name in unknown[:SEARCHED]}
+    meant = {name: intended(name, PARAMETERS) for name in unknown[:SEARCHED]}
     names = (name if name in PARAMETERS else meant.get(name) for name in given)
     return [name for name in names if name]
 
@@ -365,7 +366,7 @@ def broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Probl
     that of the `scene`.
     """
     given = {*grid.axes, *grid.fixed}
-    for constraint in scene.constraints:
+    for constraint in (*scene.constraints, *CONSTRAINTS):
         concerned = constraint.variant in ("", variant)
         if concerned and set(constraint.parameters) <= given:
             ends = [end for name in constraint.parameters for end in grid.bounds(name)]

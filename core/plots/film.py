@@ -10,10 +10,12 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from core.plan.grid import parameter_to_si
 from core.plots.problem import PlotError, unreadable
 from core.plots.selection import held_fixed
 from core.plots.text import number, shown_in, with_unit
 from core.plots.trajectory import LEGEND, TIME, check_trajectory, read_trajectory, values_of
+from core.scenes import ALIASES
 from core.study.shown import Shown, ShownUnits
 
 FRAMES_PER_SECOND = 25
@@ -212,11 +214,11 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     frames = frames_in((end - time[0]) * slow)
     moments = np.linspace(time[0], end, frames)
     shown = units.of("m", float(upward[followed].max()))
-    amplitude, frequency, beta = (
-        float(dataset[name]) if name in dataset.coords else 0.0
-        for name in ("amplitude", "frequency", "beta")
+    frequency, beta = (
+        float(dataset[name]) if name in dataset.coords else 0.0 for name in ("frequency", "beta")
     )
-    swing = shown.factor * amplitude * np.sin(TURN * frequency * moments)
+    amplitude = shown.factor * (amplitude_of(dataset) or 0.0)
+    swing = amplitude * np.sin(TURN * frequency * moments)
     track = np.stack([swing * np.cos(np.deg2rad(beta)), swing * np.sin(np.deg2rad(beta))])
 
     def then(values: Array) -> Array:
@@ -310,6 +312,23 @@ def _cycles(dataset: xarray.Dataset, time: Array, span: float, length: float) ->
     travel = abs(float(dataset["position_along"][-1] - dataset["position_along"][0]))
     wanted = TRAVEL * length / travel if travel > 0 else 2.0
     return int(np.clip(round(min(wanted, MAX_CYCLES)), 1, max(1, MAX_CYCLES // round(periods))))
+
+
+def amplitude_of(dataset: xarray.Dataset) -> float | None:
+    """Return the amplitude of the sine of one design, zero to peak [m]; None if it has none.
+
+    The study may give it, a stroke, or a vertical amplitude.
+    """
+    known = {str(name): one for name, one in dataset.coords.items() if one.ndim == 0}
+    if "amplitude" in known:
+        return float(known["amplitude"])
+    for alias in ALIASES:
+        if alias.gives == "amplitude" and set(alias.inputs) <= set(known):
+            values = {
+                name: parameter_to_si(name, np.asarray(known[name].values)) for name in alias.inputs
+            }
+            return float(alias.function(**values))
+    return None
 
 
 def frames_in(seconds: float) -> int:

@@ -91,7 +91,8 @@ def _position(coordinate: xarray.DataArray, value: float, *, nearest: bool) -> i
     try:
         return position_on_axis(str(coordinate.name), values, value, "trade")
     except UnitError as error:
-        raise PlotError(_axis_name(coordinate.name), error.message, error.fix) from None
+        fix = f"{error.fix}{'; --nearest takes the nearest one' if values.size > 1 else ''}"
+        raise PlotError(_axis_name(coordinate.name), error.message, fix) from None
 
 
 def _axis_name(name: object) -> str:

@@ -9,7 +9,7 @@ import xarray
 from matplotlib.patches import Rectangle
 
 from core.plots.animation import DOT, Frame, frames_of
-from core.plots.film import PERIOD_SHOWN, TURN, frames_in, nice
+from core.plots.film import PERIOD_SHOWN, TURN, amplitude_of, frames_in, nice
 from core.plots.heading import finish
 from core.plots.positions import PALE, read_row
 from core.plots.problem import PlotError
@@ -64,8 +64,9 @@ def draw_lane(
     nearest = np.searchsorted(times, moments, side="right") - 1
     swing = np.zeros(moments.size)
     notes = ["seen from above, breadth not to scale"]
-    if {"amplitude", "beta"} <= set(dataset.coords):
-        along = float(dataset["amplitude"]) * np.cos(np.deg2rad(float(dataset["beta"])))
+    amplitude = amplitude_of(dataset)
+    if amplitude is not None and "beta" in dataset.coords:
+        along = amplitude * np.cos(np.deg2rad(float(dataset["beta"])))
         phase = TURN * float(dataset["frequency"]) * moments / 1000.0
         swing = row.along.factor * along * np.sin(phase)
     else:

@@ -74,6 +74,11 @@ class Quantity:
         return 8 if self.flags is None else 1
 
     @property
+    def suffix(self) -> str:
+        """The unit after a number in a text, with a blank before it; empty without a unit."""
+        return "" if self.unit == "1" else f" {self.unit}"
+
+    @property
     def is_derived(self) -> bool:
         """True if the quantity has derivatives: flags, counts and errors have none."""
         return self.flags is None and not self.count and not self.error_of

@@ -28,6 +28,15 @@ TRACK: dict[str, Quantity] = {
         "m", "2 A0", "Peak-to-peak stroke", "Twice the drive amplitude.", 0.0, parameter=True,
         examples=("1 mm",), usual=(2e-7, 0.05),
     ),
+    "vertical_amplitude": Quantity(
+        "m", "A_v", "Vertical amplitude",
+        "Amplitude of the drive's part normal to the floor, zero to peak: A0 sin(beta).", 0.0,
+        parameter=True, examples=("0.2 mm",), usual=(1e-9, 0.025),
+    ),
+    "vertical_peak_to_peak": Quantity(
+        "m", "2 A_v", "Vertical peak-to-peak stroke", "Twice the vertical amplitude.", 0.0,
+        parameter=True, examples=("0.4 mm",), usual=(2e-9, 0.05),
+    ),
     "alpha": angle(
         "alpha", "Drive azimuth",
         "Azimuth of the drive in the floor plane, from the track (+x) towards +y.", 180.0, "15 deg",

@@ -83,9 +83,8 @@ def in_words(demand: Demand) -> str:
     if demand.regime is not None:
         return f"the regime {demand.regime}"
     output = QUANTITIES[str(demand.output)]
-    unit = "" if output.unit == "1" else f" {output.unit}"
     ends = [
-        f"{words} {end:g}{unit}"
+        f"{words} {end:g}{output.suffix}"
         for words, end in (("at least", demand.at_least), ("at most", demand.at_most))
         if end is not None
     ]

@@ -167,6 +167,8 @@ def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
     """
     if quantity.unit == "Hz" and unit.replace(" ", "").lower() in PER_MINUTE:
         return Fraction(1, 60)
+    if quantity.unit == "1" and unit == PERCENT:
+        return Fraction(1, 100)
     fix = _how_to_write(name, quantity)
     if not _UNIT.fullmatch(unit) or _HIGH_POWER.search(_POWER.sub("", unit)):
         raise UnitError(f"'{unit[:40]}' is not a unit", fix)
@@ -210,14 +212,9 @@ def _check_bounds(name: str, quantity: Quantity, number: float) -> None:
     low, high = quantity.lower, quantity.upper
     if number < low or (quantity.strict and number == low):
         least = f"greater than {low:g}" if quantity.strict else f"at least {low:g}"
-        raise UnitError(f"{name} is {number:g}{_suffix(quantity)}", f"It must be {least}")
+        raise UnitError(f"{name} is {number:g}{quantity.suffix}", f"It must be {least}")
     if number > high:
-        raise UnitError(f"{name} is {number:g}{_suffix(quantity)}", f"It must be at most {high:g}")
-
-
-def _suffix(quantity: Quantity) -> str:
-    """Return the unit with a blank before it; empty for dimensionless quantities."""
-    return "" if quantity.unit == "1" else f" {quantity.unit}"
+        raise UnitError(f"{name} is {number:g}{quantity.suffix}", f"It must be at most {high:g}")
 
 
 def _how_to_write(name: str, quantity: Quantity) -> str:

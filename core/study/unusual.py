@@ -32,6 +32,13 @@ TIMES: Final[Mapping[str, float]] = {"ms": 1e3, "us": 1e6, "ns": 1e9, "min": 1.0
 ENDS: Final = ("start", "stop", "lower", "upper", "mean", "most_likely", "median")
 
 
+VERTICAL: Final = {
+    "vertical_amplitude": "amplitude",
+    "vertical_peak_to_peak": "peak_to_peak",
+}
+"""Vertical amplitudes, and what they make along the drive, divided by sin(beta)."""
+
+
 def questions(content: object) -> list[str]:
     """Return a question for each parameter value of a study that is allowed but unusual.
 
@@ -55,7 +62,7 @@ def questions(content: object) -> list[str]:
                 continue
             question = _question(str(name), quantity, quantity.usual, [*leaves_of(raw)])
             asked += [question] if question else []
-    return asked
+    return asked or _questions_of_vertical(content)
 
 
 def questions_of_drive(numbers: Mapping[str, float], name: str) -> list[str]:
@@ -120,6 +127,34 @@ def _columns(rows: object) -> dict[str, list[Any]]:
         for name, raw in row.items() if isinstance(row, Mapping) else ():
             columns.setdefault(str(name), []).extend(leaves_of(raw))
     return columns
+
+
+def _questions_of_vertical(content: object) -> list[str]:
+    """Return the question about an amplitude that a vertical one and the angle `beta` make.
+
+    It is computed of the largest vertical amplitude and the flattest angle in a study's `content`.
+    """
+    flattest = min((abs(math.sin(math.radians(one))) for one in _all(content, "beta")), default=0.0)
+    asked = []
+    for name, makes in VERTICAL.items():
+        low, high = QUANTITIES[makes].usual or (0.0, math.inf)
+        largest = max(map(abs, _all(content, name)), default=0.0)
+        if largest > high * flattest > 0:
+            shown = ShownUnits().of(QUANTITIES[makes].unit, high)
+            size, *ends = (f"{one * shown.factor:,.6g}" for one in (largest / flattest, low, high))
+            asked.append(
+                f"{name} and beta make {makes} = {size} {shown.unit} along the drive; usual values "
+                f"are {' to '.join(ends)} {shown.unit}. Is that what you mean?"
+            )
+    return asked
+
+
+def _all(content: object, name: str) -> list[float]:
+    """Return all values of a parameter in a study's `content`, in the unit of its quantity."""
+    sections = [content.get(part) for part in PARTS] if isinstance(content, Mapping) else []
+    written = [one[name] for one in sections if isinstance(one, Mapping) and name in one]
+    leaves = [leaf for raw in written for leaf in leaves_of(raw)]
+    return [*read_numbers(name, QUANTITIES[name], leaves)] if leaves else []
 
 
 def leaves_of(raw: object) -> Iterator[Any]:

@@ -129,8 +129,8 @@ def read_between(name: str, raw: object, quantity: Quantity | None = None) -> Be
     lower, upper = (read_number(name, quantity, raw[end]) for end in ("lower", "upper"))
     if not lower < upper:
         raise UnitError(
-            f"the upper bound of {name} ({upper:g} {quantity.unit}) is not above its "
-            f"lower bound ({lower:g} {quantity.unit})",
+            f"the upper bound of {name} ({upper:g}{quantity.suffix}) is not above its "
+            f"lower bound ({lower:g}{quantity.suffix})",
             "Swap lower and upper, or give one value in [parameters]",
         )
     return Between(lower, upper)
@@ -180,7 +180,7 @@ def position_on_axis(
         return nearest
     near = sorted(values[np.argsort(distance, kind="stable")[:2]])
     unit = QUANTITIES[name].unit
-    read = Shown(1.0, "" if unit == "1" else unit)
+    read = Shown(1.0, {"1": "", "degree": "deg"}.get(unit, unit))
     if system != "si" and not QUANTITIES[name].is_angle:  # nobody types the sign of a degree
         read = ShownUnits(system).of(unit, abs(wanted))
     asked, *others = (f"{value * read.factor:.10g}" for value in (wanted, *near))
@@ -205,7 +205,10 @@ def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object
         repeated = next((one for one, after in pairwise(values) if one == after), None)
         if repeated is not None:
             raise UnitError(f"{name} lists {repeated:g} twice", "List each value once")
-        raise UnitError(f"the values of {name} are not in order", "Sort the values")
+        raise UnitError(
+            f"the values of {name} are not in order",
+            "Sort the values, and write decimals with a point",
+        )
     return Points(values)
 
 
@@ -230,9 +233,9 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
     stop = read_number(name, quantity, raw["stop"])
     if stop <= start:
         raise UnitError(
-            f"stop ({stop:g} {quantity.unit}) of the range of {name} is not above start "
-            f"({start:g} {quantity.unit})",
-            "Swap start and stop, or give one value instead of a range",
+            f"stop ({stop:g}{quantity.suffix}) of the range of {name} is not above start "
+            f"({start:g}{quantity.suffix})",
+            "Swap start and stop, or list the values: a list may fall",
         )
     spacing = raw.get("spacing", "linear")
     if spacing == "log":

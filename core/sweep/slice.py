@@ -221,8 +221,8 @@ def _value_on_axis(grid: Grid, name: str, at: Mapping[str, str]) -> float:
     if name not in at:
         raise UnitError(
             f"the axis {name} is neither in axes nor given a value",
-            f"Add {name}=VALUE to the query, from {values[0]:g} to {values[-1]:g} "
-            f"{QUANTITIES[name].unit}",
+            f"Add {name}=VALUE to the query, from {values[0]:g} to {values[-1]:g}"
+            f"{QUANTITIES[name].suffix}",
         )
     wanted = read_number(name, QUANTITIES[name], at[name])
     return float(values[position_on_axis(name, values, wanted)])

@@ -11,7 +11,8 @@ import numpy as np
 
 from core.plan.plan import scene_parameters
 from core.quantities import QUANTITIES
-from core.scenes import ALIASES, SCENES
+from core.scenes import SCENES
+from core.scenes.aliases import instead_of
 from exact_planes import Point, digits
 from many_digits import mp, mpf
 from night import count
@@ -86,7 +87,7 @@ HARD = {
 def parameters(scene, variants):
     """Return the inputs of the variants, without other ways of giving them."""
     used = {name for v in variants for name in scene_parameters(SCENES[scene], v)}
-    return sorted(used - {name for alias in ALIASES for name in alias.inputs})
+    return sorted(name for name in used if not instead_of(name))
 
 
 def angles(name):

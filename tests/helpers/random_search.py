@@ -50,6 +50,7 @@ SETTINGS = {
 INSTEAD = (
     (("friction_static", "friction_kinetic"), ("friction",)),
     (("peak_to_peak",), ("amplitude",)),
+    (("vertical_amplitude", "vertical_peak_to_peak"), ()),
 )
 """Parameters that stand for one another."""
 

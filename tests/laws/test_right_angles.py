@@ -17,7 +17,8 @@ from core.plan.duals import Dual
 from core.plan.grid import Grid
 from core.plan.plan import make_plan, scene_parameters
 from core.quantities import QUANTITIES, REGIMES
-from core.scenes import ALIASES, SCENES
+from core.scenes import SCENES
+from core.scenes.aliases import instead_of
 from core.sweep.precise import CONTEXT, exact_values
 
 TURNS = range(-8, 9)
@@ -91,7 +92,7 @@ def results(scene: str, variant: str, cell: dict[str, float]) -> dict[str, np.nd
 def given(scene: str, variant: str) -> dict[str, float]:
     random = np.random.default_rng(2004)
     names = set(scene_parameters(SCENES[scene], variant))
-    names -= {name for alias in ALIASES for name in alias.inputs}
+    names = {name for name in names if not instead_of(name)}
     return {name: float(random.uniform(0.1, 0.9)) for name in sorted(names)}
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import matplotlib.pyplot as plt
 import pytest
 
@@ -17,6 +19,27 @@ def test_an_unusual_number_is_asked_about_where_it_was_written():
         vibrafeed.sweep(**SWEEP, amplitude=0.25)
     assert asked[0].filename == __file__
     assert vibrafeed.sweep(**SWEEP, amplitude="250 mm") is not None  # a unit says that it is meant
+
+
+def test_a_study_that_is_made_or_loaded_warns_too(tmp_path):
+    told = r"amplitude = 0\.25 means 250 mm"
+    with pytest.warns(UserWarning, match=told) as asked:
+        vibrafeed.study(kind="sweep", **SWEEP, amplitude=0.25)
+    assert asked[0].filename == __file__
+    path = tmp_path / "study.json"
+    path.write_text(
+        json.dumps(
+            {
+                "kind": "sweep",
+                "scene": "rectangle-on-plane",
+                "outputs": ["throw_number"],
+                "parameters": {"frequency": 50, "beta": 20, "amplitude": 0.25},
+            }
+        )
+    )
+    with pytest.warns(UserWarning, match=told) as asked:
+        vibrafeed.load_study(path)
+    assert asked[0].filename == __file__
 
 
 def test_a_grid_that_memory_cannot_hold_is_an_error_in_words():

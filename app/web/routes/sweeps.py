@@ -118,13 +118,14 @@ def post_sweep(
 
     A sweep may be far larger than what is computed as a whole: slices and Zarr read pieces of it.
     """
-    sweep = prepare_content(read_json(body), "sweep")
+    content = read_json(body)
+    sweep = prepare_content(content, "sweep")
     _check_size(sweep, settings)
     sweep.check_limits(cells=who.cells, bytes_=None)
     key, is_new = admission.keep(sweep, who)
     location = str(request.url_for("get_sweep", key=key))
     return json_reply(
-        _describe_sweep(admission, key, sweep, who),
+        {**_describe_sweep(admission, key, sweep, who), "warnings": [*sweep.questions]},
         201 if is_new else 200,
         headers={"Location": location},
     )

@@ -140,11 +140,11 @@ def test_all_errors_of_all_files_come_before_anything_runs(study, tmp_path):
     result = run("run", study, wrong, worse, tmp_path / "absent.toml")
     assert result.exit_code == 2
     for words in (
-        f"{wrong}: 2 problems",
+        f"{wrong}: error: 2 problems",
         "parameters.amplitude: 'kg' does not measure amplitude",
         "parameters.fricton: 'fricton' is not a parameter. Did you mean 'friction'?",
-        f"{worse}: 1 problem",
-        f"{tmp_path / 'absent.toml'}: 1 problem",
+        f"{worse}: error: 1 problem",
+        f"{tmp_path / 'absent.toml'}: error: 1 problem",
     ):
         assert words in result.output
     assert "Traceback" not in result.output

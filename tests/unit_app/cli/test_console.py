@@ -328,7 +328,10 @@ def test_a_study_comes_from_standard_input_and_a_result_goes_to_standard_output(
     assert binary.stdout_bytes[1:4] == b"HDF"
     wrong = run("run", "-", input=b"\xff\xfe")
     assert wrong.exit_code == 2
-    assert "standard input: 1 problem\n  file: standard input is not UTF-8 text." in wrong.output
+    assert (
+        "standard input: error: 1 problem\n  file: standard input is not UTF-8 text."
+        in wrong.output
+    )
 
 
 def test_what_cannot_go_to_standard_output_is_refused(study, tmp_path, monkeypatch):

@@ -47,7 +47,7 @@ def test_standard_input_is_toml_or_json(study):
     text = json.dumps(tomllib.loads(STUDY))
     assert 'beta = "20 deg"' in convert("-", "--to", "toml", input=text).stdout
     wrong = convert("-", "--to", "toml", input=b"\xff")
-    assert "standard input: 1 problem" in wrong.stderr
+    assert "standard input: error: 1 problem" in wrong.stderr
     assert "standard input is not UTF-8 text" in wrong.stderr
 
 
@@ -64,8 +64,10 @@ def test_an_unusual_number_is_asked_about_and_runs():
     text = STUDY.replace('"0.3 mm"', "0.5")
     done = CliRunner().invoke(app, ["run", "-", "--dry-run"], input=text)
     assert done.exit_code == 0, done.output
-    asked = "standard input: amplitude = 0.5 means 500 mm; usual values are 0.0001 to 25 mm. "
-    assert done.stderr == asked + 'Did you mean "0.5 mm"?\n'
+    asked = "standard input: warning: amplitude = 0.5 means 500 mm; usual values are 0.0001 to "
+    asked += '25 mm. Did you mean "0.5 mm"?\n'
+    assert done.stderr == asked + "1 warning\n"
+    assert convert("-", "--to", "json", input=text).stderr == asked
 
 
 def test_the_line_for_curl_asks_the_service_that_is_named(study):

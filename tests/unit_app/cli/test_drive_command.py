@@ -91,7 +91,7 @@ def test_every_problem_is_told_at_once(tmp_path):
     )  # fmt: skip
     assert result.exit_code == 2
     assert result.output.splitlines() == [
-        f"{RECORDING}: 6 problems",
+        f"{RECORDING}: error: 6 problems",
         "  plot: '.bmp': unknown picture format. End the name of the picture in .png, .svg "
         "or .pdf.",
         "  --rate: 'x' is not a unit. Write --rate=\"5 kHz\" (a bare number is in Hz).",

@@ -112,6 +112,9 @@ class TestPrefer:
         reply = client.post(PATH, json=study())
         assert reply.status_code == 200
         assert reply.json()["complete"] is True
+        assert reply.json()["warnings"] == []
+        asked = client.post(PATH, json=study(beta=0.35)).json()["warnings"]
+        assert [line.partition(" means")[0] for line in asked] == ["beta = 0.35"]
         assert "location" not in reply.headers
         assert "preference-applied" not in reply.headers
 

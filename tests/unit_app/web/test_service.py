@@ -89,6 +89,10 @@ def test_a_study_is_addressed_by_its_content(client):
     assert first.headers["location"].endswith(f"/sweeps/{first.json()['id']}")
     other = client.post("/sweeps", json={**STUDY, "variant": "thesis"})
     assert other.json()["id"] != first.json()["id"]
+    assert first.json()["warnings"] == []
+    wide = {**STUDY, "parameters": {**STUDY["parameters"], "amplitude": 0.3}}
+    (line,) = client.post("/sweeps", json=wide).json()["warnings"]
+    assert line.startswith("amplitude = 0.3 means 300 mm; usual values are")
     told = client.get(f"/sweeps/{first.json()['id']}").json()
     assert told["cells"] == 11 * 2 * 10 * 7
     assert told["outputs"][2] == {

@@ -17,7 +17,7 @@ from core.errors import VibrafeedError
 from core.extras import installing
 from core.plots import PlotError, draw, draw_file
 from core.plots.animation import COLOURS, draw_frames
-from core.plots.film import FRAMES_PER_SECOND, read_film
+from core.plots.film import FRAMES_PER_SECOND, amplitude_of, read_film
 from core.plots.style import Style, mix
 from core.study.shown import ShownUnits
 
@@ -137,3 +137,17 @@ def test_a_track_that_is_not_level_is_said_to_be_so(hop: xarray.Dataset, gamma, 
     tilted = hop.assign(gamma=hop["gamma"] * 0 + gamma)
     assert any(says in note for note in read_film(tilted, UNITS).notes)
     assert not any("seen along" in note for note in read_film(hop, UNITS).notes)
+
+
+@pytest.mark.parametrize(
+    "told",
+    [
+        {"amplitude": 2e-4},
+        {"peak_to_peak": 4e-4, "beta": 30.0},
+        {"vertical_amplitude": 1e-4, "beta": 30.0},
+        {"vertical_peak_to_peak": 2e-4, "beta": 30.0},
+    ],
+)
+def test_the_track_moves_by_its_amplitude_however_that_is_given(told):
+    assert amplitude_of(xarray.Dataset(coords=told)) == pytest.approx(2e-4)
+    assert amplitude_of(xarray.Dataset(coords={"beta": 30.0})) is None

@@ -250,7 +250,7 @@ def test_falling_and_logarithmic_axes():
         ({"axes": ("alpha", "beta", "frequency")}, "axes", "one or two"),
         ({"kind": "countour"}, "kind", "Did you mean 'contour'?"),
         ({"kind": "surface", "axes": ("beta",)}, "kind", "needs two axes"),
-        ({"at": {"frequency": 61}}, "at.frequency", "The nearest are 50 and 60 Hz."),
+        ({"at": {"frequency": 61}}, "at.frequency", "The nearest are 50 and 60 Hz; --nearest"),
         ({"at": {"frequency": float("nan")}}, "at.frequency", "finite"),
         ({"at": {"friction": 0.4}}, "at.friction", "Its only value is 0.5."),
         ({"at": {"frequenzy": 60}}, "at.frequenzy", "Did you mean 'frequency'?"),

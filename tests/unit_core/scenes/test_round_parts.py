@@ -13,6 +13,7 @@ from core.plan.loops.trace import traced
 from core.plan.plan import make_plan, scene_parameters
 from core.quantities import REGIMES
 from core.scenes import SCENES
+from core.scenes.aliases import instead_of
 from night import count
 
 ROUNDING = 1e-14
@@ -236,7 +237,7 @@ def test_every_output_but_wrenches_is_traced(scene):
     (variant,) = known.variants
     given = [
         name for name in scene_parameters(known, variant)
-        if name not in ("peak_to_peak", "friction", "gravity", "rolling_factor")
+        if not instead_of(name) and name not in ("gravity", "rolling_factor")
     ]  # fmt: skip
     wrenches = re.compile("(floor|force)_(axis|pitch)")
     outputs = [name for name in known.outputs(variant) if not wrenches.match(name)]

@@ -1,0 +1,208 @@
+"""The vertical amplitude that a stroke gauge reads, beside the angle of the drive."""
+
+import numpy as np
+import pytest
+
+import vibrafeed
+from core.catalogue import asked_parameters, describe, needed_parameters
+from core.errors import StudyError
+from core.motion.systems import SYSTEMS
+from core.plan.equations import run_equations
+from core.plan.plan import plan_scene, scene_parameters
+from core.scenes import SCENES
+from core.study.unusual import questions
+
+PLANE = {"scene": "rectangle-on-plane", "frequency": "50 Hz", "gamma": 2, "friction": 0.3}
+ORDINARY = {
+    "frequency": 50.0, "beta": 0.4, "amplitude": 1e-4, "height": 0.01, "length": 0.03,
+    "diameter": 0.02, "small_diameter": 0.01, "sides": 6.0, "centre_of_mass": 0.01,
+    "radius_of_gyration": 0.01, "friction_static": 0.4, "friction_kinetic": 0.3, "row_mass": 0.02,
+}  # fmt: skip
+DRIVEN = [
+    (known, name, variant)
+    for known in (SCENES, SYSTEMS)
+    for name, scene in known.items()
+    for variant in scene.variants
+    if {"amplitude", "beta"} <= {*scene_parameters(scene, variant)}
+]
+
+
+def simulated(**more):
+    return float(
+        vibrafeed.simulate(outputs=["conveying_velocity"], **PLANE, **more).conveying_velocity
+    )
+
+
+def refusal(**more):
+    with pytest.raises(StudyError) as caught:
+        vibrafeed.sweep(outputs=["acceleration_x"], **{**PLANE, **more})
+    return [str(problem) for problem in caught.value.problems]
+
+
+def test_the_speed_of_a_bowl_whose_gauge_reads_the_vertical_stroke():
+    """0.4 mm from peak to peak: 80 mm/s if it is the vertical one, 7 mm/s if it is along.
+
+    The right value is that of the amplitude 0.2 mm/sin(25 deg) along the drive, as a designer
+    works it out by hand: throw number 0.2 mm (2 pi 50 Hz)^2/(g cos(2 deg)) = 2.014.
+    """
+    along = 0.2e-3 / np.sin(np.deg2rad(25.0))
+    for vertical in (
+        {"vertical_amplitude": "0.2 mm"},
+        {"vertical_peak_to_peak": "0.4 mm"},
+        {"amplitude": float(along)},
+    ):
+        assert simulated(beta=25, **vertical) == pytest.approx(0.0805, abs=1e-4)
+    assert simulated(beta=25, peak_to_peak="0.4 mm") == pytest.approx(0.0070, abs=1e-4)
+    thrown = vibrafeed.sweep(
+        scene="rectangle-on-plane", outputs=["throw_number"], frequency=50, gamma=2,
+        beta=[10, 25, 70], vertical_amplitude="0.2 mm",
+    )  # fmt: skip
+    by_hand = 0.2e-3 * (2 * np.pi * 50) ** 2 / (9.80665 * np.cos(np.deg2rad(2)))
+    assert thrown.throw_number.values == pytest.approx(by_hand, rel=1e-14)  # whatever the angle
+
+
+@pytest.mark.parametrize(
+    ("known", "name", "variant"), DRIVEN, ids=[f"{name}-{v}" for _, name, v in DRIVEN]
+)
+def test_every_scene_with_amplitude_and_angle_takes_it(known, name, variant):
+    scene = known[name]
+    assert {"vertical_amplitude", "vertical_peak_to_peak"} <= {*scene_parameters(scene, variant)}
+    output = next(
+        one
+        for one in scene.outputs(variant)
+        if {"amplitude", "beta"} <= {*needed_parameters(scene, variant, one)}
+    )
+    # A system's output needs its status as a rule, but numbers of the drive do not.
+    needed = {*asked_parameters(scene, variant, output, required=True), "beta", "amplitude"}
+    if known is SYSTEMS and output.startswith("drive_number"):
+        needed = {*needed_parameters(scene, variant, output)} - {*scene.defaults_of(variant)}
+    plain = plan_scene(scene, variant, [output], needed)
+    for vertical, factor in (("vertical_amplitude", 1.0), ("vertical_peak_to_peak", 2.0)):
+        plan = plan_scene(scene, variant, [output], needed - {"amplitude"} | {vertical})
+        first = {equation.gives for equation in plan.equations}
+        assert first - {equation.gives for equation in plain.equations} == {"amplitude"}
+        assert vertical in plan.parameters
+        assert "amplitude" not in plan.parameters
+        if known is SCENES:
+            cells = {n: np.array([ORDINARY[n]]) for n in needed}
+            expected = run_equations(plain, cells)[output]
+            cells[vertical] = factor * cells.pop("amplitude") * np.sin(ORDINARY["beta"])
+            assert run_equations(plan, cells)[output] == pytest.approx(expected, rel=1e-13)
+
+
+def test_a_study_with_an_amplitude_carries_nothing_of_it():
+    plan = plan_scene(SCENES["rectangle-on-plane"], "physical", ["drive_normal"],
+                      ["frequency", "amplitude", "beta"])  # fmt: skip
+    assert [one.gives for one in plan.equations] == ["vibration_acceleration", "drive_normal"]
+
+
+def test_it_is_an_axis_a_variable_and_uncertain():
+    sweep = {"scene": "rectangle-on-plane", "frequency": 50}
+    grid = {"vertical_amplitude": ["0.1 mm", "0.2 mm"], "beta": [20, 30]}
+    found = vibrafeed.sweep(outputs=["vibration_acceleration"], **sweep, **grid)
+    by_hand = np.outer([1e-4, 2e-4], 1 / np.sin(np.deg2rad([20, 30]))) * (100 * np.pi) ** 2
+    assert found.vibration_acceleration.values == pytest.approx(by_hand, rel=1e-14)
+
+    best = vibrafeed.optimise(
+        criterion={"kind": "maximise", "output": "throw_number"}, beta=20, gamma=2, **sweep,
+        variables={"vertical_amplitude": {"lower": "0.01 mm", "upper": "0.09 mm"}},
+    )  # fmt: skip
+    assert float(best.best_vertical_amplitude) == pytest.approx(0.09e-3)
+
+    spread = vibrafeed.sensitivity(
+        outputs=["drive_normal"], beta=20, **sweep,
+        uncertain={"vertical_amplitude": {"mean": "0.2 mm", "deviation": "0.01 mm"}},
+    )  # fmt: skip
+    by_hand = np.array([0.2e-3, 0.01e-3]) * (100 * np.pi) ** 2  # of the part normal to the floor
+    found = [float(spread[f"drive_normal_{word}"]) for word in ("mean", "deviation")]
+    assert found == pytest.approx(by_hand, rel=1e-3)
+
+
+def test_it_is_refused_where_the_drive_has_no_vertical_part():
+    for beta in (0, 180, [0, 10], {"start": -10, "stop": 10, "num": 4}):
+        (problem,) = refusal(beta=beta, vertical_amplitude="0.2 mm")
+        assert problem.startswith("parameters.beta: beta reaches 0 or 180 degrees")
+    (problem,) = refusal(vertical_amplitude="0.2 mm")
+    assert problem.startswith("parameters.beta: it is missing; amplitude of")
+    with pytest.raises(StudyError, match="the angle of the drive above the floor is missing"):
+        vibrafeed.simulate(
+            scene="rectangle-isolated", outputs=["final_pitch"], frequency=50, friction=0.3,
+            vertical_amplitude="0.2 mm", height="5 mm", length="20 mm", restitution=0.3,
+            duration="0.1 s", drop_height="1 mm",
+        )  # fmt: skip
+
+
+@pytest.mark.parametrize("other", ["amplitude", "peak_to_peak", "vertical_peak_to_peak"])
+def test_an_amplitude_is_given_once(other):
+    problems = refusal(beta=20, vertical_amplitude="0.2 mm", **{other: "0.3 mm"})
+    assert any("set the same quantity" in one for one in problems)
+
+
+def test_a_drive_upwards_and_one_downwards_have_the_same_amplitude():
+    up, down = (
+        vibrafeed.sweep(outputs=["vibration_acceleration"], scene="rectangle-on-plane",
+                        frequency=50, vertical_amplitude="0.2 mm", beta=beta)
+        for beta in (30, -30)
+    )  # fmt: skip
+    assert float(up.vibration_acceleration) == float(down.vibration_acceleration) > 0
+
+
+def test_the_best_angle_is_that_of_the_drive_it_makes():
+    """The known answers hold for one size of drive in all directions, and are not taken here."""
+    bounds = {"alpha": {"lower": 0, "upper": 90}, "beta": {"lower": 5, "upper": 90}}
+    best = vibrafeed.optimise(
+        criterion={"kind": "maximise", "output": "acceleration_x"}, variables=bounds,
+        vertical_amplitude="0.05 mm", **PLANE,
+    )  # fmt: skip
+    beta = np.deg2rad(np.linspace(5.0, 90.0, 100_001))
+    drive = 0.05e-3 / np.sin(beta) * (2 * np.pi * 50) ** 2
+    gravity, climb = 9.80665, np.deg2rad(2)
+    load = gravity * np.cos(climb) - drive * np.sin(beta)
+    along = drive * np.cos(beta) - gravity * np.sin(climb) - 0.3 * load
+    assert float(best.objective) == pytest.approx(along[load >= 0].max(), rel=1e-9)
+    assert float(best.best_beta) == pytest.approx(5.0)
+
+
+def test_its_derivatives_are_those_of_the_amplitude_it_makes():
+    """d ln A/d ln A_v = 1, so that its elasticity is that of the amplitude."""
+    asked = {**PLANE, "outputs": ["conveying_velocity"], "beta": 25}
+    one = vibrafeed.simulate(
+        **asked, vertical_amplitude="0.1 mm", sensitivities=["vertical_amplitude", "beta"]
+    )
+    along = 0.1e-3 / np.sin(np.deg2rad(25))
+    two = vibrafeed.simulate(**asked, amplitude=along, sensitivities=["amplitude", "beta"])
+    name = "sensitivity_conveying_velocity_to_"
+    assert float(one[f"{name}vertical_amplitude"]) == pytest.approx(
+        float(two[f"{name}amplitude"]), rel=1e-9
+    )
+    # A = A_v/sin(beta): d ln v/d beta = the one at fixed A less cot(beta) d ln v/d ln A.
+    slope = "derivative_conveying_velocity_by_beta"
+    less = float(two[f"{name}amplitude"] * two.conveying_velocity) / np.tan(np.deg2rad(25))
+    expected = float(two[slope]) - less * np.deg2rad(1.0)
+    assert float(one[slope]) == pytest.approx(expected, rel=1e-8)
+
+
+def test_the_catalogue_says_what_it_is_given_for():
+    told = {one["name"]: one for one in describe("rectangle-on-plane")["parameters"]}
+    for name in ("vertical_amplitude", "vertical_peak_to_peak", "peak_to_peak"):
+        assert told[name]["instead_of"] == ["amplitude"]
+    assert told["beta"]["instead_of"] == []
+
+
+def test_the_amplitude_that_it_makes_is_judged():
+    flat = {"vertical_amplitude": "20 mm", "beta": "10 deg"}
+    (question,) = questions({"parameters": flat})
+    assert question == (
+        "vertical_amplitude and beta make amplitude = 115.175 mm along the drive; usual values "
+        "are 0.0001 to 25 mm. Is that what you mean?"
+    )
+    (question,) = questions(
+        {
+            "parameters": {"vertical_peak_to_peak": ["1 mm", "6 mm"]},
+            "variables": {"beta": {"lower": 5, "upper": 60}},
+        }
+    )
+    assert "make peak_to_peak = 68.8423 mm" in question
+    assert questions({"parameters": {"vertical_amplitude": "0.2 mm", "beta": 20}}) == []
+    (question,) = questions({"parameters": {"vertical_amplitude": 0.2, "beta": 20}})
+    assert 'Did you mean "0.2 mm"?' in question
