@@ -106,7 +106,7 @@ def test_a_name_that_nobody_wrote_is_not_to_be_removed():
 
 
 def test_the_mass_of_a_box_is_in_its_middle():
-    box = {"kind": "sweep", "scene": "resting-part", "outputs": ["resting_share_flat"],
+    box = {"kind": "sweep", "scene": "resting-part", "outputs": ["let_down_share_flat"],
            "parameters": {"length": "30 mm", "width": "20 mm", "height": "10 mm"}}  # fmt: skip
     (message,) = problems(box, centre_of_mass="5 mm")
     assert "a box has its mass in the middle" in message
