@@ -30,6 +30,7 @@ SHOWN = 3  # faults of a column that are listed one by one
 _IN_BRACKETS = re.compile(r"[\[(][^\[\]()]*[\])]\Z")
 _UNITS_ONLY = re.compile(r"([\[(][^\[\]]*[\])])?")
 _ENCODINGS = ("utf-8-sig", "cp1252")  # the second is what a spreadsheet in Europe writes
+_MINUS = "\u2212"  # the minus sign of word processors and PDF files
 
 
 class Fault(NamedTuple):
@@ -161,18 +162,35 @@ def _text_of(source: str | Path) -> str:
     if isinstance(source, str):
         if len(source) > MAX_BYTES:
             raise _too_long(len(source))
-        return source.removeprefix("\ufeff")
+        return source.removeprefix("\ufeff").replace(_MINUS, "-")
     with source.open("rb") as file:  # no more is read than is allowed, whatever the file is
         raw = file.read(MAX_BYTES + 1)
     if len(raw) > MAX_BYTES:
         raise _too_long(source.stat().st_size)
+    try:
+        return decoded(raw)
+    except ValueError:
+        fix = "Export the recording as CSV, in UTF-8"
+        raise _refused("the file is not a text file", fix) from None
+
+
+def decoded(raw: bytes) -> str:
+    """Return the text of a table as recorders and spreadsheets write it, with plain minus signs.
+
+    Its encoding is UTF-8, with or without a byte order mark, or Windows-1252.
+
+    Raises
+    ------
+    ValueError
+        If it is neither.
+    """
     if b"\0" not in raw:
         for encoding in _ENCODINGS:
             try:
-                return raw.decode(encoding)
+                return raw.decode(encoding).replace(_MINUS, "-")
             except UnicodeDecodeError:
                 continue
-    raise _refused("the file is not a text file", "Export the recording as CSV, in UTF-8")
+    raise ValueError("it is not text in UTF-8 or Windows-1252")
 
 
 def _rows(text: str) -> Iterator[tuple[int, list[str]]]:

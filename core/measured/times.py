@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 from core.errors import Problem
 from core.measured.read import RecordingTable
 from core.quantities import Quantity
-from core.study.units import UnitError, problem, read_number
+from core.study.units import UnitError, problem, read_number, unit_factor
 
 RATE = Quantity(
     "Hz", "f_s", "Sampling rate", "Samples a second.", 0.0, strict=True, parameter=True,
     examples=("5 kHz",),
 )  # fmt: skip
-SECONDS = {"": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "min": 60}
+SECONDS = Quantity("s", "t", "Time", "Time of a sample.", examples=("1 ms",))
+LONGEST_UNIT = 60.0  # s
 USUAL_NAMES = ("time", "t")
 UNEVEN = 0.5  # of a step: smaller deviations are kept, and fitted at their true times
 ROUNDED = 0.75
@@ -58,7 +59,7 @@ def read_times(
     column = table.column(name, "time", problems)
     if column is None:
         return None
-    factor = SECONDS.get(column.unit)
+    factor = _seconds(column.unit)
     if factor is None:
         fix = "Write s, ms, us or min in the header, or give rate and leave time out"
         problems.append(
@@ -76,6 +77,18 @@ def read_times(
         problems.append(wrong)
         return None
     return _even_if_rounded(times)
+
+
+def _seconds(unit: str) -> float | None:
+    """Return the factor from the unit of a column of times to seconds; None if it has none.
+
+    No unit means seconds. No recorder of vibrations counts hours.
+    """
+    try:
+        factor = float(unit_factor("time", SECONDS, unit or SECONDS.unit))
+    except UnitError:
+        return None
+    return factor if factor <= LONGEST_UNIT else None
 
 
 def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> Problem | None:

@@ -93,7 +93,7 @@ def _labelled_unit(value: Any) -> str:
 
 
 def _unit_of(value: Any) -> Any:
-    """Return the unit of a quantity of pint, astropy or unyt, of any shape; None of other values."""
+    """Return the unit of a quantity of pint, astropy or unyt, of any shape; else None."""
     if not (hasattr(value, "magnitude") or hasattr(value, "value")):
         return None
     unit = getattr(value, "units", getattr(value, "unit", None))

@@ -28,10 +28,13 @@ _TEXT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*(.*?)\
 _BARE = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?")
 _COMMA = re.compile(r",\d")
 
-# Signs of word processors, PDF files and keyboards, and the ones that are meant.
+# Signs of word processors, PDF files and keyboards, and the ones that are meant: the minus sign,
+# hyphens and the en dash; dots and the cross of a product; the ordinal and the ring for a degree;
+# the slash of a division; the micro sign for the Greek letter.
 _SIGNS = str.maketrans(
-    {**dict.fromkeys("−‐‑–﹣－", "-"), **dict.fromkeys("·⋅∙•×", "*"), **dict.fromkeys("º˚", "°"),
-     "∕": "/", "µ": "μ"}
+    {**dict.fromkeys("\u2212\u2010\u2011\u2013\ufe63\uff0d", "-"),
+     **dict.fromkeys("\u00b7\u22c5\u2219\u2022\u00d7", "*"),
+     **dict.fromkeys("\u00ba\u02da", "°"), "\u2215": "/", "\u00b5": "μ"}
 )  # fmt: skip
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻", "0123456789+-")
 _RAISED = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻]+")
@@ -45,7 +48,7 @@ _HIGH_POWER = re.compile(r"\*\*|\^|[\d.][eE]")
 _TITLE = re.compile(r"\b[A-Z](?=[a-z]{2,})")
 
 # What a rate counts is no unit. pint has a revolution for 2 pi radians, and so rpm and rps.
-_PER_MINUTE = {word: "count/min" for word in ("rpm", "vpm", "cpm", "spm", "revolutions_per_minute")}
+_PER_MINUTE = dict.fromkeys(("rpm", "vpm", "cpm", "spm", "revolutions_per_minute"), "count/min")
 _COUNTED = {
     "Hz": re.compile(r"\b(r|revs?|revolutions?|turns?|cycles?|vibs?|vibrations?|strokes?)\b"),
     "min-1": re.compile(r"\b(parts?|pcs?|pieces?)\b"),
@@ -222,7 +225,8 @@ def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
     """
     fix = _how_to_write(name, quantity)
     try:
-        return _factor(quantity.unit, " ".join(unit.split()))
+        # Gravity itself in g is a slip of the pen for m/s^2.
+        return _factor(quantity.unit, " ".join(unit.split()), with_g=quantity.symbol != "g")
     except _AngularError as error:
         message = f"'{unit}' is an angular velocity, not a frequency"
         raise UnitError(message, f"Divide the number by 2 pi. {fix}") from error
@@ -241,14 +245,16 @@ class _AngularError(Exception):
 
 
 @functools.lru_cache(512)  # of tables, whose columns repeat theirs
-def _factor(own: str, unit: str) -> Fraction:
+def _factor(own: str, unit: str, *, with_g: bool) -> Fraction:
     """Return the exact factor from a text of a unit to the unit `own` of quantities.
 
-    Raises `ValueError` for a text that is no unit, `_OtherKindError` and `_AngularError` for others.
+    With `with_g` an acceleration may be in ``g``, the standard gravity; else that is the gram.
+    Raises `ValueError` for a text that is no unit, `_OtherKindError` or `_AngularError` for one of
+    another kind.
     """
     if unit == own or (own == "1" and unit == "-"):
         return Fraction(1)
-    text = _in_pint(_spelled(own, _plain(unit)))
+    text = _in_pint(_spelled(own, _plain(unit), with_g=with_g))
     if not _UNIT.fullmatch(text) or _HIGH_POWER.search(_POWER.sub("", text)):
         raise ValueError(unit)
     base = _quantity(text)
@@ -272,7 +278,7 @@ def _quantity(text: str) -> pint.Quantity[Fraction]:
     for tried in dict.fromkeys((text, small)):
         try:
             return _registry().Quantity(Fraction(1), tried)
-        except Exception:  # noqa: BLE001, S112 # pint raises of many kinds for a malformed unit
+        except Exception:  # pint raises of many kinds for a malformed unit
             continue
     raise ValueError(text)
 
@@ -284,10 +290,10 @@ def _plain(unit: str) -> str:
     return f"1{text}" if text.startswith("/") else text
 
 
-def _spelled(own: str, unit: str) -> str:
+def _spelled(own: str, unit: str, *, with_g: bool) -> str:
     """Return a unit in which the words that quantities of the unit `own` have are pint's."""
     compact = unit.replace(" ", "")
-    if own == "m s-2" and (gravity := _GRAVITY.fullmatch(compact)):
+    if own == "m s-2" and with_g and (gravity := _GRAVITY.fullmatch(compact)):
         return f"{_PREFIXES[gravity[1]]}standard_gravity"
     if own in _MOVING and (joined := _JOINED.fullmatch(compact)):
         return f"{joined[1]}*s**{joined[2]}"
