@@ -37,6 +37,7 @@ from core.motion.result import SHARES
 from core.plan.equations import regimes_of
 from core.plan.grid import parameter_to_si
 from core.plan.labels import coordinates_of
+from core.quantities import QUANTITIES
 from core.study import SimulateStudy
 from core.study.grid_study import PARAMETERS
 from core.study.units import UnitError, read_numbers

@@ -27,7 +27,7 @@ MAX_COLUMNS = 256  # columns of a table
 MAX_LETTERS = 20_000  # characters of a line
 SHOWN = 3  # faults of a column that are listed one by one
 
-_IN_BRACKETS = re.compile(r"[\[(][^\[\]()]*[\])]\Z")
+_IN_BRACKETS = re.compile(r"(\[[^\[\]]*\]|[\[(][^\[\]()]*[\])])\Z")
 _UNITS_ONLY = re.compile(r"([\[(][^\[\]]*[\])])?")
 _ENCODINGS = ("utf-8-sig", "cp1252")  # the second is what a spreadsheet in Europe writes
 _MINUS = "\u2212"  # the minus sign of word processors and PDF files
@@ -249,7 +249,8 @@ def name_and_unit(heading: str) -> tuple[str, str]:
     It takes no longer than reading the heading, whatever that holds.
     """
     heading = heading.strip()
-    start = max(heading.rfind("["), heading.rfind("("))
+    start = heading.rfind("[") if heading.endswith("]") else -1  # as in [J/(kg m)]
+    start = start if start >= 0 else max(heading.rfind("["), heading.rfind("("))
     name = heading[: max(start, 0)].strip()
     if name and _IN_BRACKETS.match(heading, start):
         return name, heading[start + 1 : -1].strip()
