@@ -10,10 +10,10 @@ import sys
 from collections.abc import Sequence
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from core.errors import Problem
-from core.study.arrays import as_typed
+from core.study.arrays import apart, as_typed
 
 if TYPE_CHECKING:
     import pint
@@ -234,6 +234,25 @@ def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
         raise UnitError(f"'{unit}' does not measure {quantity.label.lower()}", fix) from error
     except ValueError as error:
         raise UnknownUnitError(f"'{unit[:40]}' is not a unit", fix) from error
+
+
+def in_own_unit(name: str, quantity: Quantity, value: Any) -> Any:
+    """Return an array in the unit of a quantity: converted if it carries another one.
+
+    A data array of xarray keeps its labels; what carries no unit is returned as it is.
+
+    Raises
+    ------
+    UnitError
+        If its unit is none of the quantity; `name` is for messages.
+    """
+    numbers, unit = apart(value)
+    if not unit:
+        return value
+    factor = float(unit_factor(name, quantity, unit))
+    if hasattr(value, "dims"):
+        return value.copy(data=numbers * factor).drop_attrs()
+    return numbers * factor
 
 
 class _OtherKindError(Exception):
