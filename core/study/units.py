@@ -39,7 +39,7 @@ _SIGNS = str.maketrans(
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻", "0123456789+-")
 _RAISED = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻]+")
 # CF and UDUNITS write "m s-2" and "kg.m2" for m*s**-2 and kg*m**2; g0 is no power.
-_CF_POWER = re.compile(r"(?<=[A-Za-zμ])(-?[1-9])(?![\w.*^])")
+_CF_POWER = re.compile(r"(?<=[A-Za-zμ])(-?[1-9])(?![\w.^]|\*\*)")
 _CF_PRODUCT = re.compile(r"(?<=[\w°])\.(?=[A-Za-zμ°])")
 _UNIT = re.compile(r"(?:1\s?/)?[A-Za-zμ°(][A-Za-z0-9_ μ°*/^().-]{0,60}")
 # Powers are exact, and as long as their exponents are high: "mm**99999999" would take hours.
@@ -323,7 +323,7 @@ def _spelled(own: str, unit: str, *, with_g: bool) -> str:
 
 def _in_pint(unit: str) -> str:
     """Return a unit in pint's notation: "kg m2.s-1" as "kg m**2*s**-1"."""
-    return _CF_PRODUCT.sub("*", _CF_POWER.sub(r"**\1", unit))
+    return _CF_POWER.sub(r"**\1", _CF_PRODUCT.sub("*", unit))
 
 
 @functools.cache
