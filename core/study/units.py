@@ -147,14 +147,20 @@ def share_of(value: float, raw: object, example: str) -> float | None:
     """
     if not (isinstance(raw, str) and raw.strip().endswith(PERCENT)):
         return None
+    _check_length(raw)
     text = raw.strip().removesuffix(PERCENT).strip().translate(_SIGNS)
     try:
-        if len(raw) > MAX_LETTERS:
-            raise ValueError(raw)
         return abs(value) * float(text) / 100
     except ValueError:
         fix = f"Write {example}, or a value with its unit"
         raise UnitError(f"{raw[:40]!r} is not a percentage", fix) from None
+
+
+def _check_length(text: str) -> None:
+    """Raise `UnitError` if a text is longer than a value: it is never cut."""
+    if len(text) > MAX_LETTERS:
+        message = f"{_shown(text)} has {len(text):,} characters"
+        raise UnitError(message, f"A value has at most {MAX_LETTERS} characters")
 
 
 def problem(path: str, error: UnitError) -> Problem:
@@ -168,9 +174,7 @@ def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Frac
     It is rounded once. `name` is the parameter, for messages; `factors` caches the factors of
     units. Raises `UnitError` for a text that is none.
     """
-    if len(text) > MAX_LETTERS:
-        message = f"{_shown(text)} has {len(text):,} characters"
-        raise UnitError(message, f"A value has at most {MAX_LETTERS} characters")
+    _check_length(text)
     match = _TEXT.fullmatch(text.translate(_SIGNS))
     if match is None:
         raise UnitError(
