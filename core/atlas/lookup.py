@@ -27,7 +27,7 @@ from core.dataset.table import (
 )
 from core.errors import Problem, StudyError
 from core.intake import parse_study
-from core.intake.keywords import plain
+from core.intake.keywords import check_not_paired, plain
 from core.mechanics.arrays import Array
 from core.motion.drives import shape_of
 from core.motion.groups import Groups, groups_of, table
@@ -107,6 +107,7 @@ def lookup(
     vibrafeed atlas -o other.nc makes it
     """
     opened = atlas if isinstance(atlas, Atlas) else open_atlas(atlas)
+    check_not_paired(parameters)
     values = {name: plain(value, f"parameters.{name}") for name, value in parameters.items()}
     if rows is None:
         return lookup_grid(opened, values, simulate=simulate).to_xarray()

@@ -76,7 +76,7 @@ def spread(written: Mapping[str, Any]) -> dict[str, Any]:
         If a parameter is given twice, or is an endless range; if labelled arrays belong together
         row by row.
     """
-    _check_not_paired(written)
+    check_not_paired(written)
     content: dict[str, Any] = {}
     loose: dict[str, Any] = {}
     for name, value in written.items():
@@ -96,7 +96,7 @@ def spread(written: Mapping[str, Any]) -> dict[str, Any]:
     return content
 
 
-def _check_not_paired(written: Mapping[str, Any]) -> None:
+def check_not_paired(written: Mapping[str, Any]) -> None:
     """Raise `StudyError` if labelled arrays of parameters have a dimension in common.
 
     A study takes all combinations of the values, which is not meant then. `written` is the content

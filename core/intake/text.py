@@ -71,7 +71,8 @@ def _read_text(text: str, suffix: str, stem: str) -> object:
         except StudyError:
             (problem,) = error.problems
             if problem.place == "body":  # the word of requests
-                problem = Problem("file", problem.message, SYNTAX)
+                fix = SYNTAX if problem.fix == EXPECTED else problem.fix
+                problem = Problem("file", problem.message, fix)
             raise StudyError([problem]) from None
         form = other.removeprefix(".").upper()
         _fail("file", f"this is {form}, and its name ends in {suffix}", f"Name it {stem}{other}")
