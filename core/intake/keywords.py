@@ -181,7 +181,7 @@ def _columns(table: Any) -> Iterator[tuple[str, Any]]:
     file, such as ``amplitude [mm]``: the unit is then given to the numbers.
     """
     if isinstance(table, Mapping):
-        for name in table.variables if hasattr(table, "data_vars") else table:
+        for name in getattr(table, "variables", table):
             yield str(name), table[name]
         return
     for heading in table.columns:

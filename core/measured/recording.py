@@ -226,14 +226,14 @@ def _factor(
     """
     listed = ", ".join(UNITS)
     factors = []
-    for text, place in ((column.unit, path), (unit, "unit")):
+    for text, key in ((column.unit, path), (unit, "unit")):
         try:
             factors += [unit_factor(name, ACCELERATION, text)] if text else []
         except UnitError as error:
-            if place == path and unit and isinstance(error, UnknownUnitError):
+            if key == path and unit and isinstance(error, UnknownUnitError):
                 continue
             message = f"'{str(text)[:40]}' is not a unit of acceleration"
-            problems.append(Problem(place, message, f"Known: {listed}"))
+            problems.append(Problem(key, message, f"Known: {listed}"))
             return None
     if not factors:
         fix = f"Give unit = one of {listed}, or write the unit in the header: '{name} [g]'"

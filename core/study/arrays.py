@@ -84,12 +84,12 @@ def _labelled_unit(value: Any) -> str:
     attributes = getattr(value, "attrs", None) or {}
     indexes = getattr(value, "xindexes", None) or {}  # of pint-xarray: coordinates keep it there
     in_index = [getattr(index, "units", None) or {} for index in indexes.values()]
-    found = [
+    carried = [
         *(attributes.get(name) for name in UNITS),
         *(units.get(value.name) for units in in_index if isinstance(units, dict)),
         getattr(getattr(value, "dtype", None), "units", None),  # of pint-pandas
     ]
-    return next((text for unit in found if (text := _unit_text(unit))), "")
+    return next((text for unit in carried if (text := _unit_text(unit))), "")
 
 
 def _unit_of(value: Any) -> Any:
@@ -105,7 +105,7 @@ def _unit_text(unit: Any) -> str:
 
     pint has "g" for the gram, which is standard gravity where an acceleration is asked for.
     """
-    one = 1 * unit if hasattr(unit, "dimensionality") else None
+    one: Any = 1 * unit if hasattr(unit, "dimensionality") else None
     if not hasattr(one, "unit_items"):
         return "" if unit is None else str(unit).strip()
     powers = dict(one.unit_items()).items()

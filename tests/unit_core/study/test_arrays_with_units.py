@@ -195,3 +195,18 @@ def test_rates_convert_arrays_that_carry_a_unit():
     ) == pytest.approx(0.03, rel=1e-15)
     with pytest.raises(StudyError, match="does not measure conveying velocity"):
         vibrafeed.parts_per_minute(velocity=array([1.0], "m s-2"), length=0.01)
+
+
+def test_the_axis_of_a_posterior_may_have_another_unit(tmp_path):
+    beta = array(np.radians([18.0, 20.0, 22.0]), "rad", dims="beta")
+    density = xarray.Dataset({"density_beta": ("beta", [0.0, 1.0, 0.0])}, {"beta": beta})
+    density.to_netcdf(tmp_path / "told.nc")
+    told = {"beta": {"calibration": str(tmp_path / "told.nc")}}
+    scene = {"scene": "rectangle-on-plane", "outputs": ["throw_number"]}
+    study = vibrafeed.study(kind="sensitivity", **scene, **POINT, uncertain=told)
+    values = study.content()["uncertain"]["beta"]["values"]
+    assert values == pytest.approx([18.0, 20.0, 22.0], rel=1e-15)
+    density.beta.attrs["units"] = "mm"
+    density.to_netcdf(tmp_path / "told.nc")
+    with pytest.raises(StudyError, match="'mm' does not measure"):
+        vibrafeed.study(kind="sensitivity", **scene, **POINT, uncertain=told)
