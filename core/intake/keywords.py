@@ -164,11 +164,14 @@ def _numbers(value: Any, path: str) -> Any:
     if getattr(numbers, "ndim", 0) > 1:
         message = f"the value is an array of {numbers.ndim} dimensions"
         raise StudyError([Problem(path, message, "Give an array of one dimension, or one number")])
-    if hasattr(numbers, "tolist"):
-        numbers = numbers.tolist()
     quantity = QUANTITIES.get(path.rpartition(".")[2])
     if quantity is not None and unit == quantity.unit:
         unit = ""
+    if hasattr(numbers, "tolist"):
+        kind = getattr(getattr(numbers, "dtype", None), "kind", "")
+        numbers = numbers.tolist()
+        if kind in tuple("biuf") and not unit:
+            return numbers
     if isinstance(numbers, list):
         return [plain(with_own_unit(number, unit), path) for number in numbers]
     return with_own_unit(numbers, unit)

@@ -27,6 +27,7 @@ MAX_UNITS = 10  # units in the values of one list: looking one up takes long
 _TEXT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*(.*?)\s*")
 _BARE = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?")
 _COMMA = re.compile(r",\d")
+_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+(?![\d.])")
 
 # Signs of word processors, PDF files and keyboards, and the ones that are meant: the minus sign,
 # hyphens and the en dash; dots and the cross of a product; the ordinal and the ring for a degree;
@@ -185,6 +186,10 @@ def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Frac
     except InvalidOperation as error:  # pragma: no cover (the pattern admits decimals only)
         raise UnitError(f"{_shown(text)} is not a number", _how_to_write(name, quantity)) from error
     unit = match[2]
+    if _THOUSANDS.match(text.strip()):
+        raise UnitError(
+            f"{_shown(text)} may mean two numbers", "Remove the comma, or write a decimal point"
+        )
     if _COMMA.match(unit):
         raise UnitError(
             f"{_shown(text)} has a decimal comma", "Write the number with a point, as in 0.5"
@@ -277,6 +282,8 @@ def _factor(own: str, unit: str, *, with_g: bool) -> Fraction:
     """
     if unit == own or (own == "1" and unit == "-"):
         return Fraction(1)
+    if own == "1" and unit == PERCENT:
+        return Fraction(1, 100)
     text = _in_pint(_spelled(own, _plain(unit), with_g=with_g))
     if not _UNIT.fullmatch(text) or _HIGH_POWER.search(_POWER.sub("", text)):
         raise ValueError(unit)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import xarray
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import vibrafeed
@@ -42,6 +42,7 @@ def spellings(unit):
 
 
 @pytest.mark.parametrize("unit", UNITS)
+@settings(max_examples=30, deadline=None)
 @given(x=NUMBERS)
 def test_what_is_written_in_the_unit_of_files_is_read_to_the_bit(unit, x):
     for spelled in spellings(unit):
@@ -50,6 +51,7 @@ def test_what_is_written_in_the_unit_of_files_is_read_to_the_bit(unit, x):
 
 
 @pytest.mark.parametrize("unit", UNITS)
+@settings(max_examples=30, deadline=None)
 @given(x=NUMBERS)
 def test_what_a_person_is_shown_is_read(unit, x):
     shown = {ShownUnits().of(unit, abs(x)), ShownUnits("si").of(unit, abs(x))}

@@ -95,6 +95,12 @@ def test_a_long_condition_is_refused(content):
         parse_study(study(**content))
 
 
+@pytest.mark.parametrize("text", ["17,220 mm/s", "1,500", "-17,220,000 mm/s"])
+def test_thousands_as_the_screen_writes_them_may_be_decimals(text):
+    with pytest.raises(UnitError, match=r"may mean two numbers\. Remove the comma, or write a dec"):
+        read_number("mean_velocity", QUANTITIES["mean_velocity"], text)
+
+
 def test_two_hundred_characters_are_read():
     text = "0.3".ljust(197, "0") + " mm"
     assert read_number("amplitude", QUANTITIES["amplitude"], text) == 3e-4
