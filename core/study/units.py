@@ -42,7 +42,7 @@ _RAISED = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻]+")
 # CF and UDUNITS write "m s-2" and "kg.m2" for m*s**-2 and kg*m**2; g0 is no power.
 _CF_POWER = re.compile(r"(?<=[A-Za-zμ])(-?[1-9])(?![\w.^]|\*\*)")
 _CF_PRODUCT = re.compile(r"(?<=[\w°])\.(?=[A-Za-zμ°])")
-_UNIT = re.compile(r"(?:1\s?/)?[A-Za-zμ°(][A-Za-z0-9_ μ°*/^().-]{0,60}")
+_UNIT = re.compile(r"(?:1\s?/\s?)?[A-Za-zμ°(][A-Za-z0-9_ μ°*/^().-]{0,60}")
 # Powers are exact, and as long as their exponents are high: "mm**99999999" would take hours.
 _POWER = re.compile(r"(?<![)\s])\s?(?:\*\*|\^)\s?-?\d(?![\w.]|\s?(?:\*\*|\^))")
 _HIGH_POWER = re.compile(r"\*\*|\^|[\d.][eE]")
@@ -317,7 +317,7 @@ def _plain(unit: str) -> str:
     """Return a unit with the signs of a keyboard: superscripts as "**2", "·" as "*"."""
     text = _RAISED.sub(lambda power: f"**{power[0].translate(_SUPERSCRIPTS)}", unit)
     text = text.translate(_SIGNS)
-    return f"1{text}" if text.startswith("/") else text
+    return re.sub(r"^(per\b|/)\s?", "1/", text)
 
 
 def _spelled(own: str, unit: str, *, with_g: bool) -> str:

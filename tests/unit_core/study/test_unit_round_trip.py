@@ -122,7 +122,19 @@ def test_g_is_what_the_quantity_weighs():
 
 def test_a_turn_a_minute_is_a_frequency_and_an_angular_velocity():
     """pint reads rpm as radians a second: as a frequency that would be off by 2 pi."""
-    for text in ("rpm", "RPM", "1/min", "rev/min", "r/min", "vib/min", "min-1", "strokes/min"):
+    for text in (
+        "rpm",
+        "RPM",
+        "1/min",
+        "1 / min",
+        "/ min",
+        "per minute",
+        "rev/min",
+        "r/min",
+        "vib/min",
+        "min-1",
+        "strokes/min",
+    ):
         assert read_number("frequency", QUANTITIES["frequency"], f"3000 {text}") == 50.0
     spin = read_number("spin_rate", QUANTITIES["spin_rate"], "3000 rpm")
     assert math.isclose(spin, 100 * math.pi, rel_tol=1e-15)
