@@ -7,6 +7,7 @@ import pytest
 
 from core.atlas.rows import read_rows as read_cases
 from core.errors import StudyError
+from core.intake.forms import resolve_files
 from core.intake.observed import read_rows
 from core.measured import Recording, read_signal
 
@@ -91,6 +92,13 @@ def test_all_tables_are_read_in_the_encodings_of_spreadsheets(tmp_path, encoding
     assert read_cases(cases) == {"amplitude": (1e-4,), "gamma": (-2.0,)}
     drive.write_bytes(table(time="time [µs]", along="ax [m/s²]").encode(encoding))
     assert signal(drive).accelerations[0, 1] == pytest.approx(np.sin(0.314), abs=1e-5)
+
+
+def test_a_recording_in_windows_1252_is_sent_whole(tmp_path):
+    path = tmp_path / "drive.csv"
+    path.write_bytes(table(time="time [µs]").encode("cp1252"))
+    content = {"kind": "simulate", "drive": {"file": str(path), "along": "ax"}}
+    assert resolve_files(content, "curl", tmp_path)["drive"]["data"] == table(time="time [µs]")
 
 
 def test_bytes_that_are_no_text_are_told(tmp_path):
