@@ -165,8 +165,8 @@ def _numbers(value: Any, path: str) -> Any:
         message = f"the value is an array of {numbers.ndim} dimensions"
         raise StudyError([Problem(path, message, "Give an array of one dimension, or one number")])
     quantity = QUANTITIES.get(path.rpartition(".")[2])
-    if quantity is not None and unit == quantity.unit:
-        unit = ""
+    own = "1" if path in KEYS else "" if quantity is None else quantity.unit
+    unit = "" if unit == own else unit
     if hasattr(numbers, "tolist"):
         kind = getattr(getattr(numbers, "dtype", None), "kind", "")
         numbers = numbers.tolist()

@@ -155,6 +155,14 @@ def test_signs_of_word_processors_are_read(text, right):
 STUDY = {"scene": "rectangle-on-plane", "outputs": ["throw_number"]}
 
 
+def test_the_settings_of_a_motion_are_read_from_its_coordinates():
+    point = {"frequency": 50, "amplitude": "0.2 mm", "beta": 20, "friction": 0.3}
+    first = vibrafeed.simulate(scene="rectangle-on-plane", **point)
+    given = {name: first[name] for name in (*point, "gravity", "gamma", "alpha", "tolerance")}
+    again = vibrafeed.simulate(scene="rectangle-on-plane", **given)
+    xarray.testing.assert_identical(again.conveying_velocity, first.conveying_velocity)
+
+
 def test_the_coordinates_of_a_file_are_parameters(tmp_path):
     first = vibrafeed.sweep(
         **STUDY, frequency="3000 rpm", amplitude=["0.1 mm", "0.3 mm"], beta=["0.1 rad", "0.3 rad"]
