@@ -17,8 +17,22 @@ class Labelled(Protocol):
         ...
 
 
-Number: TypeAlias = float | str | np.number[Any]
-"""A number in the unit of the quantity, or text with a unit, such as ``"0.25 mm"``."""
+class WithUnit(Protocol):
+    """A quantity of pint."""
+
+    @property
+    def magnitude(self) -> Any:
+        """Its number, or its array."""
+        ...
+
+    @property
+    def units(self) -> Any:
+        """Its unit."""
+        ...
+
+
+Number: TypeAlias = float | str | np.number[Any] | WithUnit
+"""A number in the unit of the quantity, text with a unit, such as ``"0.25 mm"``, or a quantity."""
 
 Values: TypeAlias = Number | Sequence[Number] | NDArray[Any] | Labelled | Mapping[str, Number]
 """One number; or several, which become an axis of the dataset.

@@ -271,8 +271,8 @@ class Limits:
             )
         length = Headers(scope=scope).get("content-length", "")
         if scope["method"] not in SAFE_METHODS and length.isdigit():
-            # A longer figure than any length could be is compared by its length.
-            size = int(length[:20])
+            # Zeros in front count for nothing; what is longer than 20 digits is too large anyway.
+            size = int(length.lstrip("0")[:20] or "0")
             if size > self.most_bytes:
                 return problem_document(*STATUS[TooLargeError], str(TooLargeError(self.most_bytes)))
         return None

@@ -9,8 +9,8 @@ tell which they are. `null` says that it tried and has no answer.
 from __future__ import annotations
 
 import json
-import math
 import re
+import sys
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -64,7 +64,9 @@ def read_answers(path: Path) -> ProgramAnswers:
         fix = "Name a JSON file of answers"
         raise StudyError([Problem("answers", error.strerror or str(error), fix)]) from None
     except ValueError as error:
-        raise StudyError([Problem("answers", f"it is not JSON: {error}", _FORM)]) from None
+        is_syntax = isinstance(error, json.JSONDecodeError | UnicodeDecodeError)
+        reason = error if is_syntax else "a number has thousands of digits"
+        raise StudyError([Problem("answers", f"it is not JSON: {reason}", _FORM)]) from None
     return answers_of(content)
 
 
@@ -130,7 +132,8 @@ def _is_answer(value: Any) -> bool:
     """True if a value can be an answer: None or a finite number."""
     if value is None:
         return True
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return is_number and abs(value) <= sys.float_info.max  # not so of NaN
 
 
 def _asked(names: Collection[str]) -> tuple[tuple[Case, ...], list[Problem]]:

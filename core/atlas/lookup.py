@@ -27,7 +27,7 @@ from core.dataset.table import (
 )
 from core.errors import Problem, StudyError
 from core.intake import parse_study
-from core.intake.keywords import plain
+from core.intake.keywords import check_not_paired, plain
 from core.mechanics.arrays import Array
 from core.motion.drives import shape_of
 from core.motion.groups import Groups, groups_of, table
@@ -37,9 +37,10 @@ from core.motion.result import SHARES
 from core.plan.equations import regimes_of
 from core.plan.grid import parameter_to_si
 from core.plan.labels import coordinates_of
+from core.quantities import QUANTITIES
 from core.study import SimulateStudy
 from core.study.grid_study import PARAMETERS
-from core.study.units import UnitError
+from core.study.units import UnitError, read_numbers
 from core.study.values import Fixed, read_values
 from core.watch import Watch
 
@@ -72,8 +73,8 @@ def lookup(
     atlas : Atlas or path
         What `vibrafeed atlas` wrote, or `open_atlas` returned: to read it once for many look-ups.
     rows : path or mapping, optional
-        A CSV file with a parameter a column, or columns as arrays in the units of studies: each row
-        is a case of its own. Keywords are then for all rows.
+        A CSV file with a parameter a column, or columns as arrays in the units of studies or with a
+        unit of their own: each row is a case of its own. Keywords are then for all rows.
     simulate : bool
         Whether what the atlas does not answer is followed exactly.
     **parameters
@@ -106,15 +107,34 @@ def lookup(
     vibrafeed atlas -o other.nc makes it
     """
     opened = atlas if isinstance(atlas, Atlas) else open_atlas(atlas)
+    check_not_paired(parameters)
     values = {name: plain(value, f"parameters.{name}") for name, value in parameters.items()}
     if rows is None:
         return lookup_grid(opened, values, simulate=simulate).to_xarray()
     columns = (
-        {str(name): plain(value, f"rows.{name}") for name, value in rows.items()}
-        if isinstance(rows, Mapping)
-        else read_rows(Path(rows))
+        read_rows(Path(rows))
+        if isinstance(rows, str | os.PathLike)
+        else _columns(plain(rows, "rows"))
     )
     return lookup_rows(opened, columns, values, simulate=simulate).to_xarray()
+
+
+def _columns(rows: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the columns of rows that a program gives, as numbers in the units of studies.
+
+    `rows` has numbers, or texts with a unit such as those of arrays that carry one. Raises
+    `StudyError` for values that are none of their parameter; other names are reported later.
+    """
+    columns, problems = dict(rows), []
+    for name, values in rows.items():
+        if name in PARAMETERS and not {*map(type, values)} <= {int, float}:
+            try:
+                columns[name] = read_numbers(name, QUANTITIES[name], values)
+            except UnitError as error:
+                problems.append(Problem(f"rows.{name}", error.message, error.fix))
+    if problems:
+        raise StudyError(problems)
+    return columns
 
 
 def lookup_grid(atlas: Atlas, parameters: Mapping[str, Any], *, simulate: bool = False) -> Table:

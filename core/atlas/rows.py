@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import csv
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
 from core.errors import Problem, StudyError
+from core.measured.read import decoded, name_and_unit
 from core.quantities import QUANTITIES
 from core.study.grid_study import PARAMETERS
-from core.study.units import UnitError, read_number
+from core.study.units import UnitError, read_number, with_unit
 from core.suggestions import suggestion
 
 MAX_ROWS: Final = 2_000_000  # rows of a file
 MAX_REPORTED: Final = 20  # problems of cells that are listed at most
-
-_HEADING = re.compile(r"\s*([^\[\]()]*?)\s*(?:[\[(]([^\[\]()]*)[\])])?\s*")
 
 
 def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
@@ -64,18 +62,14 @@ def _cells(path: Path) -> tuple[list[str], list[list[str]], str]:
     Raises
     ------
     StudyError
-        If `path` is not UTF-8 text, has no rows below the heading, or more than `MAX_ROWS`.
+        If `path` is not text in UTF-8 or Windows-1252, has no rows below the heading, or more than
+        `MAX_ROWS`.
     """
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except UnicodeDecodeError:
-        raise StudyError(
-            [
-                Problem(
-                    "rows", "the CSV file is not UTF-8 text", "Save the file in the encoding UTF-8"
-                )
-            ]
-        ) from None
+        lines = decoded(path.read_bytes()).splitlines()
+    except ValueError as error:
+        fix = "Save the file in the encoding UTF-8"
+        raise StudyError([Problem("rows", f"the CSV file cannot be read: {error}", fix)]) from None
     delimiter = next((mark for mark in "\t;" if lines and mark in lines[0]), ",")
     heading, *body = [row for row in csv.reader(lines, delimiter=delimiter) if any(row)] or [[]]
     if not body or len(body) > MAX_ROWS:
@@ -94,8 +88,7 @@ def _headings(cells: list[str]) -> tuple[list[str], list[str], list[Problem]]:
     """
     names, units, problems = [], [], []
     for cell in cells:
-        match = _HEADING.fullmatch(cell)
-        name, unit = (match[1], match[2] or "") if match else (cell.strip(), "")
+        name, unit = name_and_unit(cell)
         if name not in PARAMETERS:
             fix = suggestion(name, PARAMETERS)
             problems.append(Problem("heading", f"'{name[:60]}' is not a parameter", fix))
@@ -129,10 +122,8 @@ def _column(
     for number, cell in enumerate(cells, 1):
         if cell not in known:  # columns repeat values: a text with a unit takes long to read
             text = cell.replace(",", ".") if decimal_commas else cell
-            text = text.strip()
-            bare = not unit or not text or text[-1] not in "0123456789."
             try:
-                known[cell] = read_number(name, quantity, text if bare else f"{text} {unit}")
+                known[cell] = read_number(name, quantity, with_unit(text, unit))
             except UnitError as error:
                 known[cell] = float("nan")
                 place = f"row {number}, {name}"

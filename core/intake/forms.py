@@ -18,6 +18,7 @@ from core.intake.keywords import KEYS
 from core.intake.observed import read_rows
 from core.intake.posteriors import with_posteriors
 from core.intake.sections import SECTIONS
+from core.measured.read import decoded
 
 SERVICE: Final = "http://127.0.0.1:8000"
 LONGEST_ARGUMENT: Final = 100_000  # bytes; Linux takes 131,072 in one argument of a command
@@ -130,8 +131,8 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
     file = Path(drive["file"])
     if form == "curl":
         try:
-            data = file.read_text(encoding="utf-8-sig")
-        except (OSError, UnicodeDecodeError) as error:
+            data = decoded(file.read_bytes())
+        except (OSError, ValueError) as error:
             message = f"{file} cannot be read: {error}"
             raise StudyError([Problem("drive.file", message, "Name a CSV")]) from None
         rest = {name: value for name, value in drive.items() if name != "file"}

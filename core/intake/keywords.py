@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import difflib
 import os
-import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
 from core.errors import Problem, StudyError
-from core.intake.text import read_content
+from core.intake.text import LARGEST, TOO_LARGE, read_content
 from core.kinds import KINDS
+from core.measured.read import name_and_unit
+from core.quantities import QUANTITIES
 from core.scenes import SCENES
+from core.study.arrays import apart, dimension_of, is_packed, with_own_unit
 from core.study.grid_study import PARAMETERS, Study
 from core.study.values import MAX_POINTS
 
@@ -70,8 +73,10 @@ def spread(written: Mapping[str, Any]) -> dict[str, Any]:
     Raises
     ------
     StudyError
-        If a parameter is given twice, or is an endless range.
+        If a parameter is given twice, or is an endless range; if labelled arrays belong together
+        row by row.
     """
+    check_not_paired(written)
     content: dict[str, Any] = {}
     loose: dict[str, Any] = {}
     for name, value in written.items():
@@ -91,6 +96,32 @@ def spread(written: Mapping[str, Any]) -> dict[str, Any]:
     return content
 
 
+def check_not_paired(written: Mapping[str, Any]) -> None:
+    """Raise `StudyError` if labelled arrays of parameters have a dimension in common.
+
+    A study takes all combinations of the values, which is not meant then. `written` is the content
+    of a study, with parameters beside the keys or among `parameters`.
+    """
+    inner = written.get("parameters")
+    given = {**written, **inner} if isinstance(inner, Mapping) else written
+    along = {str(n): d for n, v in given.items() if n in PARAMETERS and (d := dimension_of(v))}
+    fix = "Give lists if all combinations are meant, else make one study for each pair"
+    problems = [
+        Problem(f"parameters.{second}", f"its array and that of {first} are both along '{dim}', "
+                "which makes pairs of their values, and a study takes all combinations", fix)
+        for (first, dim), (second, other) in combinations(along.items(), 2)
+        if dim == other
+    ]  # fmt: skip
+    problems += [
+        Problem(f"parameters.{name}", f"its array is along '{dim}', another parameter",
+                f"Give a list if all combinations with {dim} are meant")
+        for name, dim in along.items()
+        if dim != name and dim in PARAMETERS
+    ]  # fmt: skip
+    if problems:
+        raise StudyError(problems)
+
+
 def plain(value: object, path: str) -> Any:
     """Return a value of a study as a file can hold it: ranges and arrays become lists.
 
@@ -102,8 +133,14 @@ def plain(value: object, path: str) -> Any:
     StudyError
         If a range has more values than an axis may have, or an array more than one dimension.
     """
-    if isinstance(value, Mapping):
-        return {str(name): plain(item, f"{path}.{name}") for name, item in value.items()}
+    if value is None or type(value) in (str, float):
+        return value
+    if type(value) is int:
+        if not -LARGEST <= value <= LARGEST:
+            raise StudyError([Problem(path, *TOO_LARGE)])
+        return value
+    if isinstance(value, Mapping) or (hasattr(value, "columns") and hasattr(value, "to_numpy")):
+        return {name: plain(item, f"{path}.{name}") for name, item in _columns(value)}
     if isinstance(value, list | tuple):
         return [plain(item, path) for item in value]
     if isinstance(value, range):
@@ -111,17 +148,49 @@ def plain(value: object, path: str) -> Any:
             most = f"One axis holds {MAX_POINTS:,} values at most; take a larger step"
             raise StudyError([Problem(path, f"{value} is too long", most)])
         return list(value)
-    if hasattr(value, "to_numpy"):  # labelled arrays, of pandas and xarray
-        value = value.to_numpy()
-    numpy = sys.modules.get("numpy")  # who gives an array has imported it
-    if numpy is not None and isinstance(value, numpy.ndarray | numpy.generic):
-        if value.ndim > 1:
-            message = f"the value is an array of {value.ndim} dimensions"
-            raise StudyError(
-                [Problem(path, message, "Give an array of one dimension, or one number")]
-            )
-        return value.tolist()
-    return value
+    return _numbers(value, path)
+
+
+def _numbers(value: Any, path: str) -> Any:
+    """Return an array or quantity as a number or list, with the unit that it carries as texts.
+
+    Numbers in the unit of the parameter at `path` stay numbers. Anything else is returned as it is.
+    Raises `StudyError` for more than one dimension, and for numbers that have to be decoded.
+    """
+    if is_packed(value):
+        fix = "Open the file with mask_and_scale=True, the default of xarray"
+        raise StudyError([Problem(path, "the numbers of the array are not decoded", fix)])
+    numbers, unit = apart(value)
+    if getattr(numbers, "ndim", 0) > 1:
+        message = f"the value is an array of {numbers.ndim} dimensions"
+        raise StudyError([Problem(path, message, "Give an array of one dimension, or one number")])
+    quantity = QUANTITIES.get(path.rpartition(".")[2])
+    own = "1" if path in KEYS else "" if quantity is None else quantity.unit
+    unit = "" if unit == own else unit
+    if hasattr(numbers, "tolist"):
+        kind = getattr(getattr(numbers, "dtype", None), "kind", "")
+        numbers = numbers.tolist()
+        if kind in tuple("biuf") and not unit:
+            return numbers
+    if isinstance(numbers, list):
+        return [plain(with_own_unit(number, unit), path) for number in numbers]
+    return with_own_unit(numbers, unit)
+
+
+def _columns(table: Any) -> Iterator[tuple[str, Any]]:
+    """Yield names and values of a mapping, a data frame or a dataset of xarray.
+
+    A dataset has its coordinates among its variables. A data frame may have the headings of a CSV
+    file, such as ``amplitude [mm]``: the unit is then given to the numbers.
+    """
+    if isinstance(table, Mapping):
+        for name in getattr(table, "variables", table):
+            yield str(name), table[name]
+        return
+    for heading in table.columns:
+        name, unit = name_and_unit(str(heading))
+        numbers, own = apart(table[heading])
+        yield name, [with_own_unit(number, own or unit) for number in numbers.tolist()]
 
 
 def _content_of(study: object) -> dict[str, Any]:

@@ -7,6 +7,7 @@ import io
 import itertools
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
@@ -14,9 +15,10 @@ from core.errors import Problem, StudyError
 from core.extras import installing
 from core.intake.section import Content, Resolved, Section, Stranger, dotted
 from core.measured.marks import ONE_MARK, contradictions
-from core.measured.read import name_and_unit
+from core.measured.read import decoded, name_and_unit
 from core.study.grid_study import PARAMETERS
 from core.study.observations import MAX_RUNS, OBSERVED
+from core.study.units import with_unit
 
 SUFFIXES = (".csv", ".xlsx")
 OWN: Final = (*OBSERVED, "error", "regime")
@@ -65,20 +67,24 @@ def read_rows(path: Path) -> list[dict[str, Any]]:
     if suffix not in SUFFIXES:
         _fail(f"'{path.name}' is not a CSV or XLSX file", "Save the table as CSV")
     try:
-        lines = [*(_workbook(path) if suffix == ".xlsx" else _csv(path))]
+        lines = [*islice(_workbook(path) if suffix == ".xlsx" else _csv(path), MAX_RUNS + 2)]
     except (OSError, ValueError) as error:  # a NUL in its name is the second
         message = f"{path.name} cannot be read: {getattr(error, 'strerror', None) or error}"
         _fail(message, "Name a CSV or XLSX file in the study's folder")
     if len(lines) < 2:
         _fail(f"{path.name} has no rows", HEADING)
     names, units = _headings(lines[0], path)
+    for number, line in enumerate(lines[1:], 1):
+        if any(str(cell).strip() for cell in line[len(names) :]):
+            message = f"row {number} of {path.name} has more cells than the heading"
+            _fail(message, "Where a comma is a decimal comma, separate the cells by semicolons")
     return [
         {
             name: _value(cell, unit)
             for name, unit, cell in zip(names, units, [*line, *[""] * len(names)], strict=False)
             if name and str(cell).strip()
         }
-        for line in lines[1 : MAX_RUNS + 2]
+        for line in lines[1:]
     ]
 
 
@@ -108,10 +114,8 @@ def _value(cell: Any, unit: str) -> Any:
     """
     if isinstance(cell, int | float) and not isinstance(cell, bool):
         return f"{cell!r} {unit}" if unit else cell
-    text = str(cell).strip()
-    if not _NUMBER.fullmatch(text) or "," in text:
-        return text
-    return f"{text} {unit}" if unit else float(text)
+    text = with_unit(str(cell), unit)
+    return float(text) if _NUMBER.fullmatch(text) and "," not in text else text
 
 
 def _csv(path: Path) -> Iterable[list[str]]:
@@ -120,7 +124,7 @@ def _csv(path: Path) -> Iterable[list[str]]:
     `path` is that of the file. Decimal commas become points unless commas separate the cells. Empty
     lines and lines that begin with # are left out.
     """
-    text = path.read_text(encoding="utf-8-sig")
+    text = decoded(path.read_bytes())
     lines = [line for line in text.splitlines() if line.strip(" ,;\t") and line[0] != "#"]
     first = lines[0] if lines else ""
     delimiter = max(";\t,", key=first.count)
@@ -160,12 +164,21 @@ def _workbook(path: Path) -> Iterable[list[Any]]:
             "the file of observations is not an XLSX workbook, or is damaged"
         ) from error
     try:
-        for line in book.worksheets[0].iter_rows(values_only=True, max_row=MAX_RUNS + 2):
-            cells = ["" if cell is None else cell for cell in line]
+        for line in book.worksheets[0].iter_rows():
+            cells = [_shown_cell(cell) for cell in line]
             if any(str(cell).strip() for cell in cells):
                 yield cells
     finally:
         book.close()
+
+
+def _shown_cell(cell: Any) -> Any:
+    """Return the value of a cell of a workbook; as text if it is shown in per cent."""
+    if cell.value is None:
+        return ""
+    if isinstance(cell.value, int | float) and "%" in str(cell.number_format):
+        return f"{100 * cell.value:.15g} %"
+    return cell.value
 
 
 def _fail(message: str, fix: str) -> NoReturn:

@@ -10,7 +10,9 @@ import numpy as np
 
 from core.errors import Problem
 from core.intake.section import Content, Resolved, Section
+from core.quantities import QUANTITIES
 from core.study.distributions import CALIBRATION
+from core.study.units import UnitError, unit_factor
 
 MAX_BYTES = 200_000_000  # of a result
 DENSITY = "density_"
@@ -73,12 +75,19 @@ def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
     except Exception as error:  # of a strange file the library raises of many kinds
         return Problem(key, f"{path} cannot be read: {error}"[:300], fix)
     density = table.variables.get(f"{DENSITY}{name}")
-    if density is None or density.dims != (name,) or name not in table.coordinates:
+    known_axis = name in table.coordinates and name in QUANTITIES
+    if density is None or density.dims != (name,) or not known_axis:
         known = ", ".join(n.removeprefix(DENSITY) for n, one in table.variables.items()
                           if n.startswith(DENSITY) and len(one.dims) == 1)  # fmt: skip
         message = f"{path} has no density of {name}"
         return Problem(key, message, f"It has those of {known}" if known else fix)
-    values = np.asarray(table.coordinates[name].values, dtype=np.float64)
+    axis, quantity = table.coordinates[name], QUANTITIES[name]
+    unit = str(axis.attributes.get("units", quantity.unit))
+    try:
+        factor = float(unit_factor(name, quantity, unit))
+    except UnitError as error:
+        return Problem(key, f"{path}: {error.message}", error.fix)
+    values = factor * np.asarray(axis.values, dtype=np.float64)
     densities = np.asarray(density.values, dtype=np.float64)
     if not (np.isfinite(densities).all() and (densities > 0).any()):
         return Problem(

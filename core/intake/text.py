@@ -29,6 +29,8 @@ MAX_BRACKETS = 10_000  # objects and lists of one text
 LARGEST = sys.float_info.max
 _AT_LINE = re.compile(r"at line (\d+)")
 _DECIMAL_COMMA = re.compile(r"[=:]\s*([-+]?\d+),(\d+)")
+TOO_LARGE = "it is a number larger than 1.8e308", "Fix the value"
+_TOO_LONG = "set_int_max_str_digits"  # in Python's message on an integer of thousands of digits
 _HALVES = re.compile("[\ud800-\udfff]")
 
 
@@ -79,14 +81,21 @@ def _read_text(text: str, suffix: str, stem: str) -> object:
 
 
 def read_toml(text: str) -> object:
-    """Return the content of a TOML text as a dict; raise `StudyError` if the syntax is invalid."""
+    """Return the content of a TOML text as a dict; raise `StudyError` if the syntax is invalid.
+
+    Also for what a TOML text can hold, but no study: see `read_json`.
+    """
     try:
-        return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        content = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        if _TOO_LONG in str(error):
+            _fail("file", *TOO_LARGE, error)
         found = _AT_LINE.search(str(error))
         _refuse_comma("file", text, int(found[1]) if found else 0)
         fix = f'{SYNTAX}: texts, such as "20 deg", stand in quotes'
         _fail("file", f"it is not TOML: {error}", fix, error)
+    _check_values(content, texts="\\" in text or not text.isascii())
+    return content
 
 
 def read_json(text: str | bytes) -> object:
@@ -105,6 +114,8 @@ def read_json(text: str | bytes) -> object:
             text, object_pairs_hook=_unique, parse_constant=_refuse_constant
         )
     except (ValueError, RecursionError) as error:
+        if _TOO_LONG in str(error):
+            _fail("body", *TOO_LARGE, error)
         if isinstance(error, json.JSONDecodeError):
             _refuse_comma("body", error.doc, error.lineno)
         reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
@@ -191,7 +202,7 @@ def _check_plain(path: str, values: Sequence[Any], texts: bool) -> None:
     else:
         numbers = [value for value in values if type(value) in (int, float)]
     if numbers and not -LARGEST <= min(numbers) <= max(numbers) <= LARGEST:
-        _fail(path or "body", "it is a number larger than 1.8e308", "Fix the value")
+        _fail(path or "body", *TOO_LARGE)
     if texts and any(isinstance(value, str) and _is_no_text(value) for value in values):
         wrong = "it holds an invalid character: NUL, or half of a surrogate pair"
         _fail(path or "body", wrong, "Fix the value")

@@ -32,12 +32,13 @@ SAMPLED = 50  # rows that show the form of most rows
 MAX_ABOVE = 1_000  # rows and remarks above the table
 REMARKS = ("comment", "comments", "remark", "remarks")
 
-_IN_BRACKETS = re.compile(r"[\[(][^\[\]()]*[\])]\Z")
+_IN_BRACKETS = re.compile(r"(\[[^\[\]]*\]|[\[(][^\[\]()]*[\])])\Z")
 _UNITS_ONLY = re.compile(r"([\[(][^\[\]]*[\])])?")
 _BARE_UNIT = re.compile(r"-?|[nuµμm]?s|sec|[mk]?[gG]n?|[mc]?m[/·* ]?s\S{0,3}[2²]|m?V|[k]?Hz|°C?")
 _SEPARATOR = re.compile(r'"?sep=(.)"?', re.IGNORECASE)
 _CLOCK = re.compile(r"(?:\d{4}-\d\d-\d\d[T ])?\d\d:\d\d(?::\d\d.*)?")
 _ENCODINGS = ("utf-8-sig", "cp1252")  # the second is what a spreadsheet in Europe writes
+_MINUS = "\u2212"  # the minus sign of word processors and PDF files
 
 
 class Fault(NamedTuple):
@@ -254,18 +255,35 @@ def _text_of(source: str | Path) -> str:
     if isinstance(source, str):
         if len(source) > MAX_BYTES:
             raise _too_long(len(source))
-        return source.removeprefix("\ufeff")
+        return source.removeprefix("\ufeff").replace(_MINUS, "-")
     with source.open("rb") as file:  # no more is read than is allowed, whatever the file is
         raw = file.read(MAX_BYTES + 1)
     if len(raw) > MAX_BYTES:
         raise _too_long(source.stat().st_size)
+    try:
+        return decoded(raw)
+    except ValueError:
+        fix = "Export the recording as CSV, in UTF-8"
+        raise _refused("the file is not a text file", fix) from None
+
+
+def decoded(raw: bytes) -> str:
+    """Return the text of a table as recorders and spreadsheets write it, with plain minus signs.
+
+    Its encoding is UTF-8, with or without a byte order mark, or Windows-1252.
+
+    Raises
+    ------
+    ValueError
+        If it is neither.
+    """
     if b"\0" not in raw:
         for encoding in _ENCODINGS:
             try:
-                return raw.decode(encoding)
+                return raw.decode(encoding).replace(_MINUS, "-")
             except UnicodeDecodeError:
                 continue
-    raise _refused("the file is not a text file", "Export the recording as CSV, in UTF-8")
+    raise ValueError("it is not text in UTF-8 or Windows-1252")
 
 
 def _lines(text: str) -> _Lines:
@@ -358,7 +376,8 @@ def name_and_unit(heading: str) -> tuple[str, str]:
     It takes no longer than reading the heading, whatever that holds.
     """
     heading = heading.strip()
-    start = max(heading.rfind("["), heading.rfind("("))
+    start = heading.rfind("[") if heading.endswith("]") else -1  # as in [J/(kg m)]
+    start = start if start >= 0 else max(heading.rfind("["), heading.rfind("("))
     name = heading[: max(start, 0)].strip()
     if name and _IN_BRACKETS.match(heading, start):
         return name, heading[start + 1 : -1].strip()

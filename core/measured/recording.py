@@ -17,8 +17,14 @@ from core.measured.clipped import clipping_problems
 from core.measured.mounting import Angles, direction
 from core.measured.read import RecordingColumn, RecordingTable, read_table
 from core.measured.times import read_times
-from core.quantities import QUANTITIES
-from core.study.units import UnitError, problem, read_number
+from core.quantities import QUANTITIES, Quantity
+from core.study.units import (
+    UnitError,
+    UnknownUnitError,
+    problem,
+    read_number,
+    unit_factor,
+)
 
 AXES = ("along", "across", "normal")
 MAX_ORDERS = 10  # harmonics that are fitted
@@ -26,17 +32,9 @@ LEAST_SAMPLES = 100  # samples that a recording needs
 STANDARD_GRAVITY = 9.80665  # [m s-2], what a sensor's "g" means, wherever it stands
 FREQUENCY = replace(QUANTITIES["frequency"], strict=True)  # a drive at rest has no harmonics
 
-# Spaces and signs of powers are taken out before a unit is looked up.
-ACCELERATIONS = {
-    "m/s2": 1.0,
-    "ms-2": 1.0,
-    "mm/s2": 1e-3,
-    "mms-2": 1e-3,
-    "cm/s2": 1e-2,
-    "g": STANDARD_GRAVITY,
-    "gn": STANDARD_GRAVITY,
-    "mg": 1e-3 * STANDARD_GRAVITY,
-}
+ACCELERATION = Quantity(
+    "m s-2", "a", "Acceleration", "Acceleration of a channel.", examples=("1 g",)
+)  # fmt: skip
 NOTHING_SAID: Final[Mapping[str, tuple[float, float]]] = MappingProxyType({})
 ENDINGS = {
     "g": "g", "mg": "mg", "ms2": "m/s2", "m_s2": "m/s2", "mps2": "m/s2", "mms2": "mm/s2",
@@ -64,7 +62,8 @@ class Recording:
         whose columns are the sensor's axes in components along, across, normal. In line with the
         track if left out.
     unit : str, optional
-        Of the channels, where their headers do not name it: ``m s-2``, ``mm s-2``, ``g``, ``mg``.
+        Of the channels, where their headers do not name it, or in a word that is no unit:
+        ``m s-2``, ``mm s-2``, ``g``, ``mg``.
     rate : float or str, optional
         Samples a second, if there is no column of times.
     time : str, optional
@@ -246,24 +245,27 @@ def _factor(
     """Return the factor from the unit of a recorded channel to m s-2; None if it is unknown.
 
     The header may give a unit (`column.unit`), and the user another (`unit`); if both do, they must
-    agree. Problems are added to `problems`; `path` and `name` are the place in the study and the
-    column, for messages.
+    agree, unless that of the header is no unit at all. Problems are added to `problems`; `path` and
+    `name` are the place in the study and the column, for messages.
     """
-    said = {text for text in (column.unit, unit) if text}
-    factors = {text: ACCELERATIONS.get(_plain(text)) for text in said}
     listed = ", ".join(UNITS)
-    if not said:
+    factors = []
+    for text, key in ((column.unit, path), (unit, "unit")):
+        try:
+            factors += [unit_factor(name, ACCELERATION, text)] if text else []
+        except UnitError as error:
+            if key == path and unit and isinstance(error, UnknownUnitError):
+                continue
+            message = f"'{str(text)[:40]}' is not a unit of acceleration"
+            problems.append(Problem(key, message, f"Known: {listed}"))
+            return None
+    if not factors:
         fix = f"Give unit = one of {listed}, or write the unit in the header: '{name} [g]'"
         problems.append(
             Problem("unit", f"the unit of the recording's column '{name}' is not given", fix)
         )
         return None
-    for text, factor in factors.items():
-        if factor is None:
-            message = f"'{text[:40]}' is not a unit of acceleration"
-            problems.append(Problem("unit" if text == unit else path, message, f"Known: {listed}"))
-            return None
-    if len(set(factors.values())) > 1:
+    if len(set(factors)) > 1:
         message = (
             f"column '{name}' has two units: {column.unit} in its header, {unit} in the key unit"
         )
@@ -273,12 +275,7 @@ def _factor(
             )
         )
         return None
-    return next(iter(factors.values()))
-
-
-def _plain(unit: str) -> str:
-    """Return a unit without blanks and signs of powers."""
-    return re.sub(r"[\s^*·]", "", unit.replace("²", "2"))
+    return float(factors[0])
 
 
 def _number(name: str, raw: float | str | None, problems: list[Problem]) -> float | None:

@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from core.errors import Problem
 from core.measured.read import RecordingTable
 from core.quantities import Quantity
-from core.study.units import UnitError, problem, read_number
+from core.study.units import UnitError, problem, read_number, unit_factor
 
 RATE = Quantity(
     "Hz", "f_s", "Sampling rate", "Samples a second.", 0.0, strict=True, parameter=True,
     examples=("5 kHz",),
 )  # fmt: skip
-SECONDS = {"": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "min": 60}
-SECONDS["ns"] = 1e-9
+SECONDS = Quantity("s", "t", "Time", "Time of a sample.", examples=("1 ms",))
+LONGEST_UNIT = 60.0  # s
 USUAL_NAMES = ("time", "t", "timestamp", "elapsed", "zeit", "temps", "tiempo", "tempo", "x_value")
 """Names of a column of times, without what they say of its unit; the last is LabVIEW's."""
 ENDINGS = {
@@ -97,7 +97,7 @@ def read_times(
     if column is None:
         return None
     unit = column.unit or unit_in_name(name)
-    factor = SECONDS.get(unit)
+    factor = _seconds(unit)
     if factor is None:
         fix = "Write s, ms, us or min in the header, or give rate and leave time out"
         problems.append(
@@ -145,8 +145,21 @@ def _column_of_times(table: RecordingTable) -> str | None:
     for name in table.columns:
         if _stem_and_unit(name)[0] in USUAL_NAMES:
             return name
-    timed = [name for name, column in table.columns.items() if SECONDS.get(column.unit or "none")]
+    columns = table.columns.items()
+    timed = [name for name, column in columns if column.unit and _seconds(column.unit)]
     return timed[0] if len(timed) == 1 else None
+
+
+def _seconds(unit: str) -> float | None:
+    """Return the factor from the unit of a column of times to seconds; None if it has none.
+
+    No unit means seconds. No recorder of vibrations counts hours.
+    """
+    try:
+        factor = float(unit_factor("time", SECONDS, unit or SECONDS.unit))
+    except UnitError:
+        return None
+    return factor if factor <= LONGEST_UNIT else None
 
 
 def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> Problem | None:

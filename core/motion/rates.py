@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any, Final
+
 import numpy as np
 
 from core.errors import Problem, StudyError
 from core.mechanics.arrays import Array
 from core.mechanics.travel import distance_bound
+from core.quantities import QUANTITIES
+from core.study.units import UnitError, in_own_unit, problem
+
+_MEASURED: Final = {
+    "velocity": "conveying_velocity", "gap": "part_gap", "parts_per_minute": "feed_rate"
+}  # fmt: skip
+"""The quantities of arguments that have a name of their own."""
 
 
 def parts_per_minute(*, velocity: Array, length: Array, gap: Array | float = 0.0) -> Array:
@@ -22,13 +31,14 @@ def parts_per_minute(*, velocity: Array, length: Array, gap: Array | float = 0.0
     Raises
     ------
     StudyError
-        If a part takes no length.
+        If a part takes no length, or an array carries the unit of another quantity.
 
     Examples
     --------
     >>> float(round(vibrafeed.parts_per_minute(velocity=0.03, length=0.012, gap=0.003), 9))
     120.0
     """
+    velocity, length, gap = _in_own_units(velocity=velocity, length=length, gap=gap)
     return 60.0 * velocity / _spacing(length, gap)
 
 
@@ -40,7 +50,8 @@ def velocity_for(*, parts_per_minute: Array, length: Array, gap: Array | float =
     >>> round(vibrafeed.velocity_for(parts_per_minute=120, length=0.012, gap=0.003), 15)
     0.03
     """
-    return parts_per_minute * _spacing(length, gap) / 60.0
+    rate, length, gap = _in_own_units(parts_per_minute=parts_per_minute, length=length, gap=gap)
+    return rate * _spacing(length, gap) / 60.0
 
 
 def effective_distance(
@@ -70,6 +81,12 @@ def effective_distance(
     >>> round(1e6 * float(distance))
     113
     """
+    velocity, starting_acceleration, friction_kinetic, radius = _in_own_units(
+        velocity=velocity,
+        starting_acceleration=starting_acceleration,
+        friction_kinetic=friction_kinetic,
+        radius=radius,
+    )
     distance = distance_bound(
         starting_acceleration=starting_acceleration,
         velocity_bound=velocity,
@@ -77,6 +94,22 @@ def effective_distance(
         radius=radius,
     )
     return np.where(velocity < 0, np.inf, distance)
+
+
+def _in_own_units(**values: Any) -> list[Any]:
+    """Return arguments of a function here, converted where an array carries another unit.
+
+    Raises `StudyError` for a unit of another quantity.
+    """
+    read, problems = [], []
+    for name, value in values.items():
+        try:
+            read.append(in_own_unit(name, QUANTITIES[_MEASURED.get(name, name)], value))
+        except UnitError as error:
+            problems.append(problem(name, error))
+    if problems:
+        raise StudyError(problems)
+    return read
 
 
 def _spacing(length: Array, gap: Array | float) -> Array:

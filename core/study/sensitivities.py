@@ -21,7 +21,7 @@ def _read(raw: object) -> bool | tuple[str, ...] | None:
         return raw or None
     names = tuple(raw) if isinstance(raw, list | tuple) else ()
     if 0 < len(names) <= MAX_PARAMETERS and all(isinstance(name, str) for name in names):
-        return tuple(dict.fromkeys(name[:100] for name in names))
+        return tuple(dict.fromkeys(names))
     raise refusal(
         f"{reprlib.repr(raw)[:40]} is neither true nor a list of parameter names",
         'Write true for all parameters that the study gives, or a list such as ["friction"]',

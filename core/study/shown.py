@@ -147,7 +147,8 @@ def _unit(word: str) -> tuple[str, Shown]:
 
     Raises `UnitError` if it fits none.
     """
-    for unit in dict.fromkeys(quantity.unit for quantity in QUANTITIES.values()):
+    units = dict.fromkeys(quantity.unit for quantity in QUANTITIES.values())
+    for unit in sorted(units, key=lambda unit: unit == "m s-2"):  # "g" is the gram here
         if unit == "1":
             continue
         try:

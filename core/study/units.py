@@ -6,31 +6,63 @@ import functools
 import math
 import re
 import reprlib
+import sys
 from collections.abc import Sequence
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from core.errors import Problem
+from core.study.arrays import apart, as_typed
 
 if TYPE_CHECKING:
     import pint
 
     from core.quantities import Quantity
 
-# "per minute" for a frequency means turns or vibrations; pint reads rpm as an angular velocity.
-PER_MINUTE = frozenset(
-    ("rpm", "vpm", "cpm", "rev/min", "vib/min", "cycles/min", "1/min", "min^-1", "min-1", "/min")
-)
 PERCENT = "%"
+MAX_LETTERS = 200  # characters of a value with its unit
 MAX_UNITS = 10  # units in the values of one list: looking one up takes long
+
 _TEXT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*(.*?)\s*")
-_UNIT = re.compile(r"(?:1/)?[A-Za-zµμ°'\"_][A-Za-z0-9_²³ µμ°*/^().'\"-]{0,40}")
-# Powers are exact, and as long as their exponents are high: "mm**99999999" would take hours.
-_POWER = re.compile(r"(?<![)\s])\s?(?:(?:\*\*|\^)\s?-?\d|[²³])(?![\w.]|\s?(?:\*\*|\^))")
-_HIGH_POWER = re.compile(r"\*\*|\^|[\d.][eE]|[²³]")
+_BARE = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?")
 _COMMA = re.compile(r",\d")
-_FACTOR = re.compile(r"([A-Za-z]+)(-?\d*)")  # of the unit of a quantity, as in "kg m2 s-1"
+_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+(?![\d.])")
+
+# Signs of word processors, PDF files and keyboards, and the ones that are meant: the minus sign,
+# hyphens and the en dash; dots and the cross of a product; the ordinal and the ring for a degree;
+# the slash of a division; the micro sign for the Greek letter.
+_SIGNS = str.maketrans(
+    {**dict.fromkeys("\u2212\u2010\u2011\u2013\ufe63\uff0d", "-"),
+     **dict.fromkeys("\u00b7\u22c5\u2219\u2022\u00d7", "*"),
+     **dict.fromkeys("\u00ba\u02da", "°"), "\u2215": "/", "\u00b5": "μ"}
+)  # fmt: skip
+_SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻", "0123456789+-")
+_RAISED = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻]+")
+# CF and UDUNITS write "m s-2" and "kg.m2" for m*s**-2 and kg*m**2; g0 is no power.
+_CF_POWER = re.compile(r"(?<=[A-Za-zμ])(-?[1-9])(?![\w.^]|\*\*)")
+_CF_PRODUCT = re.compile(r"(?<=[\w°])\.(?=[A-Za-zμ°])")
+_UNIT = re.compile(r"(?:1\s?/\s?)?[A-Za-zμ°(][A-Za-z0-9_ μ°*/^().-]{0,60}")
+# Powers are exact, and as long as their exponents are high: "mm**99999999" would take hours.
+_POWER = re.compile(r"(?<![)\s])\s?(?:\*\*|\^)\s?-?\d(?![\w.]|\s?(?:\*\*|\^))")
+_HIGH_POWER = re.compile(r"\*\*|\^|[\d.][eE]")
+_TITLE = re.compile(r"\b[A-Z](?=[a-z]{2,})")
+
+# What a rate counts is no unit. pint has a revolution for 2 pi radians, and so rpm and rps.
+_PER_MINUTE = dict.fromkeys(("rpm", "vpm", "cpm", "spm", "revolutions_per_minute"), "count/min")
+_COUNTED = {
+    "Hz": re.compile(r"\b(r|revs?|revolutions?|turns?|cycles?|vibs?|vibrations?|strokes?)\b"),
+    "min-1": re.compile(r"\b(parts?|pcs?|pieces?)\b"),
+}
+_RATES = {
+    "Hz": {**_PER_MINUTE, "rps": "count/s", "cps": "count/s"},
+    "min-1": {"ppm": "count/min"},
+}
+# "g" is the gram of a mass and the standard gravity of an acceleration; loggers also write "G".
+_GRAVITY = re.compile(r"([mμu]?)(?:[gG]|g_?n|gs|g's)")
+_PREFIXES = {"": "", "m": "milli", "μ": "micro", "u": "micro"}
+_MOVING = ("m s-1", "m s-2", "m s-3")
+_JOINED = re.compile(r"([mc]?m)s(?:\*\*|\^)?(-[1-3])")  # "ms-2", as m s-2 is often written
 
 
 class UnitError(ValueError):
@@ -39,6 +71,10 @@ class UnitError(ValueError):
     def __init__(self, message: str, fix: str):
         self.message, self.fix = message, fix
         super().__init__(f"{message}. {fix}")
+
+
+class UnknownUnitError(UnitError):
+    """A text is no unit of anything."""
 
 
 def read_number(name: str, quantity: Quantity, raw: object) -> float:
@@ -61,6 +97,7 @@ def _read_value(name: str, quantity: Quantity, raw: object, factors: dict[str, F
     values of a list. Raises `UnitError` for anything else, and for a value beyond the bounds of the
     quantity.
     """
+    raw = raw if isinstance(raw, int | float | str) else as_typed(raw)
     if isinstance(raw, bool) or not isinstance(raw, (int, float, str)):
         raise UnitError(f"{_shown(raw)} is not a number", _how_to_write(name, quantity))
     if isinstance(raw, str):
@@ -111,12 +148,20 @@ def share_of(value: float, raw: object, example: str) -> float | None:
     """
     if not (isinstance(raw, str) and raw.strip().endswith(PERCENT)):
         return None
-    text = raw.strip().removesuffix(PERCENT).strip()
+    _check_length(raw)
+    text = raw.strip().removesuffix(PERCENT).strip().translate(_SIGNS)
     try:
         return abs(value) * float(text) / 100
     except ValueError:
         fix = f"Write {example}, or a value with its unit"
         raise UnitError(f"{raw[:40]!r} is not a percentage", fix) from None
+
+
+def _check_length(text: str) -> None:
+    """Raise `UnitError` if a text is longer than a value: it is never cut."""
+    if len(text) > MAX_LETTERS:
+        message = f"{_shown(text)} has {len(text):,} characters"
+        raise UnitError(message, f"A value has at most {MAX_LETTERS} characters")
 
 
 def problem(path: str, error: UnitError) -> Problem:
@@ -130,7 +175,8 @@ def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Frac
     It is rounded once. `name` is the parameter, for messages; `factors` caches the factors of
     units. Raises `UnitError` for a text that is none.
     """
-    match = _TEXT.fullmatch(text[:200])
+    _check_length(text)
+    match = _TEXT.fullmatch(text.translate(_SIGNS))
     if match is None:
         raise UnitError(
             f"{_shown(text)} is not a number with a unit", _how_to_write(name, quantity)
@@ -140,6 +186,10 @@ def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Frac
     except InvalidOperation as error:  # pragma: no cover (the pattern admits decimals only)
         raise UnitError(f"{_shown(text)} is not a number", _how_to_write(name, quantity)) from error
     unit = match[2]
+    if _THOUSANDS.match(text.strip()):
+        raise UnitError(
+            f"{_shown(text)} may mean two numbers", "Remove the comma, or write a decimal point"
+        )
     if _COMMA.match(unit):
         raise UnitError(
             f"{_shown(text)} has a decimal comma", "Write the number with a point, as in 0.5"
@@ -159,41 +209,132 @@ def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Frac
         return math.inf
 
 
+def with_unit(text: str, unit: str) -> str:
+    """Return the text of a cell, with the unit of its heading if it is a bare number.
+
+    `unit` is empty where the heading has none. This is where tables of all sorts get their units.
+    """
+    text = text.strip().translate(_SIGNS)
+    return f"{text} {unit}" if unit and _BARE.fullmatch(text) else text
+
+
 def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
     """Return the exact factor from a unit to that of a quantity.
 
-    Raises `UnitError` for a text that is no unit, or one of another kind; `name` is the
-    parameter's, for messages.
+    Units are read as studies, tables and recordings have them: in the notation of pint (``m/s^2``),
+    of CF and UDUNITS (``m s-2``), with superscripts, and in the words of the trade (``parts/min``,
+    ``rpm``, ``g`` of an acceleration).
+
+    Raises
+    ------
+    UnitError
+        If the text is a unit of another kind; `name` is the parameter's, for messages.
+    UnknownUnitError
+        If it is no unit.
     """
-    if quantity.unit == "Hz" and unit.replace(" ", "").lower() in PER_MINUTE:
-        return Fraction(1, 60)
-    if quantity.unit == "1" and unit == PERCENT:
-        return Fraction(1, 100)
     fix = _how_to_write(name, quantity)
-    if not _UNIT.fullmatch(unit) or _HIGH_POWER.search(_POWER.sub("", unit)):
-        raise UnitError(f"'{unit[:40]}' is not a unit", fix)
     try:
-        base = _registry().Quantity(Fraction(1), unit)
-        is_angular = "radian" in dict(base.to_root_units().unit_items())
-    except Exception as error:  # pint raises of many kinds for a malformed unit
-        raise UnitError(f"'{unit}' is not a unit", fix) from error
-    if quantity.unit == "Hz" and is_angular:
-        raise UnitError(
-            f"'{unit}' is an angular velocity, not a frequency", f"Divide the number by 2 pi. {fix}"
-        )
-    if (quantity.is_angle or quantity.unit.startswith("rad")) != is_angular:
-        raise UnitError(f"'{unit}' does not measure {quantity.label.lower()}", fix)
-    try:
-        converted = base.to(_pint_name(quantity.unit)).magnitude
-    except Exception as error:
+        # Gravity itself in g is a slip of the pen for m/s^2.
+        return _factor(quantity.unit, " ".join(unit.split()), with_g=quantity.symbol != "g")
+    except _AngularError as error:
+        message = f"'{unit}' is an angular velocity, not a frequency"
+        raise UnitError(message, f"Divide the number by 2 pi. {fix}") from error
+    except _OtherKindError as error:
         raise UnitError(f"'{unit}' does not measure {quantity.label.lower()}", fix) from error
-    return Fraction(converted)
+    except ValueError as error:
+        raise UnknownUnitError(f"'{unit[:40]}' is not a unit", fix) from error
 
 
-def _pint_name(unit: str) -> str:
-    """Return a unit in pint's notation: "m s-2" as "m**1*s**-2"."""
-    factors = (f"{name}**{power or 1}" for name, power in _FACTOR.findall(unit))
-    return "*".join(factors) or "dimensionless"
+def in_own_unit(name: str, quantity: Quantity, value: Any) -> Any:
+    """Return an array in the unit of a quantity: converted if it carries another one.
+
+    A data array of xarray keeps its labels; what carries no unit is returned as it is.
+
+    Raises
+    ------
+    UnitError
+        If its unit is none of the quantity; `name` is for messages.
+    """
+    numbers, unit = apart(value)
+    if not unit:
+        return value
+    factor = float(unit_factor(name, quantity, unit))
+    if hasattr(value, "dims"):
+        return value.copy(data=numbers * factor).drop_attrs()
+    return numbers * factor
+
+
+class _OtherKindError(Exception):
+    """A unit is one of another kind of quantity."""
+
+
+class _AngularError(Exception):
+    """A unit of an angular velocity stands where a frequency is asked for."""
+
+
+@functools.lru_cache(512)  # of tables, whose columns repeat theirs
+def _factor(own: str, unit: str, *, with_g: bool) -> Fraction:
+    """Return the exact factor from a text of a unit to the unit `own` of quantities.
+
+    With `with_g` an acceleration may be in ``g``, the standard gravity; else that is the gram.
+    Raises `ValueError` for a text that is no unit, `_OtherKindError` or `_AngularError` for one of
+    another kind.
+    """
+    if unit == own or (own == "1" and unit == "-"):
+        return Fraction(1)
+    if own == "1" and unit == PERCENT:
+        return Fraction(1, 100)
+    text = _in_pint(_spelled(own, _plain(unit), with_g=with_g))
+    if not _UNIT.fullmatch(text) or _HIGH_POWER.search(_POWER.sub("", text)):
+        raise ValueError(unit)
+    base = _quantity(text)
+    is_angular = "radian" in dict(base.to_root_units().unit_items())
+    if own == "Hz" and is_angular:
+        raise _AngularError
+    if own.startswith(("degree", "rad")) != is_angular:
+        raise _OtherKindError
+    try:
+        return Fraction(base.to(_in_pint(own) if own != "1" else "dimensionless").magnitude)
+    except Exception as error:  # pint raises of many kinds
+        raise _OtherKindError from error
+
+
+def _quantity(text: str) -> pint.Quantity[Fraction]:
+    """Return 1 of a unit in pint's notation; raise `ValueError` if it is none.
+
+    A word with a capital letter, such as "Sec", is read as its small letters if it is none itself.
+    """
+    small = _TITLE.sub(lambda first: first[0].lower(), text)
+    for tried in dict.fromkeys((text, small)):
+        try:
+            return _registry().Quantity(Fraction(1), tried)
+        except Exception:  # pint raises of many kinds for a malformed unit
+            continue
+    raise ValueError(text)
+
+
+def _plain(unit: str) -> str:
+    """Return a unit with the signs of a keyboard: superscripts as "**2", "·" as "*"."""
+    text = _RAISED.sub(lambda power: f"**{power[0].translate(_SUPERSCRIPTS)}", unit)
+    text = text.translate(_SIGNS)
+    return re.sub(r"^(per\b|/)\s?", "1/", text)
+
+
+def _spelled(own: str, unit: str, *, with_g: bool) -> str:
+    """Return a unit in which the words that quantities of the unit `own` have are pint's."""
+    compact = unit.replace(" ", "")
+    if own == "m s-2" and with_g and (gravity := _GRAVITY.fullmatch(compact)):
+        return f"{_PREFIXES[gravity[1]]}standard_gravity"
+    if own in _MOVING and (joined := _JOINED.fullmatch(compact)):
+        return f"{joined[1]}*s**{joined[2]}"
+    if own in _RATES and "hz" not in compact.lower():
+        return _RATES[own].get(compact.lower()) or _COUNTED[own].sub("count", unit.lower())
+    return unit
+
+
+def _in_pint(unit: str) -> str:
+    """Return a unit in pint's notation: "kg m2.s-1" as "kg m**2*s**-1"."""
+    return _CF_POWER.sub(r"**\1", _CF_PRODUCT.sub("*", unit))
 
 
 @functools.cache
@@ -223,11 +364,11 @@ def _how_to_write(name: str, quantity: Quantity) -> str:
     It is the fix in messages about a wrong value. `name` is the parameter, `quantity` its
     declaration.
     """
-    bare = "a plain number" if quantity.unit == "1" else f"a bare number is in {quantity.unit}"
     if quantity.unit == "1":
-        return f"Write {name} = {quantity.examples[0]} ({bare})"
-    shown = " or ".join(f'"{example}"' for example in quantity.examples)
-    return f"Write {name} = {shown} ({bare})"
+        return f"Write {name} = {(*quantity.examples, '1')[0]} (a plain number)"
+    examples = quantity.examples or (f"1 {quantity.unit}",)
+    shown = " or ".join(f'"{example}"' for example in examples)
+    return f"Write {name} = {shown} (a bare number is in {quantity.unit})"
 
 
 def _shown(raw: object) -> str:
@@ -237,5 +378,7 @@ def _shown(raw: object) -> str:
     """
     if isinstance(raw, bool):
         return str(raw).lower()  # as TOML and JSON have it
+    if isinstance(raw, int) and abs(raw) > sys.float_info.max:  # Python may refuse to write it
+        return "a number larger than 1.8e308"
     text = reprlib.repr(raw) if isinstance(raw, list | tuple | dict) else repr(raw)
     return text if len(text) <= 60 else text[:57] + "..."

@@ -48,6 +48,11 @@ CUT = {
 
 
 class TestSlice:
+    def test_a_value_that_is_longer_than_200_characters_is_not_cut(self, client, address):
+        long = {**CUT, "amplitude": "0.5" + "0" * 250 + " mm"}  # cut, it is 0.5 m
+        (wrong,) = problem(client.get(f"{address}/slice", params=long), 422)["errors"]
+        assert wrong["fix"] == "A value has at most 200 characters"
+
     def test_binary_and_json_are_the_same_slice(self, client, address):
         told = client.get(f"{address}/slice", params=CUT)
         raw = client.get(f"{address}/slice", params={**CUT, "format": "binary"})

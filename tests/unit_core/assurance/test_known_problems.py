@@ -201,6 +201,11 @@ def test_a_file_that_is_no_json_is_refused(tmp_path):
     path.write_text("{", encoding="utf-8")
     with pytest.raises(StudyError, match="it is not JSON"):
         read_answers(path)
+    answers = '{"format": "vibrafeed-answers-1", "answers": {"Q-two-levels-1": %s}}'
+    for digits, words in ((400, "is not a number"), (5000, "a number has thousands of digits")):
+        path.write_text(answers % ("1" * digits), encoding="utf-8")
+        with pytest.raises(StudyError, match=words):
+            read_answers(path)
 
 
 def test_families_by_letters():

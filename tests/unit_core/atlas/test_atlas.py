@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas
 import pytest
+import xarray
 
 import vibrafeed
 from core.atlas.build import ATLAS_VERSION, build
@@ -226,6 +228,23 @@ def test_rows_are_cases_of_their_own(atlas, tmp_path):
         atlas, rows={n: np.array(v) for n, v in columns.items()}, frequency=50
     )
     np.testing.assert_array_equal(dataset.conveying_velocity.values, speeds.values)
+
+
+def test_columns_of_a_program_are_read_in_the_unit_that_they_carry(atlas):
+    metres, degrees = [3e-4, 4e-4], [20.0, 30.0]
+    right = vibrafeed.lookup(
+        atlas, rows={"amplitude": metres, "beta": degrees}, frequency=50, friction=0.3
+    )
+    mm = xarray.DataArray([0.3, 0.4], dims="row", attrs={"units": "mm"})
+    rad = xarray.DataArray(np.radians(degrees), dims="row", attrs={"units": "rad"})
+    frame = pandas.DataFrame({"amplitude [mm]": [0.3, 0.4], "beta": degrees})
+    for rows in (frame, {"amplitude": mm, "beta": rad}, {"amplitude": mm, "beta": degrees}):
+        found = vibrafeed.lookup(atlas, rows=rows, frequency=50, friction=0.3)
+        np.testing.assert_allclose(found.conveying_velocity, right.conveying_velocity, rtol=1e-12)
+    with pytest.raises(StudyError, match="'mm' does not measure"):
+        vibrafeed.lookup(atlas, rows={"beta": mm}, frequency=50, amplitude=3e-4, friction=0.3)
+    with pytest.raises(StudyError, match="both along 'row'"):
+        vibrafeed.lookup(atlas, amplitude=mm, beta=rad, frequency=50, friction=0.3)
 
 
 def test_every_problem_is_told_at_once(atlas, tmp_path):

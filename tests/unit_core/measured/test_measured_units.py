@@ -1,0 +1,150 @@
+"""Recordings, observations and rows of a look-up share units, encodings and signs of numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from core.atlas.rows import read_rows as read_cases
+from core.errors import StudyError
+from core.intake.forms import resolve_files
+from core.intake.observed import read_rows
+from core.measured import Recording, read_signal
+
+TIMES = np.arange(200) / 2000
+ROWS = [f"{t:.4f},{a:.5f},{1 + a:.5f}" for t, a in zip(TIMES, np.sin(628 * TIMES), strict=True)]
+CHANNELS = Recording(along="ax", normal="az")
+G = 9.80665
+MINUS = "\N{MINUS SIGN}"
+
+
+def table(time="time [s]", along="ax [g]", normal="az [g]", separator=","):
+    lines = [separator.join((time, along, normal)), *(r.replace(",", separator) for r in ROWS)]
+    return "\n".join(lines) + "\n"
+
+
+def signal(source, **more):
+    return read_signal(source, Recording(along="ax", normal="az", **more))
+
+
+def refusal(source, **more):
+    with pytest.raises(StudyError) as caught:
+        signal(source, **more)
+    return [str(problem) for problem in caught.value.problems]
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor"),
+    [
+        ("(G)", G), ("[g]", G), ("(gn)", G), ("[mG]", G / 1000), ("[mg]", G / 1000),
+        ("[m·s⁻²]", 1), ("[m/s²]", 1), ("(m s-2)", 1), ("[m.s-2]", 1), (f"[m s{MINUS}2]", 1),
+        ("[ms-2]", 1), ("[m s^-2]", 1), ("[mm s-2]", 1e-3), ("(mm/s^2)", 1e-3), ("[cm/s2]", 0.01),
+        ("[in/s²]", 0.0254),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("separator", [",", ";"])
+def test_channels_have_the_units_of_studies(unit, factor, separator):
+    right = signal(table()).accelerations / G * factor
+    read = signal(table(along=f"ax {unit}", normal=f"az {unit}", separator=separator))
+    np.testing.assert_allclose(read.accelerations, right, rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor"),
+    [("(sec)", 1), ("[Sec]", 1), ("(seconds)", 1), ("[ms]", 1e-3), ("[µs]", 1e-6), ("[μs]", 1e-6),
+     ("(us)", 1e-6), ("[min]", 60)],
+)  # fmt: skip
+def test_times_have_the_units_of_studies(unit, factor):
+    np.testing.assert_allclose(
+        signal(table(time=f"time {unit}")).times, TIMES * factor, rtol=1e-12, atol=1e-15 * factor
+    )
+
+
+def test_the_key_unit_overrules_a_word_that_is_no_unit():
+    unknown = table(along="ax [LSB]", normal="az [raw]")
+    np.testing.assert_array_equal(
+        signal(unknown, unit="g").accelerations, signal(table()).accelerations
+    )
+    assert len(refusal(unknown)) == 2
+    assert "'V' is not a unit of acceleration" in refusal(table(along="ax [V]"), unit="g")[0]
+    assert "has two units: mg in its header" in refusal(table(along="ax [mg]"), unit="g")[0]
+    assert "'kg' is not a unit of acceleration" in refusal(unknown, unit="kg")[0]
+
+
+def test_a_recording_may_have_true_minus_signs():
+    text = table().replace("-", MINUS)
+    np.testing.assert_array_equal(signal(text).accelerations, signal(table()).accelerations)
+
+
+RUNS = f"amplitude [µm];conveying_velocity [m s-1];gamma [º];error\n100;0,0035;{MINUS}2;5 %\n"
+READ = [
+    {"amplitude": "100 µm", "conveying_velocity": "0.0035 m s-1", "gamma": "-2 º", "error": "5 %"}
+]
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252"])
+def test_all_tables_are_read_in_the_encodings_of_spreadsheets(tmp_path, encoding):
+    runs, cases, drive = (tmp_path / name for name in ("runs.csv", "cases.csv", "drive.csv"))
+    text = RUNS if encoding != "cp1252" else RUNS.replace(MINUS, "-")
+    runs.write_bytes(text.encode(encoding))
+    assert read_rows(runs) == READ
+    cases.write_bytes("amplitude [µm],gamma [°]\n100,-2\n".encode(encoding))
+    assert read_cases(cases) == {"amplitude": (1e-4,), "gamma": (-2.0,)}
+    drive.write_bytes(table(time="time [µs]", along="ax [m/s²]").encode(encoding))
+    assert signal(drive).accelerations[0, 1] == pytest.approx(np.sin(0.314), abs=1e-5)
+
+
+def test_a_recording_in_windows_1252_is_sent_whole(tmp_path):
+    path = tmp_path / "drive.csv"
+    path.write_bytes(table(time="time [µs]").encode("cp1252"))
+    content = {"kind": "simulate", "drive": {"file": str(path), "along": "ax"}}
+    assert resolve_files(content, "curl", tmp_path)["drive"]["data"] == table(time="time [µs]")
+
+
+def test_bytes_that_are_no_text_are_told(tmp_path):
+    path = tmp_path / "runs.csv"
+    path.write_bytes("amplitude [mm]\n1\n".encode("utf-16"))
+    for read in (read_rows, read_cases):
+        with pytest.raises(StudyError, match="it is not text in UTF-8 or Windows-1252"):
+            read(path)
+
+
+def test_a_bare_number_never_loses_the_unit_of_its_heading(tmp_path):
+    path = tmp_path / "runs.csv"
+    for written in ("-.05", f"{MINUS}0.05", "\N{EN DASH}0.05", "+5e-2", ".05", " 0.05", "0.05 "):
+        path.write_text(f"gamma [rad],amplitude [mm]\n{written},1.\n", encoding="utf-8")
+        degrees = np.rad2deg(0.05 if written.strip()[0] in "+.0" else -0.05)
+        assert read_cases(path)["gamma"] == pytest.approx((degrees,), rel=1e-15)
+        assert read_cases(path)["amplitude"] == (1e-3,)
+        assert str(read_rows(path)[0]["gamma"]).endswith(" rad")
+        assert read_rows(path)[0]["amplitude"] == "1. mm"
+
+
+def test_a_row_with_more_cells_than_the_heading_is_refused(tmp_path):
+    """0,35 between commas is two cells: the second had been dropped, and 0 mm was read."""
+    path = tmp_path / "runs.csv"
+    path.write_text("amplitude [mm],conveying_velocity [mm/s]\n0,35,20,5\n")
+    with pytest.raises(StudyError, match=r"row 1 of runs\.csv has more cells than the heading"):
+        read_rows(path)
+    path.write_text("amplitude [mm],conveying_velocity [mm/s]\n0.35,20,,\n")
+    assert read_rows(path) == [{"amplitude": "0.35 mm", "conveying_velocity": "20 mm/s"}]
+    path.write_text('amplitude,conveying_velocity [mm/s]\n"0,35",20\n')
+    assert read_rows(path)[0]["amplitude"] == "0,35"  # which is refused with the reason
+
+
+def test_cells_of_a_workbook_keep_their_sign_and_their_per_cent(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    sheet = book.active
+    sheet.append(["gamma [deg]", "amplitude [mm]", "conveying_velocity [mm/s]", "error"])
+    sheet.append([f"{MINUS}5", 0.3, 20, 0.05])
+    sheet["D2"].number_format = "0 %"
+    for _ in range(1_200):  # blank rows, which once hid what is below them
+        sheet.append([None])
+    sheet.append([5, 0.3, 21, "1 mm/s"])
+    book.save(tmp_path / "runs.xlsx")
+    first, second = read_rows(tmp_path / "runs.xlsx")
+    assert (first["gamma"], first["error"]) == ("-5 deg", "5 %")
+    assert second == {
+        "gamma": "5 deg", "amplitude": "0.3 mm", "conveying_velocity": "21 mm/s", "error": "1 mm/s"
+    }  # fmt: skip
