@@ -145,6 +145,7 @@ ROUND_PARTS: dict[str, Quantity] = {
     ),
     "slip_velocity": velocity(
         "s", "Slip velocity",
-        "Mean velocity at which the point of contact slips on the floor; 0 where the part rolls.",
+        "Mean velocity at which the point of contact slips on the floor; 0 where the part rolls. "
+        "Rolling resistance is left out while the part turns to and fro.",
     ),
 }  # fmt: skip
