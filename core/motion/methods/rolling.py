@@ -26,8 +26,8 @@ from core.watch import Watch
 
 WAYS = {MOTION_MODES["forward"].value: 1.0, MOTION_MODES["backward"].value: -1.0}
 """Sign of the velocity by motion mode."""
-SETTINGS = {"tolerance": 1e-12, "max_periods": 1000.0}
-"""Of the method `events`, by which the block is followed once more."""
+TOLERANCE, MAX_PERIODS = 1e-12, 1000.0
+"""Settings of the method `events`, by which a block is followed once more."""
 ROUNDING = 1e-12
 """Relative excess over the friction that counts as rounding."""
 
@@ -98,7 +98,7 @@ def mean_acceleration(contact: RollingContact) -> Array:
 
 def _down_by_slip(contact: RollingContact) -> Array:
     """Return the mean acceleration downhill of parts whose slip is followed, from rest [1]."""
-    slip = planar_motion(slip_groups(contact), **SETTINGS)
+    slip = planar_motion(slip_groups(contact), tolerance=TOLERANCE, max_periods=MAX_PERIODS)
     exact = (contact.resistance == 0) | (~contact.lifts & (contact.resistance <= contact.kinetic))
     bounded = exact & np.isin(slip.status, [STATUS[name] for name in ANSWERED])
     away = exact & (slip.status == STATUS["runaway"])
@@ -127,7 +127,9 @@ def always_rolls(contact: RollingContact, watch: Watch | None) -> Mask:
             if watch.stopped():
                 break
             single = RollingContact(*(field[cell_number] for field in fields))
-            (cell,), _ = cells_of(block_groups(single), **SETTINGS)
+            (cell,), _ = cells_of(
+                block_groups(single), tolerance=TOLERANCE, max_periods=MAX_PERIODS
+            )
             pieces = planar.follow(cell, stop)[0]
             always[cell_number] = most_traction(single, pieces) <= (1 + ROUNDING) * float(
                 single.static

@@ -120,7 +120,7 @@ def damping_ratio(restitution: float, stiffness: float) -> float:
     `stiffness` is that of the floor over mass times (2 pi f)^2 [1].
     """
     most = max(1.0, (math.sqrt(stiffness) / 8) ** (1 / 3))
-    return min(most, float(damping_of_restitution(restitution=np.float64(restitution))))
+    return min(most, float(damping_of_restitution(restitution=np.asarray(restitution))))
 
 
 def laws(
