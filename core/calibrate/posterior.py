@@ -389,17 +389,17 @@ def _deeply_parted(labels: NDArray[np.int16], depth: Array) -> NDArray[np.int16]
     merged = labels.copy()
     while True:
         numbers = np.unique(merged).tolist()
-        tops = {one: depth[merged == one].min() for one in numbers}
+        tops = {number: depth[merged == number].min() for number in numbers}
         valleys = []
-        for one, other in combinations(numbers, 2):
+        for first, second in combinations(numbers, 2):
             # The way over the highest saddle crosses neighbours, one in either mode.
-            near = scipy.ndimage.minimum_filter(np.where(merged == one, depth, np.inf), 3)
-            passes = np.maximum(near, np.where(merged == other, depth, np.inf))
-            valleys.append((passes.min() - max(tops[one], tops[other]), one, other))
-        least, one, other = min(valleys, default=(np.inf, 0, 0))
+            near = scipy.ndimage.minimum_filter(np.where(merged == first, depth, np.inf), 3)
+            passes = np.maximum(near, np.where(merged == second, depth, np.inf))
+            valleys.append((passes.min() - max(tops[first], tops[second]), first, second))
+        least, first, second = min(valleys, default=(np.inf, 0, 0))
         if not least < VALLEY:
             return merged
-        merged[merged == other] = one
+        merged[merged == second] = first
 
 
 def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16]:

@@ -203,7 +203,7 @@ def test_regimes_of_rows():
 
 
 SLOPE = [
-    # Friction at the rear and in front, and whether parts at the lower end leave for ever: alone, or
+    # Friction at the rear and in front, and whether parts at the lower end leave: alone, or
     # pushed by the part above. tan(10 deg) is 0.1763.
     (10, (0.05, 0.3), True), (10, (0.3, 0.05), True), (10, (0.3, 0.06), False),
     (-10, (0.3, 0.05), True), (-10, (0.05, 0.3), True), (-10, (0.06, 0.3), False),
