@@ -24,9 +24,10 @@ run: $(RUNNING)
 test: $(TESTING)
 	scripts/test $(BIN)
 
-# The searches besides: hours of one processor.
+# The searches besides, in random order: hours of one processor. With VIBRAFEED_NIGHT=1,
+# `scripts/test .venv/bin -p randomly --randomly-seed=N` repeats an order.
 night: $(TESTING)
-	VIBRAFEED_NIGHT=1 scripts/test $(BIN)
+	VIBRAFEED_NIGHT=1 scripts/test $(BIN) -p randomly
 
 quick: $(TESTING)
 	scripts/quick $(BIN)

@@ -45,7 +45,10 @@ def pytest_collection() -> Generator[None, object, object]:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark tests by place and duration, leave out the night's, begin with the longest files."""
+    """Mark tests by place and duration, leave out the night's, begin with the longest files.
+
+    In random order (`make night`) they stay as they come.
+    """
     if not NIGHT:
         night = {item for item in items if item.get_closest_marker("night")}
         night |= set(cases_of_the_night([item for item in items if item not in night]))
@@ -60,7 +63,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
                 item.add_marker(pytest.mark.service)
             if seconds >= SLOW:
                 item.add_marker(pytest.mark.slow)
-    items.sort(key=lambda item: -whole[item.path])
+    if not config.pluginmanager.hasplugin("randomly"):
+        items.sort(key=lambda item: -whole[item.path])
 
 
 def by_name(items: list[pytest.Item]) -> dict[str, list[pytest.Item]]:

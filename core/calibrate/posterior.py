@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ HIGHEST = (0.9, 0.99)  # shares of the mass whose regions of highest density are
 LEAST_MODE = 0.02  # share of the mass that a mode has at least
 DEEPEST = 50.0  # depth below the top of the log density to which modes are parted
 MAX_MODES = 6  # modes that are told apart, the heaviest
+VALLEY = np.log(2.0)  # depth of the valley between two modes below the lower top, at least
 
 
 @dataclass(frozen=True)
@@ -344,10 +346,10 @@ class PosteriorMode:
 def modes_of(posterior: Posterior, axes: Sequence[Array]) -> list[PosteriorMode]:
     """Return the separate modes of a posterior, the heaviest first; at least one.
 
-    A mode is a connected region of high density that explains the runs by itself. Regions are
-    sought on a grid over `axes`, evenly spaced values of each unknown in the units of studies. All
-    points belong to a mode: those between modes to the one that they rise to (a watershed of the
-    log density).
+    A mode is a connected region of high density that explains the runs by itself: between two, the
+    density falls below half of the lower top. Regions are sought on a grid over `axes`, evenly
+    spaced values of each unknown in the units of studies. All points belong to a mode: those
+    between modes to the one that they rise to (a watershed of the log density).
     """
     count = len(axes)
     nodes = np.stack(
@@ -372,8 +374,32 @@ def modes_of(posterior: Posterior, axes: Sequence[Array]) -> list[PosteriorMode]
         best = found if found.max() > best.max() else best
     depth = np.full(mass.size, DEEPEST)
     np.minimum.at(depth, flat, posterior.log.max() - posterior.log)
-    steps = (np.iinfo(np.uint16).max / DEEPEST * depth.reshape(shape)).astype(np.uint16)
-    return _modes(posterior, scipy.ndimage.watershed_ift(steps, best, around).ravel()[flat])
+    depth = depth.reshape(shape)
+    steps = (np.iinfo(np.uint16).max / DEEPEST * depth).astype(np.uint16)
+    parted = _deeply_parted(scipy.ndimage.watershed_ift(steps, best, around), depth)
+    return _modes(posterior, parted.ravel()[flat])
+
+
+def _deeply_parted(labels: NDArray[np.int16], depth: Array) -> NDArray[np.int16]:
+    """Return labels of modes, in which those without a deep valley between them are one.
+
+    `labels` has the number of its mode for each node of the grid, from 1 to at most `MAX_MODES`,
+    `depth` how far the log density lies below its top. The shallowest valley goes first.
+    """
+    merged = labels.copy()
+    while True:
+        numbers = np.unique(merged).tolist()
+        tops = {number: depth[merged == number].min() for number in numbers}
+        valleys = []
+        for first, second in combinations(numbers, 2):
+            # The way over the highest saddle crosses neighbours, one in either mode.
+            near = scipy.ndimage.minimum_filter(np.where(merged == first, depth, np.inf), 3)
+            passes = np.maximum(near, np.where(merged == second, depth, np.inf))
+            valleys.append((passes.min() - max(tops[first], tops[second]), first, second))
+        least, first, second = min(valleys, default=(np.inf, 0, 0))
+        if not least < VALLEY:
+            return merged
+        merged[merged == second] = first
 
 
 def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16]:

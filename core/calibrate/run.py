@@ -31,6 +31,7 @@ from core.calibrate.posterior import (
     pair,
     posterior_of,
 )
+from core.calibrate.scatter import Likelihood, log_sum
 from core.dataset.table import Table, TableVariable, quantity_attributes
 from core.mechanics.arrays import Array
 from core.plan.labels import global_attributes
@@ -168,7 +169,8 @@ def _best(
     -------
     dict of str to ndarray
         `mode_share` and `mode_<unknown>`, shape (modes,), the heaviest mode first, and
-        `best_<unknown>`, a number; in the units of studies.
+        `best_<unknown>`, a number: that of the mode with the highest density, which need not be
+        the heaviest; in the units of studies.
     """
     model, sizes = prepared.model, posterior.likelihood.scatter.sizes
     size = float(np.sqrt(posterior.sizes @ np.square(sizes)))
@@ -177,10 +179,21 @@ def _best(
     squares = LeastSquares(model, size, watch)
     modes = modes_of(posterior, axes)
     polished = np.array([squares.polished(mode.best) for mode in modes])
+    likely = polished[np.argmax(_log_density(posterior.likelihood, polished))]
     arrays: dict[str, Array] = {"mode_share": np.array([mode.share for mode in modes])}
     arrays |= {f"mode_{name}": polished[:, k] for k, name in enumerate(model.names)}
-    arrays |= {f"best_{name}": polished[0, k] for k, name in enumerate(model.names)}
+    arrays |= {f"best_{name}": likely[k] for k, name in enumerate(model.names)}
     return arrays
+
+
+def _log_density(likelihood: Likelihood, points: Array) -> Array:
+    """Return the logarithm of the posterior density at points of the unknowns, by their motions.
+
+    It has no constant. `points` has the shape (points, unknowns).
+    """
+    predicted = likelihood.model.predict(points, Watch())
+    shown = likelihood.shown(predicted)
+    return log_sum(likelihood.log(predicted.value, predicted.variance, shown, points))
 
 
 def _by_run(

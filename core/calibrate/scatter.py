@@ -21,7 +21,7 @@ from core.mechanics.arrays import Array
 
 NONE_BEFORE = 0.9
 """Prior probability that the errors explain all scatter."""
-KNOWN_SIZES, UNKNOWN_SIZES = 14, 28
+KNOWN_SIZES, UNKNOWN_SIZES = 18, 28
 """Number of sizes of the discrepancy that are tried, with known errors and without."""
 FINER = 24  # number of sizes, once it is known which are likely
 HARDLY = 1e-5  # of the largest probability of a size: less likely ones are left out
@@ -62,9 +62,10 @@ class Scatter:
             sizes = size * np.logspace(-4.0, 0.5, UNKNOWN_SIZES)
             return cls(sizes, np.full(sizes.size, -np.log(sizes.size)))
         typical = float(np.median(runs.error[runs.measured]))
-        shares = np.logspace(-0.5, 2.5, KNOWN_SIZES)
-        before = shares / (1.0 + np.square(shares))  # a step is a share of the size
-        before *= (1.0 - NONE_BEFORE) / before.sum()
+        shares = np.logspace(-1.5, 2.5, KNOWN_SIZES)
+        # A size has the mass from halfway to its neighbours; the ends have all that lies beyond.
+        below = np.arctan(np.sqrt(shares[1:] * shares[:-1])) * 2.0 / np.pi
+        before = (1.0 - NONE_BEFORE) * np.diff(below, prepend=0.0, append=1.0)
         sizes = typical * shares
         return cls(np.concatenate([[0.0], sizes]), np.log(np.concatenate([[NONE_BEFORE], before])))
 

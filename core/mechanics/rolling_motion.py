@@ -5,9 +5,11 @@ s = u - r w, obeys
 
     s' = D + (1 + kap) f,   |f| <= mu n,        u' = (s' + kap D)/(1 + kap)
 
-Its mean over a cycle is 0, so that the mean of u' is kap/(1 + kap) times that of D, whatever the
-drive, friction and rebounds: friction conveys no ball. Rolling resistance c (a couple c r n against
-the turning) does: in pure rolling u' = kap/(1 + kap) (D - c n sgn(u)), a block of friction c.
+While the slip stays bounded its mean change is 0, so that the mean of u' is kap/(1 + kap) times
+that of D, whatever the drive, friction and rebounds: friction conveys no ball. On a slope that is
+steeper than (1 + kap) mu the slip runs away, and the mean of u' is that of D + mu n. Rolling
+resistance c (a couple c r n against the turning) conveys: in pure rolling
+u' = kap/(1 + kap) (D - c n sgn(u)), a block of friction c.
 """
 
 from __future__ import annotations
@@ -26,8 +28,10 @@ class RollingContact(NamedTuple):
     ----------
     share, factor : ndarray
         kap/(1 + kap) and kap = m r^2/I [1].
-    static : ndarray
-        Static friction coefficient of the floor.
+    static, kinetic : ndarray
+        Static and kinetic friction coefficients of the floor.
+    restitution : ndarray
+        Restitution of impacts on the floor.
     resistance : ndarray
         Coefficient of rolling resistance.
     drag : ndarray
@@ -43,6 +47,8 @@ class RollingContact(NamedTuple):
     share: Array
     factor: Array
     static: Array
+    kinetic: Array
+    restitution: Array
     resistance: Array
     drag: Array
     load: Array
@@ -51,20 +57,58 @@ class RollingContact(NamedTuple):
     normal: Array
 
     @property
-    def held(self) -> Array:
-        """Mean force against the motion of a part that rolls one way, over its weight."""
-        held: Array = self.resistance * self.load + self.drag
-        return held
+    def pull(self) -> Array:
+        """Size of gravity along the track, over gravity [1]."""
+        return np.abs(self.uphill)
+
+    @property
+    def resisting(self) -> Array:
+        """Mean force that keeps the part from running down, over its weight [1].
+
+        Rolling resistance, or the floor's friction if that is less: the part then slides.
+        """
+        resisting: Array = np.minimum(self.resistance, self.static) * self.load + self.drag
+        return resisting
 
     @property
     def free(self) -> Mask:
-        """True where nothing resists rolling."""
-        return np.asarray(self.held == 0)
+        """True where nothing resists the motion in the mean."""
+        return np.asarray(self.resisting == 0)
 
     @property
     def runs_away(self) -> Mask:
-        """True where gravity is more than what resists rolling."""
-        return np.asarray(np.abs(self.uphill) > self.held)
+        """True where gravity is more than what resists the motion, rolling or slipping."""
+        return np.asarray(self.pull > self.resisting)
+
+    @property
+    def rolling_down(self) -> Array:
+        """Mean acceleration downhill while the slip stays bounded, over gravity [1].
+
+        kap/(1 + kap) (|sin(gamma)| - c n - w), with the load n and the wall's friction w; 0 where
+        rolling resistance and wall hold the part.
+        """
+        left = self.pull - self.resistance * self.load - self.drag
+        return np.asarray(self.share * np.maximum(left, 0.0))
+
+    @property
+    def slipping_down(self) -> Array:
+        """Mean acceleration downhill once the slip runs away, over gravity [1].
+
+        |sin(gamma)| - mu_k n - w, with the load n and the wall's friction w; 0 where kinetic
+        friction would stop the part.
+        """
+        left = self.pull - self.kinetic * self.load - self.drag
+        return np.asarray(np.maximum(left, 0.0))
+
+    @property
+    def unbounded_slip(self) -> Mask:
+        """True where gravity is more than static friction can turn into rolling.
+
+        |sin(gamma)| > ((1 + kap) mu_s - kap c) n + w, for c up to mu_s: rolling down takes the
+        friction (|sin(gamma)| - w + kap c n)/(1 + kap). With a larger c the part does not turn.
+        """
+        turning = self.factor * np.maximum(self.static - self.resistance, 0.0)
+        return np.asarray(self.pull > (self.static + turning) * self.load + self.drag)
 
     @property
     def lifts(self) -> Mask:
@@ -110,14 +154,3 @@ class RollingContact(NamedTuple):
         """True where it has too little at some instant of any motion."""
         enough = (1 + self.factor) * np.maximum(self.static, self.resistance)
         return np.asarray(self.lifts | (self.traction[0] > enough))
-
-
-def mean_acceleration(share: Array, uphill: Array, held: Array) -> Array:
-    """Return the mean acceleration of a rolling part in the long run, over gravity [1].
-
-    `share` is kap/(1 + kap), `uphill` gravity against the direction of travel and `held` what
-    resists rolling, both over gravity: -share (uphill - held) where gravity is more, so that the
-    part runs down; else 0.
-    """
-    left = np.maximum(np.abs(uphill) - held, 0.0)
-    return np.where(uphill > 0, -1.0, 1.0) * share * left

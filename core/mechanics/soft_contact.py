@@ -9,9 +9,9 @@ import numpy as np
 
 from core.mechanics.arrays import Array, Mask, ratio
 
-STEPS, OUTER_STEPS = 7, 7
-"""Newton's steps for the speed after an impact, and for the damping by a restitution: two more than
-the tests need over twelve orders of magnitude."""
+STEPS, OUTER_STEPS, DAMPING_STEPS = 7, 7, 8
+"""Newton's steps for the speed after an impact, and for the damping by a restitution of both laws:
+two more than the tests need over twelve orders of magnitude."""
 SMALL, TERMS = 0.5, 16
 """Size of x below which exp(x) - 1 - x is a series, and the last power in that series."""
 LITTLE = 1e-3  # impact number below which the slope is that at 0
@@ -96,29 +96,45 @@ def restitution_of_damping(*, contact_damping_ratio: Array) -> Array:
     hyperbolic functions, exp(-2 zeta acosh(zeta)/sqrt(zeta^2 - 1)).
     """
     zeta = contact_damping_ratio
-    low = np.minimum(zeta, 1.0)
+    return np.exp(-2 * zeta * _arc(zeta))
+
+
+def _arc(zeta: Array) -> Array:
+    """Return acos(zeta)/sqrt(1 - zeta^2), and beyond 1 acosh(zeta)/sqrt(zeta^2 - 1) [1].
+
+    One smooth function, 1 at zeta = 1.
+    """
+    low, high = np.minimum(zeta, 1.0), np.maximum(zeta, 1.0)
     root = np.sqrt((1 - low) * (1 + low))
-    a = np.arctan2(low, root)
-    light = 2 * low * ratio(np.pi / 2 - a, root, 1.0)
-    high = np.maximum(zeta, 1.0)
-    beyond = np.sqrt((high - 1) * (high + 1))
-    heavy = 2 * high * ratio(np.log(high + beyond), beyond, 1.0)
-    return np.exp(-np.where(zeta < 1, light, heavy))
+    beyond = np.sqrt(high - 1) * np.sqrt(high + 1)
+    light = ratio(np.arctan2(root, low), root, 1.0)
+    return np.where(zeta < 1, light, ratio(np.log1p(high - 1 + beyond), beyond, 1.0))
 
 
 def damping_of_restitution(*, restitution: Array) -> Array:
     """Return the damping ratio of a linear spring and damper contact with a restitution [1].
 
-    So the damping of a lining is found from a drop test. The ratio is sin(a), with a from exp(-(pi
-    - 2 a) tan(a)) = restitution by bisection; NaN below exp(-2) = 0.135, which takes more than
-    critical damping. `restitution` is rebound speed over impact speed, an array.
+    So the damping of a lining is found from a drop test: the inverse of `restitution_of_damping`,
+    2 zeta _arc(zeta) = -ln(restitution), by Newton's method. Below exp(-2) = 0.135 the damping is
+    more than critical; infinite for restitution 0. `restitution` is rebound speed over impact
+    speed, an array.
     """
-    low, high = np.zeros(np.shape(restitution)), np.full(np.shape(restitution), np.pi / 2)
-    for _ in range(60):
-        middle = (low + high) / 2
-        more = np.exp(-(np.pi - 2 * middle) * np.tan(middle)) > restitution
-        low, high = np.where(more, middle, low), np.where(more, high, middle)
-    return np.where(restitution < np.exp(-2.0), np.nan, np.sin((low + high) / 2))
+    some = restitution > 0
+    loss = 0.0 - np.log(np.where(some, restitution, 1.0))
+    # The logarithm is concave in zeta: pi zeta near 0, 2 ln(2 zeta) far beyond 1.
+    zeta = np.where(loss < 2, loss / np.pi, np.cosh(loss / 2))
+    for _ in range(DAMPING_STEPS):
+        arc = _arc(zeta)
+        near = np.abs(zeta - 1) < LITTLE
+        bend = (zeta * arc - 1) / np.where(near, 1.0, 1 - zeta) / (1 + zeta)
+        slope = 2 * (arc + zeta * np.where(near, -1 / 3, bend))
+        zeta = zeta - (2 * zeta * arc - loss) / slope
+    return np.where(some, zeta, np.inf)
+
+
+def needs_endless_damping(*, restitution: Array) -> Mask:
+    """True where the restitution is 0, which no finite damping gives."""
+    return restitution == 0
 
 
 # --- when contacts are rigid

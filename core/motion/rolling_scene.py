@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics import rolling_motion, round_parts
+from core.mechanics import round_parts
 from core.mechanics.arrays import Array, Mask
 from core.mechanics.rolling_motion import RollingContact
 from core.motion import feeding, limits, scales
 from core.motion.feeding import DEFAULTS
 from core.motion.groups import BLOCK_ON_FLOOR, Groups
 from core.motion.method import Method
-from core.motion.methods import METHODS
-from core.motion.methods.rolling import block_groups, of_slip
+from core.motion.methods import METHODS, rolling
 from core.motion.result import Motion, has_status
 from core.motion.row_scene import drive_number_along
 from core.scenes.scene import (
@@ -35,102 +34,77 @@ ROLLING = (BALL, ROLLER, DISC)
 
 def floor_contact(
     *, rolling_share: Array, rolling_factor: Array, friction_static: Array,
-    rolling_resistance: Array, load_number: Array, gravity_number_along: Array,
-    drive_number_along: Array, drive_number_normal: Array,
+    friction_kinetic: Array, restitution: Array, rolling_resistance: Array, load_number: Array,
+    gravity_number_along: Array, drive_number_along: Array, drive_number_normal: Array,
 ) -> RollingContact:  # fmt: skip
     """Return the dimensionless numbers of the contact of a round part with the floor.
 
     All arguments are arrays [1]: `rolling_factor` m r^2/I, `rolling_share` the share of a push that
-    accelerates a rolling part, friction and rolling resistance coefficients, `load_number` gravity
-    onto the floor, and gravity along, drive along and normal over g. There is no wall, whose drag
-    is 0.
+    accelerates a rolling part, friction, restitution and rolling resistance coefficients,
+    `load_number` gravity onto the floor, and gravity along, drive along and normal over g. There is
+    no wall, whose drag is 0.
     """
     return RollingContact(
         share=rolling_share, factor=rolling_factor, static=friction_static,
-        resistance=rolling_resistance, drag=np.zeros(()), load=load_number,
-        uphill=gravity_number_along, along=drive_number_along, normal=drive_number_normal,
+        kinetic=friction_kinetic, restitution=restitution, resistance=rolling_resistance,
+        drag=np.zeros(()), load=load_number, uphill=gravity_number_along,
+        along=drive_number_along, normal=drive_number_normal,
     )  # fmt: skip
 
 
 def wall_contact(
     *, rolling_share: Array, rolling_factor: Array, friction_static: Array,
-    rolling_resistance: Array, load_number: Array, gravity_number_along: Array,
-    gravity_number_across: Array, wall_friction: Array, drive_number_along: Array,
-    drive_number_normal: Array,
+    friction_kinetic: Array, rolling_resistance: Array, load_number: Array,
+    gravity_number_along: Array, gravity_number_across: Array, wall_friction: Array,
+    drive_number_along: Array, drive_number_normal: Array,
 ) -> RollingContact:  # fmt: skip
     """Return the dimensionless numbers of the contacts of a disc on its edge with floor and wall.
 
     All arguments are arrays [1]: `rolling_factor` m r^2/I, `rolling_share` the share of a push that
     accelerates a rolling part, frictions and rolling resistance, `load_number` gravity onto the
     floor, and gravity along and across, drive along and normal over g. The disc leans on the wall
-    with gravity across, whose friction is its drag.
+    with gravity across, whose friction is its drag. It lands without rebound.
     """
     return RollingContact(
         share=rolling_share, factor=rolling_factor, static=friction_static,
-        resistance=rolling_resistance, drag=wall_friction * gravity_number_across,
-        load=load_number, uphill=gravity_number_along, along=drive_number_along,
-        normal=drive_number_normal,
+        kinetic=friction_kinetic, restitution=np.zeros(()), resistance=rolling_resistance,
+        drag=wall_friction * np.maximum(gravity_number_across, 0.0), load=load_number,
+        uphill=gravity_number_along, along=drive_number_along, normal=drive_number_normal,
     )  # fmt: skip
 
 
 def rolling_groups(*, rolling_contact: RollingContact) -> Groups:
     """Return the groups of the block that moves like the rolling part."""
-    return block_groups(rolling_contact)
+    return rolling.block_groups(rolling_contact)
 
 
-def slip_groups(
-    *, rolling_factor: Array, drive_number_along: Array, drive_number_normal: Array,
-    gravity_number_along: Array, load_number: Array, friction_static: Array,
-    friction_kinetic: Array, restitution: Array,
-) -> Groups:  # fmt: skip
-    """Return the groups of the block that moves as the contact point of a round part slips.
-
-    A ball or roller need not be simulated by itself: the slip of its contact follows the equation
-    of a block with 1 + kap times the friction, with the inertia factor kap = m r^2/I
-    (`rolling_factor`). All arguments are arrays [1]: shares of drive and gravity over g along the
-    track and normal to it, `load_number` gravity onto the floor, friction coefficients and
-    restitution (theory 18.2).
-    """
-    return Groups(
-        drive_number_along=drive_number_along,
-        drive_number_normal=drive_number_normal,
-        gravity_number_along=gravity_number_along,
-        gravity_number_normal=load_number,
-        friction_static=(1 + rolling_factor) * friction_static,
-        friction_kinetic=(1 + rolling_factor) * friction_kinetic,
-        restitution=restitution,
-    )
+def slip_groups(*, rolling_contact: RollingContact) -> Groups:
+    """Return the groups of the block that moves as the contact point of a round part slips."""
+    return rolling.slip_groups(rolling_contact)
 
 
 def slip_velocity(*, slip_motion: Motion, velocity_scale: Array) -> Array:
-    """Return the mean slip velocity of the contact, without rolling resistance [m s-1]."""
+    """Return the mean slip velocity of the contact [m s-1].
+
+    Rolling resistance is left out where the part turns to and fro.
+    """
     return slip_motion.velocity * velocity_scale
 
 
-def mean_acceleration(
-    *, rolling_share: Array, rolling_resistance: Array, load_number: Array,
-    gravity_number_along: Array, gravity: Array,
-) -> Array:  # fmt: skip
+def mean_acceleration(*, rolling_contact: RollingContact, gravity: Array) -> Array:
     """Return the mean acceleration along the track in the long run [m s-2].
 
-    Of a part that runs down -kap/(1 + kap) (g sin(gamma) - c n), whatever the drive, friction and
-    rebounds; else 0.
+    Of a part that runs down -kap/(1 + kap) (g sin(gamma) - c n - w), whatever the drive, friction
+    and rebounds, while the slip of its contact stays bounded; -(g sin(gamma) - mu n - w) where the
+    slip runs away, beyond g sin(gamma) = ((1 + kap) mu - kap c) n + w, with the load n and the
+    wall's friction w per mass; else 0.
     """
-    held = rolling_resistance * load_number
-    return gravity * rolling_motion.mean_acceleration(rolling_share, gravity_number_along, held)
+    return gravity * rolling.mean_acceleration(rolling_contact)
 
 
-def mean_acceleration_at_wall(
-    *, rolling_share: Array, rolling_resistance: Array, load_number: Array,
-    gravity_number_along: Array, gravity_number_across: Array, wall_friction: Array,
-    gravity: Array,
-) -> Array:  # fmt: skip
-    """Return the mean acceleration along the track in the long run [m s-2].
-
-    Of a disc that runs down -kap/(1 + kap) (g sin(gamma) - c n - mu_w s); else 0.
-    """
-    held = rolling_resistance * load_number + wall_friction * gravity_number_across
-    return gravity * rolling_motion.mean_acceleration(rolling_share, gravity_number_along, held)
+def leaves_wall(*, gravity_number_across: Array) -> Mask:
+    """True where nothing presses the disc onto the wall: the track leans the other way."""
+    return gravity_number_across < 0
 
 
 def rests(*, motion: Motion) -> Mask:
@@ -166,6 +140,7 @@ CONDITIONS = (
     Condition("neutral", has_status("neutral"), ANY_RESULT),
     Condition("stick", rests, ANY_RESULT),
 )
+LEAVES_THE_WALL = Condition("wall_lost", leaves_wall, ANY_RESULT | {"mean_acceleration"})
 VALIDITY = (
     "Motion along the track. Rolling resistance is a couple c r n against the turning, r the "
     "radius and n the load. A part without any is not conveyed, whatever the drive and the "
@@ -189,11 +164,11 @@ def rolling_scenes(
         *limits.equations("sine", ("along", "normal")),
         Equation("rolling_share", round_parts.rolling_share, "theory 18.1"),
         Equation("groups", rolling_groups, SOURCE),
+        Equation("mean_acceleration", mean_acceleration, SOURCE),
     )
     on_floor = (
         *planar,
         Equation("rolling_contact", floor_contact, SOURCE),
-        Equation("mean_acceleration", mean_acceleration, SOURCE),
     )
     at_wall = (
         *(each for each in planar if each.gives != "gravity_number_normal"),
@@ -201,7 +176,6 @@ def rolling_scenes(
         Equation("gravity_number_normal", scales.leaning_gravity_number_normal, "theory 13.1"),
         Equation("wall_friction", scales.wall_friction, "theory 13.1"),
         Equation("rolling_contact", wall_contact, SOURCE),
-        Equation("mean_acceleration", mean_acceleration_at_wall, SOURCE),
     )
 
     def scene(
@@ -225,7 +199,9 @@ def rolling_scenes(
                 for method in METHODS["rolling"].values()
             },
             default_variant="events",
-            conditions=dict.fromkeys(METHODS["rolling"], CONDITIONS),
+            conditions=dict.fromkeys(
+                METHODS["rolling"], (LEAVES_THE_WALL, *CONDITIONS) if name == DISC else CONDITIONS
+            ),
             defaults={
                 "gamma": 0.0, "gravity": STANDARD_GRAVITY, "hold_down_number": 0.0,
                 "rolling_resistance": 0.0, "inner_diameter": 0.0, "rolling_factor": kap,
@@ -263,7 +239,7 @@ def _equations_of_method(method: Method, *, slips: bool) -> tuple[Equation, ...]
         block = METHODS["conveying"][method.name].follow(BLOCK_ON_FLOOR)
         equations += [
             Equation("slip_groups", slip_groups, SOURCE),
-            Equation("slip_motion", of_slip(block), SOURCE),
+            Equation("slip_motion", rolling.of_slip(block), SOURCE),
             Equation("slip_velocity", slip_velocity, SOURCE),
         ]
     return tuple(equations)

@@ -102,7 +102,8 @@ ROUND_PARTS: dict[str, Quantity] = {
     ),
     "damping_of_restitution": number(
         "zeta(e)", "Damping ratio of the restitution",
-        "Damping ratio of a spring and damper without adhesion that gives the restitution.",
+        "Damping ratio of a spring and damper without adhesion that gives the restitution: above 1 "
+        "for a restitution below 0.135, infinite for 0.",
     ),
     "restitution_of_damping": number(
         "e(zeta)", "Restitution of the damping ratio",
@@ -145,6 +146,7 @@ ROUND_PARTS: dict[str, Quantity] = {
     ),
     "slip_velocity": velocity(
         "s", "Slip velocity",
-        "Mean velocity at which the point of contact slips on the floor; 0 where the part rolls.",
+        "Mean velocity at which the point of contact slips on the floor; 0 where the part rolls. "
+        "Rolling resistance is left out while the part turns to and fro.",
     ),
 }  # fmt: skip

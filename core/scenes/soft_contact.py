@@ -19,6 +19,11 @@ EQUATIONS = (
 )
 CONDITIONS = (
     Condition(
+        "unbounded",
+        soft_contact.needs_endless_damping,
+        frozenset(("damping_of_restitution", "impact_damping")),
+    ),
+    Condition(
         "soft_contact", soft_contact.is_soft, frozenset(("stiffness_ratio",)), otherwise="contact"
     ),
 )

@@ -2,7 +2,7 @@
 
 There is no kernel of their own. In pure rolling a part moves as a block whose friction is the
 rolling resistance, kap/(1 + kap) times as fast; where it cannot roll all the time, or nothing
-resists its rolling, the mean is known without following it, or is none.
+resists its rolling, the mean is known without following it, or is none. Its slip is a block, too.
 """
 
 from __future__ import annotations
@@ -18,15 +18,16 @@ from core.motion import planar
 from core.motion.groups import Contacts, Groups, cells_of
 from core.motion.kernels.planar.tables import PIECE
 from core.motion.method import Follow, Method
-from core.motion.result import STATUS, Motion
+from core.motion.methods.events import planar_motion
+from core.motion.result import ANSWERED, STATUS, Motion
 from core.quantities import MOTION_MODES
 from core.scenes.scene import taking
 from core.watch import Watch
 
 WAYS = {MOTION_MODES["forward"].value: 1.0, MOTION_MODES["backward"].value: -1.0}
 """Sign of the velocity by motion mode."""
-SETTINGS = {"tolerance": 1e-12, "max_periods": 1000.0}
-"""Of the method `events`, by which the block is followed once more."""
+TOLERANCE, MAX_PERIODS = 1e-12, 1000.0
+"""Settings of the method `events`, by which a block is followed once more."""
 ROUNDING = 1e-12
 """Relative excess over the friction that counts as rounding."""
 
@@ -54,6 +55,57 @@ def block_groups(contact: RollingContact) -> Groups:
     )
 
 
+def slip_groups(contact: RollingContact) -> Groups:
+    """Return the dimensionless numbers of the block that moves as the contact of a part slips.
+
+    s' = D + (1 + kap) f, with kap = m r^2/I: the friction of the block is 1 + kap times that of the
+    floor. A part that runs down turns one way, so that rolling resistance c and the friction w of
+    the wall join the push D: w uphill, kap c n downhill, at most kap mu_k n, with which the part
+    does not turn. On other parts both are left out. `contact` holds the dimensionless numbers of
+    the part.
+    """
+    way = np.where(contact.runs_away, np.sign(contact.uphill), 0.0)
+    turning = way * contact.factor * np.minimum(contact.resistance, contact.kinetic)
+    return Groups(
+        drive_number_along=contact.along + turning * contact.normal,
+        drive_number_normal=contact.normal,
+        gravity_number_along=contact.uphill + turning * contact.load - way * contact.drag,
+        gravity_number_normal=contact.load,
+        friction_static=(1 + contact.factor) * contact.static,
+        friction_kinetic=(1 + contact.factor) * contact.kinetic,
+        restitution=contact.restitution,
+    )
+
+
+def mean_acceleration(contact: RollingContact) -> Array:
+    """Return the mean acceleration along the track in the long run, over gravity [1].
+
+    That of `rolling_down` where the slip stays bounded, of `slipping_down` where it runs away, 0
+    where the part is held. Where static friction would bound the slip and kinetic friction would
+    not, the slip is followed from rest. NaN if that has no exact answer: with rolling resistance
+    in hops, or beyond kinetic friction. `contact` holds the dimensionless numbers of the part.
+    """
+    rolling, slipping = contact.rolling_down, contact.slipping_down
+    down = np.where(contact.unbounded_slip, slipping, rolling)
+    either = ~contact.unbounded_slip & (slipping > (1 + ROUNDING) * rolling) & ~contact.surely_rolls
+    if either.any():
+        wide = np.broadcast_arrays(*contact, either)
+        open_cells = RollingContact(*(field[either] for field in wide[:-1]))
+        down = np.broadcast_to(down, either.shape).copy()
+        down[either] = _down_by_slip(open_cells)
+    return np.asarray(0.0 - np.sign(contact.uphill) * down)  # no -0
+
+
+def _down_by_slip(contact: RollingContact) -> Array:
+    """Return the mean acceleration downhill of parts whose slip is followed, from rest [1]."""
+    slip = planar_motion(slip_groups(contact), tolerance=TOLERANCE, max_periods=MAX_PERIODS)
+    exact = (contact.resistance == 0) | (~contact.lifts & (contact.resistance <= contact.kinetic))
+    bounded = exact & np.isin(slip.status, [STATUS[name] for name in ANSWERED])
+    away = exact & (slip.status == STATUS["runaway"])
+    unbounded = np.where(away, contact.slipping_down, np.nan)
+    return np.where(bounded, contact.rolling_down, unbounded)
+
+
 def always_rolls(contact: RollingContact, watch: Watch | None) -> Mask:
     """True where a round part never slips: the floor's friction suffices over the whole cycle.
 
@@ -75,7 +127,9 @@ def always_rolls(contact: RollingContact, watch: Watch | None) -> Mask:
             if watch.stopped():
                 break
             single = RollingContact(*(field[cell_number] for field in fields))
-            (cell,), _ = cells_of(block_groups(single), **SETTINGS)
+            (cell,), _ = cells_of(
+                block_groups(single), tolerance=TOLERANCE, max_periods=MAX_PERIODS
+            )
             pieces = planar.follow(cell, stop)[0]
             always[cell_number] = most_traction(single, pieces) <= (1 + ROUNDING) * float(
                 single.static
@@ -115,16 +169,18 @@ def most_traction(contact: RollingContact, pieces: Array) -> float:
     return most
 
 
-def as_rolling(contact: RollingContact, block: Motion, watch: Watch | None) -> Motion:
+def as_rolling(
+    contact: RollingContact, acceleration: Array, block: Motion, watch: Watch | None
+) -> Motion:
     """Return a round part's motion, converted from `block`, that of its equivalent block.
 
     Velocities are the share kap/(1 + kap) of the block's, with kap = m r^2/I. No means where the
     part runs away or slips at times (`rolls_and_slips`). `contact` holds the dimensionless numbers
-    of the part; `watch` may stop the work.
+    of the part, `acceleration` its mean acceleration; `watch` may stop the work.
     """
-    rolls = always_rolls(contact, watch)
+    rolls = always_rolls(contact, watch) & ~np.isnan(acceleration)
     status = np.where(
-        contact.runs_away, STATUS["runaway"],
+        np.abs(acceleration) > 0, STATUS["runaway"],
         np.where(contact.free, STATUS["neutral"],
                  np.where(rolls, block.status, STATUS["rolls_and_slips"])),
     ).astype(np.int8)  # fmt: skip
@@ -154,14 +210,14 @@ def _rolled(method: Method) -> Method:
         block = method.follow(contacts)
 
         def motion(
-            *, groups: Groups, rolling_contact: RollingContact, watch: Watch | None = None,
-            **inputs: Any,
+            *, groups: Groups, rolling_contact: RollingContact, mean_acceleration: Array,
+            watch: Watch | None = None, **inputs: Any,
         ) -> Motion:  # fmt: skip
             """Return the motion of a round part, computed as that of its equivalent block."""
             motion: Motion = block(groups=groups, watch=watch, **inputs)
-            return as_rolling(rolling_contact, motion, watch)
+            return as_rolling(rolling_contact, mean_acceleration, motion, watch)
 
-        motion.__signature__ = taking(block, "rolling_contact")  # type: ignore[attr-defined]
+        motion.__signature__ = taking(block, "rolling_contact", "mean_acceleration")  # type: ignore[attr-defined]
         return motion
 
     return replace(method, follow=follow, course=None, energy=None)

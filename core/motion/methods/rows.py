@@ -171,7 +171,9 @@ def row_motion(
     else:
         table_ = np.full((len(rows), width), np.nan)
         status = np.full(len(rows), STATUS["not_computed"], dtype=np.int8)
-        rest = ~as_one & supported
+        away = ~as_one & supported & _runs_away(rows, room)
+        status[away] = STATUS["runaway"]
+        rest = ~as_one & supported & ~away
         held = _merge_equal_parts(rows[rest], alike[rest], room)
         kernel = _by_events if steps is None else _stepped(steps)
         if rest.any():
@@ -256,6 +258,22 @@ def _inside(rows: Array, room: int) -> NDArray[np.bool_]:
     """Return a mask, shape (rows, room), of the parts that exist in each row."""
     counts = rows[:, compiled.rows.AT.parts].astype(int)
     return np.arange(room) < counts[:, np.newaxis]
+
+
+def _runs_away(rows: Array, room: int) -> NDArray[np.bool_]:
+    """Return a mask of the rows whose parts at the lower end leave the others for ever.
+
+    That is where friction cannot hold these parts together: sum m_i (|sin(gamma)| - mu_s,i n) > 0
+    over some parts from the lower end on, n the mean load. A stop in front holds those in front.
+    `rows` is the kernel's input, with `room` columns for each number of the parts.
+    """
+    at, own = compiled.rows.AT, compiled.rows.OWN
+    along, load = rows[:, at.gravity_number_along], rows[:, at.gravity_number_normal]
+    pull = np.abs(along)[:, np.newaxis] - _own(rows, room, own.static) * load[:, np.newaxis]
+    pull = np.where(_inside(rows, room), _own(rows, room, own.mass) * pull, 0.0)
+    behind = (along > 0) & (np.cumsum(pull, axis=1) > 0).any(axis=1)
+    in_front = (along < 0) & (np.cumsum(pull[:, ::-1], axis=1) > 0).any(axis=1)
+    return np.asarray(behind | (in_front & (rows[:, at.stop] == STOPS.index("none"))))
 
 
 def _merge_equal_parts(rows: Array, alike: NDArray[np.bool_], room: int) -> Array:

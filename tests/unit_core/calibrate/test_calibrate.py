@@ -13,7 +13,7 @@ from matplotlib.text import Text
 
 import vibrafeed
 from benchmarks.calibrations import covered
-from core.calibrate import candidates
+from core.calibrate import candidates, posterior
 from core.errors import StudyError
 from core.intake import load_study, parse_study, prepare_content
 from core.kinds import tabulate
@@ -184,6 +184,98 @@ def test_what_two_frictions_explain_has_two_modes():
         for one in modes
     ]
     assert abs(again[0] - again[1]) > 0.05 * max(again)
+
+
+def test_the_best_values_are_those_of_the_highest_density_and_not_of_the_heaviest_mode():
+    """The speed falls slowly beyond its top, so that the mode there is wide, and heavy."""
+    first, second = speeds(0.24, [1e-4, 3e-4])
+    rows = [
+        {"amplitude": "0.1 mm", "conveying_velocity": first, "error": "2 %"},
+        {"amplitude": "0.3 mm", "conveying_velocity": second, "error": "15 mm/s"},
+    ]
+    found = vibrafeed.calibrate(study(rows, discrepancy=False))
+    heavy, light = found.mode_friction.values
+    assert found.mode_share[0] > 0.55
+    assert light == pytest.approx(0.24, abs=1e-6)
+    assert found.best_friction == pytest.approx(light, abs=1e-12)
+    assert np.abs(found.residual).max() < 1e-7
+    # The wide mode explains both runs, too, but for the second one's half and one error.
+    assert heavy > 0.6
+
+
+def test_a_flat_posterior_is_one_mode():
+    content = study(
+        [{"amplitude": "0.385 mm", "beta": 57.8, "conveying_velocity": "58.43 mm/s",
+          "error": "0.35 mm/s"}],
+        {"friction": {"lower": 0.05, "upper": 1.5}}, {"frequency": "50 Hz", "gamma": 2},
+        points=20_000, discrepancy=False,
+    )  # fmt: skip
+    found = vibrafeed.calibrate(content)
+    assert found.mode_share.values == pytest.approx([1.0])
+    assert "say next to nothing about friction" in found.attrs["findings"]
+    assert "cannot separate" not in found.attrs["findings"]
+
+
+@pytest.mark.parametrize(("valley", "modes"), [(0.6, 1), (0.4, 2)])
+def test_modes_have_a_deep_valley_between_them(valley, modes):
+    # Tops of 1 and 0.8: the valley between two modes is below half of the lower one.
+    height = np.interp(np.arange(60.0), [0, 15, 30, 45, 59], [0.01, 1, 0.8 * valley, 0.8, 0.01])
+    labels = np.where(np.arange(60) <= 30, 1, 2).astype(np.int16)
+    for depth, parts in (
+        (-np.log(height), labels),
+        (-np.log(height)[:, None] + np.zeros(5), labels[:, None] + np.zeros(5, dtype=np.int16)),
+    ):
+        assert np.unique(posterior._deeply_parted(parts, depth)).size == modes
+
+
+def test_the_discrepancy_is_half_a_cauchy_distribution_before_the_runs():
+    """Its mass below any size, to that of a step; one run of error 2 mm/s."""
+    rows = [{"amplitude": "0.1 mm", "conveying_velocity": "5 mm/s", "error": "2 mm/s"}]
+    sizes, log = (
+        getattr(prepare_content(study(rows)).likelihood.scatter, name)
+        for name in ("sizes", "log_before")
+    )
+    before = np.exp(log)
+    assert before[0] == pytest.approx(0.9)
+    assert before.sum() == pytest.approx(1, rel=1e-12)
+    edges = np.sqrt(sizes[1:-1] * sizes[2:])
+    below = np.cumsum(before[1:-1])
+    np.testing.assert_allclose(below, 0.1 * 2 / np.pi * np.arctan(edges / 2e-3), rtol=1e-12)
+    assert below[0] < 0.03 * 0.1  # what lies below the least size is next to nothing
+
+
+def test_intervals_with_a_discrepancy_are_those_of_half_a_cauchy_distribution():
+    """One unknown by brute force: 3,001 frictions, 2,000 sizes of equal mass."""
+    amplitudes = np.linspace(1e-4, 3.4e-4, 6).tolist()
+    measured = np.array(speeds(0.3, amplitudes)) + 4e-4 * np.array([1, -1, 0.3, -0.8, 1.4, 0.6])
+    prepared = prepare_content(
+        study([{"amplitude": amplitudes, "conveying_velocity": measured.tolist(), "error": 3e-4}],
+              points=4_000)
+    )  # fmt: skip
+    found = tabulate(prepared).to_xarray()
+    friction = np.linspace(0.26, 0.34, 3_001)
+    away = prepared.model.predict(friction[:, None], Watch()).value - measured
+    square = np.square(away).sum(axis=1)
+    sizes = 3e-4 * np.tan(np.pi / 2 * (np.arange(2_000) + 0.5) / 2_000)
+    weight = 0.9 * np.exp(-0.5 * square / 3e-4**2)
+    for size in sizes:
+        share = 3e-4 / np.hypot(3e-4, size)
+        weight += 0.1 / 2_000 * share**6 * np.exp(-0.5 * square * (share / 3e-4) ** 2)
+    below = (np.cumsum(weight) - 0.5 * weight) / weight.sum()
+    low, high = np.interp((0.025, 0.975), below, friction)
+    assert found.lower_95_friction == pytest.approx(low, abs=0.01 * (high - low))
+    assert found.upper_95_friction == pytest.approx(high, abs=0.01 * (high - low))
+
+
+def test_a_share_of_a_speed_near_0_is_an_error_that_outweighs_all_others():
+    amplitudes = [1e-4, 2e-4, 3e-4]
+    value = [-1.2e-5, *speeds(0.3, amplitudes[1:])]
+    rows = [{"amplitude": amplitudes, "conveying_velocity": value, "error": "5 %"}]
+    found = vibrafeed.calibrate(study(rows)).attrs["findings"]
+    assert "Warning: run 1 has an error of 0.0006 mm/s, the others of some " in found
+    assert "If it is a share of a speed near 0, give a value." in found
+    rows[0]["error"] = "0.5 mm/s"
+    assert "Warning" not in vibrafeed.calibrate(study(rows)).attrs["findings"]
 
 
 def test_what_a_measurement_leaves_is_that_of_the_normal_distribution():

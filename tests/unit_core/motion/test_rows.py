@@ -202,6 +202,35 @@ def test_regimes_of_rows():
     assert regimes(**pair, amplitude="1.2 mm")[1] == ["out_of_phase_possible"]
 
 
+SLOPE = [
+    # Friction at the rear and in front, and whether parts at the lower end leave: alone, or
+    # pushed by the part above. tan(10 deg) is 0.1763.
+    (10, (0.05, 0.3), True), (10, (0.3, 0.05), True), (10, (0.3, 0.06), False),
+    (-10, (0.3, 0.05), True), (-10, (0.05, 0.3), True), (-10, (0.06, 0.3), False),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["events", "time-stepping"])
+@pytest.mark.parametrize(("gamma", "friction", "away"), SLOPE)
+def test_parts_that_run_down_a_slope_for_ever_have_no_mean_velocity(gamma, friction, away, method):
+    found = vibrafeed.simulate(
+        scene="row-on-plane", outputs=["conveying_velocity"], frequency=50, amplitude="0.1 mm",
+        beta=20, gamma=gamma, part_friction_1=friction[0], part_friction_2=friction[1],
+        method=method,
+    )  # fmt: skip
+    assert (found.regime == REGIMES["runaway"].value) == away
+    assert np.isnan(found.conveying_velocity) == away
+
+
+def test_a_stop_holds_the_parts_in_front_on_a_slope_and_not_those_behind():
+    given = {"frequency": 50, "amplitude": "0.1 mm", "beta": 20, "fixed_stop_gap": 0,
+             "part_friction_1": 0.05, "part_friction_2": 0.3, "mass": "10 g"}  # fmt: skip
+    found = vibrafeed.simulate(
+        scene="row-on-plane", outputs=["stop_force"], gamma=[-10.0, 10.0], **given
+    )
+    assert found.regime.values.tolist() == [REGIMES["blocked"].value, REGIMES["runaway"].value]
+
+
 @pytest.mark.parametrize("method", ["events", "time-stepping"])
 def test_parts_that_rebound_from_the_floor_are_followed_by_no_method(method):
     outputs = ["conveying_velocity", "feed_rate"]

@@ -28,13 +28,43 @@ def test_restitution_of_hunt_and_crossley():
 
 @pytest.mark.parametrize(
     ("zeta", "restitution"),
-    [(0.2, 0.57174003), (0.2552756, 0.5), (0.0743551, 0.8), (0.4972394, 0.3), (1, np.exp(-2))],
+    [
+        (0.2, 0.57174003),
+        (0.2552756, 0.5),
+        (0.0743551, 0.8),
+        (0.4972394, 0.3),
+        (1, np.exp(-2)),
+        (1.5, 0.0755883),
+    ],
 )
 def test_a_damper_that_never_pulls_and_back(zeta, restitution):
     found, _ = sweep("restitution_of_damping", contact_damping_ratio=zeta)
     assert found == pytest.approx(restitution, abs=1e-7)
     back, _ = sweep("damping_of_restitution", restitution=float(found))
     assert back == pytest.approx(zeta, rel=1e-12)
+
+
+def test_the_damping_of_any_restitution_to_many_digits():
+    e = np.array([1.0, 1 - 1e-12, 0.999, 0.5, 0.1354, np.exp(-2), 0.135, 0.0755883, 1e-4, 1e-300])
+    zeta, regime = sweep("damping_of_restitution", restitution=e)
+    assert zeta[0] == 0
+    assert (regime == REGIMES["not_assessed"].value).all()
+    with mpmath.workdps(40):
+        for one, known in zip(zeta[1:], e[1:], strict=True):
+            ratio = mpmath.mpf(one) + mpmath.mpf("1e-30")  # at 1 the quotient is its limit
+            root = mpmath.sqrt(1 - ratio * ratio)
+            found = mpmath.re(mpmath.exp(-2 * ratio * mpmath.acos(ratio) / root))
+            # The logarithm of e is rounded; at 1 the damping is the loss over pi.
+            loss = -mpmath.log(known)
+            assert abs(mpmath.log(found / known)) < 1e-15 * loss
+    back, _ = sweep("restitution_of_damping", contact_damping_ratio=zeta)
+    assert back == pytest.approx(e, rel=1e-13)
+
+
+def test_no_finite_damping_lets_nothing_rebound():
+    zeta, regime = sweep("damping_of_restitution", restitution=[0.0, 0.1])
+    assert zeta[0] == np.inf
+    assert regime.tolist() == [REGIMES["unbounded"].value, REGIMES["not_assessed"].value]
 
 
 def impact(force, speed):
@@ -111,5 +141,5 @@ def test_the_time_of_a_hertz_contact():
 
 def test_it_runs_at_the_speed_of_sweeps():
     given = ["restitution", "restitution_speed", "impact_speed", "contact_damping_ratio"]
-    outputs = ["restitution_at_impact", "restitution_of_damping"]
+    outputs = ["restitution_at_impact", "restitution_of_damping", "damping_of_restitution"]
     assert traced(make_plan("soft-contact", None, outputs, given), given) is not None

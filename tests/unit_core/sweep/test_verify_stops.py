@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import importlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from core.intake import prepare_content
 from core.kinds import KINDS, is_whole, tabulate
+from core.optimise.methods import METHODS
 from core.plan.pieces import Computed
 from core.plan.sample import chosen_positions
 from core.sweep.verify import rounding_of
@@ -45,7 +47,8 @@ def test_no_time_is_spent_after_the_deadline(kind, monkeypatch):
     # What verifies is not reached: the words are no claim about a single cell.
     monkeypatch.setattr("core.sweep.precise.exact_values", never)
     monkeypatch.setattr("core.motion.verify.run_equations", never)
-    monkeypatch.setattr("core.optimise.population.by_population", never)
+    rivals = {name: replace(method, solve=never) for name, method in METHODS.items()}
+    monkeypatch.setattr("core.optimise.verify.METHODS", rivals)
     prepared, done = prepare_content(STUDIES[kind]), []
     share = prepared.computing_share
 

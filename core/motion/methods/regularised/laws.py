@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import scipy
 
 from core.mechanics.arrays import Array
+from core.mechanics.soft_contact import damping_of_restitution
 from core.motion.pieces import Piece, pieces_of
 from core.motion.waves import Wave, size
 
@@ -120,22 +120,7 @@ def damping_ratio(restitution: float, stiffness: float) -> float:
     `stiffness` is that of the floor over mass times (2 pi f)^2 [1].
     """
     most = max(1.0, (math.sqrt(stiffness) / 8) ** (1 / 3))
-    if restitution >= 1:
-        return 0.0
-
-    def exponent(ratio: float) -> float:
-        """Return the negative logarithm of the restitution at a damping ratio."""
-        if ratio < 1:
-            angle = math.asin(ratio)
-            return (math.pi - 2 * angle) * math.tan(angle)
-        arc = math.acosh(ratio)
-        return 2 * arc / math.tanh(arc) if arc > 0 else 2.0
-
-    if restitution <= math.exp(-exponent(most)):
-        return most
-    return scipy.optimize.brentq(
-        lambda ratio: exponent(ratio) + math.log(restitution), 0.0, most, xtol=1e-14
-    )
+    return min(most, float(damping_of_restitution(restitution=np.asarray(restitution))))
 
 
 def laws(
