@@ -25,7 +25,6 @@ ALIKE = 0.2
 TOGETHER = 0.9  # size of a correlation from which a sentence is said about it
 FAR = 3.5  # errors: a run with a larger residual is named
 LITTLE = 0.1  # bit: a candidate run that adds less is not proposed
-MINUTE = 1 / 30  # of the median error of the other runs: a run with less outweighs them all
 
 
 def in_unit(value: float, unit: str, units: ShownUnits, digits: int = 3) -> str:
@@ -81,7 +80,6 @@ class Findings:
             *self._alone(),
             *self._bounds(),
             *self._scatter(),
-            *self._minute_errors(),
             *self._far(),
             *self._next(),
         ]
@@ -242,25 +240,6 @@ class Findings:
                 f"The speeds scatter by some {size} beyond their errors ({100 * likely:.0f} % "
                 "likely), which no unknown explains"
             )
-
-    def _minute_errors(self) -> Iterator[str]:
-        """Yield a warning of runs whose error is far below that of the others.
-
-        An error that is a share, such as 5 %, is next to nothing for a speed near 0: such a run
-        would settle the unknowns by itself.
-        """
-        errors = np.where(self.model.runs.measured, self.model.runs.error, np.nan)
-        for k in np.flatnonzero(errors > 0):
-            others = np.delete(errors, k)
-            if np.isfinite(others).any() and errors[k] < MINUTE * np.nanmedian(others):
-                small, usual = (
-                    in_unit(error, self.output.unit, self.units, 2)
-                    for error in (errors[k], np.nanmedian(others))
-                )
-                yield (
-                    f"Warning: run {k + 1} has an error of {small}, the others of some {usual}, so "
-                    "that it outweighs them. If it is a share of a speed near 0, give a value"
-                )
 
     def _far(self) -> Iterator[str]:
         """Yield sentences on runs far from the prediction, or in a regime that is hardly predicted.

@@ -23,6 +23,7 @@ from core.scenes import Scene
 from core.scenes.scene import STATIC_ABOVE_KINETIC
 from core.study.calibrate_study import STEMS, CalibrateStudy
 from core.study.observations import OBSERVED, Run, parameters_of, read_error
+from core.study.shown import ShownUnits
 from core.study.units import UnitError
 from core.study.values import Fixed, Points, Span, Values
 
@@ -89,9 +90,31 @@ def prepare(study: CalibrateStudy) -> Calibration:
         # What a candidate does not say is as in the first run.
         first = {name: Fixed(float(column[0])) for name, column in columns.items()}
         candidates = Grid.of({**first, **asked})
-    return Calibration(
-        study, plan, grid, Likelihood(model, scatter, study.outlier_probability), candidates
-    )
+    likelihood = Likelihood(model, scatter, study.outlier_probability)
+    questions = tuple(_minute_errors(runs))
+    return Calibration(study, plan, grid, likelihood, candidates, questions=questions)
+
+
+MINUTE = 1 / 30  # of the median error of the other runs: a run with less outweighs them all
+
+
+def _minute_errors(runs: Runs) -> Iterable[str]:
+    """Yield a warning of each run whose error is far below that of the others.
+
+    An error that is a share, such as 5 %, is next to nothing for a speed near 0: such a run would
+    settle the unknowns by itself.
+    """
+    errors = np.where(runs.measured, runs.error, np.nan)
+    for k in np.flatnonzero(errors > 0):
+        usual = np.nanmedian(np.delete(errors, k)) if np.isfinite(errors).sum() > 1 else 0.0
+        if errors[k] < MINUTE * usual:
+            unit = QUANTITIES[runs.output].unit
+            shown = ShownUnits().of(unit, usual)
+            small, large = (f"{shown.factor * one:.2g} {shown.unit}" for one in (errors[k], usual))
+            yield (
+                f"run {k + 1} has an error of {small}, the others of some {large}, so that it "
+                "outweighs them. If it is a share of a speed near 0, give a value"
+            )
 
 
 def _misused(study: CalibrateStudy) -> Iterable[Problem]:

@@ -112,7 +112,8 @@ class Draft:
             # Without the numbers of files a plan would miss what is not missing.
             further = [] if self.problems else self._objections(error)
             raise StudyError([*error.problems, *further]) from None
-        return replace(KINDS[study.kind].prepare(study), questions=self.questions)
+        prepared = KINDS[study.kind].prepare(study)
+        return replace(prepared, questions=(*self.questions, *prepared.questions))
 
     def _validated(
         self, kind: Kind, content: Mapping[str, Any]

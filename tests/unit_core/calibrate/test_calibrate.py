@@ -271,11 +271,11 @@ def test_a_share_of_a_speed_near_0_is_an_error_that_outweighs_all_others():
     amplitudes = [1e-4, 2e-4, 3e-4]
     value = [-1.2e-5, *speeds(0.3, amplitudes[1:])]
     rows = [{"amplitude": amplitudes, "conveying_velocity": value, "error": "5 %"}]
-    found = vibrafeed.calibrate(study(rows)).attrs["findings"]
-    assert "Warning: run 1 has an error of 0.0006 mm/s, the others of some " in found
-    assert "If it is a share of a speed near 0, give a value." in found
+    (question,) = prepare_content(study(rows)).questions
+    assert question.startswith("run 1 has an error of 0.0006 mm/s, the others of some ")
+    assert question.endswith("If it is a share of a speed near 0, give a value")
     rows[0]["error"] = "0.5 mm/s"
-    assert "Warning" not in vibrafeed.calibrate(study(rows)).attrs["findings"]
+    assert not prepare_content(study(rows)).questions
 
 
 def test_what_a_measurement_leaves_is_that_of_the_normal_distribution():
