@@ -5,6 +5,7 @@ The file holds one structure, `result`, whose fields are structures with a field
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -60,7 +61,7 @@ def write_mat(table: Table, path: Path, *, compression: bool = True) -> None:
         "descriptions": _text_attributes(variables, named, "comment"),
         "flags": {named[n]: _flags(v) for n, v in variables.items()
                   if "flag_values" in v.attributes},
-        "study": str(table.attributes.get("study", "")),
+        "study": _ascii_json(str(table.attributes.get("study", ""))),
         "about": _about(table),
     }  # fmt: skip
     with whole(path) as temporary, temporary.open("wb") as file:
@@ -99,6 +100,20 @@ def _array(variable: TableVariable) -> NDArray[Any]:
     return values if values.dtype == object or values.dtype.kind == "f" else values.astype(float)
 
 
+def _ascii_json(text: str) -> str:
+    """Return a JSON text with escapes in place of letters that are not ASCII."""
+    return re.sub(r"[^\x00-\x7f]", lambda found: json.dumps(found[0])[1:-1], text)
+
+
+def _text(text: str) -> str:
+    """Return a text with a blank at its end for each byte that UTF-8 adds to its letters.
+
+    scipy writes the number of letters and the bytes of UTF-8; Octave reads as many bytes as there
+    are letters, and would cut the text.
+    """
+    return text + " " * (len(text.encode()) - len(text))
+
+
 def _list(texts: Iterable[str]) -> NDArray[Any]:
     """Return n texts as an object array of shape (1, n), which becomes a MATLAB cell array."""
     known = list(texts)
@@ -124,7 +139,7 @@ def _text_attributes(
         Name of the attribute, such as `units`.
     """
     return {
-        named[name]: str(one.attributes[attribute])
+        named[name]: _text(str(one.attributes[attribute]))
         for name, one in variables.items()
         if attribute in one.attributes
     }
@@ -146,7 +161,7 @@ def _about(table: Table) -> dict[str, Any]:
     attributes = {**table.attributes, **table.price}
     named = names_in_matlab(attributes)
     return {
-        named[name]: float(value) if isinstance(value, int | float) else str(value)
+        named[name]: float(value) if isinstance(value, int | float) else _text(str(value))
         for name, value in attributes.items()
         if name != "study"
     }

@@ -11,13 +11,16 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 from matplotlib.image import imread
+from numpy.typing import NDArray
 
-from core.dataset.regimes import percent
+from core.dataset.regimes import percent, regime_shares
+from core.dataset.table import Table
 from core.plots.drawing import draw
 from core.plots.files import check_format, read, save
 from core.plots.style import Style
 from core.plots.text import long_name, number, shown_in, units_of, words
 from core.quantities import FLAGS, QUANTITIES, REGIMES
+from core.quantities.flags import is_regime
 from core.quantities.optimum import OF_THE_SEARCH
 from core.study.shown import ShownUnits
 
@@ -27,6 +30,7 @@ LINE = 0.0165  # of the page's height
 DPI = 200  # of the picture
 MAX_ROWS = 18  # rows of a table; the file has all
 LETTERS = 108  # letters of a line
+TITLE_LETTERS = 58  # letters of a line of the title
 SETTINGS = ("tolerance", "max_periods", "gravity", "hold_down_number", "curvature_number")
 
 
@@ -71,8 +75,10 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
         """Write a line of text at the current height."""
         page.text(x, at, text, size=size, va="top", **{"color": style.ink, **look})
 
-    write(title or str(dataset.attrs.get("title", "")), size=15, weight="bold")
-    at -= 2.0 * LINE
+    for line in textwrap.wrap(title or str(dataset.attrs.get("title", "")), TITLE_LETTERS):
+        write(line, size=15, weight="bold")
+        at -= 1.7 * LINE
+    at -= 0.3 * LINE
     kind = f"{dataset.attrs.get('scene', '')}, {dataset.attrs.get('source', '')}"
     write(kind, color=style.quiet)
     at -= 2.0 * LINE
@@ -135,21 +141,29 @@ def _outputs(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]
     Codes such as a status, and what the search itself reports, are left out. `units` are those that
     the reader wants.
     """
+    table = Table.of_xarray(dataset)
     return [
-        (long_name(array), _values(array, units))
+        (long_name(array), _values(array, units, table.valid(str(name))))
         for name, array in dataset.data_vars.items()
         if name in QUANTITIES and name not in FLAGS and name not in OF_THE_SEARCH
         if array.dtype.kind == "f"
     ]
 
 
-def _values(array: xarray.DataArray, units: ShownUnits) -> str:
+def _values(
+    array: xarray.DataArray, units: ShownUnits, valid: NDArray[np.bool_] | None = None
+) -> str:
     """Return the value or the range of an array with its unit; a dash if no value is finite.
 
-    `units` are those that the reader wants.
+    `units` are those that the reader wants. Of several values only those that are `valid` count, a
+    mask of the same shape.
     """
     shown = shown_in(array, units)
     values = np.asarray(array.values, dtype=float) * shown.factor
+    if valid is not None and values.size > 1:
+        values = values[valid]
+        if not values.size:
+            return "none valid"
     values = values[np.isfinite(values)]
     if not values.size:
         return "-"
@@ -159,17 +173,18 @@ def _values(array: xarray.DataArray, units: ShownUnits) -> str:
 
 
 def _regimes(dataset: xarray.Dataset) -> str:
-    """Return a sentence on the regimes that occur in a result, with their shares of the cells.
+    """Return sentences on the regimes that occur in a result, with their shares of the cells.
 
     A single regime is described instead; the text is empty if the dataset has no regimes.
     """
-    if "regime" not in dataset:
-        return ""
-    values, counts = np.unique(dataset["regime"].values, return_counts=True)
-    by_value = {flag.value: (name, flag) for name, flag in REGIMES.items()}
-    if len(values) == 1:
-        name, flag = by_value[int(values[0])]
-        return f"Regime: {words(name)}: {flag.description}."
-    shares = zip(values, counts / counts.sum(), strict=True)
-    parts = [f"{words(by_value[int(value)][0])} {percent(share)}" for value, share in shares]
-    return f"Regimes: {', '.join(parts)}."
+    sentences = []
+    for name in (str(one) for one in dataset.data_vars if is_regime(str(one))):
+        of = long_name(dataset[name]).removeprefix("Regime")
+        shares = regime_shares(dataset[name].values)
+        if len(shares) == 1:
+            (only,) = shares
+            sentences.append(f"Regime{of}: {words(only)}: {REGIMES[only].description}.")
+        else:
+            parts = [f"{words(one)} {percent(share)}" for one, share in shares.items()]
+            sentences.append(f"Regimes{of}: {', '.join(parts)}.")
+    return " ".join(sentences)

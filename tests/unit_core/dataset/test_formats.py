@@ -253,6 +253,22 @@ def test_what_is_no_result_of_ours(tmp_path):
         read_result(str(tmp_path / "absent.nc"))
 
 
+def test_octave_reads_texts_beyond_ascii_whole(tmp_path):
+    """Octave takes as many bytes of UTF-8 as there are letters; the study is JSON for it."""
+    study = '{"title": "F\u00f6rderer \U0001f600"}'
+    table = Table({}, {"x": TableVariable((), np.array(1.0), {"long_name": "Gr\u00f6\u00dfe"})},
+                  {"title": "F\u00f6rderer \u2013 Gr\u00f6\u00dfe", "study": study})  # fmt: skip
+    write_result(table, str(tmp_path / "x.mat"), history="")
+    result = scipy.io.loadmat(tmp_path / "x.mat", simplify_cells=True)["result"]
+    assert result["study"].isascii()
+    assert json.loads(result["study"]) == json.loads(study)
+    for text, whole in (
+        (result["about"]["title"], table.attributes["title"]),
+        (result["labels"]["x"], "Gr\u00f6\u00dfe"),
+    ):
+        assert text.encode()[: len(text)].decode().rstrip() == whole
+
+
 def test_names_that_matlab_allows():
     long = "x" * 70
     found = names_in_matlab(["beta", "2nd", "a-b", "a b", "_c", long, long + "y"])
