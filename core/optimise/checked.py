@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.optimise import known_optima
+from core.optimise.afresh import OBJECTIVE, Afresh
 from core.optimise.codes import STATUS
 from core.optimise.conditions import residual
 from core.optimise.front import knee
@@ -17,7 +18,13 @@ from core.optimise.grid import dense_grid, reliable_grid
 from core.optimise.methods import METHODS
 from core.optimise.optima import Optima
 from core.optimise.optimisation import Optimisation
-from core.optimise.problem import LIMIT, ROUNDING, OptimisationProblem, chosen_cells
+from core.optimise.problem import (
+    LIMIT,
+    ROUNDING,
+    OptimisationProblem,
+    broken_names,
+    chosen_cells,
+)
 from core.optimise.single import spread
 from core.optimise.slopes import slopes
 from core.plan.grid import from_si
@@ -39,6 +46,7 @@ def checked(
     optima: Optima,
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
+    fresh: Afresh | None = None,
 ) -> dict[str, NDArray[Any]]:
     """Return every variable of an optimisation's result, checked against other methods.
 
@@ -52,6 +60,8 @@ def checked(
         The fixed parameters of each design in SI units, shape (cells,).
     scales : mapping of str to ndarray
         The largest size of each output, shape (cells,), by which margins and gaps are judged.
+    fresh : Afresh, optional
+        What fresh points of uncertain parameters say of the optima.
 
     Returns
     -------
@@ -78,16 +88,21 @@ def checked(
         # At the edge of stick the outputs are those of a part at rest.
         held = optima.status == STATUS["not_attained"]
         value = np.where(held, optima.value, value)
+    told = value if fresh is None else whole(_told(longest, fresh, value, x, design))
     robust = uncertain and isinstance(problem.criterion, Maximise)
-    forward = value if robust else problem.output(problem.criterion.output, known)
+    forward = told if robust else problem.output(problem.criterion.output, known)
     status = _status(problem, optima.status, known, design, scales, forward)
     arrays: dict[str, NDArray[Any]] = {
         f"best_{name}": from_si(name, optima.x[i]) for i, name in enumerate(problem.names)
     }
-    arrays["objective"] = problem.sign * value
+    arrays["objective"] = problem.sign * told
     arrays |= {n: whole(problem.output(n, known)) for n in prepared.units if n in known}
     for kept in problem.kept:
         margin = whole(problem.safe_margin(kept, x, design))
+        if fresh is not None:
+            margin = np.fmin(margin, whole(fresh.worst[kept.name]))
+            for name, one in zip(broken_names(kept.name), fresh.broken[kept.name], strict=True):
+                arrays[name] = whole(one)
         binds = np.abs(margin) <= tolerance * scales[kept.output]
         arrays[f"margin_{kept.name}"] = np.where(binds, 0.0, margin)
         arrays[f"binds_{kept.name}"] = binds.astype(np.int8)
@@ -109,6 +124,11 @@ def checked(
         unsure = whole(np.maximum(*doubts))
         arrays["objective_error"] = np.fmax(whole(problem.error(known)), unsure)
         left_open = np.fmax(left_open, unsure / size)
+    if fresh is not None and problem.is_sampled:
+        # Of the points that were drawn, besides that of the motion at each of them.
+        error = whole(fresh.objective.error)
+        arrays["objective_error"] = error + arrays.get("objective_error", 0.0)
+        arrays["objective_left_out"] = whole(fresh.left_out)
     missed = (status == STATUS["optimal"]) & (gap > left_open)
     status = np.where(missed, np.int8(STATUS["suboptimal"]), status)
     arrays["evaluations"] = np.broadcast_to(np.asarray(optima.evaluations, np.float64), cells)
@@ -123,6 +143,24 @@ def checked(
     none = np.int8(REGIMES["not_assessed"].value)
     arrays["regime"] = np.where(lost, none, regime)
     return arrays
+
+
+def _told(
+    problem: OptimisationProblem,
+    fresh: Afresh,
+    value: Array,
+    x: Array,
+    design: Mapping[str, Array],
+) -> Array:
+    """Return the objective of optima at fresh points of what is uncertain, shape (cells,).
+
+    In a worst case it is the least over the nodes, `value`, and over the fresh points, of which the
+    worst is evaluated once more: means of a motion that does not repeat differ by chance.
+    """
+    if problem.is_sampled:
+        return fresh.objective.value
+    worst = {**design, **fresh.at_worst(OBJECTIVE)}
+    return np.fmin(value, problem.objective(problem.known(x, worst)))
 
 
 def _at_bounds(

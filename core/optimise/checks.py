@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from core.errors import Problem
-from core.optimise.robust import MAX_UNCERTAIN
+from core.optimise.robust import LEAST_SHARE, MAX_UNCERTAIN
 from core.quantities import FLAGS
 from core.scenes import SCENES, Scene
 from core.study.distributions import Distribution
@@ -117,6 +117,10 @@ def problems_of_intervals(
     if study.robust == "quantile" and study.quantile is None:
         fix = "Add quantile = 0.05 for what all but a twentieth of the parts do better than"
         yield Problem("quantile", "it is missing", fix)
+    if study.quantile is not None and not LEAST_SHARE <= study.quantile <= 1 - LEAST_SHARE:
+        message = f"a quantile of {study.quantile:g} takes too many points"
+        fix = f'Give {LEAST_SHARE:g} to {1 - LEAST_SHARE:g}, or take robust = "worst"'
+        yield Problem("quantile", message, fix)
     if study.quantile is not None and study.robust != "quantile":
         yield Problem(
             "quantile",

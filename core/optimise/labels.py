@@ -17,11 +17,13 @@ from core.dataset.table import (
 )
 from core.optimise.methods import METHODS
 from core.optimise.optimisation import Optimisation
+from core.optimise.problem import broken_names
 from core.optimise.sentences import criterion_in_words
 from core.optimise.slopes import sensitive
 from core.optimise.verify import accuracy, verified
 from core.plan.labels import coordinates_of, global_attributes
 from core.plan.pieces import Computed
+from core.plan.replicates import INTERVAL
 from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES, Flag
 from core.quantities.quantity import in_sentence
 from core.watch import Watch
@@ -81,6 +83,8 @@ def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, 
             "comment": f"Distance of {kept.output} from its bound; 0 where it binds.",
         }
         attributes[f"binds_{kept.name}"] = _binds(what)
+        if problem.uncertain is not None:
+            attributes |= _broken(kept.name, what)
     output = problem.criterion.output
     attributes["objective"] |= {
         "units": QUANTITIES[output].unit,
@@ -90,6 +94,9 @@ def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, 
     }
     if "objective_error" in prepared.units:
         attributes["objective_error"] |= {"units": QUANTITIES[output].unit}
+    if problem.is_sampled:
+        attributes["objective"]["comment"] += " Over points that did not choose it."
+        attributes["objective_error"]["comment"] = INTERVAL
     attributes["optimum_status"] = flag_attributes(
         "optimum_status", OPTIMUM_STATUSES, tuple(OPTIMUM_STATUSES)
     )
@@ -108,6 +115,22 @@ def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, 
         names.add("not_assessed")
     attributes["regime"] = regime_attributes(tuple(names))
     return attributes
+
+
+def _broken(name: str, what: str) -> dict[str, dict[str, Any]]:
+    """Return the attributes of the probability that a constraint is broken, and of its error.
+
+    `name` is the constraint, `what` its name in words.
+    """
+    label = f"robability that {what} is broken"
+    comments = (
+        (f"P{label}", "Over all distributions; a unit without a value breaks it."),
+        (f"Error of the p{label}", INTERVAL),
+    )
+    return {
+        one: {"units": "1", "long_name": label, "comment": comment}
+        for one, (label, comment) in zip(broken_names(name), comments, strict=True)
+    }
 
 
 def _binds(what: str) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
+from core.optimise.afresh import judged_afresh
 from core.optimise.checked import checked
 from core.optimise.front import find_front
 from core.optimise.labels import label
@@ -21,6 +22,7 @@ from core.plan.pieces import Computed
 from core.study.optimise_study import Limited, Pareto
 from core.watch import Watch
 
+RETRIES = 4  # solutions with more nodes where fresh points break a limit
 BLOCK_CELLS = 65_536  # optima that are computed at a time, which bounds the memory
 
 
@@ -36,7 +38,7 @@ def compute(prepared: Optimisation, watch: Watch) -> Computed:
     blocks, says = [], ""
     for start in range(0, cells, step):
         design = chosen_cells(everything, slice(start, start + step))
-        block, says = _solved(prepared, design, watch.part(cells_of(design) / cells))
+        block, says = _solved(prepared, design, watch.part(cells_of(design) / cells), RETRIES)
         blocks.append(block)
     shape = tuple(prepared.grid.shape.values())
     arrays = {
@@ -47,13 +49,24 @@ def compute(prepared: Optimisation, watch: Watch) -> Computed:
 
 
 def _solved(
-    prepared: Optimisation, design: Mapping[str, Array], watch: Watch
+    prepared: Optimisation, design: Mapping[str, Array], watch: Watch, retries: int
 ) -> tuple[dict[str, NDArray[Any]], str]:
     """Return every variable of an optimisation for some designs, by name, and the method's message.
 
-    `design` has the fixed parameters, SI units, shape (cells,); `watch` takes the progress and may
-    stop the work. For a trade-off front each design has several points, one after another in the
-    last axis.
+    Where fresh points of uncertain parameters break a limit, the design is solved again with those
+    points among its nodes; it is infeasible if that does not help.
+
+    Parameters
+    ----------
+    prepared : Optimisation
+        The study.
+    design : mapping of str to ndarray, each of shape (cells,)
+        The fixed parameters, SI units. For a trade-off front each design has several points, one
+        after another in the last axis of the results.
+    watch : Watch
+        Takes the progress and may stop the work.
+    retries : int
+        How often designs are solved again, at most.
     """
     problem, method = prepared.problem, prepared.method
     scales = problem.scales(design)
@@ -65,7 +78,19 @@ def _solved(
     else:
         optima = METHODS[method].solve(problem, design, scales, watch)
     optima = replace(optima, x=problem.whole(optima.x))
-    return checked(prepared, optima, design, scales), optima.says
+    if problem.uncertain is None:
+        return checked(prepared, optima, design, scales), optima.says
+    fresh = judged_afresh(problem, optima.x, design, scales, method)
+    broken, nodes = fresh.surprises(problem, optima.x, design, scales)
+    if not retries:
+        optima, nodes = optima.made_infeasible(broken), {}
+    arrays = checked(prepared, optima, design, scales, fresh)
+    for cell, points in nodes.items():
+        more = prepared.with_nodes(points)
+        again, _ = _solved(more, chosen_cells(design, [cell]), watch.part(0.0), retries - 1)
+        for name, values in again.items():
+            arrays[name][cell] = values[0]
+    return arrays, optima.says
 
 
 def designs_of(problem: OptimisationProblem, grid: Grid) -> dict[str, Array]:

@@ -16,6 +16,10 @@ OPTIMUM: dict[str, Quantity] = {
         "Uncertainty of the objective: the larger of the error that the method states of the "
         "mean velocity, and of the scatter that chance leaves where rounding decides.",
     ),
+    "objective_left_out": number(
+        "", "Share left out of the objective",
+        "Points of the uncertain parameters at which the objective has no value.",
+    ),
     "optimum_status": flag(
         "Status of the optimum", "Status of the optimum: how the search ended.", OPTIMUM_STATUSES
     ),
@@ -34,5 +38,5 @@ OPTIMUM: dict[str, Quantity] = {
     "knee": number("", "Knee of the front", "The point farthest from the chord of the front."),
 }  # fmt: skip
 
-OF_THE_SEARCH = ("objective_error", "optimality_residual", "optimum_gap", "evaluations")
+OF_THE_SEARCH = ("optimality_residual", "optimum_gap", "evaluations")
 """Outputs that tell how an optimum was found, in place of what it is."""
