@@ -49,7 +49,8 @@ class Afresh:
         The least margin of each constraint over the points within all tolerances, by name; -inf
         where there is no value. In a worst case the objective is among them.
     worst_at : mapping of str to ndarray of int
-        The index of the point of each of these.
+        The indices of the points of each of these, shape (cells, sets): the worst in each
+        scrambling.
     """
 
     points: Mapping[str, Array]
@@ -90,7 +91,7 @@ class Afresh:
             worse[OBJECTIVE] &= ~lost
         cells = np.flatnonzero(np.any([*worse.values(), broken], axis=0)).tolist()
         chosen = {
-            cell: np.unique([self.worst_at[name][cell] for name, at in worse.items() if at[cell]])
+            cell: np.concatenate([self.worst_at[n][cell] for n, at in worse.items() if at[cell]])
             for cell in cells
         }
         return broken, {
@@ -99,8 +100,8 @@ class Afresh:
         }
 
     def at_worst(self, name: str) -> dict[str, Array]:
-        """Return the uncertain parameters where a constraint has its least margin, SI units."""
-        return {one: values[self.worst_at[name]] for one, values in self.points.items()}
+        """Return the uncertain parameters at the worst points, SI units, shape (sets, cells)."""
+        return {one: values[self.worst_at[name].T] for one, values in self.points.items()}
 
 
 def some(problem: OptimisationProblem, x: Array) -> Array:
@@ -114,6 +115,7 @@ def judged_afresh(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
     method: str,
+    number: int = 1,
 ) -> Afresh:
     """Return what fresh points of the uncertain parameters say of choices of the variables.
 
@@ -127,10 +129,12 @@ def judged_afresh(
         The fixed parameters, SI units, and the sizes of the outputs.
     method : str
         The key of `METHODS` by which they were found; what it leaves of a limit does not break it.
+    number : int
+        Another one draws other points.
     """
     assert problem.uncertain is not None
     x = some(problem, x)
-    fresh, inside = _fresh(problem.uncertain, problem.is_motion)
+    fresh, inside = _fresh(problem.uncertain, problem.is_motion, SEED + number)
     again = replace(problem, uncertain=fresh)
     cells, step = cells_of(design), max(1, BLOCK // fresh.size)
     pieces = [slice(start, start + step) for start in range(0, cells, step)]
@@ -154,15 +158,15 @@ def judged_afresh(
     )
 
 
-def _fresh(uncertain: Uncertain, is_motion: bool) -> tuple[Uncertain, Mask]:
+def _fresh(uncertain: Uncertain, is_motion: bool, seed: int) -> tuple[Uncertain, Mask]:
     """Return the uncertain parameters at fresh points, and which lie within all tolerances.
 
-    Motions, which take long, are followed at fewer.
+    Motions, which take long, are followed at fewer. Equal seeds give equal points.
     """
     laws = uncertain.distributions
     times = TIMES_MOTION if is_motion else TIMES
     count = times * samples_of(uncertain.how, uncertain.quantile)
-    shares = points(len(laws), count, SEED + 1, REPLICATES).reshape(len(laws), -1)
+    shares = points(len(laws), count, seed, REPLICATES).reshape(len(laws), -1)
     values = values_at(laws, shares)
     inside = np.ones(shares.shape[1], dtype=np.bool_)
     for name, law in laws.items():
@@ -210,8 +214,9 @@ def _judged(
         name: np.where(inside, np.where(np.isnan(one), -np.inf, one), np.inf)
         for name, one in ranked.items()
     }
-    at = {name: one.argmin(axis=1) for name, one in ranked.items()}
     sets = (shape[0], REPLICATES, -1)
+    first = np.arange(0, uncertain.size, uncertain.size // REPLICATES)
+    at = {name: first + one.reshape(sets).argmin(axis=2) for name, one in ranked.items()}
     kept_by: dict[str, Kept] = {kept.name: kept for kept in problem.kept}
     return Afresh(
         uncertain.values,
@@ -221,7 +226,7 @@ def _judged(
             name: probability(~(one >= -left[kept_by[name].output][:, None]).reshape(sets))
             for name, one in margins.items()
         },
-        {name: np.take_along_axis(one, at[name][:, None], 1)[:, 0] for name, one in ranked.items()},
+        {name: one.min(axis=1) for name, one in ranked.items()},
         at,
     )
 

@@ -99,12 +99,13 @@ def checked(
     arrays |= {n: whole(problem.output(n, known)) for n in prepared.units if n in known}
     for kept in problem.kept:
         margin = whole(problem.safe_margin(kept, x, design))
+        binds = np.abs(margin) <= tolerance * scales[kept.output]
         if fresh is not None:
             margin = np.fmin(margin, whole(fresh.worst[kept.name]))
             for name, one in zip(broken_names(kept.name), fresh.broken[kept.name], strict=True):
                 arrays[name] = whole(one)
-        binds = np.abs(margin) <= tolerance * scales[kept.output]
-        arrays[f"margin_{kept.name}"] = np.where(binds, 0.0, margin)
+        close = np.abs(margin) <= tolerance * scales[kept.output]
+        arrays[f"margin_{kept.name}"] = np.where(close, 0.0, margin)
         arrays[f"binds_{kept.name}"] = binds.astype(np.int8)
     arrays |= _at_bounds(problem, x, lost, max(tolerance, AT_BOUND))
     here, near = _of_each_point(problem, known, design)
@@ -155,12 +156,13 @@ def _told(
     """Return the objective of optima at fresh points of what is uncertain, shape (cells,).
 
     In a worst case it is the least over the nodes, `value`, and over the fresh points, of which the
-    worst is evaluated once more: means of a motion that does not repeat differ by chance.
+    worst are evaluated once more: means of a motion that does not repeat differ by chance.
     """
     if problem.is_sampled:
         return fresh.objective.value
     worst = {**design, **fresh.at_worst(OBJECTIVE)}
-    return np.fmin(value, problem.objective(problem.known(x, worst)))
+    values = problem.objective(problem.known(x, worst))
+    return np.fmin(value, np.min(values, axis=0))
 
 
 def _at_bounds(

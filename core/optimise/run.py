@@ -22,7 +22,7 @@ from core.plan.pieces import Computed
 from core.study.optimise_study import Limited, Pareto
 from core.watch import Watch
 
-RETRIES = 4  # solutions with more nodes where fresh points break a limit
+RETRIES = 8  # solutions with more nodes where fresh points break a limit
 BLOCK_CELLS = 65_536  # optima that are computed at a time, which bounds the memory
 
 
@@ -84,11 +84,18 @@ def _solved(
     broken, nodes = fresh.surprises(problem, optima.x, design, scales)
     if not retries:
         optima, nodes = optima.made_infeasible(broken), {}
-    arrays = checked(prepared, optima, design, scales, fresh)
+    if not nodes and retries < RETRIES:
+        # The points that have become nodes favour the answer, as those of a search do.
+        fresh = judged_afresh(problem, optima.x, design, scales, method, number=2)
+    again = {}
     for cell, points in nodes.items():
-        more = prepared.with_nodes(points)
-        again, _ = _solved(more, chosen_cells(design, [cell]), watch.part(0.0), retries - 1)
-        for name, values in again.items():
+        one = chosen_cells(design, [cell])
+        again[cell] = _solved(prepared.with_nodes(points), one, watch.part(0.0), retries - 1)
+    if len(again) == optima.status.size == 1:
+        return again[0]
+    arrays = {n: one.copy() for n, one in checked(prepared, optima, design, scales, fresh).items()}
+    for cell, (solved, _) in again.items():
+        for name, values in solved.items():
             arrays[name][cell] = values[0]
     return arrays, optima.says
 
