@@ -171,8 +171,8 @@ def _held_at(result: Table, units: ShownUnits) -> list[str]:
         return []
     middles = {name: nominal(one) for name, one in study.intervals().items()}
     return [
-        f"Outputs are those at {list_choice(middles, units)}; the objective and the margins of "
-        "limits count the whole range."
+        f"Outputs are those at {list_choice(middles, units)}; the objective, the margins of limits "
+        "and the shares of units that break them count all that is uncertain."
     ]
 
 

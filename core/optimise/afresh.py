@@ -104,6 +104,18 @@ class Afresh:
         return {one: values[self.worst_at[name].T] for one, values in self.points.items()}
 
 
+def drawn(problem: OptimisationProblem) -> OptimisationProblem:
+    """Return a problem whose nodes are one scrambling of the fresh points, to draw it.
+
+    The worst case, and motions, which take long, keep their nodes.
+    """
+    if problem.uncertain is None or not problem.is_sampled or problem.is_motion:
+        return problem
+    fresh, _ = _fresh(problem.uncertain, False, SEED + 1)
+    values = {name: one[: fresh.size // REPLICATES] for name, one in fresh.values.items()}
+    return replace(problem, uncertain=replace(fresh, values=values))
+
+
 def some(problem: OptimisationProblem, x: Array) -> Array:
     """Return choices with the lower bounds where there is no optimum, so that all have outputs."""
     return np.where(np.isnan(x).any(axis=0), problem.lower[:, None], x)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,7 @@ from core.optimise.slopes import sensitive
 from core.optimise.verify import accuracy, verified
 from core.plan.labels import coordinates_of, global_attributes
 from core.plan.pieces import Computed
-from core.plan.replicates import INTERVAL
+from core.plan.replicates import INTERVAL, REPLICATES
 from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES, Flag
 from core.quantities.quantity import in_sentence
 from core.watch import Watch
@@ -48,7 +48,7 @@ def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
     dataset_attributes = {
         **_global_attributes(prepared),
         "message": _message(prepared, arrays),
-        "accuracy": accuracy(arrays["optimum_gap"]),
+        "accuracy": "; ".join((*_of_points(prepared), accuracy(arrays["optimum_gap"]))),
         "evaluations": float(arrays["evaluations"].sum()),
         **computed.notes,
         **verified(prepared, arrays, watch),
@@ -117,6 +117,15 @@ def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, 
     return attributes
 
 
+def _of_points(prepared: Optimisation) -> Iterator[str]:
+    """Yield at most one clause on the points at which optima under uncertainty are judged."""
+    if prepared.problem.uncertain is not None:
+        yield (
+            "errors of mean, quantile and probabilities are half the widths of 95 % intervals, "
+            f"from {REPLICATES} scramblings of Sobol points which the search did not use"
+        )
+
+
 def _broken(name: str, what: str) -> dict[str, dict[str, Any]]:
     """Return the attributes of the probability that a constraint is broken, and of its error.
 
@@ -163,7 +172,12 @@ def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
     ]
     binding = [n.removeprefix("binds_") for n in arrays if n.startswith("binds_") and arrays[n][0]]
     tight = f"; binding: {', '.join(binding)}" if binding else "; nothing binds"
-    return f"{text}; {', '.join(clauses)}{tight}"
+    broken = [
+        f"; {100 * arrays[broken_names(one.name)[0]][0]:.2g} % of units break {one.name}"
+        for one in prepared.problem.kept
+        if prepared.problem.uncertain is not None
+    ]
+    return f"{text}; {', '.join(clauses)}{tight}{''.join(broken)}"
 
 
 def _global_attributes(prepared: Optimisation) -> dict[str, str]:
