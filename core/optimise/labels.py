@@ -172,12 +172,16 @@ def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
     ]
     binding = [n.removeprefix("binds_") for n in arrays if n.startswith("binds_") and arrays[n][0]]
     tight = f"; binding: {', '.join(binding)}" if binding else "; nothing binds"
-    broken = [
-        f"; {100 * arrays[broken_names(one.name)[0]][0]:.2g} % of units break {one.name}"
-        for one in prepared.problem.kept
-        if prepared.problem.uncertain is not None
-    ]
-    return f"{text}; {', '.join(clauses)}{tight}{''.join(broken)}"
+    return "; ".join((text, ", ".join(clauses) + tight, *_shares_broken(prepared, arrays)))
+
+
+def _shares_broken(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> Iterator[str]:
+    """Yield at most one clause on the shares of units that break limits, of one design."""
+    if prepared.problem.uncertain is None or not prepared.problem.kept:
+        return
+    shares = {one.name: arrays[broken_names(one.name)[0]][0] for one in prepared.problem.kept}
+    told = [f"{100 * share:.2g} % of units break {name}" for name, share in shares.items() if share]
+    yield ", ".join(told) or "no unit of those drawn breaks a limit"
 
 
 def _global_attributes(prepared: Optimisation) -> dict[str, str]:
