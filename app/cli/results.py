@@ -197,7 +197,12 @@ def _knee(result: Table, units: ShownUnits) -> str:
         for name, value in values.items()
         if name.startswith("best_")
     }
-    return f"Knee of the front: {list_choice(both, units)}, at {list_choice(choice, units)}."
+    at = f"{list_choice(both, units)}, at {list_choice(choice, units)}."
+    return (
+        f"No trade-off: both are best in {at}"
+        if values["front_points"] == 1
+        else f"Knee of the front: {at}"
+    )
 
 
 def _fastest(result: Table, units: ShownUnits) -> str:

@@ -13,7 +13,6 @@ from core.optimise import known_optima
 from core.optimise.afresh import OBJECTIVE, Afresh
 from core.optimise.codes import STATUS
 from core.optimise.conditions import residual
-from core.optimise.front import knee
 from core.optimise.grid import dense_grid, reliable_grid
 from core.optimise.methods import METHODS
 from core.optimise.optima import Optima
@@ -133,10 +132,6 @@ def checked(
     missed = (status == STATUS["optimal"]) & (gap > left_open)
     status = np.where(missed, np.int8(STATUS["suboptimal"]), status)
     arrays["evaluations"] = np.broadcast_to(np.asarray(optima.evaluations, np.float64), cells)
-    if isinstance(problem.criterion, Pareto):
-        points = problem.criterion.points
-        pair = (arrays[problem.criterion.output], arrays[problem.criterion.against])
-        arrays["knee"] = knee(*(part.reshape(-1, points) for part in pair)).ravel()
     if prepared.study.sensitivities:
         arrays |= slopes(problem, x, design, lost)
     arrays["optimum_status"] = status

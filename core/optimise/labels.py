@@ -15,6 +15,7 @@ from core.dataset.table import (
     quantity_attributes,
     regime_attributes,
 )
+from core.optimise.front import FLAT
 from core.optimise.methods import METHODS
 from core.optimise.optimisation import Optimisation
 from core.optimise.problem import broken_names
@@ -26,6 +27,7 @@ from core.plan.pieces import Computed
 from core.plan.replicates import INTERVAL, REPLICATES
 from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES, Flag
 from core.quantities.quantity import in_sentence
+from core.study.optimise_study import Pareto
 from core.watch import Watch
 
 BINDS = {
@@ -159,10 +161,14 @@ def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
     """
     by_value = {flag.value: (name, flag.description) for name, flag in OPTIMUM_STATUSES.items()}
     arrays = {name: values.ravel() for name, values in arrays.items()}
-    counts = np.bincount(arrays["optimum_status"], minlength=len(by_value))
     if arrays["optimum_status"].size > 1:
+        statuses, more = arrays["optimum_status"], ""
+        if isinstance(prepared.study.criterion, Pareto):
+            statuses, more = _of_fronts(prepared.study.criterion, arrays)
+        counts = np.bincount(statuses, minlength=len(by_value))
         parts = [f"{by_value[v][0]} {n:,}" for v, n in enumerate(counts) if n]
-        return f"of {arrays['optimum_status'].size:,} answers: {', '.join(parts)}"
+        answers = "1 answer" if statuses.size == 1 else f"{statuses.size:,} answers"
+        return f"of {answers}: {', '.join(parts)}{more}"
     name, description = by_value[int(arrays["optimum_status"][0])]
     text = f"{name}: {description}"
     if np.isnan(arrays["objective"][0]):
@@ -173,6 +179,32 @@ def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
     binding = [n.removeprefix("binds_") for n in arrays if n.startswith("binds_") and arrays[n][0]]
     tight = f"; binding: {', '.join(binding)}" if binding else "; nothing binds"
     return "; ".join((text, ", ".join(clauses) + tight, *_shares_broken(prepared, arrays)))
+
+
+def _of_fronts(
+    criterion: Pareto, arrays: Mapping[str, NDArray[Any]]
+) -> tuple[NDArray[np.int8], str]:
+    """Return the statuses of all distinct points of fronts, and a clause on designs without one.
+
+    `arrays` has the computed variables by name, the points of a design one after the other.
+    """
+    known = {
+        name: arrays[name].reshape(-1, criterion.points)
+        for name in ("optimum_status", "front_points", criterion.output, criterion.against)
+    }
+    single = known["front_points"][:, 0] == 1
+    status = known["optimum_status"]
+    statuses = np.concatenate([status[single, 0], status[~single].ravel()])
+    if not single.any():
+        return statuses, ""
+    other = np.abs(known[criterion.against][single, 0]).max()
+    is_none = other <= FLAT * np.abs(known[criterion.output][single, 0]).max()
+    reached = f"{criterion.against} = 0" if is_none else f"the least |{criterion.against}|"
+    where = "" if single.size == 1 else f" in {single.sum():,} of {single.size:,} designs"
+    return (
+        statuses,
+        f"; no trade-off{where}: {reached} is reached at the largest {criterion.output}",
+    )
 
 
 def _shares_broken(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> Iterator[str]:

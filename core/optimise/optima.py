@@ -42,6 +42,16 @@ class Optima:
     evaluations: NDArray[np.int64] | int = 1
     says: str = ""
 
+    def chosen(self, cells: NDArray[np.intp]) -> Optima:
+        """Return the optima at some positions."""
+        parts = {name: getattr(self, name) for name in ("value", "residual", "evaluations")}
+        return replace(
+            self,
+            x=self.x[:, cells],
+            status=self.status[cells],
+            **{n: one[cells] for n, one in parts.items() if isinstance(one, np.ndarray)},
+        )
+
     def made_infeasible(self, cells: NDArray[np.bool_]) -> Optima:
         """Return the optima with some of them, shape (cells,), taken away as infeasible."""
         status = np.where(cells, np.int8(STATUS["infeasible"]), self.status)

@@ -81,7 +81,7 @@ class Optimisation(Prepared):
             units |= {f"binds_{name}_lower": "1", f"binds_{name}_upper": "1"}
         units |= dict.fromkeys(("optimality_residual", "optimum_gap", "evaluations"), "1")
         if isinstance(criterion, Pareto):
-            units["knee"] = "1"
+            units |= dict.fromkeys(("knee", "front_points"), "1")
         if self.study.sensitivities:
             units |= dict.fromkeys((f"sensitivity_{name}" for name in sensitive(problem)), "1")
         return {**units, "optimum_status": "1", "regime": "1"}

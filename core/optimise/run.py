@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from core.mechanics.arrays import Array
 from core.optimise.afresh import judged_afresh
 from core.optimise.checked import checked
-from core.optimise.front import find_front
+from core.optimise.front import distinct_points, find_front, knee
 from core.optimise.labels import label
 from core.optimise.methods import METHODS
 from core.optimise.optimisation import Optimisation
@@ -61,8 +61,7 @@ def _solved(
     prepared : Optimisation
         The study.
     design : mapping of str to ndarray, each of shape (cells,)
-        The fixed parameters, SI units. For a trade-off front each design has several points, one
-        after another in the last axis of the results.
+        The fixed parameters, SI units. The points of a trade-off front stand one after another.
     watch : Watch
         Takes the progress and may stop the work.
     retries : int
@@ -71,12 +70,8 @@ def _solved(
     problem, method = prepared.problem, prepared.method
     scales = problem.scales(design)
     if isinstance(problem.criterion, Pareto):
-        optima = find_front(problem, design, scales, method, watch)
-        points = problem.criterion.points
-        design = {name: np.repeat(values, points) for name, values in design.items()}
-        scales = {name: np.repeat(values, points) for name, values in scales.items()}
-    else:
-        optima = METHODS[method].solve(problem, design, scales, watch)
+        return _fronts(prepared, problem.criterion, design, scales, watch)
+    optima = METHODS[method].solve(problem, design, scales, watch)
     optima = replace(optima, x=problem.whole(optima.x))
     if problem.uncertain is None:
         return checked(prepared, optima, design, scales), optima.says
@@ -97,6 +92,34 @@ def _solved(
     for cell, (solved, _) in again.items():
         for name, values in solved.items():
             arrays[name][cell] = values[0]
+    return arrays, optima.says
+
+
+def _fronts(
+    prepared: Optimisation,
+    criterion: Pareto,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    watch: Watch,
+) -> tuple[dict[str, NDArray[Any]], str]:
+    """Return every variable of the trade-off fronts of some designs, and the method's message.
+
+    Arguments as in `find_front`. A point that a front has many times is checked once.
+    """
+    problem, points = prepared.problem, criterion.points
+    optima = find_front(problem, design, scales, prepared.method, watch)
+    optima = replace(optima, x=problem.whole(optima.x))
+    number = np.arange(optima.status.size)
+    repeated = (optima.x == np.roll(optima.x, 1, axis=1)).all(axis=0) & (number % points > 0)
+    once = np.flatnonzero(~repeated)
+    each = chosen_cells(design, once // points), chosen_cells(scales, once // points)
+    arrays = checked(prepared, optima.chosen(once), *each)
+    arrays = {name: values[np.cumsum(~repeated) - 1] for name, values in arrays.items()}
+    names = (criterion.output, criterion.against)
+    output, other = (arrays[name].reshape(-1, points) for name in names)
+    count = distinct_points(output, other, [scales[name][:, None] for name in names])
+    arrays["knee"] = knee(output, other).ravel()
+    arrays["front_points"] = np.repeat(count, points)
     return arrays, optima.says
 
 

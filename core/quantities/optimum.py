@@ -35,6 +35,10 @@ OPTIMUM: dict[str, Quantity] = {
         "the outputs' scale.",
     ),
     "evaluations": number("", "Evaluations", "Points at which the outputs were computed."),
+    "front_points": number(
+        "", "Distinct points of the front",
+        "1 where there is no trade-off: one choice is best in both outputs.",
+    ),
     "knee": number("", "Knee of the front", "The point farthest from the chord of the front."),
 }  # fmt: skip
 
