@@ -94,6 +94,9 @@ def draw(
     )  # fmt: skip
     if kind is not None and kind not in PICTURES:
         raise PlotError("kind", f"'{kind[:40]}' is unknown", suggestion(kind, NAMES))
+    if nearest and not at:
+        message = "nearest is given, but no value of at"
+        raise PlotError("nearest", message, "Give at, or leave nearest out")
     if len(datasets) > 1:
         if kind not in (None, "line"):
             fix = "Leave the kind out, or draw each by itself"
