@@ -168,7 +168,7 @@ def _draw_fronts(
     style.add_grid(axes)
     notes = [f"{len(chosen)} of {count} designs"] if len(chosen) < count else []
     if kept.size < count:
-        notes.append(f"{count - kept.size} of them without a trade-off")
+        notes.append(f"{count - kept.size} without a trade-off")
     return entries, ", ".join(notes)
 
 
