@@ -197,12 +197,8 @@ def _knee(result: Table, units: ShownUnits) -> str:
         for name, value in values.items()
         if name.startswith("best_")
     }
-    at = f"{list_choice(both, units)}, at {list_choice(choice, units)}."
-    return (
-        f"No trade-off: both are best in {at}"
-        if values["front_points"] == 1
-        else f"Knee of the front: {at}"
-    )
+    said = "No trade-off: the best" if values["front_points"] == 1 else "Knee of the front"
+    return f"{said}: {list_choice(both, units)}, at {list_choice(choice, units)}."
 
 
 def _fastest(result: Table, units: ShownUnits) -> str:

@@ -44,12 +44,13 @@ class Optima:
 
     def chosen(self, cells: NDArray[np.intp]) -> Optima:
         """Return the optima at some positions."""
-        parts = {name: getattr(self, name) for name in ("value", "residual", "evaluations")}
-        return replace(
-            self,
-            x=self.x[:, cells],
-            status=self.status[cells],
-            **{n: one[cells] for n, one in parts.items() if isinstance(one, np.ndarray)},
+        return Optima(
+            self.x[:, cells],
+            self.status[cells],
+            None if self.value is None else self.value[cells],
+            None if self.residual is None else self.residual[cells],
+            np.broadcast_to(self.evaluations, self.status.shape)[cells],
+            self.says,
         )
 
     def made_infeasible(self, cells: NDArray[np.bool_]) -> Optima:
