@@ -67,7 +67,7 @@ class Afresh:
         design: Mapping[str, Array],
         scales: Mapping[str, Array],
     ) -> tuple[Mask, dict[int, dict[str, Array]]]:
-        """Return where fresh points are worse than the nodes by which choices were found.
+        """Return the designs in which fresh points are worse than the nodes of the search.
 
         They break a constraint, or, of closed forms, have a worse worst case. Arguments as in
         `judged_afresh`.
@@ -104,7 +104,7 @@ class Afresh:
         return {one: values[self.worst_at[name].T] for one, values in self.points.items()}
 
 
-def drawn(problem: OptimisationProblem) -> OptimisationProblem:
+def pictured(problem: OptimisationProblem) -> OptimisationProblem:
     """Return a problem whose nodes are one scrambling of the fresh points, to draw it.
 
     The worst case, and motions, which take long, keep their nodes.
@@ -129,7 +129,7 @@ def judged_afresh(
     method: str,
     number: int = 1,
 ) -> Afresh:
-    """Return what fresh points of the uncertain parameters say of choices of the variables.
+    """Return statistic, margins and broken shares of choices at fresh uncertain parameters.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ def _judged(
     inside: Mask,
     left: Mapping[str, Array],
 ) -> Afresh:
-    """Return what the nodes of a problem say of choices of some designs.
+    """Return statistic, margins and broken shares of choices of some designs at the nodes.
 
     Parameters
     ----------

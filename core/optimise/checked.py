@@ -87,25 +87,18 @@ def checked(
         # At the edge of stick the outputs are those of a part at rest.
         held = optima.status == STATUS["not_attained"]
         value = np.where(held, optima.value, value)
-    told = value if fresh is None else whole(_told(longest, fresh, value, x, design))
+    objective = value if fresh is None else whole(_afresh(longest, fresh, value, x, design))
     robust = uncertain and isinstance(problem.criterion, Maximise)
-    forward = told if robust else problem.output(problem.criterion.output, known)
+    forward = objective if robust else problem.output(problem.criterion.output, known)
     status = _status(problem, optima.status, known, design, scales, forward)
     arrays: dict[str, NDArray[Any]] = {
         f"best_{name}": from_si(name, optima.x[i]) for i, name in enumerate(problem.names)
     }
-    arrays["objective"] = problem.sign * told
+    arrays["objective"] = problem.sign * objective
     arrays |= {n: whole(problem.output(n, known)) for n in prepared.units if n in known}
-    for kept in problem.kept:
-        margin = whole(problem.safe_margin(kept, x, design))
-        binds = np.abs(margin) <= tolerance * scales[kept.output]
-        if fresh is not None:
-            margin = np.fmin(margin, whole(fresh.worst[kept.name]))
-            for name, one in zip(broken_names(kept.name), fresh.broken[kept.name], strict=True):
-                arrays[name] = whole(one)
-        close = np.abs(margin) <= tolerance * scales[kept.output]
-        arrays[f"margin_{kept.name}"] = np.where(close, 0.0, margin)
-        arrays[f"binds_{kept.name}"] = binds.astype(np.int8)
+    arrays |= _limits(
+        problem, fresh, x, design, {n: tolerance * v for n, v in scales.items()}, lost
+    )
     arrays |= _at_bounds(problem, x, lost, max(tolerance, AT_BOUND))
     here, near = _of_each_point(problem, known, design)
     if optima.residual is None:
@@ -124,11 +117,8 @@ def checked(
         unsure = whole(np.maximum(*doubts))
         arrays["objective_error"] = np.fmax(whole(problem.error(known)), unsure)
         left_open = np.fmax(left_open, unsure / size)
-    if fresh is not None and problem.is_sampled:
-        # Of the points that were drawn, besides that of the motion at each of them.
-        error = whole(fresh.objective.error)
-        arrays["objective_error"] = error + arrays.get("objective_error", 0.0)
-        arrays["objective_left_out"] = whole(fresh.left_out)
+    if fresh is not None:
+        arrays |= _of_samples(problem, fresh, arrays.get("objective_error", 0.0), lost)
     missed = (status == STATUS["optimal"]) & (gap > left_open)
     status = np.where(missed, np.int8(STATUS["suboptimal"]), status)
     arrays["evaluations"] = np.broadcast_to(np.asarray(optima.evaluations, np.float64), cells)
@@ -141,7 +131,49 @@ def checked(
     return arrays
 
 
-def _told(
+def _of_samples(
+    problem: OptimisationProblem, fresh: Afresh, error: Array | float, lost: NDArray[np.bool_]
+) -> dict[str, Array]:
+    """Return the error of a mean or a quantile, and the share left out; empty for a worst case.
+
+    `error` is that of the motion at each of the points, to which that of the points is added.
+    """
+    if not problem.is_sampled:
+        return {}
+    return {
+        "objective_error": np.where(lost, np.nan, fresh.objective.error + error),
+        "objective_left_out": np.where(lost, np.nan, fresh.left_out),
+    }
+
+
+def _limits(
+    problem: OptimisationProblem,
+    fresh: Afresh | None,
+    x: Array,
+    design: Mapping[str, Array],
+    close: Mapping[str, Array],
+    lost: NDArray[np.bool_],
+) -> dict[str, NDArray[Any]]:
+    """Return margins of constraints, which of them bind, and the shares of units that break them.
+
+    Under uncertain parameters a margin is the least one over nodes and fresh points. Arguments as
+    in `checked`; a margin within `close` counts as none, and `lost` is True without an optimum.
+    """
+    arrays: dict[str, NDArray[Any]] = {}
+    for kept in problem.kept:
+        margin = np.broadcast_to(problem.safe_margin(kept, x, design), lost.shape)
+        binds = (np.abs(margin) <= close[kept.output]) & ~lost
+        if fresh is not None:
+            margin = np.fmin(margin, fresh.worst[kept.name])
+            for name, one in zip(broken_names(kept.name), fresh.broken[kept.name], strict=True):
+                arrays[name] = np.where(lost, np.nan, one)
+        margin = np.where(np.abs(margin) <= close[kept.output], 0.0, margin)
+        arrays[f"margin_{kept.name}"] = np.where(lost, np.nan, margin)
+        arrays[f"binds_{kept.name}"] = binds.astype(np.int8)
+    return arrays
+
+
+def _afresh(
     problem: OptimisationProblem,
     fresh: Afresh,
     value: Array,

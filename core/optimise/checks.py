@@ -114,6 +114,21 @@ def problems_of_intervals(
     if len(intervals) > MAX_UNCERTAIN:
         fix = f'Keep the {MAX_UNCERTAIN} that matter most: kind = "sensitivity" shows which'
         yield Problem("uncertain", f"there are {len(intervals)} of them", fix)
+    yield from _problems_of_quantile(study)
+    if study.robust is not None and not intervals:
+        fix = "Add [uncertain], for example friction = { lower = 0.2, upper = 0.4 }"
+        yield Problem("robust", "no parameter is uncertain", fix)
+    if intervals and isinstance(study.criterion, Pareto):
+        fix = "Use the criterion limit, at several limits"
+        yield Problem(
+            "uncertain",
+            "a trade-off (criterion pareto) cannot be computed with uncertain parameters",
+            fix,
+        )
+
+
+def _problems_of_quantile(study: OptimiseStudy) -> Iterable[Problem]:
+    """Yield the problems of the quantile of a study: missing, without use, or too rare."""
     if study.robust == "quantile" and study.quantile is None:
         fix = "Add quantile = 0.05 for what all but a twentieth of the parts do better than"
         yield Problem("quantile", "it is missing", fix)
@@ -126,16 +141,6 @@ def problems_of_intervals(
             "quantile",
             "quantile is given, but only robust = 'quantile' uses it",
             'Remove quantile, or set robust = "quantile"',
-        )
-    if study.robust is not None and not intervals:
-        fix = "Add [uncertain], for example friction = { lower = 0.2, upper = 0.4 }"
-        yield Problem("robust", "no parameter is uncertain", fix)
-    if intervals and isinstance(study.criterion, Pareto):
-        fix = "Use the criterion limit, at several limits"
-        yield Problem(
-            "uncertain",
-            "a trade-off (criterion pareto) cannot be computed with uncertain parameters",
-            fix,
         )
 
 

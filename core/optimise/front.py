@@ -91,7 +91,7 @@ def _is_one_point(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> Mask:
-    """Return where a design has no trade-off, shape (cells,): one choice is best in both outputs.
+    """True for a design without a trade-off, shape (cells,): one choice is best in both outputs.
 
     The output is as large at the end where the other one is least, `least`, as at the other end.
     """

@@ -135,22 +135,22 @@ def uncertain_of(
     is_limited : bool
         True if outputs have limits to keep.
     """
-    (name, one), *others = distributions.items()
+    (name, law), *others = distributions.items()
     share = 0.5 if quantile is None else quantile
     weights = None
     if how == "worst":
         return Uncertain(distributions, _box(distributions), how)
-    if how == "mean" and not others and isinstance(one, Between):
-        ends = parameter_to_si(name, np.array([one.lower, one.upper]))
+    if how == "mean" and not others and isinstance(law, Between):
+        ends = parameter_to_si(name, np.array([law.lower, law.upper]))
         places, weights = nodes_over(ends, how)
         values = {name: places}
     else:
         count = samples_of(how, share)
         values = values_at(distributions, draws.points(len(distributions), count, SEED)[:, 0])
-    found = Uncertain(distributions, values, how, weights, share)
+    uncertain = Uncertain(distributions, values, how, weights, share)
     if not is_limited:
-        return found
-    return replace(found.with_nodes(_box(distributions)), counted=found.size)
+        return uncertain
+    return replace(uncertain.with_nodes(_box(distributions)), counted=uncertain.size)
 
 
 def samples_of(how: How, quantile: float) -> int:

@@ -106,14 +106,14 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     designs = fronts.of_designs()
     ends = designs.isel(front=0)
     single = ends["front_points"].values == 1 if "front_points" in ends else np.zeros(0, bool)
-    is_one = bool(single.size) and bool(single.all())
-    if others and is_one:
+    is_single = bool(single.size) and bool(single.all())
+    if others and is_single:
         figure, top, entries, note = _draw_choices(fronts)
     else:
         figure = style.sheet()
         top = figure.add_subplot()
         entries, note = _draw_fronts(top, fronts, designs, single)
-    name = _no_trade_off(fronts) if is_one else "Trade-off along a front"
+    name = _no_trade_off(fronts) if is_single else "Trade-off along a front"
     return finish(
         figure, top, style, name=options.title or name, facts=facts,
         source=source_of(dataset, criterion_in_words(problem)), entries=entries, note=note,

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from core.dataset.table import quantity_attributes
 from core.optimise import Optimisation
-from core.optimise.afresh import BLOCK, drawn
+from core.optimise.afresh import BLOCK, pictured
 from core.optimise.codes import STATUS
 from core.optimise.problem import Kept, OptimisationProblem, chosen_cells
 from core.optimise.run import designs_of
@@ -148,7 +148,7 @@ def held_of(
     `positions` holds the index of each ranged parameter; `units` are those for reading.
     """
     held = [held_at(dataset[name], units, position) for name, position in positions.items()]
-    counted = drawn(prepared.problem)
+    counted = pictured(prepared.problem)
     over = [f"over {counted.nodes:,} points"] if counted.is_sampled else []
     return [criterion_in_words(prepared.problem), *over, *held, *held_fixed(dataset, units)]
 
@@ -268,7 +268,7 @@ def _over(
         labels.append(axis_label(variable, unit.unit))
         tops.append(unit.factor * np.atleast_1d(best[f"best_{name}"].values))
     output = problem.criterion.output
-    value = _array(output, problem.sign * over(_objective(drawn(problem), grid, design)))
+    value = _array(output, problem.sign * over(_objective(pictured(problem), grid, design)))
     unit = shown_in(value, units)
     label = axis_label(value, unit.unit)
     return Landscape(
