@@ -142,7 +142,10 @@ def _show_values(
     """
     outputs = facts["outputs"]
     if not everything:
-        outputs = {name: one for name, one in outputs.items() if name not in OF_THE_SEARCH}
+        hidden = set(OF_THE_SEARCH)
+        if "objective_left_out" in outputs:  # a statistic over points, which has an error
+            hidden.remove("objective_error")
+        outputs = {name: one for name, one in outputs.items() if name not in hidden}
     if is_uncertain(result):
         outputs = {name: one for name, one in outputs.items() if is_short(name)}
     if is_uncertain(result) and facts["cells"] == 1:

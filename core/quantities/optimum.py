@@ -42,5 +42,5 @@ OPTIMUM: dict[str, Quantity] = {
     "knee": number("", "Knee of the front", "The point farthest from the chord of the front."),
 }  # fmt: skip
 
-OF_THE_SEARCH = ("optimality_residual", "optimum_gap", "evaluations")
+OF_THE_SEARCH = ("objective_error", "optimality_residual", "optimum_gap", "evaluations")
 """Outputs that tell how an optimum was found, in place of what it is."""

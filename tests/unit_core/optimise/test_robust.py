@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import vibrafeed
+from app.cli import app
+from app.main import create_app
+from app.settings import Settings
 from core.optimise.robust import NODES, nodes_over, over_nodes, uncertain_of
 from core.study.distributions import read_distribution
+from local_client import local_client
 
 
 def robust_value(evaluate, interval, *, how="worst", nodes=NODES):
@@ -225,3 +231,27 @@ def test_a_limit_that_no_choice_keeps_for_all_units_is_infeasible():
 def test_a_quantile_that_takes_too_many_points_is_refused():
     with pytest.raises(vibrafeed.StudyError, match=r"quantile of 1e-05 takes too many points"):
         optimum(robust="quantile", quantile=1e-5)
+
+
+def test_value_error_and_broken_shares_are_told_on_console_and_over_http(tmp_path):
+    study = {
+        "scene": "linear-drive-unit", "variant": "measured", "robust": "quantile", "quantile": 0.05,
+        "criterion": {"kind": "maximise", "output": "track_amplitude"},
+        "constraints": [{"output": "track_amplitude", "upper": "3 mm"}],
+        "variables": {"ring_down_frequency": {"lower": 44.0, "upper": 58.0}},
+        "uncertain": UNITS, "parameters": {**DRIVE, "drive_force": 60.0},
+    }  # fmt: skip
+    with local_client(create_app(Settings(data_directory=tmp_path))) as client:
+        reply = client.post("/processes/optimise/execution", json=study)
+        assert reply.status_code == 200, reply.text
+    over_http = reply.json()["variables"]
+    file = tmp_path / "study.json"
+    file.write_text(json.dumps({"kind": "optimise", **study}))
+    printed = CliRunner().invoke(app, ["run", str(file)])
+    assert printed.exit_code == 0, printed.output
+    called = vibrafeed.optimise(study)
+    broken = "probability_track_amplitude_upper_broken"
+    for name in ("objective", "objective_error", "objective_left_out", broken, f"{broken}_error"):
+        assert over_http[name]["data"] == float(called[name])
+        assert f"\n{name} " in printed.output
+    assert "the shares of units that break them count all" in printed.output
