@@ -27,6 +27,7 @@ LINE = 0.0165  # of the page's height
 DPI = 200  # of the picture
 MAX_ROWS = 18  # rows of a table; the file has all
 LETTERS = 108  # letters of a line
+TITLE_LETTERS = 54  # letters of a line of the title
 SETTINGS = ("tolerance", "max_periods", "gravity", "hold_down_number", "curvature_number")
 
 
@@ -71,8 +72,10 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
         """Write a line of text at the current height."""
         page.text(x, at, text, size=size, va="top", **{"color": style.ink, **look})
 
-    write(title or str(dataset.attrs.get("title", "")), size=15, weight="bold")
-    at -= 2.0 * LINE
+    for line in textwrap.wrap(title or str(dataset.attrs.get("title", "")), TITLE_LETTERS):
+        write(line, size=15, weight="bold")
+        at -= 1.7 * LINE
+    at -= 0.3 * LINE
     kind = f"{dataset.attrs.get('scene', '')}, {dataset.attrs.get('source', '')}"
     write(kind, color=style.quiet)
     at -= 2.0 * LINE
