@@ -143,7 +143,10 @@ def _show_values(
     """
     outputs = facts["outputs"]
     if not everything:
-        outputs = {name: one for name, one in outputs.items() if name not in OF_THE_SEARCH}
+        hidden = set(OF_THE_SEARCH)
+        if "objective_left_out" in outputs:  # a statistic over points, which has an error
+            hidden.remove("objective_error")
+        outputs = {name: one for name, one in outputs.items() if name not in hidden}
     if is_uncertain(result):
         outputs = {name: one for name, one in outputs.items() if is_short(name)}
     if is_uncertain(result) and facts["cells"] == 1:
@@ -175,8 +178,8 @@ def _held_at(result: Table, units: ShownUnits) -> list[str]:
         return []
     middles = {name: nominal(one) for name, one in study.intervals().items()}
     return [
-        f"Outputs are those at {list_choice(middles, units)}; the objective and the margins of "
-        "limits count the whole range."
+        f"Outputs are those at {list_choice(middles, units)}; the objective, the margins of limits "
+        "and the shares of units that break them count all that is uncertain."
     ]
 
 
@@ -201,7 +204,8 @@ def _knee(result: Table, units: ShownUnits) -> str:
         for name, value in values.items()
         if name.startswith("best_")
     }
-    return f"Knee of the front: {list_choice(both, units)}, at {list_choice(choice, units)}."
+    said = "No trade-off: the best" if values["front_points"] == 1 else "Knee of the front"
+    return f"{said}: {list_choice(both, units)}, at {list_choice(choice, units)}."
 
 
 def _fastest(result: Table, units: ShownUnits) -> str:

@@ -10,14 +10,20 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.optimise import known_optima
+from core.optimise.afresh import OBJECTIVE, Afresh
 from core.optimise.codes import STATUS
 from core.optimise.conditions import residual
-from core.optimise.front import knee
 from core.optimise.grid import dense_grid, reliable_grid
 from core.optimise.methods import METHODS
 from core.optimise.optima import Optima
 from core.optimise.optimisation import Optimisation
-from core.optimise.problem import LIMIT, ROUNDING, OptimisationProblem, chosen_cells
+from core.optimise.problem import (
+    LIMIT,
+    ROUNDING,
+    OptimisationProblem,
+    broken_names,
+    chosen_cells,
+)
 from core.optimise.single import spread
 from core.optimise.slopes import slopes
 from core.plan.grid import from_si
@@ -39,6 +45,7 @@ def checked(
     optima: Optima,
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
+    fresh: Afresh | None = None,
 ) -> dict[str, NDArray[Any]]:
     """Return every variable of an optimisation's result, checked against other methods.
 
@@ -52,6 +59,8 @@ def checked(
         The fixed parameters of each design in SI units, shape (cells,).
     scales : mapping of str to ndarray
         The largest size of each output, shape (cells,), by which margins and gaps are judged.
+    fresh : Afresh, optional
+        What fresh points of uncertain parameters say of the optima.
 
     Returns
     -------
@@ -78,19 +87,18 @@ def checked(
         # At the edge of stick the outputs are those of a part at rest.
         held = optima.status == STATUS["not_attained"]
         value = np.where(held, optima.value, value)
+    objective = value if fresh is None else whole(_afresh(longest, fresh, value, x, design))
     robust = uncertain and isinstance(problem.criterion, Maximise)
-    forward = value if robust else problem.output(problem.criterion.output, known)
+    forward = objective if robust else problem.output(problem.criterion.output, known)
     status = _status(problem, optima.status, known, design, scales, forward)
     arrays: dict[str, NDArray[Any]] = {
         f"best_{name}": from_si(name, optima.x[i]) for i, name in enumerate(problem.names)
     }
-    arrays["objective"] = problem.sign * value
+    arrays["objective"] = problem.sign * objective
     arrays |= {n: whole(problem.output(n, known)) for n in prepared.units if n in known}
-    for kept in problem.kept:
-        margin = whole(problem.safe_margin(kept, x, design))
-        binds = np.abs(margin) <= tolerance * scales[kept.output]
-        arrays[f"margin_{kept.name}"] = np.where(binds, 0.0, margin)
-        arrays[f"binds_{kept.name}"] = binds.astype(np.int8)
+    arrays |= _limits(
+        problem, fresh, x, design, {n: tolerance * v for n, v in scales.items()}, lost
+    )
     arrays |= _at_bounds(problem, x, lost, max(tolerance, AT_BOUND))
     here, near = _of_each_point(problem, known, design)
     if optima.residual is None:
@@ -109,13 +117,11 @@ def checked(
         unsure = whole(np.maximum(*doubts))
         arrays["objective_error"] = np.fmax(whole(problem.error(known)), unsure)
         left_open = np.fmax(left_open, unsure / size)
+    if fresh is not None:
+        arrays |= _of_samples(problem, fresh, arrays.get("objective_error", 0.0), lost)
     missed = (status == STATUS["optimal"]) & (gap > left_open)
     status = np.where(missed, np.int8(STATUS["suboptimal"]), status)
     arrays["evaluations"] = np.broadcast_to(np.asarray(optima.evaluations, np.float64), cells)
-    if isinstance(problem.criterion, Pareto):
-        points = problem.criterion.points
-        pair = (arrays[problem.criterion.output], arrays[problem.criterion.against])
-        arrays["knee"] = knee(*(part.reshape(-1, points) for part in pair)).ravel()
     if prepared.study.sensitivities:
         arrays |= slopes(problem, x, design, lost)
     arrays["optimum_status"] = status
@@ -123,6 +129,67 @@ def checked(
     for name, regime in problem.regimes(known, scales, tolerance).items():
         arrays[name] = np.where(lost, none, np.broadcast_to(regime, cells))
     return arrays
+
+
+def _of_samples(
+    problem: OptimisationProblem, fresh: Afresh, error: Array | float, lost: NDArray[np.bool_]
+) -> dict[str, Array]:
+    """Return the error of a mean or a quantile, and the share left out; empty for a worst case.
+
+    `error` is that of the motion at each of the points, to which that of the points is added.
+    """
+    if not problem.is_sampled:
+        return {}
+    return {
+        "objective_error": np.where(lost, np.nan, fresh.objective.error + error),
+        "objective_left_out": np.where(lost, np.nan, fresh.left_out),
+    }
+
+
+def _limits(
+    problem: OptimisationProblem,
+    fresh: Afresh | None,
+    x: Array,
+    design: Mapping[str, Array],
+    close: Mapping[str, Array],
+    lost: NDArray[np.bool_],
+) -> dict[str, NDArray[Any]]:
+    """Return margins of constraints, which of them bind, and the shares of units that break them.
+
+    Under uncertain parameters a margin is the least one over nodes and fresh points. Arguments as
+    in `checked`; a margin within `close` counts as none, and `lost` is True without an optimum.
+    """
+    arrays: dict[str, NDArray[Any]] = {}
+    for kept in problem.kept:
+        margin = np.broadcast_to(problem.safe_margin(kept, x, design), lost.shape)
+        binds = (np.abs(margin) <= close[kept.output]) & ~lost
+        if fresh is not None:
+            margin = np.fmin(margin, fresh.worst[kept.name])
+            for name, one in zip(broken_names(kept.name), fresh.broken[kept.name], strict=True):
+                arrays[name] = np.where(lost, np.nan, one)
+        margin = np.where(np.abs(margin) <= close[kept.output], 0.0, margin)
+        arrays[f"margin_{kept.name}"] = np.where(lost, np.nan, margin)
+        arrays[f"binds_{kept.name}"] = binds.astype(np.int8)
+    return arrays
+
+
+def _afresh(
+    problem: OptimisationProblem,
+    fresh: Afresh,
+    value: Array,
+    x: Array,
+    design: Mapping[str, Array],
+) -> Array:
+    """Return the objective of optima at fresh points of what is uncertain, shape (cells,).
+
+    In a worst case it is the least over the nodes, `value`, and over the fresh points, of which the
+    worst are evaluated once more: means of a motion that does not repeat differ by chance.
+    """
+    if problem.is_sampled:
+        return fresh.objective.value
+    worst = {**design, **fresh.at_worst(OBJECTIVE)}
+    values = problem.objective(problem.known(x, worst))
+    return np.fmin(value, np.min(values, axis=0))
 
 
 def _at_bounds(

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from core.errors import Problem
-from core.optimise.robust import MAX_UNCERTAIN
+from core.optimise.robust import LEAST_SHARE, MAX_UNCERTAIN
 from core.quantities import FLAGS
 from core.scenes import SCENES, Scene
 from core.study.distributions import Distribution
@@ -114,15 +114,7 @@ def problems_of_intervals(
     if len(intervals) > MAX_UNCERTAIN:
         fix = f'Keep the {MAX_UNCERTAIN} that matter most: kind = "sensitivity" shows which'
         yield Problem("uncertain", f"there are {len(intervals)} of them", fix)
-    if study.robust == "quantile" and study.quantile is None:
-        fix = "Add quantile = 0.05 for what all but a twentieth of the parts do better than"
-        yield Problem("quantile", "it is missing", fix)
-    if study.quantile is not None and study.robust != "quantile":
-        yield Problem(
-            "quantile",
-            "quantile is given, but only robust = 'quantile' uses it",
-            'Remove quantile, or set robust = "quantile"',
-        )
+    yield from _problems_of_quantile(study)
     if study.robust is not None and not intervals:
         fix = "Add [uncertain], for example friction = { lower = 0.2, upper = 0.4 }"
         yield Problem("robust", "no parameter is uncertain", fix)
@@ -132,6 +124,23 @@ def problems_of_intervals(
             "uncertain",
             "a trade-off (criterion pareto) cannot be computed with uncertain parameters",
             fix,
+        )
+
+
+def _problems_of_quantile(study: OptimiseStudy) -> Iterable[Problem]:
+    """Yield the problems of the quantile of a study: missing, without use, or too rare."""
+    if study.robust == "quantile" and study.quantile is None:
+        fix = "Add quantile = 0.05 for what all but a twentieth of the parts do better than"
+        yield Problem("quantile", "it is missing", fix)
+    if study.quantile is not None and not LEAST_SHARE <= study.quantile <= 1 - LEAST_SHARE:
+        message = f"a quantile of {study.quantile:g} takes too many points"
+        fix = f'Give {LEAST_SHARE:g} to {1 - LEAST_SHARE:g}, or take robust = "worst"'
+        yield Problem("quantile", message, fix)
+    if study.quantile is not None and study.robust != "quantile":
+        yield Problem(
+            "quantile",
+            "quantile is given, but only robust = 'quantile' uses it",
+            'Remove quantile, or set robust = "quantile"',
         )
 
 

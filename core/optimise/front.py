@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array, ratio
+from core.mechanics.arrays import Array, Mask, ratio
 from core.optimise import known_optima
 from core.optimise.codes import STATUS
 from core.optimise.methods import METHODS
@@ -21,6 +21,7 @@ from core.watch import Watch
 WIDE = 1e3  # of the other output's scale: a limit that never binds
 HEAVY = 1e3  # weight that puts the other output first; a steeper ridge is harder to climb along
 FLAT = 1e-9
+SMALL = 1e-6  # of an output's scale: a smaller difference of two points is that of a search
 SLACK = 1e-9  # of its scale, of a limit that only single points would keep
 
 
@@ -58,21 +59,55 @@ def find_front(
     ends = replace(watch, progress=None)  # the many points between them are the progress
     top = solve(inner, {**design, LIMIT: WIDE * scale}, scales, ends)
     least = _least(problem, inner, design, scales, method, ends)
-    first, last = (_other(problem, end, design) for end in (top, least))
-    share = evenly(0.0, 1.0, points)
-    levels = first[:, None] + (last - first)[:, None] * share
-    repeated = {name: np.repeat(values, points) for name, values in design.items()}
-    wide = {name: np.repeat(values, points) for name, values in scales.items()}
-    slack = 0.0 if method == "newton" else SLACK
-    repeated[LIMIT] = np.where(np.isnan(levels), WIDE, levels + slack * scale[:, None]).ravel()
-    optima = solve(inner, repeated, wide, watch)
-    x = optima.x.reshape(len(problem.names), -1, points).copy()
-    status = optima.status.reshape(-1, points).copy()
-    for place, end in ((0, top), (-1, least)):
-        x[:, :, place], status[:, place] = end.x, end.status
-    return replace(
-        optima, x=x.reshape(optima.x.shape), status=status.ravel(), value=None, residual=None
-    )
+    cells = cells_of(design)
+    x = np.repeat(least.x[:, :, None], points, axis=2)
+    status = np.repeat(least.status[:, None], points, axis=1)
+    evaluations = np.ones((cells, points), dtype=np.int64)
+    optima = least
+    rest = np.flatnonzero(~_is_one_point(problem, top, least, design, scales))
+    if rest.size:
+        first, last = (_other(problem, end, design)[rest] for end in (top, least))
+        levels = first[:, None] + (last - first)[:, None] * evenly(0.0, 1.0, points)
+        repeated = {name: np.repeat(values[rest], points) for name, values in design.items()}
+        wide = {name: np.repeat(values[rest], points) for name, values in scales.items()}
+        slack = 0.0 if method == "newton" else SLACK
+        limits = np.where(np.isnan(levels), WIDE, levels + slack * scale[rest, None])
+        optima = solve(inner, {**repeated, LIMIT: limits.ravel()}, wide, watch)
+        x[:, rest] = optima.x.reshape(len(problem.names), -1, points)
+        status[rest] = optima.status.reshape(-1, points)
+        evaluations[rest] = np.broadcast_to(optima.evaluations, limits.size).reshape(-1, points)
+        x[:, rest, 0], status[rest, 0] = top.x[:, rest], top.status[rest]
+        x[:, rest, -1], status[rest, -1] = least.x[:, rest], least.status[rest]
+    return Optima(
+        x.reshape(len(problem.names), -1), status.ravel(), evaluations=evaluations.ravel(),
+        says=optima.says,
+    )  # fmt: skip
+
+
+def _is_one_point(
+    problem: OptimisationProblem,
+    top: Optima,
+    least: Optima,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+) -> Mask:
+    """True for a design without a trade-off, shape (cells,): one choice is best in both outputs.
+
+    The output is as large at the end where the other one is least, `least`, as at the other end.
+    """
+    most, there = (_value(problem, problem.criterion.output, end, design) for end in (top, least))
+    return there >= most - SMALL * scales[problem.criterion.output]
+
+
+def distinct_points(output: Array, other: Array, sizes: Sequence[Array]) -> Array:
+    """Return the number of distinct points of each trade-off front, 0 of one without a value.
+
+    `output` and `other` are the two outputs, shape (cells, points), and `sizes` their scales, shape
+    (cells, 1); the result has the shape (cells,). A front of one point is no trade-off.
+    """
+    pairs = zip((output, np.abs(other)), sizes, strict=True)
+    moved = [np.abs(np.diff(one, axis=1)) > SMALL * size for one, size in pairs]
+    return np.isfinite(output).any(axis=1) + np.logical_or(*moved).sum(axis=1, dtype=np.float64)
 
 
 def _least(
@@ -123,15 +158,22 @@ def _least(
 
 
 def _other(problem: OptimisationProblem, optima: Optima, design: Mapping[str, Array]) -> Array:
-    """Return the size of the other output at an end of trade-off fronts; NaN without an optimum.
+    """Return the size of the other output at an end of trade-off fronts; NaN without an optimum."""
+    assert problem.against is not None
+    return np.abs(_value(problem, problem.against, optima, design))
+
+
+def _value(
+    problem: OptimisationProblem, name: str, optima: Optima, design: Mapping[str, Array]
+) -> Array:
+    """Return an output at an end of trade-off fronts; NaN without an optimum.
 
     `optima` are the optima of all designs, `design` has the fixed parameters, SI units, shape
     (cells,); the result is in the unit of studies, shape (cells,).
     """
-    assert problem.against is not None
     lost = np.isnan(optima.x).any(axis=0)
     x = np.where(lost, problem.lower[:, None], optima.x)
-    value = np.abs(problem.output(problem.against, problem.known(x, design)))
+    value = problem.output(name, problem.known(x, design))
     return np.where(lost, np.nan, np.broadcast_to(value, lost.shape))
 
 

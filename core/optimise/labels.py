@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -15,15 +15,19 @@ from core.dataset.table import (
     quantity_attributes,
     regime_attributes,
 )
+from core.optimise.front import FLAT
 from core.optimise.methods import METHODS
 from core.optimise.optimisation import Optimisation
+from core.optimise.problem import broken_names
 from core.optimise.sentences import criterion_in_words
 from core.optimise.slopes import sensitive
 from core.optimise.verify import accuracy, verified
 from core.plan.labels import coordinates_of, global_attributes, link_to_verdict
 from core.plan.pieces import Computed
+from core.plan.replicates import INTERVAL, REPLICATES
 from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES, Flag
 from core.quantities.quantity import in_sentence
+from core.study.optimise_study import Pareto
 from core.watch import Watch
 
 BINDS = {
@@ -46,7 +50,7 @@ def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
     dataset_attributes = {
         **_global_attributes(prepared),
         "message": _message(prepared, arrays),
-        "accuracy": accuracy(arrays["optimum_gap"]),
+        "accuracy": "; ".join((*_of_points(prepared), accuracy(arrays["optimum_gap"]))),
         "evaluations": float(arrays["evaluations"].sum()),
         **computed.notes,
         **verified(prepared, arrays, watch),
@@ -82,6 +86,8 @@ def _attributes(
             "comment": f"Distance of {kept.output} from its bound; 0 where it binds.",
         }
         attributes[f"binds_{kept.name}"] = _binds(what)
+        if problem.uncertain is not None:
+            attributes |= _broken(kept.name, what)
     output = problem.criterion.output
     attributes["objective"] |= {
         "units": QUANTITIES[output].unit,
@@ -92,6 +98,9 @@ def _attributes(
     }
     if "objective_error" in prepared.units:
         attributes["objective_error"] |= {"units": QUANTITIES[output].unit}
+    if problem.is_sampled:
+        attributes["objective"]["comment"] += " Over points that did not choose it."
+        attributes["objective_error"]["comment"] = INTERVAL
     attributes["optimum_status"] = flag_attributes(
         "optimum_status", OPTIMUM_STATUSES, tuple(OPTIMUM_STATUSES)
     )
@@ -115,6 +124,31 @@ def _attributes(
     return attributes
 
 
+def _of_points(prepared: Optimisation) -> Iterator[str]:
+    """Yield at most one clause on the points at which optima under uncertainty are judged."""
+    if prepared.problem.uncertain is not None:
+        yield (
+            "errors of mean, quantile and probabilities are half the widths of 95 % intervals, "
+            f"from {REPLICATES} scramblings of Sobol points which the search did not use"
+        )
+
+
+def _broken(name: str, what: str) -> dict[str, dict[str, Any]]:
+    """Return the attributes of the probability that a constraint is broken, and of its error.
+
+    `name` is the constraint, `what` its name in words.
+    """
+    label = f"robability that {what} is broken"
+    comments = (
+        (f"P{label}", "Over all distributions; a unit without a value breaks it."),
+        (f"Error of the p{label}", INTERVAL),
+    )
+    return {
+        one: {"units": "1", "long_name": label, "comment": comment}
+        for one, (label, comment) in zip(broken_names(name), comments, strict=True)
+    }
+
+
 def _binds(what: str) -> dict[str, Any]:
     """Return the attributes of the flag that says if a constraint binds."""
     return flag_attributes("optimum_status", BINDS, tuple(BINDS)) | {
@@ -132,10 +166,14 @@ def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
     """
     by_value = {flag.value: (name, flag.description) for name, flag in OPTIMUM_STATUSES.items()}
     arrays = {name: values.ravel() for name, values in arrays.items()}
-    counts = np.bincount(arrays["optimum_status"], minlength=len(by_value))
     if arrays["optimum_status"].size > 1:
+        statuses, more = arrays["optimum_status"], ""
+        if isinstance(prepared.study.criterion, Pareto):
+            statuses, more = _of_fronts(prepared.study.criterion, arrays)
+        counts = np.bincount(statuses, minlength=len(by_value))
         parts = [f"{by_value[v][0]} {n:,}" for v, n in enumerate(counts) if n]
-        return f"of {arrays['optimum_status'].size:,} answers: {', '.join(parts)}"
+        answers = "1 answer" if statuses.size == 1 else f"{statuses.size:,} answers"
+        return f"of {answers}: {', '.join(parts)}{more}"
     name, description = by_value[int(arrays["optimum_status"][0])]
     text = f"{name}: {description}"
     if np.isnan(arrays["objective"][0]):
@@ -145,7 +183,42 @@ def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
     ]
     binding = [n.removeprefix("binds_") for n in arrays if n.startswith("binds_") and arrays[n][0]]
     tight = f"; binding: {', '.join(binding)}" if binding else "; nothing binds"
-    return f"{text}; {', '.join(clauses)}{tight}"
+    return "; ".join((text, ", ".join(clauses) + tight, *_shares_broken(prepared, arrays)))
+
+
+def _of_fronts(
+    criterion: Pareto, arrays: Mapping[str, NDArray[Any]]
+) -> tuple[NDArray[np.int8], str]:
+    """Return the statuses of all distinct points of fronts, and a clause on designs without one.
+
+    `arrays` has the computed variables by name, the points of a design one after the other.
+    """
+    known = {
+        name: arrays[name].reshape(-1, criterion.points)
+        for name in ("optimum_status", "front_points", criterion.output, criterion.against)
+    }
+    single = known["front_points"][:, 0] == 1
+    status = known["optimum_status"]
+    statuses = np.concatenate([status[single, 0], status[~single].ravel()])
+    if not single.any():
+        return statuses, ""
+    other = np.abs(known[criterion.against][single, 0]).max()
+    is_none = other <= FLAT * np.abs(known[criterion.output][single, 0]).max()
+    reached = f"{criterion.against} = 0" if is_none else f"the least |{criterion.against}|"
+    where = "" if single.size == 1 else f" in {single.sum():,} of {single.size:,} designs"
+    return (
+        statuses,
+        f"; no trade-off{where}: {reached} is reached at the largest {criterion.output}",
+    )
+
+
+def _shares_broken(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> Iterator[str]:
+    """Yield at most one clause on the shares of units that break limits, of one design."""
+    if prepared.problem.uncertain is None or not prepared.problem.kept:
+        return
+    shares = {one.name: arrays[broken_names(one.name)[0]][0] for one in prepared.problem.kept}
+    told = [f"{100 * share:.2g} % of units break {name}" for name, share in shares.items() if share]
+    yield ", ".join(told) or "no unit of those drawn breaks a limit"
 
 
 def _global_attributes(prepared: Optimisation) -> dict[str, str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +41,22 @@ class Optima:
     residual: Array | None = None
     evaluations: NDArray[np.int64] | int = 1
     says: str = ""
+
+    def chosen(self, cells: NDArray[np.intp]) -> Optima:
+        """Return the optima at some positions."""
+        return Optima(
+            self.x[:, cells],
+            self.status[cells],
+            None if self.value is None else self.value[cells],
+            None if self.residual is None else self.residual[cells],
+            np.broadcast_to(self.evaluations, self.status.shape)[cells],
+            self.says,
+        )
+
+    def made_infeasible(self, cells: NDArray[np.bool_]) -> Optima:
+        """Return the optima with some of them, shape (cells,), taken away as infeasible."""
+        status = np.where(cells, np.int8(STATUS["infeasible"]), self.status)
+        return replace(self, x=np.where(cells, np.nan, self.x), status=status)
 
 
 Solver = Callable[[OptimisationProblem, Mapping[str, Array], Mapping[str, Array], Watch], Optima]

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+from core.mechanics.arrays import Array
 from core.motion.method import Method
 from core.motion.prepare import other_method, price_of, tried_price
 from core.motion.systems import methods_of
-from core.optimise.problem import OptimisationProblem
+from core.optimise.problem import OptimisationProblem, broken_names
 from core.optimise.robust import NODES
 from core.optimise.scipy_methods import search_budget
 from core.optimise.sentences import criterion_in_words
@@ -46,6 +48,12 @@ class Optimisation(Prepared):
     problem: OptimisationProblem
     method: str
 
+    def with_nodes(self, values: Mapping[str, Array]) -> Optimisation:
+        """Return the study with further nodes of the uncertain parameters, SI units."""
+        uncertain = self.problem.uncertain
+        assert uncertain is not None
+        return replace(self, problem=replace(self.problem, uncertain=uncertain.with_nodes(values)))
+
     @cached_property
     def units(self) -> dict[str, str]:
         """The unit of each variable of an optimisation's result by name, in order, as in files.
@@ -57,8 +65,10 @@ class Optimisation(Prepared):
         criterion = problem.criterion
         units = {f"best_{name}": QUANTITIES[name].unit for name in problem.names}
         units["objective"] = QUANTITIES[criterion.output].unit
-        if problem.states_error:
+        if problem.states_error or problem.is_sampled:
             units["objective_error"] = units["objective"]
+        if problem.is_sampled:
+            units["objective_left_out"] = "1"
         judged = (
             criterion.output,
             problem.against,
@@ -70,11 +80,13 @@ class Optimisation(Prepared):
         for kept in problem.kept:
             units[f"margin_{kept.name}"] = QUANTITIES[kept.output].unit
             units[f"binds_{kept.name}"] = "1"
+            if problem.uncertain is not None:
+                units |= dict.fromkeys(broken_names(kept.name), "1")
         for name in problem.names:
             units |= {f"binds_{name}_lower": "1", f"binds_{name}_upper": "1"}
         units |= dict.fromkeys(("optimality_residual", "optimum_gap", "evaluations"), "1")
         if isinstance(criterion, Pareto):
-            units["knee"] = "1"
+            units |= dict.fromkeys(("knee", "front_points"), "1")
         if self.study.sensitivities:
             units |= dict.fromkeys((f"sensitivity_{name}" for name in sensitive(problem)), "1")
         return {**units, "optimum_status": "1", **dict.fromkeys(self.plan.verdict_names, "1")}

@@ -73,7 +73,9 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         raise StudyError(dict.fromkeys(problems))
     variables = tuple(_variable(name, between) for name, between in bounds.items())
     how = study.robust or "worst"
-    unsure = uncertain_of(intervals, how, study.quantile) if intervals else None
+    unsure = None
+    if intervals:
+        unsure = uncertain_of(intervals, how, study.quantile, is_limited=bool(kept))
     problem = OptimisationProblem(plan, variables, study.criterion, kept, unsure)
     middles = {name: Fixed(nominal(each)) for name, each in intervals.items()}
     designs = grid = Grid.of({**values, **middles})

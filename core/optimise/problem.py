@@ -311,6 +311,11 @@ class OptimisationProblem:
         return np.where(lost, -np.inf, value), beyond.max(axis=0), chance_error.max(axis=0)
 
     @property
+    def is_sampled(self) -> bool:
+        """True if the objective is a statistic over points drawn from distributions."""
+        return self.uncertain is not None and self.uncertain.how != "worst"
+
+    @property
     def states_error(self) -> bool:
         """True if the output is a mean over a motion with a known error."""
         return self.is_motion and self.criterion.output == "conveying_velocity"
@@ -487,6 +492,12 @@ CONTACT_OUTPUTS: dict[str, str] = {
     "wall_contact": "wall_balance",
 }
 """Contacts that a study may keep, and the output that is not negative then."""
+
+
+def broken_names(kept: str) -> tuple[str, str]:
+    """Return the names of the probability that a constraint is broken, and of its error."""
+    name = f"probability_{kept}_broken"
+    return name, f"{name}_error"
 
 
 def cells_of(design: Mapping[str, Array]) -> int:

@@ -82,7 +82,13 @@ def _reach(study: OptimiseStudy, named_bound: Bound) -> Reach | None:
             more = {"absolute": other.absolute, side: getattr(other, side)}
             kept.append(OutputLimit(output=other.output, **more))
     criterion = (Minimise if end == "upper" else Maximise)(output=limit.output)
-    changes = {"criterion": criterion, "constraints": tuple(kept), "sensitivities": False}
+    changes: dict[str, Any] = {
+        "criterion": criterion,
+        "constraints": tuple(kept),
+        "sensitivities": False,
+    }
+    if study.robust is not None:  # a limit holds for all units, whatever the objective counts
+        changes |= {"robust": "worst", "quantile": None}
     values = _solved(study.model_copy(update=changes))
     if values is None:
         return None

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Literal
 
@@ -18,7 +19,10 @@ from core.study.distributions import Distribution, tolerance
 from core.study.values import Between
 
 NODES = 9  # over the interval of an uncertain parameter
-SAMPLES = 64  # points drawn from several distributions, or from one that is not uniform
+SAMPLES = 64  # points drawn from distributions, for all candidates of a search
+BEYOND = 3.2  # of these points lie beyond a quantile, at least
+LEAST_SHARE = 1e-3  # of a quantile, from either end: a rarer one takes too many points
+SEED = 0  # of the points of a search
 LEVELS = {1: NODES, 2: 5, 3: 3}
 """Nodes of each of so many parameters, all with all, for the worst case; of more the two ends."""
 MAX_UNCERTAIN = 6
@@ -70,6 +74,9 @@ class Uncertain:
         Of a mean that is no plain one.
     quantile : float
         Which quantile counts.
+    counted : int, optional
+        The number of nodes, the first ones, that a mean or a quantile counts; constraints hold at
+        all nodes. All of them if None.
     """
 
     distributions: Mapping[str, Distribution]
@@ -77,11 +84,17 @@ class Uncertain:
     how: How
     weights: Array | None = None
     quantile: float = 0.5
+    counted: int | None = None
 
     @property
     def size(self) -> int:
         """The number of nodes."""
         return next(iter(self.values.values())).size
+
+    def with_nodes(self, values: Mapping[str, Array]) -> Uncertain:
+        """Return the same with further nodes after the others; `values` are theirs, SI units."""
+        longer = {name: np.append(one, values[name]) for name, one in self.values.items()}
+        return replace(self, values=longer)
 
     def counts(self, values: Array, sign: float) -> Array:
         """Return the statistic of values over uncertain parameters: least, mean or quantile.
@@ -89,6 +102,7 @@ class Uncertain:
         `values` has the points of the uncertain parameters along its first axis, which is taken
         away. `sign` is -1 if the sign of the output was turned, as it is minimised.
         """
+        values = values[: self.counted]
         if self.how == "quantile":
             share = self.quantile if sign > 0 else 1 - self.quantile
             return np.asarray(np.quantile(values, share, axis=0))
@@ -98,27 +112,51 @@ class Uncertain:
 
 
 def uncertain_of(
-    distributions: Mapping[str, Distribution], how: How, quantile: float | None
+    distributions: Mapping[str, Distribution],
+    how: How,
+    quantile: float | None,
+    *,
+    is_limited: bool = False,
 ) -> Uncertain:
     """Return the points of uncertain parameters at which each candidate of an optimum is judged.
 
-    For one interval they are equally spaced or those of Gauss. Else the worst case has points all
-    over the box of the tolerances, ends included, and mean and quantile have points that are
-    sampled once for all candidates.
+    The worst case has points all over the box of the tolerances, ends included. Mean and quantile
+    have points that are sampled once for all candidates, or those of Gauss for the mean over one
+    interval; if limits are to be kept, the points of the box come after them.
 
-    `distributions` are those of the parameters; `how` is ``"worst"``, ``"mean"`` or ``"quantile"``,
-    and `quantile` the share for the last, 0.5 if None.
+    Parameters
+    ----------
+    distributions : mapping of str to Distribution
+        Those of the parameters.
+    how : {"worst", "mean", "quantile"}
+        What counts of the objective.
+    quantile : float or None
+        The share for the last of these, 0.5 if None.
+    is_limited : bool
+        True if outputs have limits to keep.
     """
-    (name, one), *others = distributions.items()
-    if not others and isinstance(one, Between) and how != "quantile":
-        lower, upper = (float(parameter_to_si(name, np.asarray(e))) for e in (one.lower, one.upper))
-        places, weights = nodes_over((lower, upper), how)
-        return Uncertain(distributions, {name: places}, how, weights)
+    (name, law), *others = distributions.items()
+    share = 0.5 if quantile is None else quantile
+    weights = None
     if how == "worst":
-        values = _box(distributions)
+        return Uncertain(distributions, _box(distributions), how)
+    if how == "mean" and not others and isinstance(law, Between):
+        ends = parameter_to_si(name, np.array([law.lower, law.upper]))
+        places, weights = nodes_over(ends, how)
+        values = {name: places}
     else:
-        values = values_at(distributions, draws.points(len(distributions), SAMPLES, 0)[:, 0])
-    return Uncertain(distributions, values, how, None, 0.5 if quantile is None else quantile)
+        count = samples_of(how, share)
+        values = values_at(distributions, draws.points(len(distributions), count, SEED)[:, 0])
+    uncertain = Uncertain(distributions, values, how, weights, share)
+    if not is_limited:
+        return uncertain
+    return replace(uncertain.with_nodes(_box(distributions)), counted=uncertain.size)
+
+
+def samples_of(how: How, quantile: float) -> int:
+    """Return the number of sampled points for a mean or a quantile, a power of two."""
+    rare = min(quantile, 1 - quantile) if how == "quantile" else 0.5
+    return max(SAMPLES, 1 << math.ceil(math.log2(BEYOND / rare)))
 
 
 def _box(distributions: Mapping[str, Distribution]) -> dict[str, Array]:

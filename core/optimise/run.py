@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
+from core.optimise.afresh import judged_afresh
 from core.optimise.checked import checked
-from core.optimise.front import find_front
+from core.optimise.front import distinct_points, find_front, knee
 from core.optimise.labels import label
 from core.optimise.methods import METHODS
 from core.optimise.optimisation import Optimisation
@@ -21,6 +22,7 @@ from core.plan.pieces import Computed
 from core.study.optimise_study import Limited, Pareto
 from core.watch import Watch
 
+RETRIES = 8  # solutions with more nodes where fresh points break a limit
 BLOCK_CELLS = 65_536  # optima that are computed at a time, which bounds the memory
 
 
@@ -36,7 +38,7 @@ def compute(prepared: Optimisation, watch: Watch) -> Computed:
     blocks, says = [], ""
     for start in range(0, cells, step):
         design = chosen_cells(everything, slice(start, start + step))
-        block, says = _solved(prepared, design, watch.part(cells_of(design) / cells))
+        block, says = _solved(prepared, design, watch.part(cells_of(design) / cells), RETRIES)
         blocks.append(block)
     shape = tuple(prepared.grid.shape.values())
     arrays = {
@@ -47,25 +49,78 @@ def compute(prepared: Optimisation, watch: Watch) -> Computed:
 
 
 def _solved(
-    prepared: Optimisation, design: Mapping[str, Array], watch: Watch
+    prepared: Optimisation, design: Mapping[str, Array], watch: Watch, retries: int
 ) -> tuple[dict[str, NDArray[Any]], str]:
     """Return every variable of an optimisation for some designs, by name, and the method's message.
 
-    `design` has the fixed parameters, SI units, shape (cells,); `watch` takes the progress and may
-    stop the work. For a trade-off front each design has several points, one after another in the
-    last axis.
+    Where fresh points of uncertain parameters break a limit, the design is solved again with those
+    points among its nodes; it is infeasible if that does not help.
+
+    Parameters
+    ----------
+    prepared : Optimisation
+        The study.
+    design : mapping of str to ndarray, each of shape (cells,)
+        The fixed parameters, SI units. The points of a trade-off front stand one after another.
+    watch : Watch
+        Takes the progress and may stop the work.
+    retries : int
+        How often designs are solved again, at most.
     """
     problem, method = prepared.problem, prepared.method
     scales = problem.scales(design)
     if isinstance(problem.criterion, Pareto):
-        optima = find_front(problem, design, scales, method, watch)
-        points = problem.criterion.points
-        design = {name: np.repeat(values, points) for name, values in design.items()}
-        scales = {name: np.repeat(values, points) for name, values in scales.items()}
-    else:
-        optima = METHODS[method].solve(problem, design, scales, watch)
+        return _fronts(prepared, problem.criterion, design, scales, watch)
+    optima = METHODS[method].solve(problem, design, scales, watch)
     optima = replace(optima, x=problem.whole(optima.x))
-    return checked(prepared, optima, design, scales), optima.says
+    if problem.uncertain is None:
+        return checked(prepared, optima, design, scales), optima.says
+    fresh = judged_afresh(problem, optima.x, design, scales, method)
+    broken, nodes = fresh.surprises(problem, optima.x, design, scales)
+    if not retries:
+        optima, nodes = optima.made_infeasible(broken), {}
+    if not nodes and retries < RETRIES:
+        # The points that have become nodes favour the answer, as those of a search do.
+        fresh = judged_afresh(problem, optima.x, design, scales, method, number=2)
+    again = {}
+    for cell, points in nodes.items():
+        one = chosen_cells(design, [cell])
+        again[cell] = _solved(prepared.with_nodes(points), one, watch.part(0.0), retries - 1)
+    if len(again) == optima.status.size == 1:
+        return again[0]
+    arrays = {n: one.copy() for n, one in checked(prepared, optima, design, scales, fresh).items()}
+    for cell, (solved, _) in again.items():
+        for name, values in solved.items():
+            arrays[name][cell] = values[0]
+    return arrays, optima.says
+
+
+def _fronts(
+    prepared: Optimisation,
+    criterion: Pareto,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    watch: Watch,
+) -> tuple[dict[str, NDArray[Any]], str]:
+    """Return every variable of the trade-off fronts of some designs, and the method's message.
+
+    Arguments as in `find_front`. A point that a front has many times is checked once.
+    """
+    problem, points = prepared.problem, criterion.points
+    optima = find_front(problem, design, scales, prepared.method, watch)
+    optima = replace(optima, x=problem.whole(optima.x))
+    number = np.arange(optima.status.size)
+    repeated = (optima.x == np.roll(optima.x, 1, axis=1)).all(axis=0) & (number % points > 0)
+    once = np.flatnonzero(~repeated)
+    each = chosen_cells(design, once // points), chosen_cells(scales, once // points)
+    arrays = checked(prepared, optima.chosen(once), *each)
+    arrays = {name: values[np.cumsum(~repeated) - 1] for name, values in arrays.items()}
+    names = (criterion.output, criterion.against)
+    output, other = (arrays[name].reshape(-1, points) for name in names)
+    count = distinct_points(output, other, [scales[name][:, None] for name in names])
+    arrays["knee"] = knee(output, other).ravel()
+    arrays["front_points"] = np.repeat(count, points)
+    return arrays, optima.says
 
 
 def designs_of(problem: OptimisationProblem, grid: Grid) -> dict[str, Array]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.motion.verify import Comparison, compare
+from core.optimise.afresh import judged_afresh
 from core.optimise.codes import STATUS
 from core.optimise.methods import METHODS, refusal
 from core.optimise.optimisation import Optimisation
@@ -216,6 +217,11 @@ def _better(
     x = np.where(lost, problem.lower[:, None], optima.x)
     theirs, beyond = problem.judged(x, here, scales)
     sound = ~lost & (beyond <= METHODS[rival].tolerance)
+    if problem.uncertain is not None:
+        # As ours are: at points of which neither search knew.
+        fresh = judged_afresh(problem, x, here, scales, rival)
+        theirs = np.where(problem.is_sampled, fresh.objective.value, theirs)
+        sound &= ~fresh.surprises(problem, x, here, scales)[0]
     ours = problem.sign * known["objective"][chosen]
     more = np.where(sound, theirs - ours, -np.inf)
     worst = int(np.argmax(more))

@@ -79,14 +79,7 @@ def draw(
     >>> dataset = run_study(load_study(Path("configs/figures/fig-5-1.toml")))
     >>> figure = draw(dataset, axes=("beta", "alpha"), kind="surface")
     """
-    datasets = list(dataset) if isinstance(dataset, Sequence) else [dataset]
-    if not datasets:
-        raise PlotError("dataset", "there is none", "Give one or more")
-    for each in datasets:
-        if not isinstance(each, xarray.Dataset):
-            message = f"{reprlib.repr(each)} is not a dataset"
-            fix = "Give what `sweep` or `simulate` returned, or the path of a file"
-            raise PlotError("dataset", message, fix)
+    datasets = _datasets(dataset)
     dataset = datasets[0]
     options = Options(
         kind, variable, axes, at or {}, nearest, title, Style(dark=dark, small=small),
@@ -94,6 +87,9 @@ def draw(
     )  # fmt: skip
     if kind is not None and kind not in PICTURES:
         raise PlotError("kind", f"'{kind[:40]}' is unknown", suggestion(kind, NAMES))
+    if nearest and not at:
+        message = "nearest is given, but no value of at"
+        raise PlotError("nearest", message, "Give at, or leave nearest out")
     if len(datasets) > 1:
         if kind not in (None, "line"):
             fix = "Leave the kind out, or draw each by itself"
@@ -107,3 +103,16 @@ def draw(
     elif is_calibration(dataset):  # its module says what else there is
         return PICTURES["posterior"].draw(dataset, options)
     return PICTURES[str(options.kind)].draw(dataset, options)
+
+
+def _datasets(dataset: xarray.Dataset | Sequence[xarray.Dataset]) -> list[xarray.Dataset]:
+    """Return one or several datasets as a list; raise `PlotError` if one is none."""
+    datasets = list(dataset) if isinstance(dataset, Sequence) else [dataset]
+    if not datasets:
+        raise PlotError("dataset", "there is none", "Give one or more")
+    for each in datasets:
+        if not isinstance(each, xarray.Dataset):
+            message = f"{reprlib.repr(each)} is not a dataset"
+            fix = "Give what `sweep` or `simulate` returned, or the path of a file"
+            raise PlotError("dataset", message, fix)
+    return datasets

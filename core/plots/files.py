@@ -115,8 +115,8 @@ def _animate_file(
     if kind not in (None, "animation", "trajectory"):
         fix = "End the name in .png, .svg or .pdf, or leave the kind out"
         raise PlotError("kind", f"a {kind} does not move", fix)
-    if any(chosen):
-        fix = "Leave out variable, axes and at"
+    if any(chosen) or look.get("nearest"):
+        fix = "Leave out variable, axes, at and nearest"
         raise PlotError(
             "kind",
             "an animation shows the whole trajectory, without a variable, axes or fixed values",

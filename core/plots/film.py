@@ -106,7 +106,7 @@ def read_film(dataset: xarray.Dataset, units: ShownUnits, slow: float | None = N
         raise PlotError(
             "slow", f"the slow-motion factor '{slow:g}' is not above 0", "Give a number such as 50"
         )
-    check_trajectory(dataset, None, None, {})
+    check_trajectory(dataset)
     if "path_height" in dataset:
         return _tumbling(dataset, units, slow)
     return _on_track(dataset, units, slow)

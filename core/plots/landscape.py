@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from core.dataset.table import quantity_attributes
 from core.optimise import Optimisation
+from core.optimise.afresh import BLOCK, pictured
 from core.optimise.codes import STATUS
 from core.optimise.problem import Kept, OptimisationProblem, chosen_cells
 from core.optimise.run import designs_of
@@ -147,7 +148,9 @@ def held_of(
     `positions` holds the index of each ranged parameter; `units` are those for reading.
     """
     held = [held_at(dataset[name], units, position) for name, position in positions.items()]
-    return [criterion_in_words(prepared.problem), *held, *held_fixed(dataset, units)]
+    counted = pictured(prepared.problem)
+    over = [f"over {counted.nodes:,} points"] if counted.is_sampled else []
+    return [criterion_in_words(prepared.problem), *over, *held, *held_fixed(dataset, units)]
 
 
 def name_of(problem: OptimisationProblem) -> str:
@@ -265,7 +268,7 @@ def _over(
         labels.append(axis_label(variable, unit.unit))
         tops.append(unit.factor * np.atleast_1d(best[f"best_{name}"].values))
     output = problem.criterion.output
-    value = _array(output, problem.sign * over(problem.counted(grid, design)))
+    value = _array(output, problem.sign * over(_objective(pictured(problem), grid, design)))
     unit = shown_in(value, units)
     label = axis_label(value, unit.unit)
     return Landscape(
@@ -279,6 +282,17 @@ def _over(
         },
         best=np.array(tops) if solved else np.empty((len(tops), 0)),
     )
+
+
+def _objective(problem: OptimisationProblem, grid: Array, design: Mapping[str, Array]) -> Array:
+    """Return the objective on a grid, shape (n, ...), in pieces that fit the memory."""
+    flat = grid.reshape(len(grid), -1)
+    step = BLOCK // problem.nodes
+    starts = range(0, flat.shape[1], step)
+    parts = [problem.counted(flat[:, start : start + step], design) for start in starts]
+    shape = [min(step, flat.shape[1] - start) for start in starts]
+    pieces = [np.broadcast_to(one, n) for one, n in zip(parts, shape, strict=True)]
+    return np.concatenate(pieces).reshape(grid.shape[1:])
 
 
 def _excluding(margin: Array) -> Array:

@@ -370,9 +370,12 @@ def _name_curves(
         for value, colour in zip(values, colours, strict=True)
     ]
     whole = figure.get_figure(root=True) or figure
+    title = axis_label(selection.variable[second.name], "")
+    if values.size < second.values.size:
+        title += f"\n{values.size} of {second.values.size} values"
     whole.legend(
         handles=handles[::-1],
-        title=axis_label(selection.variable[second.name], ""),
+        title=title,
         loc="outside right upper",
         frameon=False,
         alignment="left",

@@ -59,7 +59,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     if TIME not in dataset.dims and options.is_natural and (one := followed(dataset)) is not None:
         dataset = tabulate(one).to_xarray()
     figure = style.sheet()
-    check_trajectory(dataset, options.variable, options.axes, options.at)
+    check_trajectory(dataset)
     if "path_gap" in dataset:
         course = read_tumbling(dataset, options.units)
         top, entries = draw_tumbling(figure, course, style)

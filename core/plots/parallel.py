@@ -92,9 +92,6 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """
     check_result(dataset)
     style, units, held = options.style, options.units, options.at
-    if options.axes is not None:
-        fix = "Leave out axes, or fix an axis with at"
-        raise PlotError("axes", "parallel coordinates show all axes, so none can be chosen", fix)
     places = fixed_positions(
         dataset, held, [n for n in held if n in dataset.dims], (), nearest=options.nearest
     )

@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from core.plots.problem import PlotError
+
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
@@ -77,6 +79,8 @@ class Picture:
         What it shows, in a few words.
     home : str
         The module of this package that draws it.
+    takes : tuple of str
+        Which of the options `variable`, `axes` and `at` it takes.
     may_fit : callable
         False of a dataset that it does not fit, whatever is asked for; tells so without the module.
     """
@@ -84,6 +88,7 @@ class Picture:
     name: str
     says: str
     home: str
+    takes: tuple[str, ...] = ("variable", "axes", "at")
     may_fit: Callable[[xarray.Dataset], bool] = _any
 
     def fits(self, dataset: xarray.Dataset, options: Options) -> bool:
@@ -93,57 +98,67 @@ class Picture:
         )
 
     def draw(self, dataset: xarray.Dataset, options: Options) -> Figure:
-        """Return the picture; raise `PlotError` if the dataset lacks what it needs."""
+        """Return the picture; raise `PlotError` if the dataset lacks what it needs.
+
+        So does an option that this kind of picture does not take.
+        """
+        for option in ("variable", "axes", "at"):
+            if getattr(options, option) and option not in self.takes:
+                fix = f"Leave {option} out, or name another kind"
+                raise PlotError(option, f"a picture of kind {self.name} has no {option}", fix)
         figure: Figure = import_module(f"{__package__}.{self.home}").draw(dataset, options)
         return figure
 
+
+ONE_DESIGN = ("variable", "at")
+"""Options of a picture of one design, which may be chosen among several."""
 
 PICTURES = {
     picture.name: picture
     for picture in (
         Picture(
-            "posterior", "what a calibration knows of its unknowns", "calibration", is_calibration
-        ),
-        Picture(
-            "speeds", "measured and computed speeds of a calibration", "calibration", is_calibration
-        ),
-        Picture(
-            "residuals",
-            "what a calibration leaves unexplained, run by run",
-            "calibration",
+            "posterior", "what a calibration knows of its unknowns", "calibration", (),
             is_calibration,
         ),
         Picture(
-            "distribution",
-            "how an output with uncertain parameters spreads",
-            "uncertain",
+            "speeds", "measured and computed speeds of a calibration", "calibration", (),
+            is_calibration,
+        ),
+        Picture(
+            "residuals", "what a calibration leaves unexplained, run by run", "calibration", (),
+            is_calibration,
+        ),
+        Picture(
+            "distribution", "how an output with uncertain parameters spreads", "uncertain",
+            ONE_DESIGN, _has_uncertain_parameters,
+        ),
+        Picture(
+            "indices", "shares of the variance, by parameter", "uncertain", ONE_DESIGN,
             _has_uncertain_parameters,
         ),
         Picture(
-            "indices",
-            "shares of the variance, by parameter",
-            "uncertain",
+            "effects", "effects of parameters after Morris", "uncertain", ONE_DESIGN,
             _has_uncertain_parameters,
         ),
         Picture(
-            "effects", "effects of parameters after Morris", "uncertain", _has_uncertain_parameters
+            "tornado", "what each tolerance does by itself", "uncertain", ONE_DESIGN,
+            _has_uncertain_parameters,
+        ),
+        Picture("front", "a trade-off of two outputs", "front", ("at",), _is_front),
+        Picture("positions", "where the parts of a row are over time", "positions", (), _is_row),
+        Picture("trajectory", "the motion of one part", "motion", (), _is_motion),
+        Picture("animation", "the same, moving; a GIF or MP4 file", "movie", (), _none),
+        Picture(
+            "landscape", "the objective of an optimisation over its variables", "landscape",
+            ("at",), _is_optimum,
         ),
         Picture(
-            "tornado", "what each tolerance does by itself", "uncertain", _has_uncertain_parameters
-        ),
-        Picture("front", "a trade-off of two outputs", "front", _is_front),
-        Picture("positions", "where the parts of a row are over time", "positions", _is_row),
-        Picture("trajectory", "the motion of one part", "motion", _is_motion),
-        Picture("animation", "the same, moving; a GIF or MP4 file", "movie", _none),
-        Picture(
-            "landscape",
-            "the objective of an optimisation over its variables",
-            "landscape",
+            "profiles", "the objective along each variable by itself", "profiles", ("at",),
             _is_optimum,
         ),
-        Picture("profiles", "the objective along each variable by itself", "profiles", _is_optimum),
         Picture(
-            "values", "the values of one design; of an impact, what hits what", "values", _is_single
+            "values", "the values of one design; of an impact, what hits what", "values",
+            ONE_DESIGN, _is_single,
         ),
         Picture("line", "an output over one parameter, or a family of lines", "line"),
         Picture("map", "regimes, or an output whose numbers stand for words", "regime_map"),
@@ -151,11 +166,15 @@ PICTURES = {
         Picture("levels", "an output over two parameters, as lines of equal value", "levels"),
         Picture("surface", "an output over two parameters, in relief", "surface"),
         Picture(
-            "thresholds", "an output over one parameter, with its thresholds", "thresholds", _none
+            "thresholds", "an output over one parameter, with its thresholds", "thresholds",
+            may_fit=_none,
         ),
-        Picture("parallel", "all designs, a line each through all parameters", "parallel", _none),
+        Picture(
+            "parallel", "all designs, a line each through all parameters", "parallel",
+            ONE_DESIGN, _none,
+        ),
     )
-}
+}  # fmt: skip
 """By name. The first that fits a dataset is drawn where none is named."""
 
 MOVING = (".gif", ".mp4")

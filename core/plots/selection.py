@@ -164,7 +164,8 @@ def select(
     whole, names, categories = _selected(dataset, variable, axes, kind)
     regime = _regime(dataset, whole)
     order = [*whole.dims, *(dim for dim in regime.dims if dim not in whole.dims)]
-    loose = [str(dim) for dim in order if dim not in names]
+    asked = [name for name in at if name in dataset.dims]  # told, also if nothing depends on it
+    loose = list(dict.fromkeys(str(dim) for dim in [*order, *asked] if dim not in names))
     positions = fixed_positions(dataset, at, loose, names, nearest=nearest)
     fixed = [held_at(dataset[name], units, position) for name, position in positions.items()]
     fixed += held_fixed(dataset, units)
@@ -185,7 +186,7 @@ def select(
     codes = states.broadcast_like(slice_).transpose(*names).values.astype(np.int64)
     return Selection(
         variable=slice_,
-        axes=tuple(_axis(slice_[name], units) for name in names),
+        axes=tuple(axis_of(slice_[name], units) for name in names),
         values=np.where(np.isfinite(values), values, np.nan),
         unit=shown.unit,
         regimes=codes_of(slice_.values) if categories else codes,
@@ -223,7 +224,9 @@ def _selected(
     else:
         whole = dataset[_variable(dataset, variable)]
         if kind == "map" and not categories_of(whole):
-            whole = _regime(dataset, whole)  # no part else, but a slip is one
+            message = f"{whole.name} has numbers, and a map shows regimes or what has a name"
+            fix = f"Draw {_regime(dataset, whole).name}, or draw kind contour"
+            raise PlotError("variable", message, fix)
     names = _axes(whole, axes, 1 if kind == "line" else 2)
     categories = None if is_regime(str(whole.name)) else categories_of(whole)
     if categories and kind in ("contour", "surface", "levels"):
@@ -358,7 +361,7 @@ def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> 
     return names
 
 
-def _axis(coordinate: xarray.DataArray, units: ShownUnits) -> PlotAxis:
+def axis_of(coordinate: xarray.DataArray, units: ShownUnits) -> PlotAxis:
     """Return an axis of the picture from a coordinate, in the unit for reading."""
     shown = shown_in(coordinate, units)
     label = axis_label(coordinate, shown.unit)

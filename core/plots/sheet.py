@@ -30,7 +30,7 @@ LINE = 0.0165  # of the page's height
 DPI = 200  # of the picture
 MAX_ROWS = 18  # rows of a table; the file has all
 LETTERS = 108  # letters of a line
-TITLE_LETTERS = 58  # letters of a line of the title
+TITLE_LETTERS = 54  # letters of a line of the title
 SETTINGS = ("tolerance", "max_periods", "gravity", "hold_down_number", "curvature_number")
 
 
@@ -85,14 +85,14 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     top = at
     write("Drive and part", weight="bold")
     at -= 1.3 * LINE
-    for label, text in _parameters(dataset, shown)[:MAX_ROWS]:
+    for label, text in _first(_parameters(dataset, shown)):
         write(label)
         write(text, 0.47, ha="right")
         at -= LINE
     lowest, at = at, top
     write("What comes out", 0.53, weight="bold")
     at -= 1.3 * LINE
-    for label, text in _outputs(dataset, shown)[:MAX_ROWS]:
+    for label, text in _first(_outputs(dataset, shown)):
         write(label, 0.53)
         write(text, RIGHT, ha="right")
         at -= LINE
@@ -119,6 +119,13 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     digest = str(dataset.attrs.get("study_sha256", ""))
     write(f"Study {digest[:16]}; the file has all values.", size=7.5, color=style.quiet)
     return page
+
+
+def _first(rows: list[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Return the first rows of a table; the last one says how many are left out."""
+    if len(rows) <= MAX_ROWS:
+        return rows
+    return [*rows[: MAX_ROWS - 1], (f"{len(rows) - MAX_ROWS + 1} more in the file", "")]
 
 
 def _parameters(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:

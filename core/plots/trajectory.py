@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +16,6 @@ from numpy.typing import NDArray
 from core.dataset.regimes import flags_of
 from core.motion.drives import Shape, shape_of
 from core.motion.waves import ALONG, NORMAL, TURN, Wave, position_at, speed
-from core.plots.fixed import fixed_positions
 from core.plots.parts import padded
 from core.plots.problem import PlotError, unreadable
 from core.plots.regimes import HATCH_WIDTH
@@ -103,28 +101,13 @@ class Trajectory(NamedTuple):
     wall_unit: str = ""
 
 
-def check_trajectory(
-    dataset: xarray.Dataset,
-    variable: str | None,
-    axes: tuple[str, ...] | None,
-    at: Mapping[str, float],
-) -> None:
-    """Raise `PlotError` if a dataset has no motion over time, or if options do not apply to one.
-
-    `variable`, `axes` and `at` are what the user asked for: an output, axes, and values of ranged
-    parameters. The picture of a motion shows fixed outputs over time, so only `at` may be given.
-    """
+def check_trajectory(dataset: xarray.Dataset) -> None:
+    """Raise `PlotError` if a dataset has no motion over time."""
     if TIME not in dataset.dims:
         fix = "Set trajectory = 400 in a study of one point, and run it"
         raise PlotError(
             "kind", f"the dataset has no trajectory: the dimension {TIME} is missing", fix
         )
-    if variable is not None:
-        message = "a trajectory shows height, velocity and position together"
-        raise PlotError("variable", message, "Leave out variable, or draw kind line")
-    if axes is not None and axes != (TIME,):
-        raise PlotError("axes", f"a trajectory is drawn over {TIME} only", "Leave axes out")
-    fixed_positions(dataset, at, (), (TIME,))
     if dataset.sizes[TIME] < 2:
         raise PlotError(
             "dataset",

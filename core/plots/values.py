@@ -43,14 +43,10 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     Raises
     ------
     PlotError
-        If axes are asked for, or an output that the dataset does not have.
+        If an output is asked for that the dataset does not have.
     """
     check_result(dataset)
     style, units = options.style, options.units
-    if options.axes:
-        raise PlotError(
-            "axes", "kind values shows one design, so axes do not apply", "Leave axes out"
-        )
     loose = [str(name) for name in dataset.dims]
     positions = fixed_positions(dataset, options.at, loose, (), nearest=options.nearest)
     design = dataset.isel(positions)

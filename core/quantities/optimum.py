@@ -16,6 +16,10 @@ OPTIMUM: dict[str, Quantity] = {
         "Uncertainty of the objective: the larger of the error that the method states of the "
         "mean velocity, and of the scatter that chance leaves where rounding decides.",
     ),
+    "objective_left_out": number(
+        "", "Share left out of the objective",
+        "Points of the uncertain parameters at which the objective has no value.",
+    ),
     "optimum_status": flag(
         "Status of the optimum", "Status of the optimum: how the search ended.", OPTIMUM_STATUSES
     ),
@@ -31,6 +35,10 @@ OPTIMUM: dict[str, Quantity] = {
         "the outputs' scale.",
     ),
     "evaluations": number("", "Evaluations", "Points at which the outputs were computed."),
+    "front_points": number(
+        "", "Distinct points of the front",
+        "1 where there is no trade-off: one choice is best in both outputs.",
+    ),
     "knee": number("", "Knee of the front", "The point farthest from the chord of the front."),
 }  # fmt: skip
 

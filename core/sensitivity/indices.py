@@ -21,7 +21,7 @@ import numpy as np
 
 from core.mechanics.arrays import Array
 from core.plan.draws import points
-from core.sensitivity.replicates import REPLICATES, jackknife
+from core.plan.replicates import REPLICATES, jackknife
 
 MAX_INPUTS = 40  # uncertain parameters: evaluations grow with their number
 FLAT = 1e-14

@@ -10,10 +10,10 @@ import numpy as np
 from core.dataset.table import Table, TableVariable
 from core.plan.labels import coordinates_of, global_attributes, verdicts_of
 from core.plan.pieces import Computed
+from core.plan.replicates import REPLICATES
+from core.plan.statistics import LEVELS
 from core.quantities import QUANTITIES
 from core.sensitivity.prepare import Sensitivity
-from core.sensitivity.replicates import REPLICATES
-from core.sensitivity.statistics import LEVELS
 from core.sensitivity.variables import LEVEL, QUANTILE, UNCERTAIN
 from core.watch import Watch
 

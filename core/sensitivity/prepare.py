@@ -20,10 +20,10 @@ from core.plan.plan import Plan
 from core.plan.prepared import Chosen, Prepared, locate_problem, plan_study
 from core.plan.price import pace
 from core.plan.sketch import Sketch
+from core.plan.statistics import LEVELS
 from core.quantities import FLAGS, REGIMES
 from core.sensitivity.budget import Budget
 from core.sensitivity.indices import MAX_INPUTS
-from core.sensitivity.statistics import LEVELS
 from core.sensitivity.variables import (
     LEVEL,
     QUANTILE,

@@ -12,16 +12,16 @@ from numpy.typing import NDArray
 
 from core.errors import StoppedError
 from core.mechanics.arrays import Array, Mask
+from core.plan import statistics
 from core.plan.draws import values_at
 from core.plan.equations import regimes, run_equations
 from core.plan.grid import from_si
 from core.plan.pieces import Computed
+from core.plan.replicates import REPLICATES
 from core.quantities import REGIMES
-from core.sensitivity import statistics
 from core.sensitivity.indices import design, indices_of
 from core.sensitivity.morris import effects_of, paths
 from core.sensitivity.prepare import Sensitivity
-from core.sensitivity.replicates import REPLICATES
 from core.study.sensitivity_study import Demand
 from core.watch import Watch
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from core.plan.replicates import INTERVAL
 from core.quantities import QUANTITIES
 from core.quantities.quantity import in_sentence
 from core.study.sensitivity_study import Demand, SensitivityStudy
@@ -15,7 +16,6 @@ UNCERTAIN = "uncertain"
 QUANTILE = "quantile"
 LEVEL = "level"
 """The dimension of the quantiles of which a whole distribution is drawn."""
-INTERVAL = "Half the width of the interval that holds the true value in 95 % of all cases."
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,12 @@
 // `at` {name: value} of what was chosen, `values` {name: {value, unit}} of outputs,
 // `margins` [{name, long, value, unit, binds}] to contacts and limits,
 // `ends` [{name, end}] of ranges that were reached, and `rates` [{name, value}], per cent of the
-// criterion for one per cent of a parameter.
+// criterion for one per cent of a parameter. A front without a trade-off is one design.
 export function designsOf(dataset, names) {
   const { variables } = dataset;
   const isFront = variables[`best_${names[0]}`].dims.includes("front");
-  const count = isFront ? variables[`best_${names[0]}`].data.length : 1;
+  const isOne = variables.front_points?.data[0] === 1;
+  const count = isFront && !isOne ? variables[`best_${names[0]}`].data.length : 1;
   return Array.from({ length: count }, (_, i) => designOf(variables, names, (one) => (one.dims.includes("front") ? one.data[i] : one.data)));
 }
 

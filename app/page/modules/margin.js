@@ -23,7 +23,7 @@ function row(head, text) {
   return element("tr", {}, element("th", { scope: "row" }, head), element("td", {}, text));
 }
 
-// The table of a design: what was chosen, and the outputs there.
+// The table of a design: what was chosen, the outputs there, and the shares of units that break limits.
 export function designTold(design, scene, units, output) {
   const rows = Object.entries(design.at).map(([name, value]) => {
     const { end } = design.ends.find((one) => one.name === name) ?? {};
@@ -33,7 +33,8 @@ export function designTold(design, scene, units, output) {
   const outputs = new Set(scene.outputs.map(({ name }) => name));
   for (const [name, { value, unit, long }] of Object.entries(design.values)) {
     const isOwn = name === "objective" && Math.abs(value - design.values[output].value) > 1e-9 * Math.abs(value);
-    if (outputs.has(name) || isOwn) rows.push(row(long ?? capital(words(name)), withUnit(value, unit)));
+    const isTold = name === "objective_error" || /^probability_.*_broken$/.test(name);
+    if (outputs.has(name) || isOwn || isTold) rows.push(row(long ?? capital(words(name)), withUnit(value, unit)));
   }
   return element("table", {}, ...rows);
 }

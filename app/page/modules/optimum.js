@@ -159,7 +159,7 @@ export class Optimum {
       this.said.textContent = `No best drive was found. ${statusTold(all[0]?.status)}`;
       return;
     }
-    if (this.view.best.kind === "pareto") this.tellFront(names);
+    if (this.designs.length > 1) this.tellFront(names);
     else await this.tellOne(this.designs[0], signal, isShown);
   }
 
@@ -176,6 +176,7 @@ export class Optimum {
       this.said,
       element("strong", {}, `Best: ${at.join(", ")}`),
       ` with ${words(view.output)} ${withUnit(value, unit)}. ${statusTold(design.status)}`,
+      view.best.kind === "pareto" ? ` There is no trade-off: the ${words(view.best.against)} is least here, too.` : "",
     );
     if (isShown && view.kind === "simulate") this.onchoose(design.at, { isStep: false });
     const around = element("div", {}, element("p", { class: "unit" }, "Comparing neighbouring designs ..."));

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from pathlib import Path
 
 import numpy as np
@@ -557,3 +558,54 @@ class TestSensitivities:
         assert (
             "at most 1,000" in problems(parameters=parameters, sensitivities=True)["sensitivities"]
         )
+
+
+ON_TRACK = {
+    "scene": "rectangle-on-track",
+    "criterion": {"kind": "pareto", "points": 7},
+    "variables": {"alpha": {"lower": -45, "upper": 45}, "beta": {"lower": 0, "upper": 60}},
+    "parameters": {
+        "frequency": 50, "amplitude": "0.05 mm", "friction": 0.3, "gamma": 2, "delta": 5,
+        "radius": "150 mm",
+    },
+}  # fmt: skip
+
+
+def test_a_front_without_a_trade_off_is_one_point_and_says_so():
+    parameters = {**ON_TRACK["parameters"], "frequency": [25, 50]}  # nothing moves at 25 Hz
+    front = vibrafeed.optimise({**ON_TRACK, "parameters": parameters})
+    assert (front.front_points == 1).all()
+    assert front.attrs["message"] == (
+        "of 2 answers: optimal 1, no_motion 1; no trade-off in 2 of 2 designs: acceleration_y = 0 "
+        "is reached at the largest acceleration_x"
+    )
+    best = front.isel(frequency=1, front=0)
+    alpha, beta, gamma, delta = (
+        math.radians(float(best[name])) for name in ("best_alpha", "best_beta", "gamma", "delta")
+    )
+    # The drive just unloads the wall: P cos(beta) sin(alpha) = g cos(gamma) sin(delta).
+    peak = 0.05e-3 * (2 * math.pi * 50) ** 2
+    unloads = 9.80665 * math.cos(gamma) * math.sin(delta)
+    assert peak * math.cos(beta) * math.sin(alpha) == pytest.approx(unloads, rel=1e-6)
+    assert math.degrees(alpha) == pytest.approx(10.4, abs=0.05)
+    assert abs(float(best.acceleration_y)) < 1e-9
+
+
+def test_a_front_with_a_trade_off_has_as_many_points_as_asked_for():
+    front = solved(variant="thesis", criterion={"kind": "pareto", "points": 7})
+    assert (front.front_points == 7).all()
+    assert "no trade-off" not in front.attrs["message"]
+
+
+def test_the_choice_without_a_trade_off_is_drawn_over_the_designs():
+    parameters = {**ON_TRACK["parameters"], "amplitude": ["0.05 mm", "0.1 mm"]}
+    front = vibrafeed.optimise({**ON_TRACK, "parameters": parameters})
+    figure = vibrafeed.plot(front)
+    assert "No trade-off" in figure.get_suptitle()
+    alpha, beta = figure.axes
+    assert "azimuth" in alpha.get_ylabel()
+    assert "elevation" in beta.get_ylabel()
+    assert alpha.lines[0].get_ydata() == pytest.approx(front.best_alpha[:, 0].values)
+    held = vibrafeed.plot(front, at={"amplitude": "0.1 mm"})
+    told = held.legends[0].get_texts()[0].get_text()
+    assert told.startswith("best in both: alpha 5.18")

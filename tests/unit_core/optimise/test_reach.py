@@ -6,7 +6,8 @@ import pytest
 
 import vibrafeed
 from core import optimise
-from core.intake import parse_study
+from core.intake import parse_study, prepare_content
+from core.kinds import tabulate
 
 STUDY = {
     "kind": "optimise", "scene": "rectangle-on-plane",
@@ -81,3 +82,27 @@ def test_what_has_no_line_or_is_no_search_has_no_wider_choice():
     sweep = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["throw_number"],
              "parameters": {"frequency": 50, "amplitude": 1e-3, "beta": 20}}  # fmt: skip
     assert optimise.nearest(parse_study(sweep)) == optimise.ways(parse_study(sweep)) == []
+
+
+def test_the_nearest_approach_of_a_robust_study_is_that_of_all_units():
+    study = {
+        "kind": "optimise", "scene": "linear-drive-unit", "variant": "measured",
+        "criterion": {"kind": "maximise", "output": "drive_unit_power"},
+        "variables": {"ring_down_frequency": {"lower": 44.0, "upper": 48.0}},
+        "constraints": [{"output": "track_amplitude", "lower": 0.8e-3}],
+        "uncertain": {"damping_ratio": {"lower": 0.014, "upper": 0.026}},
+        "robust": "quantile", "quantile": 0.5,
+        "parameters": {
+            "frequency": 50.0, "moving_mass": 10.0, "base_mass": 30.0, "drive_force": 30.0,
+        },
+    }  # fmt: skip
+    prepared = prepare_content(study)
+    (reach,) = optimise.nearest(prepared.study)
+    worst = tabulate(
+        prepare_content(
+            {**study, "robust": "worst", "quantile": None, "constraints": [],
+             "criterion": {"kind": "maximise", "output": "track_amplitude"}}
+        )
+    )  # fmt: skip
+    assert reach.value == pytest.approx(float(worst.variables["objective"].values), rel=1e-9)
+    assert reach.value < 0.8e-3

@@ -178,7 +178,8 @@ def test_small_lengths_are_read_in_millimetres(track: xarray.Dataset):
 def test_family_of_lines_has_at_most_seven_curves(plane: xarray.Dataset):
     figure = draw(plane, axes=("beta", "alpha"), kind="line", at={"frequency": 50})
     curves, regimes = figure.legends
-    assert curves.get_title().get_text() == r"Drive azimuth $\alpha$"
+    count = plane.sizes["alpha"]
+    assert curves.get_title().get_text() == f"Drive azimuth $\\alpha$\n7 of {count} values"
     assert [text.get_text().replace("\N{MINUS SIGN}", "-") for text in curves.get_texts()] == [
         f"{angle}°" for angle in (45, 30, 15, 0, -15, -30, -45)
     ]

@@ -202,10 +202,10 @@ def test_trajectory_of_a_file(tmp_path: Path):
             hop(),
             {"kind": "trajectory", "variable": "height_above_floor"},
             "variable",
-            "draw kind line",
+            "a picture of kind trajectory has no variable. Leave variable out",
         ),
         (hop(), {"kind": "trajectory", "axes": ("beta",)}, "axes", "Leave axes out"),
-        (hop(), {"at": {"friction": 0.4}}, "at.friction", "Its only value is 0.3."),
+        (hop(), {"at": {"friction": 0.4}}, "at", "has no at"),
         (
             hop().drop_vars("height_above_floor"),
             {},

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array, Mask
-from core.sensitivity.replicates import jackknife, student_factor
+from core.plan.replicates import jackknife, student_factor
 
 LEVELS = 129
 """Number of quantiles that describe a whole distribution, from the least to the largest value."""

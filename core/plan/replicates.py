@@ -19,6 +19,8 @@ REPLICATES = 16
 """Scramblings of a study: enough to estimate an error within a fifth, and few enough that each is
 long."""
 CONFIDENCE = 0.95
+INTERVAL = "Half the width of the interval that holds the true value in 95 % of all cases."
+"""What an error is, for the attributes of a variable."""
 
 
 @cache

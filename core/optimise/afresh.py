@@ -1,0 +1,253 @@
+"""Optima under what is uncertain, judged at fresh points: the search chose by others (theory 12.4).
+
+The best of many candidates at some points owes part of its value to these points. At others, drawn
+from the same distributions, nothing favours it: mean, quantile and the share of units that break a
+limit are true there, with errors from independent scramblings, as in a study of sensitivity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.mechanics.arrays import Array, Mask
+from core.optimise.methods import METHODS
+from core.optimise.problem import Kept, OptimisationProblem, cells_of, chosen_cells
+from core.optimise.robust import SEED, Uncertain, samples_of
+from core.plan.draws import points, values_at
+from core.plan.grid import parameter_to_si
+from core.plan.replicates import REPLICATES
+from core.plan.statistics import Estimate, mean_and_deviation, probability, quantiles, share
+from core.study.distributions import tolerance
+
+TIMES, TIMES_MOTION = 16, 4  # the points of a search in each scrambling; motions take long
+BLOCK = 1 << 18  # evaluations at a time, which bounds the memory
+CLOSE = 1e-4
+"""Of an output's scale: a limit that fresh points break by less is kept."""
+
+OBJECTIVE = "objective"
+
+
+@dataclass(frozen=True)
+class Afresh:
+    """Optima judged at fresh points of the uncertain parameters; arrays of shape (cells,).
+
+    Attributes
+    ----------
+    points : mapping of str to ndarray
+        The points: values of each parameter, SI units, shape (points,).
+    objective : Estimate
+        The mean or the quantile of the objective to maximise; its least value for the worst case.
+    left_out : ndarray
+        Share of the points at which the objective has no value.
+    broken : mapping of str to Estimate
+        The probability that a unit breaks each constraint, by name. No value breaks it.
+    worst : mapping of str to ndarray
+        The least margin of each constraint over the points within all tolerances, by name; -inf
+        where there is no value. In a worst case the objective is among them.
+    worst_at : mapping of str to ndarray of int
+        The indices of the points of each of these, shape (cells, sets): the worst in each
+        scrambling.
+    """
+
+    points: Mapping[str, Array]
+    objective: Estimate
+    left_out: Array
+    broken: Mapping[str, Estimate]
+    worst: Mapping[str, Array]
+    worst_at: Mapping[str, NDArray[np.intp]]
+
+    def surprises(
+        self,
+        problem: OptimisationProblem,
+        x: Array,
+        design: Mapping[str, Array],
+        scales: Mapping[str, Array],
+    ) -> tuple[Mask, dict[int, dict[str, Array]]]:
+        """Return the designs in which fresh points are worse than the nodes of the search.
+
+        They break a constraint, or, of closed forms, have a worse worst case. Arguments as in
+        `judged_afresh`.
+
+        Returns
+        -------
+        ndarray of bool, shape (cells,)
+            True where a constraint is broken.
+        dict of int to dict of str to ndarray
+            The uncertain parameters at the worst points, SI units, of each design that has some.
+        """
+        lost = np.isnan(x).any(axis=0)
+        worse = {
+            kept.name: (self.worst[kept.name] < -CLOSE * scales[kept.output]) & ~lost
+            for kept in problem.kept
+        }
+        broken: Mask = np.any([*worse.values(), np.zeros_like(lost)], axis=0)
+        if OBJECTIVE in self.worst and not problem.is_motion:
+            told = problem.judged(some(problem, x), design, scales)[0]
+            worse[OBJECTIVE] = self.worst[OBJECTIVE] < told - CLOSE * problem.scale(scales)
+            worse[OBJECTIVE] &= ~lost
+        cells = np.flatnonzero(np.any([*worse.values(), broken], axis=0)).tolist()
+        chosen = {
+            cell: np.concatenate([self.worst_at[n][cell] for n, at in worse.items() if at[cell]])
+            for cell in cells
+        }
+        return broken, {
+            cell: {name: values[at] for name, values in self.points.items()}
+            for cell, at in chosen.items()
+        }
+
+    def at_worst(self, name: str) -> dict[str, Array]:
+        """Return the uncertain parameters at the worst points, SI units, shape (sets, cells)."""
+        return {one: values[self.worst_at[name].T] for one, values in self.points.items()}
+
+
+def pictured(problem: OptimisationProblem) -> OptimisationProblem:
+    """Return a problem whose nodes are one scrambling of the fresh points, to draw it.
+
+    The worst case, and motions, which take long, keep their nodes.
+    """
+    if problem.uncertain is None or not problem.is_sampled or problem.is_motion:
+        return problem
+    fresh, _ = _fresh(problem.uncertain, False, SEED + 1)
+    values = {name: one[: fresh.size // REPLICATES] for name, one in fresh.values.items()}
+    return replace(problem, uncertain=replace(fresh, values=values))
+
+
+def some(problem: OptimisationProblem, x: Array) -> Array:
+    """Return choices with the lower bounds where there is no optimum, so that all have outputs."""
+    return np.where(np.isnan(x).any(axis=0), problem.lower[:, None], x)
+
+
+def judged_afresh(
+    problem: OptimisationProblem,
+    x: Array,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    method: str,
+    number: int = 1,
+) -> Afresh:
+    """Return statistic, margins and broken shares of choices at fresh uncertain parameters.
+
+    Parameters
+    ----------
+    problem : OptimisationProblem
+        A problem with uncertain parameters.
+    x : ndarray, shape (variables, cells)
+        The choices, SI units; where they are NaN those of the lower bounds are judged.
+    design, scales : mapping of str to ndarray, each of shape (cells,)
+        The fixed parameters, SI units, and the sizes of the outputs.
+    method : str
+        The key of `METHODS` by which they were found; what it leaves of a limit does not break it.
+    number : int
+        Another one draws other points.
+    """
+    assert problem.uncertain is not None
+    x = some(problem, x)
+    fresh, inside = _fresh(problem.uncertain, problem.is_motion, SEED + number)
+    again = replace(problem, uncertain=fresh)
+    cells, step = cells_of(design), max(1, BLOCK // fresh.size)
+    pieces = [slice(start, start + step) for start in range(0, cells, step)]
+    parts = [
+        _judged(again, x[:, piece], chosen_cells(design, piece), inside,
+                {n: METHODS[method].tolerance * size[piece] for n, size in scales.items()})
+        for piece in pieces
+    ]  # fmt: skip
+
+    def joined(parts: list[Estimate]) -> Estimate:
+        """Return estimates of all cells."""
+        return Estimate(*(np.concatenate(one) for one in zip(*parts, strict=True)))
+
+    return Afresh(
+        fresh.values,
+        joined([part.objective for part in parts]),
+        np.concatenate([part.left_out for part in parts]),
+        {name: joined([part.broken[name] for part in parts]) for name in parts[0].broken},
+        {name: np.concatenate([part.worst[name] for part in parts]) for name in parts[0].worst},
+        {name: np.concatenate([p.worst_at[name] for p in parts]) for name in parts[0].worst},
+    )
+
+
+def _fresh(uncertain: Uncertain, is_motion: bool, seed: int) -> tuple[Uncertain, Mask]:
+    """Return the uncertain parameters at fresh points, and which lie within all tolerances.
+
+    Motions, which take long, are followed at fewer. Equal seeds give equal points.
+    """
+    laws = uncertain.distributions
+    times = TIMES_MOTION if is_motion else TIMES
+    count = times * samples_of(uncertain.how, uncertain.quantile)
+    shares = points(len(laws), count, seed, REPLICATES).reshape(len(laws), -1)
+    values = values_at(laws, shares)
+    inside = np.ones(shares.shape[1], dtype=np.bool_)
+    for name, law in laws.items():
+        lower, upper = parameter_to_si(name, np.array(tolerance(name, law)))
+        inside &= (values[name] >= lower) & (values[name] <= upper)
+    return replace(uncertain, values=values, weights=None, counted=None), inside
+
+
+def _judged(
+    problem: OptimisationProblem,
+    x: Array,
+    design: Mapping[str, Array],
+    inside: Mask,
+    left: Mapping[str, Array],
+) -> Afresh:
+    """Return statistic, margins and broken shares of choices of some designs at the nodes.
+
+    Parameters
+    ----------
+    problem : OptimisationProblem
+        Its nodes are the fresh points.
+    x, design : ndarray, mapping of str to ndarray
+        As `judged_afresh` takes them.
+    inside : ndarray of bool, shape (points,)
+        Whether a point lies within all tolerances.
+    left : mapping of str to ndarray
+        By how much an output may break its limit, shape (cells,).
+    """
+    uncertain = problem.uncertain
+    assert uncertain is not None
+    over = problem.over(design, x)
+    known = problem.known(x, over, plan=problem.bare)
+    shape = (cells_of(design), uncertain.size)
+
+    def of_cells(values: Array) -> Array:
+        """Return values at points as an array (cells, points)."""
+        return np.broadcast_to(values, shape[::-1]).T
+
+    values = of_cells(problem.objective(known))
+    margins = {kept.name: of_cells(problem.margin(kept, known, over)) for kept in problem.kept}
+    ranked = dict(margins)
+    if uncertain.how == "worst":
+        ranked[OBJECTIVE] = values
+    ranked = {
+        name: np.where(inside, np.where(np.isnan(one), -np.inf, one), np.inf)
+        for name, one in ranked.items()
+    }
+    sets = (shape[0], REPLICATES, -1)
+    first = np.arange(0, uncertain.size, uncertain.size // REPLICATES)
+    at = {name: first + one.reshape(sets).argmin(axis=2) for name, one in ranked.items()}
+    kept_by: dict[str, Kept] = {kept.name: kept for kept in problem.kept}
+    return Afresh(
+        uncertain.values,
+        _objective(uncertain, values.reshape(sets), problem.sign),
+        np.asarray(share(np.isnan(values.reshape(sets)))),
+        {
+            name: probability(~(one >= -left[kept_by[name].output][:, None]).reshape(sets))
+            for name, one in margins.items()
+        },
+        {name: one.min(axis=1) for name, one in ranked.items()},
+        at,
+    )
+
+
+def _objective(uncertain: Uncertain, values: Array, sign: float) -> Estimate:
+    """Return the statistic that counts of the values to maximise, shape (cells, sets, points)."""
+    if uncertain.how == "mean":
+        return mean_and_deviation(values)[0]
+    quantile = uncertain.quantile if sign > 0 else 1 - uncertain.quantile
+    least = 0.0 if uncertain.how == "worst" else quantile
+    value, error = quantiles(values, np.array([least]))
+    return Estimate(value[0], error[0])
