@@ -178,6 +178,7 @@ def row_motion(
             table_[rest], status[rest] = run_cells(
                 kernel, held, columns=width, piece=16, watch=watch
             )
+            table_[status == STATUS["limit_reached"]] = np.nan
         _spread_to_parts(table_, rows, alike & rest, room, columns)
         if as_one.any():
             of_rows, of_parts, status[as_one] = _as_one(groups, rows, shape, as_one, room, watch)

@@ -8,6 +8,7 @@ import numpy as np
 
 from core.compiled import borrowing, compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
+from core.motion.kernels.means import BATCHES
 from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.rows.advance import (
     HIT,
@@ -20,7 +21,7 @@ from core.motion.kernels.rows.advance import (
     next_event,
     refreshed,
 )
-from core.motion.kernels.rows.contact import held_from
+from core.motion.kernels.rows.contact import closing, held_from
 from core.motion.kernels.rows.drive import Driven, backward_speed, gap_swept, is_lifted, swept
 from core.motion.kernels.rows.repeat import (
     AGREES,
@@ -65,8 +66,8 @@ def one_period(
     `air` is the flight at the start, `restitution` that between parts, `period` the number of the
     period. `past` notes which contacts touched, and `swept_gaps` gets the integrals of the gaps.
     The sums are those of `Tally`: collisions, times in contact and in the air, energy lost, forces
-    on the stop. Parts that meet with a velocity of rounding, 1e-12 of the drive, do not collide.
-    The number of collisions is NaN if there were too many events.
+    on the stop. Each contact that closes with a velocity beyond rounding, 1e-12 of the drive, is a
+    collision. Their number is NaN if there were too many events.
     """
     tau, step, events, event = 0.0, 0, 0, NO_EVENT
     closed, flying, hits, lost = 0.0, 0.0, 0.0, 0.0
@@ -98,8 +99,8 @@ def one_period(
                     closed, flying, hits, lost, pressed, struck, peak, held, moving
                 )  # fmt: skip
         if event.kind == HIT:
-            meets = row.speed[event.part] - row.speed[event.part + 1]
-            hits += 1.0 if meets > AGREES * (abs(drive.c) + abs(drive.levels[step])) else 0.0
+            least = AGREES * (abs(drive.c) + abs(drive.levels[step]))
+            hits += closing(row, event.part, least)
             past.touched[event.part] = period
         air, taken, impulse = happened(row, drive, event, tau, air, restitution)
         lost, struck = lost + taken, struck + impulse
@@ -132,7 +133,7 @@ def follow(drive: Driven, row: Row, cell: Floats, result: Floats, stop: Stop) ->
     """Follow a row of parts from event to event until it repeats; fill its results, return status.
 
     A row that still drifts after all its periods is followed for as many again, moved along its
-    slow transient (`hasten`).
+    slow transient (`hasten`); not if they are too few to tell a drift by 16 batches of their half.
 
     `drive` is a sine with steps, or a wave; `row` holds the parts at rest at the start. `cell` has
     the columns of `Head`, then the parts and the wave; `result` has the columns of `COLUMN`, then
@@ -153,12 +154,12 @@ def follow(drive: Driven, row: Row, cell: Floats, result: Floats, stop: Stop) ->
             return int(STATUS.not_computed)
         if done < 0:
             return int(STATUS.limit_reached)
-        left = remaining(row, past, done, cycle, since) if cycle > 0 else 0.0
+        left = remaining(row, past, done, cycle, since, scale) if cycle > 0 else 0.0
         status = finish(row, past, means, done, cycle, left, scale, result)
         if cycle > 0:
             result[COLUMN.multiple] = shortest(row, air, past, done, cycle, AGREES_NEARLY, scale)
-        if status != STATUS.limit_reached:
-            return status
+        if status != STATUS.limit_reached or done < 2 * BATCHES:
+            break
     return status
 
 

@@ -30,7 +30,7 @@ period as after two: both are told apart where q is below 0.999.
 LAGS = 4  # periods of the longest cycle whose slow transient is extrapolated
 SLOW = 0.5  # ratio by which a change falls per cycle, below which it dies by itself
 ALIKE = 0.1  # two successive ratios q differ by less than this share of 1 - q
-NOISE = 1e-14  # of a change of velocity over the drive, by rounding
+NOISE = 4e-15  # of a change of velocity over the drive, by rounding
 FARTHEST = 0.25  # largest jump of a velocity over the drive
 NEARER = 0.5  # share of a gap by which parts that meet slowly are moved together
 LARGEST_RATIO = 0.9999  # of a transient whose rest is estimated
@@ -134,23 +134,25 @@ def shortest(
 
 
 @compiled
-def remaining(row: Row, past: Past, period: int, cycle: int, since: int) -> float:
-    """Return an estimate of what is left of a row's transient, d/(1 - q), in g/w (w = 2 pi f).
+def remaining(row: Row, past: Past, period: int, cycle: int, since: int, scale: float) -> float:
+    """Return an estimate of what is left of a row's transient, in g/w (w = 2 pi f).
 
-    d is the largest change of a velocity over the last `cycle` periods, q = d/d' at most 0.9999,
-    with that over the cycle before, d'. d alone if that began before period `since`.
+    The largest d/(1 - q) of all velocities, with the changes d over the last `cycle` periods and d'
+    over the cycle before, and q = (d + r)/d' at most 0.9999, r the rounding of a change. The
+    largest d alone if the cycle before began before period `since`. `scale` is the size of the
+    drive in g.
     """
-    size = MULTIPLES + 1
-    last, before = 0.0, 0.0
+    size, left = MULTIPLES + 1, 0.0
     known = 2 * cycle <= MULTIPLES and period - 2 * cycle >= since
     at, earlier = (period - cycle) % size, (period - 2 * cycle) % size
     for i in range(row.mass.size):
-        last = max(last, abs(row.speed[i] - past.speed[at, i]))
-        before = max(before, abs(past.speed[at, i] - past.speed[earlier, i]))
-    if not known or last == 0.0:
-        return last
-    ratio = min(last / before, LARGEST_RATIO) if before > 0.0 else LARGEST_RATIO
-    return last / (1.0 - ratio)
+        last = abs(row.speed[i] - past.speed[at, i])
+        before = abs(past.speed[at, i] - past.speed[earlier, i])
+        if known and last > NOISE * scale:
+            ratio = (last + NOISE * scale) / max(before, last)
+            last /= 1.0 - min(ratio, LARGEST_RATIO)
+        left = max(left, last)
+    return left
 
 
 @compiled
@@ -296,10 +298,11 @@ def finish(
     row: Row, past: Past, means: Floats, period: int, cycle: int, left: float, scale: float,
     result: Floats,
 ) -> int:  # fmt: skip
-    """Write the means of a row, and return its status (`periodic`, `at_rest`, `aperiodic`, ...).
+    """Write the means of a row, and return its status.
 
-    Those over the cycle of a motion that repeats; else over the second half of the periods, with
-    spread and error by batches of them, or none where the row still drifts: `limit_reached`.
+    Those over the cycle of a motion that repeats (`periodic`, `at_rest`); else over the second half
+    of the periods, with spread and error by batches of them (`aperiodic`). Where the row still
+    drifts they are no means of its motion (`limit_reached`).
 
     Parameters
     ----------
@@ -318,8 +321,6 @@ def finish(
     """
     parts, room = row.mass.size, (result.size - ROW_COLUMNS) // 2
     chosen = means[period - cycle : period] if cycle > 0 else means[period // 2 : period]
-    if cycle == 0 and drifts(row, past, chosen, period, scale):
-        return int(STATUS.limit_reached)
     numbers = result[ROW_COLUMNS + room : ROW_COLUMNS + room + parts]
     back = cycle if cycle > 0 else min(MULTIPLES, period)
     result[COLUMN.platoons] = platoons(row, past, period, back, scale, numbers)
@@ -331,7 +332,8 @@ def finish(
     batches = successive_means(row_means(chosen, parts))
     result[COLUMN.spread] = scatter(batches)
     result[COLUMN.error] = mean_error(batches) + AGREES * scale
-    return int(STATUS.aperiodic)
+    late = drifts(row, past, chosen, period, scale)
+    return int(STATUS.limit_reached if late else STATUS.aperiodic)
 
 
 @compiled

@@ -271,7 +271,7 @@ def follow_steps(cell: Floats, steps: int, result: Floats, stop: Stop) -> int:
         here[TALLIES : TALLIES + parts] = row.place - past.place[period % (MULTIPLES + 1)]
         cycle = cycle_of(row, air, past, period + 1, 0, scale)
         if cycle > 0:
-            left = remaining(row, past, period + 1, cycle, 0)
+            left = remaining(row, past, period + 1, cycle, 0, scale)
             status = finish(row, past, means, period + 1, cycle, left, scale, result)
             result[COLUMN.multiple] = shortest(
                 row, air, past, period + 1, cycle, AGREES_NEARLY, scale
@@ -304,11 +304,9 @@ def stepped_rows(steps: int, cells: Floats, table: Floats, status: Statuses, sto
     for number in range(cells.shape[0]):
         cell, fine = cells[number], table[number]
         found = follow_steps(cell, 2 * steps + 1, fine, stop)
-        coarsely = follow_steps(cell, steps, coarse, stop)
+        follow_steps(cell, steps, coarse, stop)
         if raised(stop):
             return
-        if coarsely == STATUS.limit_reached:
-            found, fine[:] = coarsely, math.nan
         apart = abs(fine[COLUMN.velocity] - coarse[COLUMN.velocity])
         pushes = pushes_of(cell, steps)
         most = np.abs(pushes.along).max() + np.abs(pushes.normal).max()
