@@ -95,6 +95,21 @@ def test_parts_that_approach_each_other_slowly_have_the_mean_of_those_that_touch
     assert name == "limit_reached"  # by steps it is not followed until they meet
 
 
+@pytest.mark.parametrize("stop", ["fixed_stop_gap", "track_stop_gap"])
+def test_a_row_far_from_its_stop_presses_on_it_in_the_end(stop):
+    near, far = (
+        vibrafeed.simulate(
+            scene="row-on-plane", outputs=["stop_force", "conveying_velocity"], frequency=50,
+            amplitude="0.2 mm", beta=20, part_friction_1=0.4, part_friction_2=0.3, mass="4 g",
+            **{stop: gap},
+        )
+        for gap in ("0 mm", "5 m")
+    )  # fmt: skip
+    assert near.motion_status == far.motion_status == 1
+    for output in ("stop_force", "conveying_velocity"):
+        assert float(far[output]) == pytest.approx(float(near[output]), rel=1e-9, abs=1e-12)
+
+
 def test_a_drift_behind_a_part_that_wanders_is_seen():
     """The rear pair does not repeat; the part in front still loses its first speed."""
     wild = cell(5.0, 0.69, [0.65, 0.13, 1e-4], mass=[0.78, 1.68, 1.0], gap=[0.0, 1e4])

@@ -366,6 +366,17 @@ def batch_error(quarters: Floats) -> float:
     return mean_error(halves) + abs(drift) * beyond
 
 
+@borrowing
+def patience(number: int, cycles: int) -> int:
+    """Return the hops without rest that run `number` waits for a cycle; 0 if it looks for none.
+
+    `cycles` of the runs before have ended in one.
+    """
+    if cycles > 0:
+        return MORE_PATIENCE
+    return PATIENCE if number < SEARCHES or number >= PHASES else 0
+
+
 @compiled
 def from_phases(
     cell: Cell, phase: float, drive: Drive, rows: Floats, sums: Floats, result: Floats, stop: Stop
@@ -403,9 +414,8 @@ def from_phases(
         looks = cycles == 0 and number >= PHASES
         if number >= PHASES:
             periods, travel = max(1, max_periods // (LAST_LOOK if looks else starts)), travel[:0]
-        patience = PATIENCE if number < SEARCHES or looks else 0
-        patience = MORE_PATIENCE if cycles > 0 else patience
-        run = long_run(number, phase, periods, patience, drive, e, travel, rows, sums, stop)
+        waits = patience(number, cycles)
+        run = long_run(number, phase, periods, waits, drive, e, travel, rows, sums, stop)
         if looks and run.hops == 0:
             break
         least, most = min(least, run.least), max(most, run.most)

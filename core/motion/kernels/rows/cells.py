@@ -21,7 +21,7 @@ from core.motion.kernels.rows.advance import (
     next_event,
     refreshed,
 )
-from core.motion.kernels.rows.contact import closing, held_from
+from core.motion.kernels.rows.contact import closing, held_from, is_held
 from core.motion.kernels.rows.drive import Driven, backward_speed, gap_swept, is_lifted, swept
 from core.motion.kernels.rows.repeat import (
     AGREES,
@@ -146,7 +146,8 @@ def follow(drive: Driven, row: Row, cell: Floats, result: Floats, stop: Stop) ->
     means = np.zeros((int(cell[AT.max_periods]), TALLIES + 2 * row.mass.size - 1))
     for hastened in (False, True):
         past = past_of(row)
-        means[:] = 0.0
+        if hastened:
+            means[:] = 0.0
         air, done, cycle, since = approach(
             row, drive, cell, air, past, means, hastened, scale, stop
         )
@@ -207,8 +208,8 @@ def approach(
         cycle = cycle_of(row, air, past, done, since, scale)
         if cycle > 0 and (not hastened or done - 2 * cycle >= since):
             return air, done, cycle, since
-        early = hastened and row.stop == NO_STOP and 2 * done < means.shape[0]
-        if early and hasten(row, past, done, since, scale):
+        early = hastened and 2 * done < means.shape[0]
+        if early and not is_held(row, parts) and hasten(row, past, done, since, scale):
             since = done
     return air, means.shape[0], 0, since
 
