@@ -171,7 +171,7 @@ RESULTS = (
         ),
         platoons=("platoons", "the groups of parts that have left each other for ever [1]"),
         contact_fraction=("contact", "the share of the time in which neighbours touch [1]"),
-        collisions_per_period=("collisions", "the collisions in a period of the drive [1]"),
+        collisions_per_period=("collisions", "the contacts that close in a period [1]"),
         flight_fraction=("flight", "share of the period in which the parts are off the floor [1]"),
         period_multiple=(
             "multiple",

@@ -181,7 +181,9 @@ ROW: dict[str, Quantity] = {
         "", "Contact fraction", "Share of the time in which neighbours touch, mean of all contacts."
     ),
     "collisions_per_period": number(
-        "", "Collisions per period", "Collisions of parts in a period of the drive."
+        "", "Collisions per period", "Contacts between neighbours, and between the front part and "
+        "the stop, that close with a relative velocity in a period of the drive. Parts pressed "
+        "together touch as soon as their remaining bounces take less than 1e-6 rad of phase.",
     ),
     "row_velocity": Quantity(
         "m s-1", "v", "Velocity of the row",

@@ -36,11 +36,19 @@ def batch_means(values: Floats) -> Floats:
     """Return the means of 16 successive batches of the values after their first quarter.
 
     Their scatter shows the error of the mean. `values` holds one number a period of the drive,
-    shape (n,); the result has shape (16,). All batches hold s = floor((n - floor(n/4))/16) values,
-    and the last ends with the values. NaN if s = 0.
+    shape (n,); the result has shape (16,), of the last n - floor(n/4) values.
+    """
+    return successive_means(values[int(SETTLING * values.size) :])
+
+
+@compiled
+def successive_means(values: Floats) -> Floats:
+    """Return the means of 16 successive batches of n values, shape (16,).
+
+    All batches hold s = floor(n/16) values, and the last ends with the values. NaN if s = 0.
     """
     means = np.full(BATCHES, math.nan)
-    size = (values.size - int(SETTLING * values.size)) // BATCHES
+    size = values.size // BATCHES
     if size == 0:
         return means
     for batch in range(BATCHES):

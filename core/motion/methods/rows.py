@@ -88,7 +88,8 @@ class RowMotion(NamedTuple):
     Attributes
     ----------
     velocity, spread, error : ndarray
-        Mean over the parts; standard deviation of the means of batches; the error of the mean.
+        Mean over the parts, NaN of a row that still drifts; standard deviation of the means of
+        batches; the error of the mean, for 99 % where the motion does not repeat.
     platoons : ndarray
         Groups of parts that have left each other for ever.
     slowest, fastest : ndarray
@@ -96,7 +97,7 @@ class RowMotion(NamedTuple):
     contact : ndarray
         Share of the time in which neighbours touch at one velocity, mean of all contacts.
     collisions : ndarray
-        Per period of the drive.
+        Contacts that close with a relative velocity, per period of the drive.
     impact : ndarray
         Energy that collisions take in a period, in units of a mass and (g/w)^2.
     flight : ndarray
@@ -153,7 +154,7 @@ def row_motion(
         Dimensionless groups of the cells, and the parts of their rows. Parts that rebound from the
         floor hop each by itself: their rows are not followed, and have NaN.
     max_periods
-        Periods after which a motion counts as aperiodic.
+        Periods after which a motion counts as aperiodic, or as many more if it still drifts.
     watch
         May stop the work; cells not computed have the status `not_computed`.
     steps
@@ -180,6 +181,7 @@ def row_motion(
             table_[rest], status[rest] = run_cells(
                 kernel, held, columns=width, piece=16, watch=watch
             )
+            table_[status == STATUS["limit_reached"]] = np.nan
         _spread_to_parts(table_, rows, alike & rest, room, columns)
         if as_one.any():
             of_rows, of_parts, status[as_one] = _as_one(groups, rows, shape, as_one, room, watch)

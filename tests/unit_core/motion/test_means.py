@@ -45,6 +45,7 @@ def test_batches_are_successive_and_equally_long():
     found = means.batch_means(values)
     kept = values[-64:].reshape(16, 4)  # 75 are kept: 16 batches of 4
     assert found.tolist() == kept.mean(axis=1).tolist()
+    assert means.successive_means(values[25:]).tolist() == found.tolist()
     assert np.isnan(means.batch_means(np.arange(20.0))).all()  # 15 make no 16 batches
 
 

@@ -234,7 +234,7 @@ def test_a_stop_holds_the_parts_in_front_on_a_slope_and_not_those_behind():
 @pytest.mark.parametrize("method", ["events", "time-stepping"])
 def test_parts_that_rebound_from_the_floor_are_followed_by_no_method(method):
     outputs = ["conveying_velocity", "feed_rate"]
-    given = {**APART, "length": "12 mm", "method": method, "max_periods": 10}
+    given = {**APART, "length": "12 mm", "method": method}
     found, names = regimes(outputs, restitution=[0.0, 0.2], **given)
     assert names[0] != names[1] == "not_supported"
     for output in outputs:

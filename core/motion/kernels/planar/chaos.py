@@ -42,6 +42,7 @@ SURE = 5.41  # Student's quantile for 99.9 % and eight numbers (7 degrees), in s
 QUARTERS = 4  # means of a run: two make a batch, and their differences show a drift
 SLOWING = 0.9  # largest ratio of a drift to that half a run before: slower decays are cut to it
 SEARCHES = 3  # of the runs, that many look for a cycle; if none finds one, the others do not look
+LAST_LOOK = 2  # of `max_periods`, for one more run that looks for a cycle if no other has found one
 PATIENCE = 512  # hops without rest after which no cycle of hops is expected any more
 MORE_PATIENCE = 1024  # the same, if another run has fallen into a cycle
 RECENT = 64  # hops since the last rest, from which on a part may be nearing a cycle
@@ -365,16 +366,27 @@ def batch_error(quarters: Floats) -> float:
     return mean_error(halves) + abs(drift) * beyond
 
 
+@borrowing
+def patience(number: int, cycles: int) -> int:
+    """Return the hops without rest that run `number` waits for a cycle; 0 if it looks for none.
+
+    `cycles` of the runs before have ended in one.
+    """
+    if cycles > 0:
+        return MORE_PATIENCE
+    return PATIENCE if number < SEARCHES or number >= PHASES else 0
+
+
 @compiled
 def from_phases(
     cell: Cell, phase: float, drive: Drive, rows: Floats, sums: Floats, result: Floats, stop: Stop
 ) -> int:
     """Fill `result` with means over runs from several phases of the drive; return the status.
 
-    For motions that rounding decides. If no run ends in a cycle: `aperiodic`, with the mean
-    velocity of the quarters of all runs and its statistical error by `batch_error`. If a run ends
-    in a cycle, more starts follow, and the error reaches to the furthest of all means: `sensitive`.
-    Also `runaway` and `limit_reached`.
+    For motions that rounding decides. If no run ends in a cycle, nor a last one that is followed
+    four times as long: `aperiodic`, with the mean velocity of the quarters of all others and its
+    statistical error by `batch_error`. If a run ends in a cycle, more starts follow, and the error
+    reaches to the furthest of all means: `sensitive`. Also `runaway` and `limit_reached`.
 
     Parameters
     ----------
@@ -399,13 +411,13 @@ def from_phases(
     periods = max(1, max_periods // PHASES)
     travel = np.empty(int((1.0 - SETTLING) * periods))
     for number in range(starts):
+        looks = cycles == 0 and number >= PHASES
         if number >= PHASES:
-            if cycles == 0:
-                break
-            periods, travel = max(1, max_periods // starts), travel[:0]
-        patience = PATIENCE if number < SEARCHES else 0
-        patience = MORE_PATIENCE if cycles > 0 else patience
-        run = long_run(number, phase, periods, patience, drive, e, travel, rows, sums, stop)
+            periods, travel = max(1, max_periods // (LAST_LOOK if looks else starts)), travel[:0]
+        waits = patience(number, cycles)
+        run = long_run(number, phase, periods, waits, drive, e, travel, rows, sums, stop)
+        if looks and run.hops == 0:
+            break
         least, most = min(least, run.least), max(most, run.most)
         means = runs[count]
         status = means_of(run, phase, cell, drive, rows, sums, means, stop)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections import namedtuple
-from typing import NamedTuple
 
 import numpy as np
 
 from core.compiled import borrowing, compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
+from core.motion.kernels.means import BATCHES
 from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.rows.advance import (
     HIT,
@@ -22,83 +21,39 @@ from core.motion.kernels.rows.advance import (
     next_event,
     refreshed,
 )
-from core.motion.kernels.rows.contact import held_from
+from core.motion.kernels.rows.contact import closing, held_from, is_held
 from core.motion.kernels.rows.drive import Driven, backward_speed, gap_swept, is_lifted, swept
+from core.motion.kernels.rows.repeat import (
+    AGREES,
+    AGREES_NEARLY,
+    MULTIPLES,
+    Past,
+    cycle_of,
+    finish,
+    hasten,
+    keep,
+    past_of,
+    remaining,
+    shortest,
+)
 from core.motion.kernels.rows.stop import stop_pressed
 from core.motion.kernels.rows.tables import (
     AT,
     COLUMN,
     NO_STOP,
-    ROW_COLUMNS,
+    TALLIES,
     Row,
-    Whole,
+    Tally,
     drive_of,
     row_at,
 )
 from core.motion.kernels.rows.wave import waved_of
 from core.motion.kernels.statuses import STATUS
 
-MULTIPLES = 12
-"""Periods of the longest cycle that is looked for: 2 and 4 are common, longer ones rare."""
-AGREES = 1e-12
-"""Difference of two states over the drive, below which they are the same; rounding leaves some
-1e-15."""
-BATCHES = 16
-"""Batches of the second half of a motion that does not repeat; their means give its error."""
 MAX_EVENTS = 100_000
 """Most events of a period: a row of 64 parts has some hundreds, so that more come from rounding."""
-
-
-class Past(NamedTuple):
-    """States at the starts of the last periods: the row of period p is p % (MULTIPLES + 1).
-
-    `touched` counts of each contact the last period in which its parts touched.
-    """
-
-    speed: Floats
-    place: Floats
-    gap: Floats
-    landing: Floats
-    touched: Whole
-
-
-Tally = namedtuple("Tally", "closed air hits lost pressed struck peak held moving")
-"""Of a period: phase times closed contacts, phase in the air, collisions, the energy they took; of
-the stop the integral of the force, the impulse of strokes, the largest force, the phase in touch;
-the phase in which parts slide on the track or are in the air.
-"""
-
-TALLIES = len(Tally._fields)
 FAILED = Tally(0.0, 0.0, math.nan, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 """What a period with too many events reports."""
-
-
-@compiled
-def past_of(row: Row) -> Past:
-    """Return an empty buffer for the states of a row at the starts of the last periods.
-
-    `Past` with arrays of zeros, for MULTIPLES + 1 periods and the parts and contacts of the row;
-    states are compared in it to see if the motion repeats.
-    """
-    size, parts, contacts = MULTIPLES + 1, row.mass.size, row.gap.size
-    return Past(
-        np.zeros((size, parts)), np.zeros((size, parts)), np.zeros((size, contacts)),
-        np.zeros(size), np.zeros(contacts, dtype=np.int64),
-    )  # fmt: skip
-
-
-@compiled
-def keep(row: Row, air: Air, past: Past, period: int) -> None:
-    """Store the state of a row at the start of period number `period` in the buffer `past`.
-
-    Velocities, positions, gaps, and the phase until landing of `air`, the flight of all parts.
-    Later states are compared with it, to see if the motion repeats.
-    """
-    at = period % (MULTIPLES + 1)
-    past.speed[at, :] = row.speed[: row.mass.size]
-    past.place[at, :] = row.place
-    past.gap[at, :] = row.gap
-    past.landing[at] = air.landing
 
 
 @borrowing
@@ -111,7 +66,8 @@ def one_period(
     `air` is the flight at the start, `restitution` that between parts, `period` the number of the
     period. `past` notes which contacts touched, and `swept_gaps` gets the integrals of the gaps.
     The sums are those of `Tally`: collisions, times in contact and in the air, energy lost, forces
-    on the stop. The number of collisions is NaN if there were too many events.
+    on the stop. Each contact that closes with a velocity beyond rounding, 1e-12 of the drive, is a
+    collision. Their number is NaN if there were too many events.
     """
     tau, step, events, event = 0.0, 0, 0, NO_EVENT
     closed, flying, hits, lost = 0.0, 0.0, 0.0, 0.0
@@ -143,7 +99,8 @@ def one_period(
                     closed, flying, hits, lost, pressed, struck, peak, held, moving
                 )  # fmt: skip
         if event.kind == HIT:
-            hits += 1.0
+            least = AGREES * (abs(drive.c) + abs(drive.levels[step]))
+            hits += closing(row, event.part, least)
             past.touched[event.part] = period
         air, taken, impulse = happened(row, drive, event, tau, air, restitution)
         lost, struck = lost + taken, struck + impulse
@@ -172,163 +129,89 @@ def sweep(row: Row, drive: Driven, tau: float, span: float, result: Floats) -> N
 
 
 @compiled
-def repeats(row: Row, air: Air, past: Past, period: int, multiple: int, scale: float) -> bool:
-    """True if the state of a row at period number `period` equals that `multiple` periods before.
-
-    Velocities and gaps must agree within 1e-12 relative to `scale`, the size of the drive in g, and
-    the phase until landing within 1e-12 rad. A gap may have grown if its parts did not touch in
-    between: each side of it then moves as it did, and the gap grows for ever. `air` is the flight
-    of the parts now, `past` holds the earlier states.
-    """
-    at = (period - multiple) % (MULTIPLES + 1)
-    here, before = air.landing, past.landing[at]
-    if (here < math.inf) != (before < math.inf):
-        return False
-    if here < math.inf and abs(here - before) > AGREES:
-        return False
-    for i in range(row.mass.size):
-        if abs(row.speed[i] - past.speed[at, i]) > AGREES * scale:
-            return False
-    for i in range(row.gap.size):
-        grown = row.gap[i] - past.gap[at, i]
-        touched = past.touched[i] > period - multiple - 1
-        if abs(grown) > AGREES * scale and (grown < 0.0 or touched):
-            return False
-    return True
-
-
-@compiled
-def platoons(
-    row: Row, past: Past, period: int, multiple: int, scale: float, numbers: Floats
-) -> int:
-    """Return the number of platoons of a row: groups of parts that separate for good.
-
-    Two neighbours separate if their gap has grown, beyond rounding, over the last `multiple`
-    periods up to number `period`, without a touch. `past` holds states at the starts of the last
-    periods and when parts touched last; `scale` is the size of the drive in g. `numbers`, shape
-    (parts,), gets the number of each part's platoon, 1 at the rear.
-    """
-    at = (period - multiple) % (MULTIPLES + 1)
-    count = 1
-    for i in range(row.mass.size):
-        numbers[i] = count
-        if i < row.mass.size - 1 and row.gap[i] - past.gap[at, i] > AGREES * scale:
-            count += past.touched[i] < period - multiple
-    return count
-
-
-@compiled
 def follow(drive: Driven, row: Row, cell: Floats, result: Floats, stop: Stop) -> int:
     """Follow a row of parts from event to event until it repeats; fill its results, return status.
+
+    A row that still drifts after all its periods is followed for as many again, moved along its
+    slow transient (`hasten`); not if they are too few to tell a drift by 16 batches of their half.
 
     `drive` is a sine with steps, or a wave; `row` holds the parts at rest at the start. `cell` has
     the columns of `Head`, then the parts and the wave; `result` has the columns of `COLUMN`, then
     velocity and platoon of each part; `stop` is a flag that ends the work.
     """
-    restitution, most = cell[AT.part_restitution], int(cell[AT.max_periods])
-    parts = row.mass.size
     scale = max(1e-300, abs(drive.c) + np.abs(drive.levels).max())
-    past = past_of(row)
     if drive.s > 0.0 and drive.gn <= 0.0:
         return int(STATUS.limit_reached)
-    air = at_start(drive)
-    means = np.zeros((most, TALLIES + 2 * parts - 1))
-    for period in range(most):
+    air, status = at_start(drive), int(STATUS.limit_reached)
+    means = np.zeros((int(cell[AT.max_periods]), TALLIES + 2 * row.mass.size - 1))
+    for hastened in (False, True):
+        past = past_of(row)
+        if hastened:
+            means[:] = 0.0
+        air, done, cycle, since = approach(
+            row, drive, cell, air, past, means, hastened, scale, stop
+        )
         if raised(stop):
             return int(STATUS.not_computed)
+        if done < 0:
+            return int(STATUS.limit_reached)
+        left = remaining(row, past, done, cycle, since, scale) if cycle > 0 else 0.0
+        status = finish(row, past, means, done, cycle, left, scale, result)
+        if cycle > 0:
+            result[COLUMN.multiple] = shortest(row, air, past, done, cycle, AGREES_NEARLY, scale)
+        if status != STATUS.limit_reached or done < 2 * BATCHES:
+            break
+    return status
+
+
+@compiled
+def approach(
+    row: Row, drive: Driven, cell: Floats, air: Air, past: Past, means: Floats, hastened: bool,
+    scale: float, stop: Stop,
+) -> tuple[Air, int, int, int]:  # fmt: skip
+    """Follow a row until it repeats, or for all its periods; return how it came to.
+
+    The flight of the parts at the end; the periods followed, -1 if one had too many events; those
+    of the cycle, 0 if there is none; and the period since which the row was not moved.
+
+    Parameters
+    ----------
+    row, air
+        Parts and their flight at the start; the row is changed to that at the end.
+    drive, cell
+        Sine with steps, or wave; the columns of `Head`, then parts and wave.
+    past
+        Filled with the states at the starts of the last periods.
+    means
+        Filled with a row a period: columns of `Tally`, distances of the parts, integrals of gaps.
+    hastened
+        If the row may be moved along a slow transient, in the first half of the periods.
+    scale
+        Size of the drive in g.
+    stop
+        Flag that ends the work.
+    """
+    restitution, parts, since = cell[AT.part_restitution], row.mass.size, 0
+    for period in range(means.shape[0]):
+        if raised(stop):
+            return air, period, 0, since
         keep(row, air, past, period)
-        here = means[period]
+        here, done = means[period], period + 1
         air, tally = one_period(row, drive, restitution, air, past, period, here[TALLIES + parts :])
         if math.isnan(tally.hits):
-            return int(STATUS.limit_reached)
+            return air, -1, 0, since
         here[:TALLIES] = (
             tally.closed, tally.air, tally.hits, tally.lost,
             tally.pressed, tally.struck, tally.peak, tally.held, tally.moving,
         )  # fmt: skip
         here[TALLIES : TALLIES + parts] = row.place - past.place[period % (MULTIPLES + 1)]
-        for multiple in range(1, min(MULTIPLES, period) + 1):
-            if repeats(row, air, past, period + 1, multiple, scale):
-                return finish(row, past, means, period + 1, multiple, scale, result)
-    return finish(row, past, means, most, 0, scale, result)
-
-
-@compiled
-def finish(
-    row: Row, past: Past, means: Floats, periods: int, multiple: int, scale: float, result: Floats
-) -> int:
-    """Write the means over a cycle, and return the status (`periodic`, `at_rest`, `aperiodic`).
-
-    A motion that does not repeat has the means over the second half of its periods, and spread and
-    error by batches of them.
-
-    Parameters
-    ----------
-    row, past
-        The row at the end, and the states at the starts of the last periods.
-    means
-        A row a period: columns of `Tally`, distances of the parts, integrals of the gaps.
-    periods, multiple
-        Periods that were followed, and those of the cycle (0 if it does not repeat).
-    scale
-        Size of the drive in g.
-    result
-        Columns of `COLUMN`, then velocity and platoon of each part.
-    """
-    parts, room = row.mass.size, (result.size - ROW_COLUMNS) // 2
-    numbers = result[ROW_COLUMNS + room : ROW_COLUMNS + room + parts]
-    back = multiple if multiple > 0 else min(MULTIPLES, periods)
-    result[COLUMN.platoons] = platoons(row, past, periods, back, scale, numbers)
-    result[COLUMN.multiple] = multiple
-    if multiple > 0:
-        cycle = means[periods - multiple : periods]
-        _write(cycle, result, numbers)
-        result[COLUMN.error], result[COLUMN.spread] = AGREES * scale, 0.0
-        return int(STATUS.periodic if cycle[:, 8].max() > 0.0 else STATUS.at_rest)
-    half = means[periods // 2 :]
-    _write(half, result, numbers)
-    batch = max(1, half.shape[0] // BATCHES)
-    batches = np.empty(half.shape[0] // batch)
-    for b in range(batches.size):
-        some = half[b * batch : (b + 1) * batch, TALLIES : TALLIES + parts]
-        batches[b] = some.mean() / TURN
-    result[COLUMN.spread] = batches.std()
-    result[COLUMN.error] = 2.0 * batches.std() / math.sqrt(batches.size)
-    return int(STATUS.aperiodic)
-
-
-@compiled
-def _write(periods: Floats, result: Floats, numbers: Floats) -> None:
-    """Write the means of the motion of a row over some periods of the drive into `result`.
-
-    `periods` has a row a period: columns of `Tally`, distances of the parts, integrals of the gaps;
-    `numbers` is the platoon of each part, of which only neighbours in one have a gap that counts.
-    `result` has the columns of `COLUMN`, then velocity and platoon of each part.
-    """
-    count, parts = periods.shape[0], numbers.size
-    phase = count * TURN
-    slowest, fastest, total = math.inf, -math.inf, 0.0
-    for i in range(parts):
-        speed = periods[:, TALLIES + i].sum() / phase
-        slowest, fastest = min(slowest, speed), max(fastest, speed)
-        total += speed
-        result[ROW_COLUMNS + i] = speed
-    result[COLUMN.velocity] = total / parts
-    result[COLUMN.slowest], result[COLUMN.fastest] = slowest, fastest
-    result[COLUMN.contact] = periods[:, 0].sum() / (phase * max(1, parts - 1))
-    result[COLUMN.flight] = periods[:, 1].sum() / phase
-    result[COLUMN.collisions] = periods[:, 2].sum() / count
-    result[COLUMN.impact] = periods[:, 3].sum() / count
-    struck = periods[:, 5].sum()
-    result[COLUMN.stop_force] = (periods[:, 4].sum() + struck) / phase
-    result[COLUMN.stop_impulse] = struck / count
-    result[COLUMN.stop_peak] = periods[:, 6].max()
-    result[COLUMN.stop_contact] = periods[:, 7].sum() / phase
-    together, swept = 0, 0.0
-    for i in range(parts - 1):
-        if numbers[i] == numbers[i + 1]:
-            together += 1
-            swept += periods[:, TALLIES + parts + i].sum() / phase
-    result[COLUMN.gap] = swept / together if together > 0 else math.nan
+        cycle = cycle_of(row, air, past, done, since, scale)
+        if cycle > 0 and (not hastened or done - 2 * cycle >= since):
+            return air, done, cycle, since
+        early = hastened and 2 * done < means.shape[0]
+        if early and not is_held(row, parts) and hasten(row, past, done, since, scale):
+            since = done
+    return air, means.shape[0], 0, since
 
 
 @compiled

@@ -269,6 +269,39 @@ def least_friction(row: Row, first: int, end: int, way: int) -> float:
 
 
 @borrowing
+def _touching(row: Row, contact: int) -> tuple[int, int, bool]:
+    """Return the parts that touch when a contact closes: first, behind the last; True with a stop.
+
+    `contact` is the index of the rear part of two that collide.
+    """
+    parts = row.mass.size
+    first, end = contact, min(contact + 2, parts)
+    while first > 0 and row.gap[first - 1] <= 0.0:
+        first -= 1
+    while end < parts and row.gap[end - 1] <= 0.0:
+        end += 1
+    stopped = (
+        row.stop != NO_STOP and end == parts and (contact == parts - 1 or row.gap[parts - 1] <= 0.0)
+    )
+    return first, end, stopped
+
+
+@borrowing
+def closing(row: Row, contact: int, least: float) -> float:
+    """Return how many contacts close at a collision, with a relative velocity above `least`.
+
+    Those of all parts that touch when the contact of part `contact` and the next one closes, and of
+    the front part with a stop; `least` is in g/w (w = 2 pi f).
+    """
+    first, end, stopped = _touching(row, contact)
+    count = 0.0
+    for i in range(first, end if stopped else end - 1):
+        meets = row.speed[i] - row.speed[i + 1]
+        count += 1.0 if row.closed[i] == 0 and meets > least else 0.0
+    return count
+
+
+@borrowing
 def collide(row: Row, contact: int, restitution: float) -> tuple[float, float]:
     """Collide two parts of a row and all that touch them; return energy lost, impulse on the stop.
 
@@ -280,14 +313,7 @@ def collide(row: Row, contact: int, restitution: float) -> tuple[float, float]:
     `row` are changed (theory 17.2).
     """
     parts = row.mass.size
-    first, end = contact, min(contact + 2, parts)
-    while first > 0 and row.gap[first - 1] <= 0.0:
-        first -= 1
-    while end < parts and row.gap[end - 1] <= 0.0:
-        end += 1
-    stopped = (
-        row.stop != NO_STOP and end == parts and (contact == parts - 1 or row.gap[parts - 1] <= 0.0)
-    )
+    first, end, stopped = _touching(row, contact)
     for i in range(first, end):
         row.value[i] = row.speed[i]
     for i in range(first, end - 1):

@@ -15,21 +15,24 @@ from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.rows.advance import ON_FLOOR, Air
-from core.motion.kernels.rows.cells import (
+from core.motion.kernels.rows.contact import pooled
+from core.motion.kernels.rows.repeat import (
+    AGREES_NEARLY,
     MULTIPLES,
-    TALLIES,
     Past,
+    cycle_of,
     finish,
     keep,
     past_of,
-    repeats,
+    remaining,
+    shortest,
 )
-from core.motion.kernels.rows.contact import pooled
 from core.motion.kernels.rows.tables import (
     AT,
     COLUMN,
     IN_SPACE,
     NO_STOP,
+    TALLIES,
     Row,
     columns_of,
     row_of,
@@ -243,6 +246,7 @@ def follow_steps(cell: Floats, steps: int, result: Floats, stop: Stop) -> int:
     `result` has the columns of `COLUMN`, then velocity and platoon of each part; `stop` is a flag
     that ends the work.
     """
+    result[:] = math.nan
     row, pushes, most = row_of(cell), pushes_of(cell, steps), int(cell[AT.max_periods])
     parts = row.mass.size
     gs, gn = cell[AT.gravity_number_along], cell[AT.gravity_number_normal]
@@ -265,10 +269,15 @@ def follow_steps(cell: Floats, steps: int, result: Floats, stop: Stop) -> int:
         )  # fmt: skip
         air = Air(height + rate, 0.0) if height > 0.0 else ON_FLOOR
         here[TALLIES : TALLIES + parts] = row.place - past.place[period % (MULTIPLES + 1)]
-        for multiple in range(1, min(MULTIPLES, period) + 1):
-            if repeats(row, air, past, period + 1, multiple, scale):
-                return finish(row, past, means, period + 1, multiple, scale, result)
-    return finish(row, past, means, most, 0, scale, result)
+        cycle = cycle_of(row, air, past, period + 1, 0, scale)
+        if cycle > 0:
+            left = remaining(row, past, period + 1, cycle, 0, scale)
+            status = finish(row, past, means, period + 1, cycle, left, scale, result)
+            result[COLUMN.multiple] = shortest(
+                row, air, past, period + 1, cycle, AGREES_NEARLY, scale
+            )
+            return status
+    return finish(row, past, means, most, 0, 0.0, scale, result)
 
 
 @compiled
@@ -293,12 +302,11 @@ def stepped_rows(steps: int, cells: Floats, table: Floats, status: Statuses, sto
     """
     coarse = np.zeros(table.shape[1])
     for number in range(cells.shape[0]):
-        cell = cells[number]
-        found = follow_steps(cell, 2 * steps + 1, table[number], stop)
+        cell, fine = cells[number], table[number]
+        found = follow_steps(cell, 2 * steps + 1, fine, stop)
         follow_steps(cell, steps, coarse, stop)
         if raised(stop):
             return
-        fine = table[number]
         apart = abs(fine[COLUMN.velocity] - coarse[COLUMN.velocity])
         pushes = pushes_of(cell, steps)
         most = np.abs(pushes.along).max() + np.abs(pushes.normal).max()

@@ -43,6 +43,15 @@ part follows, then the number of its platoon from the rear, each with room as in
 COLUMN = RowColumns(*range(len(RowColumns._fields)))
 ROW_COLUMNS = len(RowColumns._fields)
 
+Tally = namedtuple("Tally", "closed air hits lost pressed struck peak held moving")
+"""Of a period: phase times closed contacts, phase in the air, collisions, the energy they took; of
+the stop the integral of the force, the impulse of strokes, the largest force, the phase in touch;
+the phase in which parts slide on the track or are in the air.
+"""
+
+TALLY = Tally(*range(len(Tally._fields)))
+TALLIES = len(TALLY)
+
 
 class Drive(NamedTuple):
     """Push and load per weight: c sin(tau) + level - gs along, gn - s sin(tau) onto the floor.
