@@ -28,6 +28,7 @@ from core.mechanics.bowl_track import (
 )
 from core.motion.rates import parts_per_minute
 from core.plan.equations import run
+from core.quantities import QUANTITIES
 from core.quantities.bowl_track import OF_STRETCHES
 from core.scenes.graph import between
 from core.scenes.scene import Condition, Equation, fields, keywords
@@ -344,18 +345,21 @@ class Between(NamedTuple):
 def between_nodes(speeds: Speeds) -> Between:
     """Return what is known between the nodes of `speeds`, whose velocities are taken as linear.
 
-    Where the slope of the velocity differs by D from that of a neighbour, it may lie d D/2 beside
-    the straight line in an interval of length d: at least as far as a kink, four times as far as a
-    parabola. Slopes that differ by what the velocities' own errors explain count as equal.
+    A bend lies at most d D beside the straight line in an interval of length d, where D is the
+    difference of its slope to that of its neighbours, the smaller one: once to twice as far as a
+    kink, eight times as far as a parabola. Nor is the velocity below those of both neighbours'
+    lines, which counts where it jumps. Of D is taken off what the velocities' own errors explain.
     """
     v, error = speeds.velocity, speeds.error
     joined = (np.diff(speeds.cell) == 0) & (np.diff(speeds.stretch) == 0)
     width = np.where(joined, np.diff(speeds.at), 0.0)
     way = width * speeds.length[1:]
     slope = np.diff(v) / np.where(joined, way, 1.0)
-    turned = np.where(joined[1:] & joined[:-1], np.abs(np.diff(slope)), 0.0)
+    beside = joined[1:] & joined[:-1]
+    before = np.append(np.nan, np.where(beside, slope[:-1], np.nan))
+    after = np.append(np.where(beside, slope[1:], np.nan), np.nan)
     doubt = np.fmax(error[1:], error[:-1])
-    bend = np.fmax(np.append(turned, 0.0), np.append(0.0, turned)) * way / 2.0
+    bend = np.fmin(np.abs(slope - before), np.abs(slope - after)) * way
     bend = np.fmax(bend - 3.0 * doubt, 0.0)
 
     def time(lower: Array | float) -> Array:
@@ -363,10 +367,13 @@ def between_nodes(speeds: Speeds) -> Between:
         return np.where(joined, way * slowness(v[:-1] - lower, v[1:] - lower), 0.0)
 
     with np.errstate(invalid="ignore"):  # of times that are infinite
-        taken, least = time(0.0), np.where(joined, np.minimum(v[:-1], v[1:]), np.inf)
+        taken = time(0.0)
         late, later = time(bend / 2.0) - taken, time(bend / 2.0 + doubt) - taken
+    lines = v[:-1] + np.fmin(before * way, 0.0), v[1:] - np.fmax(after * way, 0.0)
+    lower = np.fmax(np.minimum(v[:-1], v[1:]) - bend, np.minimum(*lines))
+    lower = np.where(joined, lower, np.inf)
     ends = ((0.0, width), (0.0, taken), (0.0, late), (0.0, later))
-    lows = ((np.inf, least - bend), (np.inf, least - bend - doubt))
+    lows = ((np.inf, lower), (np.inf, lower - doubt))
     return Between._make(np.append(values, end) for end, values in (*ends, *lows))
 
 
@@ -454,7 +461,7 @@ class AlongTrack:
         place = np.where(np.isnan(least), np.nan, fraction)
         return Passage(
             time=np.where(least <= 0.0, np.inf, time),
-            time_error=later,
+            time_error=np.where(least <= 0.0, 0.0, later),
             slowest=least,
             slowest_error=least - lowest,
             fraction=place,
@@ -561,6 +568,10 @@ def along(track: Track, equations: Collection[Equation]) -> tuple[Equation, ...]
     """
     stretches = AllStretches(track)
     way = between(equations, ("track_fraction",), FOLLOWED)
+    needed = {name for one in way for name in one.inputs} - {one.gives for one in way}
+    # Several arrays in one are computed anew at each place: only arrays of cells are handed on.
+    bundles = {name for name in needed - {"stretches"} if QUANTITIES[name].bundle}
+    way = (*(one for one in equations if one.gives in bundles), *way)
     given = {*stretches.inputs, *(name for one in way for name in one.inputs)}
     given -= {"track_fraction", "stretches", *(one.gives for one in way)}
     passage = AlongTrack(stretches, way, tuple(sorted(given)))
