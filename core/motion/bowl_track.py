@@ -37,9 +37,10 @@ from core.study.simulate_study import SETTINGS
 SOURCE = "theory 15.6"
 PARTS = 16
 """Equal intervals of a stretch, at whose ends the motion is followed at first."""
-CLOSE = 1.1 / 64
-"""Largest interval of a stretch, as a share of it, where hops remember the one before: their motion
-jumps from cycle to cycle there, or has none, in bands that wider intervals miss."""
+CLOSE, ACROSS = 1 / 60, 1 / 1000
+"""Largest interval of a stretch, as a share of it, where hops remember the one before, and where
+the number of periods changes: the motion jumps there, or takes too long to settle, in bands that
+wider intervals miss."""
 MEMORY = float(np.hypot(1.0, np.pi))
 """Throw number above which hops remember the one before (theory 13.6)."""
 ENOUGH = 1e-3
@@ -303,8 +304,8 @@ class Speeds(NamedTuple):
         Share of the stretch's length, and that length [m].
     velocity, error : ndarray
         Mean velocity, NaN where there is none, and its own error [m s-1].
-    remembers : ndarray of bool
-        Whether hops depend on those before.
+    throw, multiple : ndarray
+        Throw number, and periods after which the motion repeats [1].
     """
 
     cell: NDArray[np.intp]
@@ -313,7 +314,8 @@ class Speeds(NamedTuple):
     length: Array
     velocity: Array
     error: Array
-    remembers: Mask
+    throw: Array
+    multiple: Array
 
 
 class Between(NamedTuple):
@@ -485,12 +487,9 @@ class AlongTrack:
         stretches, fraction = self._place(known, cell, stretch, at)
         here = {name: value[cell] for name, value in known.items()} | settings
         found = run(self.way, {**here, "stretches": stretches, "track_fraction": fraction})
-        velocity, error, throw, multiple = (
-            np.broadcast_to(np.asarray(found[name], dtype=float), at.shape) for name in FOLLOWED
-        )
         length = np.stack(stretches.length)[stretch, np.arange(len(at))]
-        remembers = (throw > MEMORY) | (multiple > 1.0)
-        return Speeds(cell, stretch, at, length, velocity, error, remembers)
+        motion = (np.broadcast_to(np.asarray(found[name], float), at.shape) for name in FOLLOWED)
+        return Speeds(cell, stretch, at, length, *motion)
 
     def _doubtful(self, speeds: Speeds) -> Mask:
         """True where an interval may spoil time or least velocity of its cell, of shape (n,)."""
@@ -502,8 +501,11 @@ class AlongTrack:
         share = ENOUGH / (PARTS * self.stretches.track.count)
         late = np.isfinite(time) & (between.late > share * time)
         low = between.lower < least - ENOUGH * np.abs(least)
-        remembers = speeds.remembers | np.append(speeds.remembers[1:], False)
-        wide = remembers & (between.width > CLOSE)
+        remembers = np.fmax(speeds.throw[:-1], speeds.throw[1:]) > MEMORY
+        remembers |= np.fmax(speeds.multiple[:-1], speeds.multiple[1:]) > 1.0
+        differs = speeds.multiple[:-1] != speeds.multiple[1:]
+        widest = np.where(differs, ACROSS, np.where(remembers, CLOSE, 1.0))
+        wide = between.width > np.append(widest, 1.0)
         return (np.bincount(number)[number] <= MOST) & ~np.isnan(least) & (late | low | wide)
 
 
