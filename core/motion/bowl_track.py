@@ -318,8 +318,8 @@ class Speeds(NamedTuple):
     multiple: Array
 
 
-class Between(NamedTuple):
-    """What is known between neighbouring nodes of `Speeds`; arrays of one shape (n,).
+class Intervals(NamedTuple):
+    """Times and least velocities between neighbouring nodes of `Speeds`; arrays of one shape (n,).
 
     An interval belongs to the node at its start. Those that lead to another stretch or cell have no
     length, and take no time.
@@ -331,7 +331,7 @@ class Between(NamedTuple):
     time : ndarray
         Time of a part [s].
     late, later : ndarray
-        What a bend of the velocity between the nodes may add to it; with their own errors [s].
+        Time that a bend of the velocity between the nodes may add; with their own errors [s].
     lower, lowest : ndarray
         Least velocity that such a bend leaves possible; with those errors [m s-1].
     """
@@ -344,8 +344,8 @@ class Between(NamedTuple):
     lowest: Array
 
 
-def between_nodes(speeds: Speeds) -> Between:
-    """Return what is known between the nodes of `speeds`, whose velocities are taken as linear.
+def intervals_of(speeds: Speeds) -> Intervals:
+    """Return times and least velocities between the nodes of `speeds`, linear from one to the next.
 
     A bend lies at most d D beside the straight line in an interval of length d, where D is the
     difference of its slope to that of its neighbours, the smaller one: once to twice as far as a
@@ -376,7 +376,7 @@ def between_nodes(speeds: Speeds) -> Between:
     lower = np.where(joined, lower, np.inf)
     ends = ((0.0, width), (0.0, taken), (0.0, late), (0.0, later))
     lows = ((np.inf, lower), (np.inf, lower - doubt))
-    return Between._make(np.append(values, end) for end, values in (*ends, *lows))
+    return Intervals._make(np.append(values, end) for end, values in (*ends, *lows))
 
 
 @dataclass(frozen=True)
@@ -452,25 +452,27 @@ class AlongTrack:
             speeds = Speeds._make(
                 np.insert(old, near + 1, new) for old, new in zip(speeds, more, strict=True)
             )
-        between, start = between_nodes(speeds), np.flatnonzero(np.diff(speeds.cell, prepend=-1))
-        time, later = (np.add.reduceat(one, start) for one in (between.time, between.later))
+        intervals, start = intervals_of(speeds), np.flatnonzero(np.diff(speeds.cell, prepend=-1))
+        time, later = (np.add.reduceat(one, start) for one in (intervals.time, intervals.later))
         least = np.minimum.reduceat(speeds.velocity, start)  # NaN is least of all
-        lowest = np.minimum.reduceat(between.lowest, start)
+        lowest = np.minimum.reduceat(intervals.lowest, start)
         is_least = np.isnan(speeds.velocity) | (speeds.velocity == least[speeds.cell])
         hits = np.flatnonzero(is_least)
         slowest = hits[np.unique(speeds.cell[hits], return_index=True)[1]]
-        stretches, fraction = self._place(known, *(one[slowest] for one in speeds[:3]))
-        place = np.where(np.isnan(least), np.nan, fraction)
+        stretches, fraction = self._location(
+            known, speeds.cell[slowest], speeds.stretch[slowest], speeds.at[slowest]
+        )
+        unknown = np.isnan(least)
         return Passage(
             time=np.where(least <= 0.0, np.inf, time),
             time_error=np.where(least <= 0.0, 0.0, later),
             slowest=least,
             slowest_error=least - lowest,
-            fraction=place,
-            radius=np.where(np.isnan(least), np.nan, radius_at(fraction, stretches)),
+            fraction=np.where(unknown, np.nan, fraction),
+            radius=np.where(unknown, np.nan, radius_at(fraction, stretches)),
         )
 
-    def _place(
+    def _location(
         self, known: dict[str, Array], cell: NDArray[np.intp], stretch: NDArray[np.intp], at: Array
     ) -> tuple[Stretches, Array]:
         """Return the stretches of cells, and the share of the whole track at that of a stretch."""
@@ -484,7 +486,7 @@ class AlongTrack:
         stretch: NDArray[np.intp], at: Array,
     ) -> Speeds:  # fmt: skip
         """Return the mean velocities of parts at shares `at` of stretches, all of shape (n,)."""
-        stretches, fraction = self._place(known, cell, stretch, at)
+        stretches, fraction = self._location(known, cell, stretch, at)
         here = {name: value[cell] for name, value in known.items()} | settings
         found = run(self.way, {**here, "stretches": stretches, "track_fraction": fraction})
         length = np.stack(stretches.length)[stretch, np.arange(len(at))]
@@ -493,19 +495,19 @@ class AlongTrack:
 
     def _doubtful(self, speeds: Speeds) -> Mask:
         """True where an interval may spoil time or least velocity of its cell, of shape (n,)."""
-        between, cell = between_nodes(speeds), speeds.cell
+        intervals, cell = intervals_of(speeds), speeds.cell
         start = np.flatnonzero(np.diff(cell, prepend=-1))
-        time = np.add.reduceat(between.time, start)[cell]
+        time = np.add.reduceat(intervals.time, start)[cell]
         least = np.minimum.reduceat(speeds.velocity, start)[cell]
         number = cell * self.stretches.track.count + speeds.stretch
         share = ENOUGH / (PARTS * self.stretches.track.count)
-        late = np.isfinite(time) & (between.late > share * time)
-        low = between.lower < least - ENOUGH * np.abs(least)
+        late = np.isfinite(time) & (intervals.late > share * time)
+        low = intervals.lower < least - ENOUGH * np.abs(least)
         remembers = np.fmax(speeds.throw[:-1], speeds.throw[1:]) > MEMORY
         remembers |= np.fmax(speeds.multiple[:-1], speeds.multiple[1:]) > 1.0
         differs = speeds.multiple[:-1] != speeds.multiple[1:]
         widest = np.where(differs, ACROSS, np.where(remembers, CLOSE, 1.0))
-        wide = between.width > np.append(widest, 1.0)
+        wide = intervals.width > np.append(widest, 1.0)
         return (np.bincount(number)[number] <= MOST) & ~np.isnan(least) & (late | low | wide)
 
 

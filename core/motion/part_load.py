@@ -11,6 +11,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
+from types import ModuleType
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -360,13 +361,11 @@ class PartLoad:
         high, next_mass, next_damping = (part[index + 1] for part in curve[1:4])
         exact = curve.exact[index]
         columns = tuple(known[name] for name in self.needs)
-        from scipy.optimize import elementwise  # every study of motion knows of this, few need it
-
         line = (low, mass, damping, high, next_mass, next_damping)
         jumps = np.zeros_like(exact)
         for _ in range(2):
             here = (exact & ~jumps, *line)
-            root = elementwise.find_root(self._excess, (low, high), args=(*here, *columns)).x
+            root = _elementwise().find_root(self._excess, (low, high), args=(*here, *columns)).x
             mass, damping = self._load(root, known, *here)
             left = np.abs(self._left(known, mass, damping, root))
             jumps |= left > AGREES
@@ -429,14 +428,12 @@ class PartLoad:
         From those of a load that moves with the track, of `SHARES` of the parts' mass, and of the
         share between them that brings the unit to its resonance.
         """
-        from scipy.optimize import elementwise  # every study of motion knows of this, few need it
 
         def amplitude(share: Array, *columns: Array) -> Array:
             """Return the amplitude of the track if a share of the parts sticks to it [m]."""
             here = dict(zip(self.needs, columns, strict=True))
             mass = share * here["conveyed_mass"]
-            found: Array = self.amplitude(here, mass, np.zeros_like(mass))[0]
-            return found
+            return np.asarray(self.amplitude(here, mass, np.zeros_like(mass))[0])
 
         def softness(share: Array, most: Array, *columns: Array) -> Array:
             """Return 1/A^2, all but a parabola over the share, in units of that of the table."""
@@ -446,12 +443,21 @@ class PartLoad:
         table = np.array([amplitude(share, *columns) for share in SHARES])
         near, most = np.clip(np.argmax(table, axis=0), 1, len(SHARES) - 2), table.max(axis=0)
         bracket = (SHARES[near - 1], SHARES[near], SHARES[near + 1])
-        peak = elementwise.find_minimum(
-            softness, bracket, args=(most, *columns), tolerances={"frtol": 0.01}
-        ).f_x
+        peak = (
+            _elementwise()
+            .find_minimum(softness, bracket, args=(most, *columns), tolerances={"frtol": 0.01})
+            .f_x
+        )
         highest = HIGHEST * known["gravity"] / np.square(known["circular_frequency"])
         resonant = np.minimum(most / np.sqrt(peak), highest)
         return BELOW * table.min(axis=0), BEYOND * np.fmax(most, resonant)
+
+
+def _elementwise() -> ModuleType:
+    """Return scipy's searches on arrays: every study of motion knows of them, few need them."""
+    from scipy.optimize import elementwise
+
+    return elementwise
 
 
 def _cut(columns: list[Array]) -> Iterator[list[Array]]:
