@@ -42,7 +42,7 @@ CLOSE, ACROSS = 1 / 60, 1 / 1000
 the number of periods changes: the motion jumps there, or takes too long to settle, in bands that
 wider intervals miss."""
 MEMORY = float(np.hypot(1.0, np.pi))
-"""Throw number above which hops remember the one before (theory 13.6)."""
+"""Throw number above which hops remember the one before (theory 13.7)."""
 ENOUGH = 1e-3
 """Relative error of transit time and least velocity at which no interval is halved any more."""
 HALVINGS, MOST = 10, 600
