@@ -63,7 +63,8 @@ def stroke_response(
     e^(iwt) and s e^(iwt), with F = `drive_force` [N] and w = `circular_frequency`. With Z = k + i w
     c of the springs, Z_f = k_f + i w c_f of the feet, a = m1 w^2 - i w c_l of the loaded trough and
     of the damper from it to the ground, b = m2 w^2, P = Z_f - b, Q = P - a: s = F Q/D, X1 = F P/D,
-    X2 = F a/D, D = Z Q - a P.
+    X2 = F a/D, D = Z Q - a P. Im(s) = -F w (c |Q|^2 + c_l |P|^2 + c_f |a|^2)/|D|^2, a sum of what
+    the dampers take: the power keeps its digits however little that is.
     """
     w = circular_frequency
     a_real, a_imag = loaded_mass * w * w, -w * load_damping
@@ -73,13 +74,14 @@ def stroke_response(
     d_real = z_real * q_real - z_imag * q_imag - (a_real * p_real - a_imag * p_imag)
     d_imag = z_real * q_imag + z_imag * q_real - (a_real * p_imag + a_imag * p_real)
     size = hypot(d_real, d_imag)
-    d_real, d_imag = d_real / size, d_imag / size
     share = drive_force / size
+    a, p, q = hypot(a_real, a_imag), hypot(p_real, p_imag), hypot(q_real, q_imag)
+    lost = damping * q * (q / size) + load_damping * p * (p / size) + foot_damping * a * (a / size)
     return (
-        share * (q_real * d_real + q_imag * d_imag),
-        share * (q_imag * d_real - q_real * d_imag),
-        share * hypot(p_real, p_imag),
-        share * hypot(a_real, a_imag),
+        share * (q_real * (d_real / size) + q_imag * (d_imag / size)),
+        -share * w * lost,
+        share * p,
+        share * a,
     )
 
 

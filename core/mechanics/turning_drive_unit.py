@@ -15,16 +15,17 @@ def turning_mass_empty(
 ) -> Array:  # fmt: skip
     """Return the mass that the stroke of the empty unit moves, m_r - m_r^2 (d x e)^2/I_t [kg].
 
-    m_r - m_r^2 (d x e)^2/I_t, with m_r = m1 m2/(m1 + m2) of trough (1) and base (2), from which the
-    natural frequency follows. d (`offset_along`, `offset_upward`, [m]) leads from the base's mass
-    centre to the trough's, e is the unit vector along the stroke at `spring_angle` [rad]; I_t = I1
-    + I2 + m_r d^2 with the moments of inertia [kg m2] (theory 15.2).
+    m_r - m_r^2 (d x e)^2/I_t = m_r (I1 + I2 + m_r (d.e)^2)/I_t, with m_r = m1 m2/(m1 + m2) of
+    trough (1) and base (2), from which the natural frequency follows. d (`offset_along`,
+    `offset_upward`, [m]) leads from the base's mass centre to the trough's, e is the unit vector
+    along the stroke at `spring_angle` [rad]; I_t = I1 + I2 + m_r d^2 with the moments of inertia
+    [kg m2] (theory 15.2).
     """
     m_r = moving_mass * (base_mass / (moving_mass + base_mass))
-    arm, inertia = _arm(
-        m_r, moving_inertia, base_inertia, offset_along, offset_upward, spring_angle
-    )
-    return m_r * (1.0 - arm * arm * (m_r / inertia))
+    _, inertia = _arm(m_r, moving_inertia, base_inertia, offset_along, offset_upward, spring_angle)
+    # d^2 - (d x e)^2 = (d.e)^2: the difference cancels where the masses are light to turn.
+    reach = offset_along * cosine(spring_angle) + offset_upward * sine(spring_angle)
+    return m_r * ((moving_inertia + base_inertia + m_r * reach * reach) / inertia)
 
 
 def turning_mass(

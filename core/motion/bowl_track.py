@@ -11,10 +11,10 @@ import inspect
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.errors import Problem
 from core.mechanics.arrays import Array, Mask
@@ -28,6 +28,7 @@ from core.mechanics.bowl_track import (
 )
 from core.motion.rates import parts_per_minute
 from core.plan.equations import run
+from core.quantities import QUANTITIES
 from core.quantities.bowl_track import OF_STRETCHES
 from core.scenes.graph import between
 from core.scenes.scene import Condition, Equation, fields, keywords
@@ -35,13 +36,25 @@ from core.study.simulate_study import SETTINGS
 
 SOURCE = "theory 15.6"
 PARTS = 16
-"""Equal intervals of a stretch, at whose ends the motion is followed."""
+"""Equal intervals of a stretch, at whose ends the motion is followed at first."""
+CLOSE, ACROSS = 1 / 60, 1 / 1000
+"""Largest interval of a stretch, as a share of it, where hops remember the one before, and where
+the number of periods changes: the motion jumps there, or takes too long to settle, in bands that
+wider intervals miss."""
+MEMORY = float(np.hypot(1.0, np.pi))
+"""Throw number above which hops remember the one before (theory 13.7)."""
+ENOUGH = 1e-3
+"""Relative error of transit time and least velocity at which no interval is halved any more."""
+HALVINGS, MOST = 10, 600
+"""How often an interval is halved at most, and intervals of a stretch above which none is."""
 INSIDE = 1e-9
 """Of a stretch: how far its first and last node lie from its ends."""
 SMALL = 1e-4
 """Relative change of a velocity below which its quotient is taken from a series."""
 PIECE = 100_000
 """Largest number of motions that are followed together, for memory."""
+FOLLOWED = ("conveying_velocity", "conveying_velocity_error", "throw_number", "period_multiple")
+"""What is taken of the motion at a place of the track."""
 GIVES_WAY = {"stretch_climb": ("gamma",), "stretch_friction": ("friction", "friction_static",
              "friction_kinetic"), "stretch_radius": ("radius",)}  # fmt: skip
 """Parameters that a study may not give beside a quantity of the stretches, which takes their
@@ -229,7 +242,12 @@ def track_feed_rate(*, passage: Passage, length: Array, occupancy: Array) -> Arr
 
 def stalls(*, passage: Passage) -> Mask:
     """True where parts stop or travel backwards somewhere on the track."""
-    return np.logical_not(passage.slowest > 0.0)
+    return passage.slowest <= 0.0
+
+
+def is_unknown(*, passage: Passage) -> Mask:
+    """True where a place of the track was met at which the motion has no mean velocity."""
+    return np.isnan(passage.slowest)
 
 
 class Passage(NamedTuple):
@@ -238,15 +256,22 @@ class Passage(NamedTuple):
     Attributes
     ----------
     time : ndarray
-        Of a part from start to exit [s]; infinite where it stops on the way.
+        Of a part from start to exit [s]; infinite where it stops on the way. NaN, as all others,
+        where a place has no mean velocity.
+    time_error : ndarray
+        Bound of its error that the speeds between the nodes leave, as far as they bend [s].
     slowest : ndarray
         The least mean velocity [m s-1].
+    slowest_error : ndarray
+        How far below it a place between the nodes may lie, in the same way [m s-1].
     fraction, radius : ndarray
         Share of the length, and radius [m], at which that is.
     """
 
     time: Array
+    time_error: Array
     slowest: Array
+    slowest_error: Array
     fraction: Array
     radius: Array
 
@@ -266,6 +291,94 @@ def slowness(first: Array, last: Array) -> Array:
     return np.where(moves, share / v, held)
 
 
+class Speeds(NamedTuple):
+    """Mean velocities along stretches of tracks; arrays of one shape (n,).
+
+    The nodes of a cell follow each other, from the start of the track to its exit.
+
+    Attributes
+    ----------
+    cell, stretch : ndarray of int
+        The stretch of the track, from 0.
+    at, length : ndarray
+        Share of the stretch's length, and that length [m].
+    velocity, error : ndarray
+        Mean velocity, NaN where there is none, and its own error [m s-1].
+    throw, multiple : ndarray
+        Throw number, and periods after which the motion repeats [1].
+    """
+
+    cell: NDArray[np.intp]
+    stretch: NDArray[np.intp]
+    at: Array
+    length: Array
+    velocity: Array
+    error: Array
+    throw: Array
+    multiple: Array
+
+
+class Intervals(NamedTuple):
+    """Times and least velocities between neighbouring nodes of `Speeds`; arrays of one shape (n,).
+
+    An interval belongs to the node at its start. Those that lead to another stretch or cell have no
+    length, and take no time.
+
+    Attributes
+    ----------
+    width : ndarray
+        Share of the stretch.
+    time : ndarray
+        Time of a part [s].
+    late, later : ndarray
+        Time that a bend of the velocity between the nodes may add; with their own errors [s].
+    lower, lowest : ndarray
+        Least velocity that such a bend leaves possible; with those errors [m s-1].
+    """
+
+    width: Array
+    time: Array
+    late: Array
+    later: Array
+    lower: Array
+    lowest: Array
+
+
+def intervals_of(speeds: Speeds) -> Intervals:
+    """Return times and least velocities between the nodes of `speeds`, linear from one to the next.
+
+    A bend lies at most d D beside the straight line in an interval of length d, where D is the
+    difference of its slope to that of its neighbours, the smaller one: once to twice as far as a
+    kink, eight times as far as a parabola. Nor is the velocity below those of both neighbours'
+    lines, which counts where it jumps. Of D is taken off what the velocities' own errors explain.
+    """
+    v, error = speeds.velocity, speeds.error
+    joined = (np.diff(speeds.cell) == 0) & (np.diff(speeds.stretch) == 0)
+    width = np.where(joined, np.diff(speeds.at), 0.0)
+    way = width * speeds.length[1:]
+    slope = np.diff(v) / np.where(joined, way, 1.0)
+    beside = joined[1:] & joined[:-1]
+    before = np.append(np.nan, np.where(beside, slope[:-1], np.nan))
+    after = np.append(np.where(beside, slope[1:], np.nan), np.nan)
+    doubt = np.fmax(error[1:], error[:-1])
+    bend = np.fmin(np.abs(slope - before), np.abs(slope - after)) * way
+    bend = np.fmax(bend - 3.0 * doubt, 0.0)
+
+    def time(lower: Array | float) -> Array:
+        """Return the time from node to node with velocities that are lower by so much [s]."""
+        return np.where(joined, way * slowness(v[:-1] - lower, v[1:] - lower), 0.0)
+
+    with np.errstate(invalid="ignore"):  # of times that are infinite
+        taken = time(0.0)
+        late, later = time(bend / 2.0) - taken, time(bend / 2.0 + doubt) - taken
+    lines = v[:-1] + np.fmin(before * way, 0.0), v[1:] - np.fmax(after * way, 0.0)
+    lower = np.fmax(np.minimum(v[:-1], v[1:]) - bend, np.minimum(*lines))
+    lower = np.where(joined, lower, np.inf)
+    ends = ((0.0, width), (0.0, taken), (0.0, late), (0.0, later))
+    lows = ((np.inf, lower), (np.inf, lower - doubt))
+    return Intervals._make(np.append(values, end) for end, values in (*ends, *lows))
+
+
 @dataclass(frozen=True)
 class AlongTrack:
     """The function of the equation that gives the `Passage`.
@@ -275,7 +388,7 @@ class AlongTrack:
     stretches : AllStretches
         Gives the stretches of a cell.
     way : tuple of Equation
-        From a share of the track's length to the mean velocity there.
+        From a share of the track's length to the motion there.
     needs : tuple of str
         Quantities that it needs from outside.
     """
@@ -290,7 +403,7 @@ class AlongTrack:
 
     @property
     def nodes(self) -> int:
-        """The number of motions that are followed in each cell, at points along the track."""
+        """The least number of motions that are followed in each cell, at points along the track."""
         return self.stretches.track.count * (PARTS + 1)
 
     @property
@@ -307,11 +420,11 @@ class AlongTrack:
         names = [name for name in self.needs if name not in settings]
         columns = np.broadcast_arrays(*(np.asarray(inputs[name], dtype=float) for name in names))
         shape = columns[0].shape
-        flat = [column.reshape(-1, 1) for column in columns]
+        flat = [column.ravel() for column in columns]
         step = max(1, PIECE // self.nodes)
         pieces = [
             self._of_cells(
-                settings | {n: v[at : at + step] for n, v in zip(names, flat, strict=True)}
+                {n: v[at : at + step] for n, v in zip(names, flat, strict=True)}, settings
             )
             for at in range(0, len(flat[0]), step)
         ]
@@ -319,30 +432,83 @@ class AlongTrack:
             np.concatenate(part).reshape(shape) for part in zip(*pieces, strict=True)
         )
 
-    def _of_cells(self, known: dict[str, Any]) -> Passage:
+    def _of_cells(self, known: dict[str, Array], settings: dict[str, Any]) -> Passage:
         """Return the passage of parts along the whole track of a bowl, for a piece of the cells.
 
-        Transit time, least mean velocity, and where that is. The motion is followed at `nodes`
-        places of the track; between two the mean velocity is taken as linear. `known` holds the
-        quantities of `needs` by name, of shape (cells, 1).
+        The motion is followed at 17 places of each stretch, and in the middle of two as long as
+        time or least velocity may be wrong there. `known` holds the quantities of `needs` by name,
+        of shape (cells,), `settings` those of the method.
         """
-        stretches = self.stretches(**{name: known[name] for name in self.stretches.inputs})
+        cells, count = len(known["start_radius"]), self.stretches.track.count
         x = np.clip(np.linspace(0.0, 1.0, PARTS + 1), INSIDE, 1.0 - INSIDE)
-        ends = bounds(stretches)
-        nodes = np.concatenate([low + (high - low) * x for low, high in pairwise(ends)], axis=1)
-        cells = len(nodes)
-        found = run(self.way, {**known, "stretches": stretches, "track_fraction": nodes})
-        velocity = np.broadcast_to(found["conveying_velocity"], nodes.shape)
-        rows, slowest = np.arange(cells), np.argmin(velocity, axis=1)  # NaN is least of all
-        of_stretch = velocity.reshape(cells, -1, PARTS + 1)
-        means = slowness(of_stretch[..., :-1], of_stretch[..., 1:]).mean(axis=2)
-        lengths = np.concatenate(stretches.length, axis=1)
-        return Passage(
-            time=(lengths * means).sum(axis=1),
-            slowest=velocity[rows, slowest],
-            fraction=nodes[rows, slowest],
-            radius=radius_at(nodes, stretches)[rows, slowest],
+        cell, stretch = np.divmod(np.repeat(np.arange(cells * count), len(x)), count)
+        speeds = self._speeds(known, settings, cell, stretch, np.tile(x, cells * count))
+        for _ in range(HALVINGS):
+            near = np.flatnonzero(self._doubtful(speeds))
+            if not near.size:
+                break
+            middle = 0.5 * (speeds.at[near] + speeds.at[near + 1])
+            more = self._speeds(known, settings, speeds.cell[near], speeds.stretch[near], middle)
+            speeds = Speeds._make(
+                np.insert(old, near + 1, new) for old, new in zip(speeds, more, strict=True)
+            )
+        intervals, start = intervals_of(speeds), np.flatnonzero(np.diff(speeds.cell, prepend=-1))
+        time, later = (np.add.reduceat(one, start) for one in (intervals.time, intervals.later))
+        least = np.minimum.reduceat(speeds.velocity, start)  # NaN is least of all
+        lowest = np.minimum.reduceat(intervals.lowest, start)
+        is_least = np.isnan(speeds.velocity) | (speeds.velocity == least[speeds.cell])
+        hits = np.flatnonzero(is_least)
+        slowest = hits[np.unique(speeds.cell[hits], return_index=True)[1]]
+        stretches, fraction = self._location(
+            known, speeds.cell[slowest], speeds.stretch[slowest], speeds.at[slowest]
         )
+        unknown = np.isnan(least)
+        return Passage(
+            time=np.where(least <= 0.0, np.inf, time),
+            time_error=np.where(least <= 0.0, 0.0, later),
+            slowest=least,
+            slowest_error=least - lowest,
+            fraction=np.where(unknown, np.nan, fraction),
+            radius=np.where(unknown, np.nan, radius_at(fraction, stretches)),
+        )
+
+    def _location(
+        self, known: dict[str, Array], cell: NDArray[np.intp], stretch: NDArray[np.intp], at: Array
+    ) -> tuple[Stretches, Array]:
+        """Return the stretches of cells, and the share of the whole track at that of a stretch."""
+        stretches = self.stretches(**{name: known[name][cell] for name in self.stretches.inputs})
+        ends, rows = np.stack(bounds(stretches)), np.arange(len(cell))
+        low, high = ends[stretch, rows], ends[stretch + 1, rows]
+        return stretches, low + (high - low) * at
+
+    def _speeds(
+        self, known: dict[str, Array], settings: dict[str, Any], cell: NDArray[np.intp],
+        stretch: NDArray[np.intp], at: Array,
+    ) -> Speeds:  # fmt: skip
+        """Return the mean velocities of parts at shares `at` of stretches, all of shape (n,)."""
+        stretches, fraction = self._location(known, cell, stretch, at)
+        here = {name: value[cell] for name, value in known.items()} | settings
+        found = run(self.way, {**here, "stretches": stretches, "track_fraction": fraction})
+        length = np.stack(stretches.length)[stretch, np.arange(len(at))]
+        motion = (np.broadcast_to(np.asarray(found[name], float), at.shape) for name in FOLLOWED)
+        return Speeds(cell, stretch, at, length, *motion)
+
+    def _doubtful(self, speeds: Speeds) -> Mask:
+        """True where an interval may spoil time or least velocity of its cell, of shape (n,)."""
+        intervals, cell = intervals_of(speeds), speeds.cell
+        start = np.flatnonzero(np.diff(cell, prepend=-1))
+        time = np.add.reduceat(intervals.time, start)[cell]
+        least = np.minimum.reduceat(speeds.velocity, start)[cell]
+        number = cell * self.stretches.track.count + speeds.stretch
+        share = ENOUGH / (PARTS * self.stretches.track.count)
+        late = np.isfinite(time) & (intervals.late > share * time)
+        low = intervals.lower < least - ENOUGH * np.abs(least)
+        remembers = np.fmax(speeds.throw[:-1], speeds.throw[1:]) > MEMORY
+        remembers |= np.fmax(speeds.multiple[:-1], speeds.multiple[1:]) > 1.0
+        differs = speeds.multiple[:-1] != speeds.multiple[1:]
+        widest = np.where(differs, ACROSS, np.where(remembers, CLOSE, 1.0))
+        wide = intervals.width > np.append(widest, 1.0)
+        return (np.bincount(number)[number] <= MOST) & ~np.isnan(least) & (late | low | wide)
 
 
 RESULTS = (
@@ -351,17 +517,25 @@ RESULTS = (
         "passage",
         SOURCE,
         transit_time=("time", "the time of a part from start to exit; infinite if it stops [s]"),
+        transit_time_error=(
+            "time_error",
+            "what speeds between the places that are followed may add to the transit time [s]",
+        ),
         bottleneck_velocity=("slowest", "the least mean velocity along the track [m s-1]"),
+        bottleneck_velocity_error=(
+            "slowest_error",
+            "how far below it a place between those that are followed may be [m s-1]",
+        ),
         bottleneck_fraction=("fraction", "the share of the length at which parts are slowest [1]"),
         bottleneck_radius=("radius", "the radius at which parts are slowest [m]"),
     ),
     Equation("track_feed_rate", track_feed_rate, SOURCE),
 )
 DEFAULTS = {"track_fraction": 0.0, "load_fraction": 0.5}
-STALLS = Condition(
-    "stalls",
-    stalls,
-    frozenset(one.gives for one in RESULTS if one.gives != "track_length"),
+_OF_PASSAGE = frozenset(one.gives for one in RESULTS if one.gives != "track_length")
+CONDITIONS = (
+    Condition("unresolved", is_unknown, _OF_PASSAGE),
+    Condition("stalls", stalls, _OF_PASSAGE),
 )
 
 
@@ -394,10 +568,14 @@ def along(track: Track, equations: Collection[Equation]) -> tuple[Equation, ...]
 
     They give transit time, feed rate, and place and velocity of the bottleneck, from motions at
     several nodes of each stretch of the `track`. `equations` are those of a part at one place,
-    which lead from its share of the track's length (`track_fraction`) to its mean velocity.
+    which lead from its share of the track's length (`track_fraction`) to its motion.
     """
     stretches = AllStretches(track)
-    way = between(equations, ("track_fraction",), ("conveying_velocity",))
+    way = between(equations, ("track_fraction",), FOLLOWED)
+    needed = {name for one in way for name in one.inputs} - {one.gives for one in way}
+    # Several arrays in one are computed anew at each place: only arrays of cells are handed on.
+    bundles = {name for name in needed - {"stretches"} if QUANTITIES[name].bundle}
+    way = (*(one for one in equations if one.gives in bundles), *way)
     given = {*stretches.inputs, *(name for one in way for name in one.inputs)}
     given -= {"track_fraction", "stretches", *(one.gives for one in way)}
     passage = AlongTrack(stretches, way, tuple(sorted(given)))

@@ -279,7 +279,7 @@ class _Spliced:
             if condition.regime in SERIOUS
         )
         if unit.track is not None:
-            kept = (*kept, bowl_track.STALLS)
+            kept = (*kept, *bowl_track.CONDITIONS)
         if not unit.loaded:
             return (*kept, *of_part)
         any_result = frozenset().union(*(condition.outputs for condition in of_part))

@@ -1,9 +1,9 @@
 """The load of conveyed parts on their drive unit, and the amplitude at which both agree.
 
 A part that moves in time with its track is felt as a mass and as a damper (theory 13.15), which
-hang on the amplitude, which hangs on them. A table over amplitudes brackets every agreement; each
-is then found to rounding, or, where the parts' motion does not repeat, in a straight line between
-two of the table, whose means scatter by some per cent.
+depend on the amplitude, which depends on them. A table over amplitudes, finer where both come near,
+brackets every agreement; each is then found to rounding, or, where the parts' motion does not
+repeat, in a straight line between two of the table, whose means scatter by some per cent.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
+from types import ModuleType
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -27,11 +28,17 @@ SETTINGS: dict[str, Any] = dict(EVENTS.defaults)
 """Settings of the method `events`, by which the parts' motion is followed, whatever the study's own
 method."""
 STEP = 0.03
-"""Step of the logarithm of the amplitude in the table."""
-WIDTH = 300.0
-"""Largest amplitude of the table over the smallest: loads that brake more do not occur."""
-BEYOND = 1.1
-"""Largest amplitude of the table over that of any load that sticks or floats."""
+"""Step of the logarithm of the amplitude in the table before it is made finer."""
+STEEP, TURNING = 10 / 3, 20.0
+"""Slopes of h that the table allows for, everywhere and where |h| is least: it halves an interval
+in which they reach 0, that is within 5 % of 0, or 30 % where the slope turns."""
+HALVINGS = 6
+"""How often it halves: to 0.05 %."""
+BELOW, BEYOND = 0.1, 1.1
+"""Least and largest amplitude of the table over those of a load that moves with the track. A load
+pushes with at most some 3 times the force of one that sticks: the mean of its weight bounds it."""
+HIGHEST = 50.0
+"""Acceleration over gravity up to which the table follows a resonance between two of `SHARES`."""
 SHARES = np.linspace(-0.5, 1.5, 9)
 """Shares of the parts' mass that bound what the drive feels."""
 PIECE = 500
@@ -83,6 +90,53 @@ class Load(NamedTuple):
     thrown: Mask
 
 
+class LoadCurve(NamedTuple):
+    """The load of parts over the amplitude of their track; arrays of one shape (n,).
+
+    The rows of a cell follow each other, with growing amplitude. What stands between two rows has
+    the shape (n - 1,), an interval each.
+
+    Attributes
+    ----------
+    cell : ndarray of int
+    at : ndarray
+        Logarithm of the amplitude [m].
+    mass, damping : ndarray
+        As in `Load`.
+    excess : ndarray
+        h = ln(A_unit/A), 0 where drive and parts agree.
+    repeats : ndarray of bool
+        Whether the motion of the parts repeats.
+    """
+
+    cell: NDArray[np.intp]
+    at: Array
+    mass: Array
+    damping: Array
+    excess: Array
+    repeats: Mask
+
+    @property
+    def joined(self) -> Mask:
+        """True between rows of one cell."""
+        return self.cell[1:] == self.cell[:-1]
+
+    @property
+    def exact(self) -> Mask:
+        """True between rows whose motions repeat."""
+        return self.repeats[1:] & self.repeats[:-1]
+
+    def may_cross(self) -> Mask:
+        """True where h may pass 0 between two rows, and back, as far as its slope can tell."""
+        size = np.abs(self.excess)
+        nearest = np.zeros_like(self.repeats)
+        nearest[1:-1] = (size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:])
+        nearest[1:-1] &= self.joined[:-1] & self.joined[1:]
+        slope = np.where(nearest[:-1] | nearest[1:], TURNING, STEEP)
+        reach = slope * np.diff(self.at)
+        return self.joined & self.exact & (size[1:] + size[:-1] < reach)
+
+
 class PartLocation(Protocol):
     """Tells where the parts are that load a unit, of which a study looks at parts all along."""
 
@@ -125,7 +179,7 @@ def part_load(
     at = location.gives if location else ()
     respond = between(of_unit, ("part_load", *at), ("track_amplitude", "vibration_angle"))
     turn = between(of_part, ("amplitude", "beta", *at), ("groups",))
-    inputs = {"conveyed_mass", "moving_mass", "circular_frequency"}
+    inputs = {"conveyed_mass", "moving_mass", "circular_frequency", "gravity"}
     inputs |= {name for one in (*respond, *turn) for name in one.inputs}
     inputs -= {one.gives for one in (*respond, *turn)} | {"part_load", "amplitude", "beta", *at}
     if not any(one.gives == "vibration_angle" for one in respond):
@@ -218,44 +272,66 @@ class PartLoad:
     def _of_cells(self, known: dict[str, Array]) -> Load:
         """Return the load of conveyed parts on their drive unit, for cells in 1-d arrays.
 
-        The motion of the parts is followed at some 200 amplitudes of the track. Where the amplitude
-        of the unit under the load crosses the assumed one, both agree; each such interval is
-        refined. The smallest amplitude at which the excess falls is where a unit comes to rest when
-        it is switched on. NaN where there is none. `known` holds the quantities of `needs` by name,
-        shape (cells,).
+        The smallest amplitude at which the excess h(A) falls through 0 is where a unit comes to
+        rest when it is switched on. NaN where there is none. `known` holds the quantities of
+        `needs` by name, shape (cells,).
         """
-        most = BEYOND * np.max([self._sticking(known, share) for share in SHARES], axis=0)
-        count = int(np.ceil(np.log(WIDTH) / STEP)) + 2
+        curve = self._curve(known)
+        falls = (curve.excess[:-1] > 0.0) & (curve.excess[1:] <= 0.0) & curve.joined
+        rises = (curve.excess[:-1] <= 0.0) & (curve.excess[1:] > 0.0) & curve.joined
+        some = np.flatnonzero(falls)
+        cells, start = np.unique(curve.cell[some], return_index=True)
+        first, last = some[start], some[np.append(start[1:], len(some))[: len(start)] - 1]
+        crossings = np.bincount(curve.cell[:-1][falls | rises], minlength=len(known["moving_mass"]))
+        apart = curve.exact[first] | (curve.at[last] - curve.at[first] > SCATTERED * STEP)
+        several = (crossings[cells] > 1) & apart
+
+        more = last > first
+        index = np.concatenate([first, last[more]])
+        owners = {name: value[curve.cell[index]] for name, value in known.items()}
+        amplitude, mass, damping, hunts = self._agreement(owners, curve, index)
+        count = len(cells)
+        largest = amplitude[:count].copy()
+        largest[more] = amplitude[count:]
+        numbers = (mass[:count], damping[:count], largest)
+        thrown = self._thrown({n: v[cells] for n, v in known.items()}, *numbers[:2])
+        load = Load._make(
+            np.full(len(crossings), empty)
+            for empty in (np.nan, np.nan, np.nan, False, False, False)
+        )
+        for all_cells, part in zip(load, (*numbers, several, hunts[:count], thrown), strict=True):
+            all_cells[cells] = part
+        return load
+
+    def _curve(self, known: dict[str, Array]) -> LoadCurve:
+        """Return the load of parts over the amplitude of their track, fine near its agreements.
+
+        It begins with a table of some 200 amplitudes and halves intervals in which drive and parts
+        may agree. `known` holds the quantities of `needs` by name, shape (cells,).
+        """
+        least, most = self._extremes(known)
         # Cells that differ in what the motion does not know share its amplitudes, and its motions.
-        top = np.ceil(np.log(most) / STEP)
-        nodes = STEP * (top[:, np.newaxis] + np.arange(1.0 - count, 1.0))
-        table = {n: np.broadcast_to(v[:, np.newaxis], nodes.shape).copy() for n, v in known.items()}
-        mass, damping, repeats = self.carried(table, np.exp(nodes))
-        excess = self._left(table, mass, damping, nodes)
-        falls = (excess[:, :-1] > 0.0) & (excess[:, 1:] <= 0.0)
-        rises = (excess[:, :-1] <= 0.0) & (excess[:, 1:] > 0.0)
-        exact = repeats[:, :-1] & repeats[:, 1:]
-        first = np.argmax(falls, axis=1)
-        last = count - 2 - np.argmax(falls[:, ::-1], axis=1)
-        rows = np.arange(len(first))
-        apart = exact[rows, first] | (last - first > SCATTERED)
-        several = ((falls | rises).sum(axis=1) > 1) & apart
+        bottom, top = np.floor(np.log(least) / STEP), np.ceil(np.log(most) / STEP)
+        count = (top - bottom).astype(np.int64) + 1
+        cell = np.repeat(np.arange(len(count)), count)
+        step = np.arange(len(cell)) - (np.cumsum(count) - count)[cell]
+        curve = self._loads(known, cell, STEP * (bottom[cell] + step))
+        for _ in range(HALVINGS):
+            near = np.flatnonzero(curve.may_cross())
+            if not near.size:
+                break
+            middle = 0.5 * (curve.at[near] + curve.at[near + 1])
+            more = self._loads(known, curve.cell[near], middle)
+            curve = LoadCurve._make(
+                np.insert(old, near + 1, new) for old, new in zip(curve, more, strict=True)
+            )
+        return curve
 
-        def agreed(index: NDArray[np.intp]) -> tuple[Array, Array, Array, Mask]:
-            """Return amplitude, mass, damping and jumps of the agreement in one interval.
-
-            `index` is that of the interval of the table, one for each cell.
-            """
-            ends = [
-                tuple(part[rows, index + end] for part in (nodes, mass, damping)) for end in (0, 1)
-            ]
-            return self._agreement(known, ends, exact[rows, index])
-
-        _, *load, hunts = agreed(first)
-        none = ~falls.any(axis=1)
-        numbers = (np.where(none, np.nan, part) for part in (*load, agreed(last)[0]))
-        thrown = self._thrown(known, *load)
-        return Load._make((*numbers, several & ~none, hunts & ~none, thrown & ~none))
+    def _loads(self, known: dict[str, Array], cell: NDArray[np.intp], at: Array) -> LoadCurve:
+        """Return the load of parts at logarithms `at` of the amplitude, in the cells `cell`."""
+        here = {name: value[cell] for name, value in known.items()}
+        mass, damping, repeats = self.carried(here, np.exp(at))
+        return LoadCurve(cell, at, mass, damping, self._left(here, mass, damping, at), repeats)
 
     def _thrown(self, known: dict[str, Array], mass: Array, damping: Array) -> Mask:
         """True where conveyed parts are thrown so hard that they disturb the swing of their track.
@@ -273,24 +349,23 @@ class PartLoad:
         return np.asarray(high & heavy)
 
     def _agreement(
-        self, known: dict[str, Array], ends: list[tuple[Array, ...]], exact: Mask
+        self, known: dict[str, Array], curve: LoadCurve, index: NDArray[np.intp]
     ) -> tuple[Array, Array, Array, Mask]:
         """Return amplitude, mass and damping at which drive and parts agree, and a mask of jumps.
 
-        In one interval of the table of each cell; amplitudes in m. `ends` holds logarithm of
-        amplitude, mass [kg] and damping [N s m-1] of its two ends. Where motions are not `exact`,
-        or the load jumps within, the agreement lies on the line between both ends. `known` are the
-        quantities of `needs` by name.
+        In the intervals `index` of the curve, shape (n,) as of the quantities of `needs` in
+        `known`. Where motions do not repeat, or the load jumps within, the agreement lies on the
+        line between both ends.
         """
-        (low, mass, damping), (high, next_mass, next_damping) = ends
+        low, mass, damping = (part[index] for part in curve[1:4])
+        high, next_mass, next_damping = (part[index + 1] for part in curve[1:4])
+        exact = curve.exact[index]
         columns = tuple(known[name] for name in self.needs)
-        from scipy.optimize import elementwise  # every study of motion knows of this, few need it
-
         line = (low, mass, damping, high, next_mass, next_damping)
         jumps = np.zeros_like(exact)
         for _ in range(2):
             here = (exact & ~jumps, *line)
-            root = elementwise.find_root(self._excess, (low, high), args=(*here, *columns)).x
+            root = _elementwise().find_root(self._excess, (low, high), args=(*here, *columns)).x
             mass, damping = self._load(root, known, *here)
             left = np.abs(self._left(known, mass, damping, root))
             jumps |= left > AGREES
@@ -347,11 +422,42 @@ class PartLoad:
         with np.errstate(invalid="ignore"):
             return np.asarray(np.log(self.amplitude(known, mass, damping)[0]) - logarithm)
 
-    def _sticking(self, known: dict[str, Array], share: float) -> Array:
-        """Return the amplitude of the track in m if the share `share` of the parts sticks to it."""
-        mass = share * known["conveyed_mass"]
-        amplitude: Array = self.amplitude(known, mass, np.zeros_like(mass))[0]
-        return amplitude
+    def _extremes(self, known: dict[str, Array]) -> tuple[Array, Array]:
+        """Return the least and the largest amplitude [m] of the table of each cell.
+
+        From those of a load that moves with the track, of `SHARES` of the parts' mass, and of the
+        share between them that brings the unit to its resonance.
+        """
+
+        def amplitude(share: Array, *columns: Array) -> Array:
+            """Return the amplitude of the track if a share of the parts sticks to it [m]."""
+            here = dict(zip(self.needs, columns, strict=True))
+            mass = share * here["conveyed_mass"]
+            return np.asarray(self.amplitude(here, mass, np.zeros_like(mass))[0])
+
+        def softness(share: Array, most: Array, *columns: Array) -> Array:
+            """Return 1/A^2, all but a parabola over the share, in units of that of the table."""
+            return np.square(most / amplitude(share, *columns))
+
+        columns = tuple(known[name] for name in self.needs)
+        table = np.array([amplitude(share, *columns) for share in SHARES])
+        near, most = np.clip(np.argmax(table, axis=0), 1, len(SHARES) - 2), table.max(axis=0)
+        bracket = (SHARES[near - 1], SHARES[near], SHARES[near + 1])
+        peak = (
+            _elementwise()
+            .find_minimum(softness, bracket, args=(most, *columns), tolerances={"frtol": 0.01})
+            .f_x
+        )
+        highest = HIGHEST * known["gravity"] / np.square(known["circular_frequency"])
+        resonant = np.minimum(most / np.sqrt(peak), highest)
+        return BELOW * table.min(axis=0), BEYOND * np.fmax(most, resonant)
+
+
+def _elementwise() -> ModuleType:
+    """Return scipy's searches on arrays: every study of motion knows of them, few need them."""
+    from scipy.optimize import elementwise
+
+    return elementwise
 
 
 def _cut(columns: list[Array]) -> Iterator[list[Array]]:

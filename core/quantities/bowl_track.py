@@ -94,8 +94,18 @@ BOWL_TRACK: dict[str, Quantity] = {
         "s", "T", "Transit time", "Time of a part on the track, start to exit; infinite if it "
         "stops on the way.",
     ),
+    "transit_time_error": Quantity(
+        "s", "e(T)", "Error of the transit time",
+        "Time that the speeds between the places where the motion is followed may add.",
+        error_of="transit_time",
+    ),
     "bottleneck_velocity": velocity(
         "v_b", "Velocity at the bottleneck", "Least mean velocity along the track."
+    ),
+    "bottleneck_velocity_error": Quantity(
+        "m s-1", "e(v_b)", "Error of the velocity at the bottleneck",
+        "How much slower a part may be between the places where the motion is followed.",
+        error_of="bottleneck_velocity",
     ),
     "bottleneck_fraction": Quantity(
         "1", "x_b", "Share of the track, bottleneck",

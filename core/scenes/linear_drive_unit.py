@@ -29,10 +29,12 @@ TURNING = (
     Equation("track_amplitude", turning_drive_unit.turning_amplitude, "theory 15.2"),
     Equation("vibration_angle", turning_drive_unit.turning_angle, "theory 15.2"),
 )
+_RESONANCE, *_SIDES = tuning("foot_force")
 CONDITIONS = (
     *LIMITS,
+    _RESONANCE,
     Condition("isolation_poor", drive_unit.is_poorly_isolated, frozenset(("foot_force",))),
-    *tuning("foot_force"),
+    *_SIDES,
 )
 OF_TURNING = (*LIMITS, *tuning("trough_turn"))
 STRAIGHT_DEFAULTS = {"foot_stiffness": 0.0, "foot_damping": 0.0}

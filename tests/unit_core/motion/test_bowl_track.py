@@ -10,10 +10,18 @@ import vibrafeed
 from core.errors import StudyError
 from core.intake import prepare_content
 from core.mechanics.bowl_track import Stretches, radius_at
-from core.motion.bowl_track import AllStretches, AlongTrack, track_length, track_of
+from core.motion.bowl_track import (
+    AllStretches,
+    AlongTrack,
+    is_unknown,
+    slowness,
+    stalls,
+    track_length,
+    track_of,
+)
 from core.quantities import REGIMES
 from core.scenes.scene import Equation
-from night import NIGHT
+from night import NIGHT, count
 
 BOWL = {
     "moving_mass": 12, "base_mass": 40, "moving_inertia": 0.25, "base_inertia": 0.9,
@@ -91,10 +99,10 @@ def _mass(m1, i1):
 
 
 def test_time_and_bottleneck_are_those_of_a_fine_walk_along_the_track():
-    count = 2001 if NIGHT else 241
+    places = 2001 if NIGHT else 241
     fine = vibrafeed.simulate(
         **STUDY, outputs=["conveying_velocity", "track_radius", "track_length", *WHOLE],
-        track_fraction={"start": 0, "stop": 1, "num": count},
+        track_fraction={"start": 0, "stop": 1, "num": places},
     )  # fmt: skip
     x, v = fine.track_fraction.values, fine.conveying_velocity.values
     assert np.ptp(v) > 0.2 * v.max(), "the speed changes along the track"
@@ -110,27 +118,155 @@ def test_time_and_bottleneck_are_those_of_a_fine_walk_along_the_track():
     )
 
 
-def test_a_method_gets_its_settings_as_they_are_and_nodes_are_enough_for_a_mean():
-    """A speed of 0.1 + x takes L (ln(1.1) - ln(0.1)); methods take one number of a setting."""
+def walk_of(speed, **others):
+    """Return the passage along the track of `TRACK` of a speed made up, and what it was asked."""
     (track, _) = track_of(TRACK, of_bowl=True)
+    stretches, asked = AllStretches(track), []
 
-    def speed(*, track_fraction, max_periods):
+    def made_up(*, track_fraction, max_periods):
         assert np.ndim(max_periods) == 0
-        return 0.1 + track_fraction
+        asked.extend(np.ravel(track_fraction))
+        return speed(track_fraction)
 
-    stretches = AllStretches(track)
+    rest = {"conveying_velocity_error": 0.0, "throw_number": 2.0, "period_multiple": 1.0, **others}
+
+    def constant(name):
+        def value(*, track_fraction):
+            here = rest[name]
+            return here(track_fraction) if callable(here) else np.full_like(track_fraction, here)
+
+        return Equation(name, value, "")
+
     walk = AlongTrack(
         stretches,
-        (Equation("conveying_velocity", speed, ""),),
+        (Equation("conveying_velocity", made_up, ""), *map(constant, rest)),
         (*stretches.inputs, "max_periods"),
     )
     given = {name: np.array(TRACK[name]) for name in stretches.inputs}
     given |= {name: np.radians(given[name]) for name in given if "climb" in name}
     passage = walk(**given, max_periods=np.array(7.0))
-    length = float(track_length(stretches=stretches(**given)))
+    return passage, float(track_length(stretches=stretches(**given))), np.unique(asked)
+
+
+def test_a_method_gets_its_settings_as_they_are_and_nodes_are_enough_for_a_mean():
+    """A speed of 0.1 + x takes L (ln(1.1) - ln(0.1)); methods take one number of a setting."""
+    passage, length, asked = walk_of(lambda x: 0.1 + x)
     assert float(passage.time) == pytest.approx(length * np.log(11), rel=1e-7)
+    assert float(passage.time_error) == pytest.approx(0.0, abs=1e-9)
     assert float(passage.slowest) == pytest.approx(0.1, rel=1e-7)
     assert float(passage.radius) == pytest.approx(0.1, rel=1e-7)
+    assert len(asked) == 2 * 17
+
+
+@pytest.mark.parametrize(
+    "speed",
+    [
+        lambda x: 0.01 + np.abs(x - 0.013),
+        lambda x: 0.1 + 0.05 * np.sin(40 * x),
+        lambda x: np.where(x < 0.333, 0.05, 0.1) + 0.1 * (x - 0.333),
+        lambda x: 0.002 + (x - 0.61) ** 2,
+    ],
+    ids=["kink", "waves", "jump", "dip"],
+)
+def test_time_and_least_speed_are_right_within_their_stated_errors(speed):
+    passage, length, asked = walk_of(speed)
+    x = np.linspace(0.0, 1.0, 2_000_001)
+    v = speed(x)
+    time = length * np.mean(1.0 / v)
+    assert float(passage.time) == pytest.approx(time, abs=float(passage.time_error) + 1e-6 * time)
+    assert float(passage.time_error) < 4e-3 * time
+    lower = float(passage.slowest) - float(passage.slowest_error)
+    assert lower * (1 - 1e-7) <= v.min() <= float(passage.slowest) * (1 + 1e-6)
+    assert float(passage.slowest) == pytest.approx(v.min(), rel=2e-3)
+    assert 2 * 17 < len(asked) < 2 * 17 * 10
+
+
+@pytest.mark.parametrize("gap", [(0.5321, 0.5341), (0.53, 0.6)])
+def test_a_place_without_a_speed_leaves_the_whole_track_without_a_time(gap):
+    """It lies where the number of periods changes, as a motion that takes too long to settle."""
+    passage, *_ = walk_of(
+        lambda x: np.where((x > gap[0]) & (x < gap[1]), np.nan, 0.1 + x),
+        period_multiple=lambda x: np.where(x > gap[0], 2.0, 1.0),
+    )
+    for name, value in passage._asdict().items():
+        assert np.isnan(float(value)), name
+    assert not stalls(passage=passage)
+    assert is_unknown(passage=passage)
+
+
+def test_a_track_with_a_place_without_a_speed_is_unresolved():
+    found = vibrafeed.simulate(
+        **STUDY,
+        conveyed_mass=0.1,
+        restitution=0.5,
+        length=0.02,
+        outputs=[*WHOLE, "track_feed_rate"],
+    )
+    assert int(found.regime) == REGIMES["unresolved"].value
+    assert all(np.isnan(float(found[name])) for name in [*WHOLE, "track_feed_rate"])
+
+
+def test_the_bowl_whose_speed_dips_between_two_of_seventeen_places():
+    """As told by 20,001 places: 8.741 s, 1.808 mm/s, 5.42 a minute; once 6.494, 2.390, 7.17."""
+    found = vibrafeed.simulate(
+        scene="rectangle-on-track", frequency=82.36, moving_mass=5.349, base_mass=87.99,
+        moving_inertia=0.3711, base_inertia=0.9584, spring_radius=0.1466, spring_angle=13.35,
+        damping_ratio=0.02233, ring_down_frequency=72.22, drive_force=618.5, start_radius=0.1045,
+        delta=5.93, length=0.02, stretch_turns_1=0.3431, stretch_radius_1=0.1665,
+        stretch_friction_1=0.2629, stretch_climb_1=1.583,
+        outputs=[
+            "transit_time", "transit_time_error", "bottleneck_velocity",
+            "bottleneck_velocity_error", "track_feed_rate",
+        ],
+    )  # fmt: skip
+    assert float(found.transit_time) == pytest.approx(8.741, abs=1e-3)
+    assert float(found.transit_time_error) < 1e-3 * 8.741
+    assert float(found.bottleneck_velocity) == pytest.approx(1.808e-3, abs=1e-6)
+    assert float(found.bottleneck_velocity_error) < 2e-3 * 1.808e-3
+    assert float(found.track_feed_rate) == pytest.approx(5.42, abs=0.01)
+
+
+def test_fast_bowls_are_known_within_their_stated_errors():
+    """Random bowls, thrown at 1 to 6, against a walk ten times as fine."""
+    pick, names = np.random.default_rng(61), ["transit_time", "bottleneck_velocity"]
+    for _ in range(count(6, 200)):
+        start, f = pick.uniform(0.08, 0.14), pick.uniform(40, 90)
+        bowl = {
+            **BOWL, "scene": "rectangle-on-plane", "frequency": f,
+            "ring_down_frequency": f * pick.choice([0.92, 1.08]),
+            "start_radius": start, "stretch_radius_1": start + pick.uniform(0.01, 0.08),
+            "stretch_turns_1": pick.uniform(0.3, 2), "stretch_climb_1": pick.uniform(0, 3),
+            "stretch_friction_1": pick.uniform(0.2, 0.6),
+        }  # fmt: skip
+        of_one = vibrafeed.simulate(**bowl, outputs=["throw_number"])
+        bowl["drive_force"] *= pick.uniform(1.2, 6) / float(of_one.throw_number)
+        found = vibrafeed.simulate(**bowl, outputs=[*names, *(f"{one}_error" for one in names)])
+        fine = vibrafeed.simulate(
+            **bowl, outputs=["conveying_velocity", "track_length"],
+            track_fraction=np.linspace(0.0, 1.0, 641),
+        )  # fmt: skip
+        v = fine.conveying_velocity.values
+        if np.isnan(v).any() or (v <= 0).any():
+            assert not np.isfinite(float(found.transit_time))
+            continue
+        steps = slowness(v[:-1], v[1:])
+        time, least = float(fine.track_length) * steps.mean(), v.min()
+        # The walk's own error, that of its steps against twice as long ones.
+        own = abs(time - float(fine.track_length) * slowness(v[:-2:2], v[2::2]).mean())
+        assert abs(float(found.transit_time) - time) <= float(found.transit_time_error) + own, bowl
+        lower = float(found.bottleneck_velocity) - float(found.bottleneck_velocity_error)
+        assert lower <= least * (1 + 1e-7), bowl
+
+
+def test_a_magnet_on_a_half_wave_drives_the_whole_track():
+    unit = {**STUDY, "scene": "rectangle-on-plane", "force_harmonic": [-0.25, 0.25]}
+    del unit["delta"]
+    found = vibrafeed.simulate(
+        **unit, outputs=["conveying_velocity", "track_length", "transit_time"],
+        track_fraction={"start": 0, "stop": 1, "num": 201},
+    )  # fmt: skip
+    time = found.track_length * (1.0 / found.conveying_velocity).integrate("track_fraction")
+    assert found.transit_time.values == pytest.approx(time.values, rel=3e-3)
 
 
 def test_the_rate_is_that_of_the_bottleneck():

@@ -12,7 +12,7 @@ import vibrafeed
 from core.errors import StudyError
 from core.intake import prepare_content
 from core.mechanics import linear_drive_unit
-from core.quantities import REGIMES
+from core.quantities import MOTION_STATUSES, REGIMES
 from night import NIGHT, count
 
 UNIT = {
@@ -331,6 +331,88 @@ def test_of_several_amplitudes_both_are_agreements():
             load_damping=2 * 2 * float(felt.drive_power) / (w * amplitude) ** 2, base_mass=30.0,
         )[2]  # fmt: skip
         assert float(again) == pytest.approx(amplitude, rel=1e-8)
+
+
+def test_the_unit_whose_first_agreement_lay_between_two_amplitudes_of_the_table():
+    """h crosses 0 at 0.871 mm and back at 0.878 mm (a review's own cycles): once 1.277 mm."""
+    unit = {
+        "moving_mass": 2.3299060088017223, "base_mass": 4.69535066723455,
+        "ring_down_frequency": 53.53189052244144, "damping_ratio": 0.0016081182511406887,
+        "drive_force": 36.89429509068202, "conveyed_mass": 2.2236165527842218,
+    }  # fmt: skip
+    found = vibrafeed.simulate(
+        scene="rectangle-on-plane", frequency=50, spring_angle=25, friction=0.3, **unit,
+        outputs=[*NAMES, "largest_amplitude"],
+    )  # fmt: skip
+    assert int(found.regime) == REGIMES["several_amplitudes"].value
+    assert float(found.track_amplitude) == pytest.approx(0.8715e-3, abs=1e-6)
+    assert float(found.conveying_velocity) == pytest.approx(0.2104, abs=1e-4)
+    assert float(found.largest_amplitude) == pytest.approx(1.27711e-3, abs=5e-8)
+
+
+def excess_over_amplitude(unit, amplitude):
+    """Return h at amplitudes [m], of motions that are simulated at each, and if they repeat."""
+    felt = vibrafeed.simulate(
+        scene="rectangle-on-plane", frequency=50, amplitude=amplitude,
+        beta=unit["spring_angle"], friction=unit["friction"],
+        outputs=["effective_mass_ratio", "drive_power", "motion_status"],
+    )  # fmt: skip
+    w, m_p = 2 * np.pi * 50, unit["conveyed_mass"]
+    m_r = unit["moving_mass"] * unit["base_mass"] / (unit["moving_mass"] + unit["base_mass"])
+    k = (2 * np.pi * unit["ring_down_frequency"]) ** 2 * m_r
+    response = linear_drive_unit.stroke_response(
+        drive_force=unit["drive_force"], circular_frequency=w, spring_stiffness=k,
+        damping=2 * unit["damping_ratio"] * np.sqrt(k * m_r), foot_stiffness=0.0,
+        foot_damping=0.0, base_mass=unit["base_mass"],
+        loaded_mass=unit["moving_mass"] + m_p * felt.effective_mass_ratio.values,
+        load_damping=2 * m_p * felt.drive_power.values / (w * amplitude) ** 2,
+    )  # fmt: skip
+    repeats = felt.motion_status.values == MOTION_STATUSES["periodic"].value
+    return np.log(response[2] / amplitude), repeats
+
+
+def test_no_agreement_is_missed_that_a_table_ten_times_as_fine_has():
+    """Random units whose force lets h just pass 0 where it turns: two agreements close together."""
+    pick, step, close, tries = np.random.default_rng(53), 0.003, 0, count(8, 300)
+    for _ in range(tries):
+        mass = 10 ** pick.uniform(0.2, 1.3)
+        unit = {
+            "moving_mass": mass, "base_mass": mass * pick.uniform(1.5, 5), "drive_force": 1.0,
+            "ring_down_frequency": pick.uniform(50.1, 56),
+            "damping_ratio": 10 ** pick.uniform(-3, -2), "friction": pick.uniform(0.2, 0.5),
+            "conveyed_mass": mass * pick.uniform(0.2, 1), "spring_angle": pick.uniform(20, 35),
+        }  # fmt: skip
+        one = 9.80665 / ((2 * np.pi * 50) ** 2 * np.sin(np.radians(unit["spring_angle"])))
+        amplitude = one * np.exp(np.arange(np.log(0.8), np.log(5.5), step))
+        h, repeats = excess_over_amplitude(unit, amplitude)
+        way = pick.choice([-1.0, 1.0])
+        turns = 1 + np.flatnonzero((np.diff(way * h[:-1]) < 0) & (np.diff(way * h[1:]) >= 0))
+        turns = turns[(amplitude[turns] > 2.5 * one) & (amplitude[turns] < 5 * one)]
+        if not turns.size:
+            continue
+        turn = pick.choice(turns)
+        beside = way * min(way * h[turn - 1], way * h[turn + 1])
+        unit["drive_force"] = np.exp(-h[turn] - pick.uniform(-1.0, 1.0) * (beside - h[turn]))
+        h += np.log(unit["drive_force"])
+        passes = np.flatnonzero((h[:-1] > 0) != (h[1:] > 0))
+        falls = [at for at in passes if h[at] > 0 and repeats[at : at + 2].all()]
+        if not falls or not repeats[: falls[0]].all():
+            continue
+        found = vibrafeed.simulate(
+            scene="rectangle-on-plane", frequency=50, **unit,
+            outputs=["track_amplitude", "largest_amplitude"],
+        )  # fmt: skip
+        regime, least = int(found.regime), float(found.track_amplitude)
+        assert least < amplitude[falls[0] + 1] * (1 + 1e-9), unit
+        assert float(found.largest_amplitude) > amplitude[falls[-1]] * (1 - 1e-9), unit
+        if regime != REGIMES["hunting"].value:
+            left, _ = excess_over_amplitude(unit, np.array([least]))
+            assert abs(left[0]) < 1e-6, unit
+        if len(passes) > 1:
+            close += 1
+            several = (REGIMES["several_amplitudes"].value, REGIMES["hunting"].value)
+            assert regime in several, unit
+    assert close >= tries / 4, "too few units had agreements close together"
 
 
 @pytest.mark.parametrize(

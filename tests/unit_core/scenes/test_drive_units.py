@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
 import itertools
 import tomllib
 from pathlib import Path
 
+import mpmath
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -13,7 +15,12 @@ from scipy.optimize import brentq
 
 import vibrafeed
 from core.errors import StudyError
-from core.mechanics import drive_unit, linear_drive_unit
+from core.mechanics import (
+    bowl_drive_unit,
+    drive_unit,
+    linear_drive_unit,
+    turning_drive_unit,
+)
 from core.quantities import REGIMES
 from night import count
 
@@ -33,6 +40,7 @@ BOWL = {
     "elastic_modulus": "206 GPa", "frequency": 50, "drive_force": 100, "damping_ratio": 0.02,
 }  # fmt: skip
 RANDOM = count(2_000, 100_000)
+EPS = float(np.finfo(float).eps)
 ROUNDING = 1e-12
 """Some hundred roundings, where nothing cancels but near a zero of the response."""
 
@@ -167,9 +175,117 @@ def test_strokes_solve_the_linear_system_and_power_is_that_of_the_dampers():
         drive_force=unit["drive_force"], circular_frequency=w, stroke_response=(real, imag, x1, x2)
     )
     lost = (c * (w * np.hypot(real, imag)) ** 2 + c_f * (w * x2) ** 2 + c_l * (w * x1) ** 2) / 2
-    # A weak damper turns the phase by little: its sine has the roundings of a far larger stroke.
-    near = ROUNDING * unit["drive_force"] * w * np.hypot(real, imag)
-    assert (np.abs(power - lost) <= ROUNDING * lost + near).all()
+    assert power == pytest.approx(lost, rel=ROUNDING)
+
+
+def size_of(*numbers):
+    return sum(abs(number) for number in numbers)
+
+
+def linear_by_definition(F, w, k, c, k_f, c_f, m1, c_l, m2):
+    """Return the stroke by F Q/D in many digits, and how far roundings of the inputs move it."""
+    z, feet = mpmath.mpc(k, w * c), mpmath.mpc(k_f, w * c_f)
+    a, b = mpmath.mpc(m1 * w * w, -w * c_l), m2 * w * w
+    q = feet - b - a
+    d = z * q - a * (feet - b)
+    terms = size_of(z) * size_of(feet, a, b) + size_of(a) * size_of(feet, b)
+    return F * q / d, terms / abs(d) + size_of(feet, a, b) / abs(q)
+
+
+def bowl_by_definition(F, w, k, c, m1, m2, i1, i2, c_l, r_l, r_s, th):
+    m1, i1 = mpmath.mpc(m1, -c_l / w), mpmath.mpc(i1, -c_l * r_l**2 / w)
+    m = (
+        i1 * i2 / (i1 + i2) * (mpmath.cos(th) / r_s) ** 2
+        + m1 * m2 / (m1 + m2) * mpmath.sin(th) ** 2
+    )
+    d = k - m * w * w + 1j * w * c
+    return F / d, size_of(k, m * w * w, w * c) / abs(d)
+
+
+def turning_by_definition(F, w, k, c, m1, m2, i1, i2, along, upward, th):
+    m_r = m1 * m2 / (m1 + m2)
+    arm = along * mpmath.sin(th) - upward * mpmath.cos(th)
+    inertia = i1 + i2 + m_r * (along**2 + upward**2)
+    m = m_r - m_r**2 * arm**2 / inertia
+    d = k - m * w * w + 1j * w * c
+    # The angle's rounding turns d against e.
+    reach = along * mpmath.cos(th) + upward * mpmath.sin(th)
+    moved = m_r * (m_r * size_of(reach) * size_of(along, upward) + i1 + i2) / inertia
+    return F / d, size_of(k, moved * w * w, w * c) / abs(d) + moved / m
+
+
+def of_linear(F, w, k, c, k_f, c_f, m1, c_l, m2):
+    return linear_drive_unit.stroke_response(
+        drive_force=F, circular_frequency=w, spring_stiffness=k, damping=c, foot_stiffness=k_f,
+        foot_damping=c_f, loaded_mass=m1, load_damping=c_l, base_mass=m2,
+    )  # fmt: skip
+
+
+def of_bowl(F, w, k, c, m1, m2, i1, i2, c_l, r_l, r_s, th):
+    return bowl_drive_unit.bowl_response(
+        drive_force=F, circular_frequency=w, spring_stiffness=k, damping=c, loaded_mass=m1,
+        base_mass=m2, loaded_inertia=i1, base_inertia=i2, load_damping=c_l, load_radius=r_l,
+        spring_radius=r_s, spring_angle=th,
+    )  # fmt: skip
+
+
+def of_turning(F, w, k, c, m1, m2, i1, i2, along, upward, th):
+    mass = turning_drive_unit.turning_mass(
+        loaded_mass=m1, base_mass=m2, moving_inertia=i1, base_inertia=i2, offset_along=along,
+        offset_upward=upward, spring_angle=th,
+    )  # fmt: skip
+    return turning_drive_unit.turning_response(
+        drive_force=F, circular_frequency=w, spring_stiffness=k, damping=c, turning_mass=mass
+    )
+
+
+DECADES = {
+    "F": (-4, 4), "w": (-2, 5), "k": (2, 10), "c": (-9, 4), "k_f": (0, 8), "c_f": (-9, 4),
+    "m1": (-6, 5), "m2": (-6, 5), "i1": (-9, 2), "i2": (-9, 2), "c_l": (-9, 4), "r_l": (-2, 0),
+    "r_s": (-2, 0), "along": (-3, 0), "upward": (-3, 0), "th": (-2, 0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("response", "definition"),
+    [
+        (of_linear, linear_by_definition),
+        (of_bowl, bowl_by_definition),
+        (of_turning, turning_by_definition),
+    ],
+)
+def test_the_power_of_extreme_units_has_the_digits_of_its_inputs(response, definition):
+    pick = np.random.default_rng(41)
+    for _ in range(count(150, 5_000)):
+        names = inspect.signature(response).parameters
+        given = {name: float(10 ** pick.uniform(*DECADES[name])) for name in names}
+        real, imag = response(**{name: np.array(value) for name, value in given.items()})[:2]
+        power = drive_unit.drive_unit_power(
+            drive_force=given["F"], circular_frequency=given["w"], stroke_response=(real, imag)
+        )
+        with mpmath.workdps(60):
+            exact = {name: mpmath.mpf(value) for name, value in given.items()}
+            stroke, condition = definition(**exact)
+            right = -exact["F"] * exact["w"] * stroke.imag / 2
+            assert abs(power - right) <= 64 * EPS * condition * right, given
+
+
+@pytest.mark.parametrize(
+    ("k_f", "c_f", "c_l", "right"),
+    [
+        (50, 1, 0, 1.02223031465e-28),  # once 1.02223029922e-28
+        (0, 1e-6, 1, 3.49173100998e-31),  # once 3.49172802520e-31
+        (0, 0, 0, 3.48946339002e-31),
+    ],
+)
+def test_the_power_keeps_its_digits_far_from_resonance(k_f, c_f, c_l, right):
+    """A damping ratio of 1e-8, driven at 4e-6 of the natural frequency; by F Q/D in 50 digits."""
+    (power,) = one(
+        ["drive_unit_power"], scene="linear-drive-unit", variant="measured", moving_mass=1938.7,
+        base_mass=3.24, ring_down_frequency=14031, damping_ratio=1.02e-8, frequency=0.0528,
+        drive_force=8.3e-4, foot_stiffness=k_f, foot_damping=c_f, load_damping=c_l,
+    )  # fmt: skip
+    assert power == pytest.approx(right, rel=3e-12)
 
 
 def test_both_natural_frequencies_are_those_of_the_matrices():
@@ -219,6 +335,7 @@ def test_amplitudes_scale_with_the_force_and_vanish_far_above_resonance():
         ({"air_gap": "3 mm"}, ["air_gap_margin"], "tuned_stiff"),
         ({"foot_stiffness": 1e6}, ["foot_force"], "isolation_poor"),
         ({"foot_stiffness": 1e4}, ["foot_force"], "tuned_stiff"),
+        ({"foot_stiffness": 1e6, "ring_down_frequency": 46.9}, ["foot_force"], "resonance"),
         (
             {"allowable_stress": 1e8, "elastic_modulus": "206 GPa", "spring_thickness": "3 mm",
              "spring_length": "100 mm"},
