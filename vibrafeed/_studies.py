@@ -48,6 +48,8 @@ def study(
     frequency: Values | None = None,
     amplitude: Values | None = None,
     peak_to_peak: Values | None = None,
+    vertical_amplitude: Values | None = None,
+    vertical_peak_to_peak: Values | None = None,
     alpha: Values | None = None,
     beta: Values | None = None,
     gamma: Values | None = None,
@@ -219,6 +221,7 @@ def study(
     turn_6: Values | None = None,
     lap_time: Values | None = None,
     line_yield: Values | None = None,
+    line_purity: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
     friction_spread: Values | None = None,
@@ -320,6 +323,8 @@ def sweep(
     frequency: Values | None = None,
     amplitude: Values | None = None,
     peak_to_peak: Values | None = None,
+    vertical_amplitude: Values | None = None,
+    vertical_peak_to_peak: Values | None = None,
     alpha: Values | None = None,
     beta: Values | None = None,
     gamma: Values | None = None,
@@ -539,6 +544,11 @@ def sweep(
         mm".
     peak_to_peak : values, optional
         Twice the drive amplitude. In m, 0 or more, for example "1 mm".
+    vertical_amplitude : values, optional
+        Amplitude of the drive's part normal to the floor, zero to peak: A0 sin(beta). In m, 0 or
+        more, for example "0.2 mm".
+    vertical_peak_to_peak : values, optional
+        Twice the vertical amplitude. In m, 0 or more, for example "0.4 mm".
     alpha : values, optional
         Azimuth of the drive in the floor plane, from the track (+x) towards +y. In degrees, from
         -180 to 180, for example "15 deg".
@@ -1051,6 +1061,8 @@ def simulate(
     frequency: Values | None = None,
     amplitude: Values | None = None,
     peak_to_peak: Values | None = None,
+    vertical_amplitude: Values | None = None,
+    vertical_peak_to_peak: Values | None = None,
     alpha: Values | None = None,
     beta: Values | None = None,
     gamma: Values | None = None,
@@ -1114,6 +1126,7 @@ def simulate(
     load_radius: Values | None = None,
     load_fraction: Values | None = None,
     line_yield: Values | None = None,
+    line_purity: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
     friction_spread: Values | None = None,
@@ -1166,6 +1179,11 @@ def simulate(
         mm".
     peak_to_peak : values, optional
         Twice the drive amplitude. In m, 0 or more, for example "1 mm".
+    vertical_amplitude : values, optional
+        Amplitude of the drive's part normal to the floor, zero to peak: A0 sin(beta). In m, 0 or
+        more, for example "0.2 mm".
+    vertical_peak_to_peak : values, optional
+        Twice the vertical amplitude. In m, 0 or more, for example "0.4 mm".
     alpha : values, optional
         Azimuth of the drive in the floor plane, from the track (+x) towards +y. In degrees, from
         -180 to 180, for example "15 deg".
@@ -1321,8 +1339,11 @@ def simulate(
         Share of the track's length at which the load of all its parts is taken to act. From 0 to 1,
         for example 0.5.
     line_yield : values, optional
-        Share of the parts that pass the devices behind the track, as yield of orienting-line. From
-        0 to 1, for example 0.79.
+        Share of the parts that pass the devices behind the track, in any aspect, as yield of
+        orienting-line. From 0 to 1, for example 0.79.
+    line_purity : values, optional
+        Share of the parts leaving the devices behind the track that lie as wanted, as purity of
+        orienting-line. From 0 to 1, for example 1.0.
     parts : values, optional
         Number of parts in the row. From 2 to 64, for example 8.
     part_restitution : values, optional
@@ -1474,6 +1495,8 @@ def optimise(
     frequency: Values | None = None,
     amplitude: Values | None = None,
     peak_to_peak: Values | None = None,
+    vertical_amplitude: Values | None = None,
+    vertical_peak_to_peak: Values | None = None,
     alpha: Values | None = None,
     beta: Values | None = None,
     gamma: Values | None = None,
@@ -1645,6 +1668,7 @@ def optimise(
     turn_6: Values | None = None,
     lap_time: Values | None = None,
     line_yield: Values | None = None,
+    line_purity: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
     friction_spread: Values | None = None,
@@ -1725,6 +1749,11 @@ def optimise(
         mm".
     peak_to_peak : values, optional
         Twice the drive amplitude. In m, 0 or more, for example "1 mm".
+    vertical_amplitude : values, optional
+        Amplitude of the drive's part normal to the floor, zero to peak: A0 sin(beta). In m, 0 or
+        more, for example "0.2 mm".
+    vertical_peak_to_peak : values, optional
+        Twice the vertical amplitude. In m, 0 or more, for example "0.4 mm".
     alpha : values, optional
         Azimuth of the drive in the floor plane, from the track (+x) towards +y. In degrees, from
         -180 to 180, for example "15 deg".
@@ -2155,8 +2184,11 @@ def optimise(
     lap_time : values, optional
         Time from the bowl to the first device and back. In s, above 0, for example "40 s".
     line_yield : values, optional
-        Share of the parts that pass the devices behind the track, as yield of orienting-line. From
-        0 to 1, for example 0.79.
+        Share of the parts that pass the devices behind the track, in any aspect, as yield of
+        orienting-line. From 0 to 1, for example 0.79.
+    line_purity : values, optional
+        Share of the parts leaving the devices behind the track that lie as wanted, as purity of
+        orienting-line. From 0 to 1, for example 1.0.
     parts : values, optional
         Number of parts in the row. From 2 to 64, for example 8.
     part_restitution : values, optional
@@ -2348,6 +2380,8 @@ def sensitivity(
     frequency: Values | None = None,
     amplitude: Values | None = None,
     peak_to_peak: Values | None = None,
+    vertical_amplitude: Values | None = None,
+    vertical_peak_to_peak: Values | None = None,
     alpha: Values | None = None,
     beta: Values | None = None,
     gamma: Values | None = None,
@@ -2519,6 +2553,7 @@ def sensitivity(
     turn_6: Values | None = None,
     lap_time: Values | None = None,
     line_yield: Values | None = None,
+    line_purity: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
     friction_spread: Values | None = None,
@@ -2591,6 +2626,11 @@ def sensitivity(
         mm".
     peak_to_peak : values, optional
         Twice the drive amplitude. In m, 0 or more, for example "1 mm".
+    vertical_amplitude : values, optional
+        Amplitude of the drive's part normal to the floor, zero to peak: A0 sin(beta). In m, 0 or
+        more, for example "0.2 mm".
+    vertical_peak_to_peak : values, optional
+        Twice the vertical amplitude. In m, 0 or more, for example "0.4 mm".
     alpha : values, optional
         Azimuth of the drive in the floor plane, from the track (+x) towards +y. In degrees, from
         -180 to 180, for example "15 deg".
@@ -3021,8 +3061,11 @@ def sensitivity(
     lap_time : values, optional
         Time from the bowl to the first device and back. In s, above 0, for example "40 s".
     line_yield : values, optional
-        Share of the parts that pass the devices behind the track, as yield of orienting-line. From
-        0 to 1, for example 0.79.
+        Share of the parts that pass the devices behind the track, in any aspect, as yield of
+        orienting-line. From 0 to 1, for example 0.79.
+    line_purity : values, optional
+        Share of the parts leaving the devices behind the track that lie as wanted, as purity of
+        orienting-line. From 0 to 1, for example 1.0.
     parts : values, optional
         Number of parts in the row. From 2 to 64, for example 8.
     part_restitution : values, optional
@@ -3218,6 +3261,8 @@ def calibrate(
     frequency: Values | None = None,
     amplitude: Values | None = None,
     peak_to_peak: Values | None = None,
+    vertical_amplitude: Values | None = None,
+    vertical_peak_to_peak: Values | None = None,
     alpha: Values | None = None,
     beta: Values | None = None,
     gamma: Values | None = None,
@@ -3281,6 +3326,7 @@ def calibrate(
     load_radius: Values | None = None,
     load_fraction: Values | None = None,
     line_yield: Values | None = None,
+    line_purity: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
     friction_spread: Values | None = None,
@@ -3342,6 +3388,11 @@ def calibrate(
         mm".
     peak_to_peak : values, optional
         Twice the drive amplitude. In m, 0 or more, for example "1 mm".
+    vertical_amplitude : values, optional
+        Amplitude of the drive's part normal to the floor, zero to peak: A0 sin(beta). In m, 0 or
+        more, for example "0.2 mm".
+    vertical_peak_to_peak : values, optional
+        Twice the vertical amplitude. In m, 0 or more, for example "0.4 mm".
     alpha : values, optional
         Azimuth of the drive in the floor plane, from the track (+x) towards +y. In degrees, from
         -180 to 180, for example "15 deg".
@@ -3497,8 +3548,11 @@ def calibrate(
         Share of the track's length at which the load of all its parts is taken to act. From 0 to 1,
         for example 0.5.
     line_yield : values, optional
-        Share of the parts that pass the devices behind the track, as yield of orienting-line. From
-        0 to 1, for example 0.79.
+        Share of the parts that pass the devices behind the track, in any aspect, as yield of
+        orienting-line. From 0 to 1, for example 0.79.
+    line_purity : values, optional
+        Share of the parts leaving the devices behind the track that lie as wanted, as purity of
+        orienting-line. From 0 to 1, for example 1.0.
     parts : values, optional
         Number of parts in the row. From 2 to 64, for example 8.
     part_restitution : values, optional
@@ -3657,6 +3711,8 @@ def open_lazily(
     frequency: Values | None = None,
     amplitude: Values | None = None,
     peak_to_peak: Values | None = None,
+    vertical_amplitude: Values | None = None,
+    vertical_peak_to_peak: Values | None = None,
     alpha: Values | None = None,
     beta: Values | None = None,
     gamma: Values | None = None,
@@ -3899,6 +3955,8 @@ def drive_error(
     frequency: Values | None = None,
     amplitude: Values | None = None,
     peak_to_peak: Values | None = None,
+    vertical_amplitude: Values | None = None,
+    vertical_peak_to_peak: Values | None = None,
     alpha: Values | None = None,
     beta: Values | None = None,
     gamma: Values | None = None,
@@ -3962,6 +4020,7 @@ def drive_error(
     load_radius: Values | None = None,
     load_fraction: Values | None = None,
     line_yield: Values | None = None,
+    line_purity: Values | None = None,
     parts: Values | None = None,
     part_restitution: Values | None = None,
     friction_spread: Values | None = None,
