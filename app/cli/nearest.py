@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -35,6 +36,7 @@ def nearest(result: Table, units: ShownUnits) -> list[str]:
     if stdout.quiet or not is_infeasible(result) or result.variables["optimum_status"].values.ndim:
         return []
     tell("  Searching for the nearest designs; Ctrl-C skips the search ...")
+    started = time.perf_counter()
     try:
         study = parse_json(str(result.attributes["study"]))
         reaches, others = optimise.nearest(study), optimise.ways(study)
@@ -54,7 +56,8 @@ def nearest(result: Table, units: ShownUnits) -> list[str]:
             f"With {way.change}: {way.output} {value} and all limits kept, at "
             f"{list_choice(way.choice, units)}."
         )
-    return lines
+    spent = time.perf_counter() - started
+    return [*lines, f"The search for the nearest designs took {spent:.1f} s."]
 
 
 def list_choice(choice: Mapping[str, float], units: ShownUnits) -> str:
