@@ -70,7 +70,8 @@ def command(line: str, **files: str) -> list[str]:
         Path(name.replace("_", ".")).write_text(text, encoding="utf-8")
     _, *words = shlex.split(line)
     said = CliRunner().invoke(app, words).stderr.splitlines()
-    return [text.strip() for text in said if not text.endswith(("1 problem", "problems", "1 warning"))]
+    counts = ("1 problem", "problems", "1 warning")
+    return [text.strip() for text in said if not text.endswith(counts)]
 
 
 def in_study(wrong: str, right: str = "", study: str = MOTION, typed: str = "") -> Mistake:

@@ -71,12 +71,12 @@ def streamed_facts(
     passed : Passed
         Ranges of the outputs and counts of the regimes, collected while tiles were written.
     """
-    found: dict[str, Ends] = {**passed.ends}
+    ends: dict[str, Ends] = {**passed.ends}
     single = [name for name, one in result.variables.items() if not one.dims]
-    found |= {name: _finite_ends(result, name) for name in _outputs(result) if name in single}
+    ends |= {name: _finite_ends(result, name) for name in _outputs(result) if name in single}
     shares = {name: shares_of(counts) for name, counts in passed.regimes.items()}
     shares |= {n: regime_shares(result.variables[n].values) for n in single if is_regime(n)}
-    return _result_document(path, target, result, cells, found, shares)
+    return _result_document(path, target, result, cells, ends, shares)
 
 
 def show_result(

@@ -323,14 +323,13 @@ def _statuses(variables: Mapping[str, TableVariable]) -> tuple[set[str], bool]:
     its regimes in their place. A value may be missing where a status or regime is not valid, or is
     one of `WITHOUT_VALUE`, such as "stopped".
     """
-    told = (one for name, one in variables.items() if is_regime(name))
-    regimes = {name: flag for one in told for name, flag in _present(one, REGIMES).items()}
-    statuses = regimes
+    verdicts = [_present(one, REGIMES) for name, one in variables.items() if is_regime(name)]
+    statuses = {name: flag for one in verdicts for name, flag in one.items()}
     if "motion_status" in variables:
         statuses = _present(variables["motion_status"], MOTION_STATUSES)
     explained = (
         all(not flag.valid or name in WITHOUT_VALUE for name, flag in flags.items())
-        for flags in (statuses, regimes)
+        for flags in (statuses, *verdicts)
         if flags
     )
     return set(statuses), any(explained)

@@ -169,13 +169,9 @@ def counted(prepared: Prepared) -> tuple[Prepared, Counter[str]]:
 
     plan = prepared.plan
     equations = tuple(replace(e, function=count(e.gives, e.function)) for e in plan.equations)
+    counted = {c: replace(c, function=count(f"[{c.regime}]", c.function)) for c in plan.conditions}
     verdicts = tuple(
-        replace(
-            verdict,
-            conditions=tuple(
-                replace(c, function=count(f"[{c.regime}]", c.function)) for c in verdict.conditions
-            ),
-        )
+        replace(verdict, conditions=tuple(counted[c] for c in verdict.conditions))
         for verdict in plan.verdicts
     )
     counting = replace(plan, equations=equations, verdicts=verdicts)

@@ -38,6 +38,7 @@ from core.plan.equations import regimes_of
 from core.plan.grid import parameter_to_si
 from core.plan.labels import coordinates_of
 from core.quantities import QUANTITIES
+from core.quantities.flags import REGIME
 from core.study import SimulateStudy
 from core.study.grid_study import PARAMETERS
 from core.study.units import UnitError, read_numbers
@@ -426,7 +427,7 @@ def _look_up_cells(
         some, _ = groups_of(rows[left, :-1], waved=False)
         motion = planar_motion(some, **EVENTS.defaults, watch=Watch())
         velocity[left], error[left] = motion.velocity, motion.error
-        regime[left] = regimes_of(prepared.plan.verdicts[0], {"motion": motion})
+        regime[left] = regimes_of(prepared.plan.verdicts[:1], {"motion": motion})[REGIME]
         status[left] = STATUS["simulated"]
         entry.share_error[left] = 0.0
         for name in SHARES:

@@ -125,10 +125,18 @@ def checked(
     if prepared.study.sensitivities:
         arrays |= slopes(problem, x, design, lost)
     arrays["optimum_status"] = status
+    return arrays | _verdicts(problem.regimes(known, scales, tolerance), lost)
+
+
+def _verdicts(
+    regimes: Mapping[str, NDArray[np.int8]], lost: NDArray[np.bool_]
+) -> dict[str, NDArray[np.int8]]:
+    """Return the regimes by each verdict, not assessed where there is no optimum."""
     none = np.int8(REGIMES["not_assessed"].value)
-    for name, regime in problem.regimes(known, scales, tolerance).items():
-        arrays[name] = np.where(lost, none, np.broadcast_to(regime, cells))
-    return arrays
+    return {
+        name: np.where(lost, none, np.broadcast_to(regime, lost.shape))
+        for name, regime in regimes.items()
+    }
 
 
 def _of_samples(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -53,18 +53,26 @@ def run(equations: Iterable[Equation], known: Known, watch: Watch | None = None)
 
 def regimes(plan: Plan, known: Mapping[str, Any]) -> dict[str, NDArray[np.int8]]:
     """Return the regimes of the cells by each verdict of a plan, by the name of the verdict."""
-    return {one.name: np.asarray(regimes_of(one, known)) for one in plan.verdicts}
+    return {name: np.asarray(one) for name, one in regimes_of(plan.verdicts, known).items()}
 
 
-def regimes_of(verdict: Verdict, known: Mapping[str, Any]) -> Any:
-    """Return the number of each cell's regime: that of the first condition that holds.
+def regimes_of(verdicts: Sequence[Verdict], known: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the number of each cell's regime by each verdict: the first condition that holds.
 
-    `known` has the quantities that the conditions need: arrays by name, SI units. The result is
-    int8, of the shape of the conditions.
+    `known` has the quantities that the conditions need: arrays by name, SI units. A condition of
+    several verdicts is looked at once. The results are int8, of the shape of the conditions.
     """
-    regime: Any = np.int8(REGIMES[verdict.otherwise].value)
+    results: dict[str, Any] = {}
     with too_large_is_data():
-        for condition in reversed(verdict.conditions):
-            holds = condition.function(**{name: known[name] for name in condition.inputs})
-            regime = np.where(holds, np.int8(REGIMES[condition.regime].value), regime)
-    return regime
+        holds = {
+            condition: condition.function(**{name: known[name] for name in condition.inputs})
+            for condition in dict.fromkeys(one for v in verdicts for one in v.conditions)
+        }
+        for verdict in verdicts:
+            regime: Any = np.int8(REGIMES[verdict.otherwise].value)
+            for condition in reversed(verdict.conditions):
+                regime = np.where(
+                    holds[condition], np.int8(REGIMES[condition.regime].value), regime
+                )
+            results[verdict.name] = regime
+    return results

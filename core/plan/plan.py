@@ -86,8 +86,7 @@ class Plan:
         """
         verdicts = tuple(verdict for verdict in self.verdicts if verdict.name in names)
         outputs = tuple(name for name in names if name not in self.verdict_names)
-        conditions = (one for verdict in verdicts for one in verdict.conditions)
-        wanted = [*outputs, *(name for one in conditions for name in one.inputs)]
+        wanted = [*outputs, *(name for verdict in verdicts for name in verdict.inputs)]
         needed = behind(wanted, {e.gives: e for e in self.equations}.get)
         return replace(
             self,
@@ -130,8 +129,7 @@ class Plan:
         for equation in self.equations:
             known[equation.gives] = frozenset().union(*(known[name] for name in equation.inputs))
         for verdict in self.verdicts:
-            tried = [known[name] for one in verdict.conditions for name in one.inputs]
-            known[verdict.name] = frozenset().union(*tried)
+            known[verdict.name] = frozenset().union(*(known[name] for name in verdict.inputs))
         return known
 
 

@@ -43,6 +43,11 @@ class Verdict:
         return (more or said or ["not_assessed"])[-1]
 
     @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """The names of the quantities that its conditions need."""
+        return tuple(dict.fromkeys(name for one in self.conditions for name in one.inputs))
+
+    @cached_property
     def doubts(self) -> bool:
         """True if one of the regimes does not describe a real part."""
         return not all(REGIMES[name].valid for name in self.regimes)

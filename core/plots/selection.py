@@ -216,17 +216,7 @@ def _selected(
     PlotError
         If the kind of picture does not fit the output, or the dataset has no such output or axes.
     """
-    if kind == "map" and REGIME not in dataset:
-        fix = "Draw another kind, or leave out kind"
-        raise PlotError("kind", "the dataset has no regimes to draw as a map", fix)
-    if kind == "map" and (variable is None or is_regime(variable)):
-        whole = dataset[REGIME if variable is None else _known(dataset, variable)]
-    else:
-        whole = dataset[_variable(dataset, variable)]
-        if kind == "map" and not categories_of(whole):
-            message = f"{whole.name} has numbers, and a map shows regimes or what has a name"
-            fix = f"Draw {_regime(dataset, whole).name}, or draw kind contour"
-            raise PlotError("variable", message, fix)
+    whole = _on_map(dataset, variable) if kind == "map" else dataset[_variable(dataset, variable)]
     names = _axes(whole, axes, 1 if kind == "line" else 2)
     categories = None if is_regime(str(whole.name)) else categories_of(whole)
     if categories and kind in ("contour", "surface", "levels"):
@@ -237,6 +227,24 @@ def _selected(
         fix = "Name two axes" if len(_ranged(whole)) > 1 else line
         raise PlotError("kind", f"kind {kind} needs two axes, but there is only {names[0]}", fix)
     return whole, names, categories
+
+
+def _on_map(dataset: xarray.Dataset, variable: str | None) -> xarray.DataArray:
+    """Return the array of a dataset that a map shows: regimes, or an output that is a category.
+
+    Raises `PlotError` if the dataset has no regimes, or the output `variable` has numbers.
+    """
+    if REGIME not in dataset:
+        fix = "Draw another kind, or leave out kind"
+        raise PlotError("kind", "the dataset has no regimes to draw as a map", fix)
+    if variable is None or is_regime(variable):
+        return dataset[_known(dataset, variable or REGIME)]
+    whole = dataset[_variable(dataset, variable)]
+    if not categories_of(whole):
+        message = f"{whole.name} has numbers, and a map shows regimes or what has a name"
+        fix = f"Draw {_regime(dataset, whole).name}, or draw kind contour"
+        raise PlotError("variable", message, fix)
+    return whole
 
 
 def outputs_of(dataset: xarray.Dataset) -> list[str]:

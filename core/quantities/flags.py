@@ -37,8 +37,11 @@ REGIME = "regime"
 
 
 def is_regime(name: str) -> bool:
-    """True for the name of a variable that holds regimes, ``regime`` or ``regime_<output>``."""
-    return name == REGIME or name.startswith(f"{REGIME}_")
+    """True for the name of a variable that holds regimes, ``regime`` or ``regime_<output>``.
+
+    A reduction has counts of cells in a regime, ``regime_hopping_count``: these hold none.
+    """
+    return name == REGIME or (name.startswith(f"{REGIME}_") and not name.endswith("_count"))
 
 
 REGIMES: dict[str, Flag] = {

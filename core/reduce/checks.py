@@ -121,17 +121,17 @@ def _regimes(asked: Reduction, plan: Plan) -> Iterator[Problem]:
     A share is that of the cells that meet conditions; `asked` is the section `reduce` of the study.
     """
     for share, conditions in asked.shares.items():
-        for k, one in enumerate(conditions):
-            if not one.is_regime:
+        for k, condition in enumerate(conditions):
+            if not condition.is_regime:
                 continue
-            place = f"reduce.shares.{share}.{k}"
-            known = next((v.regimes for v in plan.verdicts if v.name == one.name), None)
+            path = f"reduce.shares.{share}.{k}"
+            known = next((v.regimes for v in plan.verdicts if v.name == condition.name), None)
             if known is None:
                 fix = f"Name one of {', '.join(plan.verdict_names)}"
-                yield Problem(place, f"the result of this study has no {one.name}", fix)
-            elif one.value not in known:
-                message = f"no cell of this study can be in the regime '{one.value}'"
-                yield Problem(place, message, f"It can be in {', '.join(known)}")
+                yield Problem(path, f"the result of this study has no {condition.name}", fix)
+            elif condition.value not in known:
+                message = f"no cell of this study can be in the regime '{condition.value}'"
+                yield Problem(path, message, f"It can be in {', '.join(known)}")
 
 
 def _levels(asked: Reduction, plan: Plan, grid: Grid) -> Iterator[Problem]:

@@ -138,8 +138,8 @@ class _Evaluator:
         with np.errstate(all="ignore"):
             part = self.watch.part(number / self.long) if self.long else None
             known = run_equations(plan, {**self.designs, **samples}, part)
-            told = {n: np.broadcast_to(one, shape) for n, one in regimes(plan, known).items()}
-            valid = {n: ~np.isin(one, INVALID) for n, one in told.items()}
+            verdicts = {n: np.broadcast_to(one, shape) for n, one in regimes(plan, known).items()}
+            valid = {n: ~np.isin(one, INVALID) for n, one in verdicts.items()}
         if not self.long:
             self.watch.advance(number)
         outputs = {}
@@ -149,7 +149,7 @@ class _Evaluator:
             verdict = plan.verdict_on(name)
             holds = valid[verdict.name] if verdict is not None else True
             outputs[name] = np.where(holds & np.isfinite(values), values, np.nan)
-        return SampledOutputs(outputs, told)
+        return SampledOutputs(outputs, verdicts)
 
 
 def _variables(evaluator: _Evaluator) -> Arrays:

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.plan.equations import regimes
+from core.plan.equations import regimes_of
 from core.plan.plan import make_plan
+from core.plan.verdicts import Verdict
 from core.quantities import REGIMES
 from core.scenes import SCENES
 from night import count
@@ -47,7 +48,9 @@ def evaluate_block(scene: str, law: str, points: dict[str, np.ndarray]) -> dict[
     known = {name: np.asarray(value) for name, value in {**plan.defaults, **given}.items()}
     for equation in plan.equations:
         known[equation.gives] = equation.function(**{n: known[n] for n in equation.inputs})
-    known["regime"] = np.broadcast_to(regimes(plan, known), (len(points["mass_1"]),))
+    whole = Verdict("regime", tuple(outputs), plan.conditions)
+    found = regimes_of([whole], known)["regime"]
+    known["regime"] = np.broadcast_to(found, (len(points["mass_1"]),))
     return known
 
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from core.mechanics import travel
-from core.plan.equations import regimes
+from core.plan.equations import regimes_of
 from core.plan.plan import make_plan
+from core.plan.verdicts import Verdict
 from core.quantities import REGIMES
 
 RANDOM = np.random.default_rng(20041)
@@ -43,7 +44,8 @@ def evaluate(scene: str, variant: str, outputs: list[str], points: dict, **chang
         known[equation.gives] = equation.function(**{n: known[n] for n in equation.inputs})
     if "in_plane_drive_y" in known:
         known["drive"] = np.hypot(known["in_plane_drive_x"], known["in_plane_drive_y"])
-    known["regime"] = np.broadcast_to(regimes(plan, known), (POINTS,))
+    whole = Verdict("regime", tuple(outputs), plan.conditions)
+    known |= {n: np.broadcast_to(v, (POINTS,)) for n, v in regimes_of([whole], known).items()}
     return known
 
 

@@ -129,7 +129,7 @@ def measure(sweep: Sweep, motion: Simulation, watch: Watch, cells: int = CELLS) 
     if reached < cells:
         notes.append(f"The time given ran out: {reached:,} of {cells:,} cells were followed.")
     velocities = [name for name in outputs if name in VELOCITIES]
-    told = plan.verdicts[0].regimes
+    possible = plan.verdicts[0].regimes
     singles = {
         "throw_number": single(_chosen(known["throw_number"], moves, cells), "throw number", "1"),
         "true_velocity": single(true[moves], "mean velocity of the true motion", VELOCITY),
@@ -137,8 +137,8 @@ def measure(sweep: Sweep, motion: Simulation, watch: Watch, cells: int = CELLS) 
             kind[moves],
             "regime of the true motion",
             "1",
-            flag_values=np.array([REGIMES[n].value for n in told], dtype=np.int8),
-            flag_meanings=" ".join(told),
+            flag_values=np.array([REGIMES[n].value for n in possible], dtype=np.int8),
+            flag_meanings=" ".join(possible),
         ),
     }
     for name in velocities:

@@ -364,7 +364,7 @@ def _traced(
     try:
         known = run(equations, leaves)
         results = {name: known[name] for name in outputs}
-        results |= {verdict.name: regimes_of(verdict, known) for verdict in verdicts}
+        results |= regimes_of(verdicts, known)
     except UntraceableError:
         return None
     return Traced(graph, results)
