@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from core.dataset.table import (
@@ -117,13 +118,14 @@ def _trajectory(prepared: Simulation, known: dict[str, Any], watch: Watch) -> Tr
 
 
 def _drop_unused_axes(prepared: Simulation, name: str, values: NDArray[Any]) -> NDArray[Any]:
-    """Return `values` without the axes of the grid that the quantity `name` does not depend on.
+    """Return `values` over the axes of the grid that the quantity `name` depends on, and no others.
 
-    Those axes have length 1; `prepared` is the simulation, with its grid and the dimensions of each
-    quantity.
+    The others have length 1. A quantity that is the same along one of its own axes is spread over
+    it. `prepared` is the simulation, with its grid and the dimensions of each quantity.
     """
-    if not values.ndim:
-        return values
-    dims = prepared.dims[name]
-    positions = enumerate(prepared.grid.axes)
-    return values.squeeze(axis=tuple(p for p, axis in positions if axis not in dims))
+    dims, grid = prepared.dims[name], prepared.grid
+    if values.ndim:
+        unused = tuple(p for p, axis in enumerate(grid.axes) if axis not in dims)
+        values = values.squeeze(axis=unused)
+    shape = tuple(grid.shape[axis] for axis in dims)
+    return values if values.shape == shape else np.broadcast_to(values, shape).copy()
