@@ -534,7 +534,7 @@ RESULTS = (
 DEFAULTS = {"track_fraction": 0.0, "load_fraction": 0.5}
 _OF_PASSAGE = frozenset(one.gives for one in RESULTS if one.gives != "track_length")
 CONDITIONS = (
-    Condition("unresolved", is_unknown, _OF_PASSAGE),
+    Condition("unresolved", is_unknown, _OF_PASSAGE, otherwise="passes"),
     Condition("stalls", stalls, _OF_PASSAGE),
 )
 

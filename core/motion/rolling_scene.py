@@ -140,7 +140,9 @@ CONDITIONS = (
     Condition("neutral", has_status("neutral"), ANY_RESULT),
     Condition("stick", rests, ANY_RESULT),
 )
-LEAVES_THE_WALL = Condition("wall_lost", leaves_wall, ANY_RESULT | {"mean_acceleration"})
+LEAVES_THE_WALL = Condition(
+    "wall_lost", leaves_wall, ANY_RESULT | {"mean_acceleration"}, otherwise="contact"
+)
 VALIDITY = (
     "Motion along the track. Rolling resistance is a couple c r n against the turning, r the "
     "radius and n the load. A part without any is not conveyed, whatever the drive and the "

@@ -96,9 +96,9 @@ REGIMES: dict[str, Flag] = {
     "large effects"),
     "tuned_stiff": Flag(37, "tuned above the drive: load raises the amplitude, springs lower it"),
     "tuned_soft": Flag(38, "tuned below the drive: load lowers the amplitude, springs raise it"),
-    "hits_magnet": Flag(39, "the stroke closes the air gap of the magnet", valid=False),
+    "hits_magnet": Flag(39, "the stroke closes the air gap of the magnet", of_value=True),
     "overstressed": Flag(40, "the leaf springs are bent beyond their allowable "
-    "stress", valid=False),
+    "stress", of_value=True),
     "isolation_poor": Flag(
         41, "the unit rocks on its feet at more than a third of the drive's frequency",
         of_value=True,
@@ -115,7 +115,7 @@ REGIMES: dict[str, Flag] = {
     ),
     "may_topple": Flag(46, "the drive may topple the standing part: simulate it"),
     "no_pass": Flag(47, "the devices let no part pass: all return to the bowl"),
-    "passes": Flag(48, "the devices let parts pass"),
+    "passes": Flag(48, "parts pass"),
     # --- rows of parts
     "crowded": Flag(49, "more parts come than the lane can take: the rest is turned away"),
     "indeterminate_force": Flag(

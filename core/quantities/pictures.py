@@ -98,6 +98,8 @@ FILLS = {
     "resonance": "#ee7fa6",
     "tuned_stiff": "#9ccbff",
     "tuned_soft": "#ffd98f",
+    "hits_magnet": "#ffffff",
+    "overstressed": "#bd5aff",
     "isolation_poor": "#c66a2c",
     "several_amplitudes": "#ffffff",
     "hunting": "#d6d6d6",

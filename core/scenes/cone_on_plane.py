@@ -30,7 +30,7 @@ MOTION = frozenset(
 )  # fmt: skip
 CONDITIONS = (
     Condition("flight", vibration.has_left_floor, FLOOR | MOTION, otherwise="contact"),
-    Condition("unstable_side", resting.is_side_unstable, SHAPE | MOTION),
+    Condition("unstable_side", resting.is_side_unstable, SHAPE | MOTION, otherwise="contact"),
     Condition("roll", round_parts.rolls, MOTION, otherwise="slip"),
 )
 

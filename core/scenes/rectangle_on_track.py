@@ -89,8 +89,12 @@ BOTH = WALL_FORCES | FLOOR_FORCES | TRAVEL | ACCELERATION | {"z_residual", "pres
 FLOOR = BOTH | {"normal_acceleration", "throw_number", "acceleration_z"}
 WALL = BOTH | {"wall_balance", "acceleration_y"}
 
-CORNERS_FIT = Condition("invalid_geometry", wall.rear_corner_lifts, CORNERS - {"chord_cosine"})
-FITS = Condition("invalid_geometry", wall.is_too_long, frozenset(("chord_cosine",)))
+CORNERS_FIT = Condition(
+    "invalid_geometry", wall.rear_corner_lifts, CORNERS - {"chord_cosine"}, otherwise="contact"
+)
+FITS = Condition(
+    "invalid_geometry", wall.is_too_long, frozenset(("chord_cosine",)), otherwise="contact"
+)
 LEFT_FLOOR = (
     Condition("flight_and_wall_lost", wall.has_left_floor_and_wall, BOTH),
     Condition("flight", vibration.has_left_floor, FLOOR, otherwise="contact"),

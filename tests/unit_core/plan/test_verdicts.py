@@ -13,6 +13,7 @@ import vibrafeed
 from core.dataset.formats import read_result, write_result
 from core.dataset.regimes import is_valid
 from core.dataset.table import Table
+from core.motion import SYSTEMS
 from core.plan.verdicts import verdicts_of
 from core.quantities import REGIMES
 from core.scenes import EXACT, SCENES
@@ -95,6 +96,14 @@ def test_every_output_has_at_most_one_verdict(scene: str, variant: str) -> None:
     concerned = {name for one in conditions for name in one.outputs & set(outputs)}
     if conditions:
         assert set(judged) == concerned - {"regime", *EXACT}
+
+
+@pytest.mark.parametrize("scenes", [SCENES, SYSTEMS])
+def test_a_verdict_with_conditions_says_something_of_every_cell(scenes: Any) -> None:
+    for scene in scenes.values():
+        for variant in scene.variants:
+            for verdict in verdicts_of(scene.conditions[variant], scene.outputs(variant)):
+                assert not verdict.conditions or verdict.otherwise != "not_assessed", verdict.name
 
 
 def test_an_unbounded_efficiency_leaves_the_speed_its_regime() -> None:
