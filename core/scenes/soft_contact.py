@@ -22,6 +22,7 @@ CONDITIONS = (
         "unbounded",
         soft_contact.needs_endless_damping,
         frozenset(("damping_of_restitution", "impact_damping")),
+        otherwise="contact",
     ),
     Condition(
         "soft_contact", soft_contact.is_soft, frozenset(("stiffness_ratio",)), otherwise="contact"
