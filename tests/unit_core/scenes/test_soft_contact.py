@@ -48,7 +48,7 @@ def test_the_damping_of_any_restitution_to_many_digits():
     e = np.array([1.0, 1 - 1e-12, 0.999, 0.5, 0.1354, np.exp(-2), 0.135, 0.0755883, 1e-4, 1e-300])
     zeta, regime = sweep("damping_of_restitution", restitution=e)
     assert zeta[0] == 0
-    assert (regime == REGIMES["not_assessed"].value).all()
+    assert (regime == REGIMES["contact"].value).all()
     with mpmath.workdps(40):
         for one, known in zip(zeta[1:], e[1:], strict=True):
             ratio = mpmath.mpf(one) + mpmath.mpf("1e-30")  # at 1 the quotient is its limit
@@ -64,7 +64,7 @@ def test_the_damping_of_any_restitution_to_many_digits():
 def test_no_finite_damping_lets_nothing_rebound():
     zeta, regime = sweep("damping_of_restitution", restitution=[0.0, 0.1])
     assert zeta[0] == np.inf
-    assert regime.tolist() == [REGIMES["unbounded"].value, REGIMES["not_assessed"].value]
+    assert regime.tolist() == [REGIMES["unbounded"].value, REGIMES["contact"].value]
 
 
 def impact(force, speed):
