@@ -134,7 +134,9 @@ def test_what_always_holds_has_no_verdict_and_counts_everywhere() -> None:
 
 def test_a_throw_number_puts_no_verdict_on_what_always_holds() -> None:
     """A drive's acceleration holds in flight, too, where the throw number tells it."""
-    drive = {key: GRID[key] for key in ("scene", "frequency", "amplitude", "beta", "gamma", "delta")}
+    drive = {
+        key: GRID[key] for key in ("scene", "frequency", "amplitude", "beta", "gamma", "delta")
+    }
     dataset = vibrafeed.sweep(outputs=["throw_number", "drive_across"], **drive)
     assert counts(dataset.regime) == {"contact": 469, "flight": 531}
     assert Table.of_xarray(dataset).valid("drive_across") is None
