@@ -211,7 +211,7 @@ DRIVE = {"frequency": [30, 60, 90], "amplitude": ["0.05 mm", "0.2 mm", "0.8 mm"]
 def test_extremes_are_of_valid_cells_whatever_axes_the_verdict_has(
     monkeypatch, tmp_path, scene, output, more, cells
 ) -> None:
-    """The largest value of invalid cells was told where a verdict has other axes than its output."""
+    """Invalid cells were among them where a verdict has other axes than its output."""
     monkeypatch.setattr("core.dataset.layout.TILE_CELLS", cells)
     monkeypatch.setattr("core.dataset.layout.CHUNK_CELLS", cells)
     content = {"kind": "sweep", "scene": scene, "outputs": [output]}
