@@ -67,8 +67,9 @@ def cut(
     Returns
     -------
     dict
-        Plain values and arrays: ``output``, ``unit``, ``axes``, ``values``, ``regime`` (each with
-        its ``dims``), ``regimes``, ``fixed``.
+        Plain values and arrays: ``output``, ``unit``, ``judged`` (whether the regime judges the
+        output, or it always holds), ``axes``, ``values``, ``regime`` (each with its ``dims``),
+        ``regimes``, ``fixed``.
 
     Raises
     ------
@@ -143,6 +144,7 @@ def compute_slice(prepared: SliceCut, threads: int | None = None) -> dict[str, A
     return {
         "output": output,
         "unit": QUANTITIES[REGIME if output == verdict else output].unit,
+        "judged": plan.verdict_on(output) is not None,
         "axes": [
             {"name": n, "unit": QUANTITIES[n].unit, "values": grid.coordinate(n)} for n in grid.axes
         ],

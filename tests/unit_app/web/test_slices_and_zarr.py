@@ -67,6 +67,8 @@ class TestSlice:
         assert len({one["label"] for one in listed}) == len(listed)
         for name, variable in dataset.data_vars.items():
             cut = {"output": name, "axes": "beta,frequency"}
+            judged = client.get(f"/sweeps/{posted['id']}/slice", params=cut).json()["judged"]
+            assert judged == ("ancillary_variables" in variable.attrs)
             told = client.get(f"/sweeps/{posted['id']}/slice", params=cut).json()["values"]
             assert {*told["dims"]} == {*variable.dims}
             found = np.array(told["data"], dtype=float)  # null is not finite
