@@ -6,9 +6,9 @@ from typing import Any
 
 from pydantic import BaseModel, Field
 
+from core.dataset.table import regime_attributes
 from core.plan.prepared import Prepared
 from core.quantities import QUANTITIES
-from core.quantities.flags import REGIME, is_regime
 
 
 class SweepAxis(BaseModel):
@@ -55,6 +55,13 @@ def description(key: str, sweep: Prepared, *, shared: bool) -> dict[str, Any]:
     `key` is its identifier; `shared` is True if all keys may read it.
     """
     equations = {equation.gives: equation for equation in sweep.plan.equations}
+    verdicts = sweep.plan.verdicts
+    labels = {
+        one.name: regime_attributes(one.regimes, one.outputs if len(verdicts) > 1 else ())[
+            "long_name"
+        ]
+        for one in verdicts
+    }
     return {
         "id": key,
         "study": sweep.study.content(),
@@ -71,7 +78,7 @@ def description(key: str, sweep: Prepared, *, shared: bool) -> dict[str, Any]:
             {
                 "name": name,
                 "unit": sweep.units[name],
-                "label": QUANTITIES[REGIME if is_regime(name) else name].label,
+                "label": labels.get(name) or QUANTITIES[name].label,
                 "dims": list(dims),
                 "source": equations[name].source if name in equations else None,
             }

@@ -49,6 +49,10 @@ class Tiled:
         computed = self._evaluated(self._plans[tile.field], tile.where)
         return {name: self._prepared.in_files(name, computed[name]) for name in tile.field.names}
 
+    def part(self, name: str, where: Mapping[str, tuple[int, int]]) -> NDArray[Any]:
+        """Return an array of the study in a box of its own axes, in the units of files."""
+        return self._prepared.in_files(name, self._evaluated(self._plan.part((name,)), where)[name])
+
     def at(self, positions: Mapping[str, NDArray[np.int64]], count: int) -> dict[str, NDArray[Any]]:
         """Return the outputs of a sweep at some cells, SI units, (count,) each, to verify them.
 

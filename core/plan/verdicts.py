@@ -68,12 +68,13 @@ def verdicts_of(conditions: Sequence[Condition], outputs: Sequence[str]) -> tupl
         The outputs in the order of the scene; ``regime`` among them stands for the contact.
     """
     of_contact = {*_judging(conditions, REGIME)}
+    concerned = [name for name in outputs if any(name in one.outputs for one in conditions)]
     groups: dict[tuple[Condition, ...], list[str]] = {}
-    for name in outputs:
-        if name not in EXACT and any(name in one.outputs for one in conditions):
+    for name in concerned:
+        if name not in EXACT:
             groups.setdefault(_judging(conditions, name), []).append(name)
     if not groups:
-        groups[()] = list(outputs)
+        groups[()] = concerned or list(outputs)
     # The one nearest to the contact: it shares most with it, and asks least besides.
     first = max(groups, key=lambda one: (len(of_contact & {*one}), -len({*one} - of_contact)))
     ordered = {first: groups.pop(first), **groups}

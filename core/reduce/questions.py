@@ -86,11 +86,8 @@ def takes_long(plan: Plan) -> bool:
 
 
 def judge_of(plan: Plan, asked: Reduction, output: str) -> Verdict | None:
-    """Return the verdict that keeps cells of an output from counting; None if all count.
-
-    Of an output that holds in every regime those cells count in which the contact is described.
-    """
-    verdict = plan.verdict_on(output) or next(iter(plan.verdicts), None)
+    """Return the verdict that keeps cells of an output from counting; None if all count."""
+    verdict = plan.verdict_on(output)
     return verdict if asked.cells == "valid" and verdict and verdict.doubts else None
 
 

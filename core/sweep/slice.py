@@ -56,7 +56,7 @@ def cut(
     sweep : Prepared
         The sweep to cut.
     output : str
-        One of its outputs.
+        One of its outputs or verdicts.
     axes : sequence of str
         The free axes, outermost first; axes that the output does not depend on are left out.
     at : mapping of str to str
@@ -67,8 +67,9 @@ def cut(
     Returns
     -------
     dict
-        Plain values and arrays: ``output``, ``unit``, ``axes``, ``values``, ``regime`` (each with
-        its ``dims``), ``regimes``, ``fixed``.
+        Plain values and arrays: ``output``, ``unit``, ``judged`` (whether the regime judges the
+        output, or it always holds), ``axes``, ``values``, ``regime`` (each with its ``dims``),
+        ``regimes``, ``fixed``.
 
     Raises
     ------
@@ -105,7 +106,7 @@ def prepare_cut(
     if problems:
         raise StudyError(problems)
     whole = sweep.grid
-    plan = sweep.plan.only(output)
+    plan = _plan_of(sweep, output)
     free = [name for name in dict.fromkeys(axes) if name in plan.parameters]
     fixed, problems = {}, []
     for name in whole.axes:
@@ -138,15 +139,18 @@ def compute_slice(prepared: SliceCut, threads: int | None = None) -> dict[str, A
     output, plan, grid = prepared.output, prepared.plan, prepared.grid
     arrays = evaluate(plan, grid, threads=threads)
     depends = plan.depends_on(grid.axes)
+    verdict = plan.verdict_names[0]
+    values = arrays[output] if output == verdict else from_si(output, arrays[output])
     return {
         "output": output,
-        "unit": QUANTITIES[output].unit,
+        "unit": QUANTITIES[REGIME if output == verdict else output].unit,
+        "judged": plan.verdict_on(output) is not None,
         "axes": [
             {"name": n, "unit": QUANTITIES[n].unit, "values": grid.coordinate(n)} for n in grid.axes
         ],
         "fixed": grid.fixed,
-        "values": _labelled(from_si(output, arrays[output]), grid.dims(depends[output])),
-        "regime": _labelled(arrays["regime"], grid.dims(depends["regime"])),
+        "values": _labelled(values, grid.dims(depends[output])),
+        "regime": _labelled(arrays[verdict], grid.dims(depends[verdict])),
         "regimes": {
             name: {
                 "value": REGIMES[name].value,
@@ -165,21 +169,30 @@ def table_of(sweep: Prepared, piece: Mapping[str, Any]) -> Table:
     regimes.
     """
     output = piece["output"]
-    plan = sweep.plan.only(output)
+    plan = _plan_of(sweep, output)
     axes = {axis["name"]: (axis["values"], (axis["name"],)) for axis in piece["axes"]}
     fixed = {name: (np.float64(value), ()) for name, value in piece["fixed"].items()}
     coordinates = {
         name: TableVariable(dims, np.asarray(values), quantity_attributes(name))
         for name, (values, dims) in (axes | fixed).items()
     }
+    verdict = plan.verdicts[0]
+    judged = verdict.outputs if verdict.name != REGIME else ()
+    parts = {verdict.name: (piece["regime"], regime_attributes(verdict.regimes, judged))}
+    if output != verdict.name:
+        attributes = quantity_attributes(output, **link_to_verdict(plan, output))
+        parts = {output: (piece["values"], attributes), **parts}
     variables = {
         name: TableVariable(tuple(part["dims"]), part["data"], attributes)
-        for name, part, attributes in (
-            (output, piece["values"], quantity_attributes(output, **link_to_verdict(plan, output))),
-            ("regime", piece["regime"], regime_attributes(tuple(piece["regimes"]))),
-        )
+        for name, (part, attributes) in parts.items()
     }
     return Table(coordinates, variables, attributes_of(sweep))
+
+
+def _plan_of(sweep: Prepared, output: str) -> Plan:
+    """Return the plan of an output with the verdict on it alone, or of a verdict of the sweep."""
+    plan = sweep.plan
+    return plan.part((output,)) if output in plan.verdict_names else plan.only(output)
 
 
 def _problems(
@@ -191,7 +204,7 @@ def _problems(
     them.
     """
     known, suggest = sweep.grid.axes, Suggestions()
-    outputs = (*sweep.plan.outputs, REGIME)
+    outputs = (*sweep.plan.outputs, *sweep.plan.verdict_names)
     if output not in outputs:
         fix = suggest(output, outputs)
         yield Problem("output", f"'{output}' is not an output of this sweep", fix)

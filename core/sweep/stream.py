@@ -6,6 +6,7 @@ four tiles, of 32 MiB for each output that has the most axes, whatever the size 
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections import deque
 from collections.abc import Iterator, Mapping
@@ -23,7 +24,6 @@ from core.errors import VibrafeedError
 from core.mechanics.arrays import Array
 from core.plan.labels import coordinates_of
 from core.plan.pieces import carry_out, price
-from core.plan.plan import Plan
 from core.plan.prepared import Prepared
 from core.plan.sample import Sample, sample_of
 from core.plan.tiles import Tiled
@@ -102,35 +102,80 @@ class Passed:
     regimes: dict[str, dict[str, int]] = field(default_factory=dict)
     cells: int = 0
 
-    def add(self, tile: Tile, arrays: Mapping[str, NDArray[Any]], plan: Plan) -> None:
+    def add(
+        self, tile: Tile, arrays: Mapping[str, NDArray[Any]], sweep: Prepared, tiled: Tiled
+    ) -> None:
         """Add a tile to the statistics of a sweep: cells, extremes and counts of regimes.
 
         `arrays` has the outputs and verdicts of the tile, arrays over its cells. Values that are
-        not finite, or not valid by a verdict of the tile, are left out of the extremes.
+        not finite, or not valid by their verdict, are left out of the extremes. `tiled` computes
+        what an output and its verdict need of each other where they lie on other axes.
         """
         self.cells += tile.cells
-        verdicts = {verdict.name: verdict for verdict in plan.verdicts if verdict.name in arrays}
-        for name, verdict in verdicts.items():
-            counts = self.regimes.setdefault(name, {})
-            for regime in verdict.regimes:
-                found = int(np.count_nonzero(arrays[name] == REGIMES[regime].value))
-                counts[regime] = counts.get(regime, 0) + found
+        plan = sweep.plan
         for name, values in arrays.items():
-            if name in verdicts:
-                continue
             judge = plan.verdict_on(name)
-            if judge is not None and judge.name in verdicts and judge.doubts:
-                values = values[is_valid(arrays[judge.name])]
-                if not values.size:
-                    continue
-            least, largest = values.min(), values.max()
-            if not (np.isfinite(least) and np.isfinite(largest)):
-                finite = values[np.isfinite(values)]
-                if not finite.size:
-                    continue
-                least, largest = finite.min(), finite.max()
-            before = self.ends.get(name, (least, largest))
-            self.ends[name] = float(min(least, before[0])), float(max(largest, before[1]))
+            if name in plan.verdict_names:
+                continue
+            if judge is None or not judge.doubts:
+                self._extend(name, values)
+            elif {*sweep.dims[judge.name]} <= {*tile.field.dims}:
+                self._extend(name, values[_mask(judge.name, tile, arrays, sweep, tiled)])
+        for verdict in plan.verdicts:
+            if verdict.name not in arrays:
+                continue
+            regimes = arrays[verdict.name]
+            counts = self.regimes.setdefault(verdict.name, {})
+            for regime in verdict.regimes:
+                found = int(np.count_nonzero(regimes == REGIMES[regime].value))
+                counts[regime] = counts.get(regime, 0) + found
+            for name in verdict.outputs if verdict.doubts else ():
+                if sweep.dims[name] and not {*tile.field.dims} <= {*sweep.dims[name]}:
+                    for values in _valid_parts(name, tile, is_valid(regimes), sweep, tiled):
+                        self._extend(name, values)
+
+    def _extend(self, name: str, values: NDArray[Any]) -> None:
+        """Let the extremes of an output reach the finite ones of further values."""
+        if not values.size:
+            return
+        least, largest = values.min(), values.max()
+        if not (np.isfinite(least) and np.isfinite(largest)):
+            finite = values[np.isfinite(values)]
+            if not finite.size:
+                return
+            least, largest = finite.min(), finite.max()
+        before = self.ends.get(name, (least, largest))
+        self.ends[name] = float(min(least, before[0])), float(max(largest, before[1]))
+
+
+def _mask(
+    judge: str, tile: Tile, arrays: Mapping[str, NDArray[Any]], sweep: Prepared, tiled: Tiled
+) -> NDArray[np.bool_]:
+    """Return the cells of a tile that are valid by a verdict, which has no axis besides its own."""
+    shape = tuple(stop - start for start, stop in tile.box)
+    if judge in arrays:
+        return is_valid(arrays[judge])
+    dims = sweep.dims[judge]
+    valid = is_valid(tiled.part(judge, {dim: tile.where[dim] for dim in dims}))
+    own = [length if d in dims else 1 for d, length in zip(tile.field.dims, shape, strict=True)]
+    return np.broadcast_to(valid.reshape(own), shape)
+
+
+def _valid_parts(
+    name: str, tile: Tile, valid: NDArray[np.bool_], sweep: Prepared, tiled: Tiled
+) -> Iterator[NDArray[Any]]:
+    """Yield the values of an output that are valid somewhere in a tile of its verdict.
+
+    The verdict has axes that the output has not; `valid` is over the tile. Along axes that only the
+    output has it is computed one place after another, so that memory is that of a tile.
+    """
+    dims = sweep.dims[name]
+    mask = valid.any(axis=tuple(k for k, d in enumerate(tile.field.dims) if d not in dims))
+    others = [dim for dim in dims if dim not in tile.field.dims]
+    for place in itertools.product(*(range(sweep.grid.shape[dim]) for dim in others)):
+        box = dict(zip(others, ((k, k + 1) for k in place), strict=True))
+        values = tiled.part(name, {dim: box.get(dim) or tile.where[dim] for dim in dims})
+        yield values.reshape(mask.shape)[mask]
 
 
 def stream(sweep: Prepared, target: Target, watch: Watch | None = None) -> tuple[Passed, bool]:
@@ -172,7 +217,7 @@ def stream(sweep: Prepared, target: Target, watch: Watch | None = None) -> tuple
         """
         expected.check(tile, arrays)
         target.write(index, arrays, cost)
-        passed.add(tile, arrays, sweep.plan)
+        passed.add(tile, arrays, sweep, tiled)
         watch.advance(tile.cells / tiled.tiles.cells)
 
     with ThreadPoolExecutor(1, thread_name_prefix="writer") as writer:

@@ -65,7 +65,7 @@ function fromDataset(dataset, view) {
   return {
     x: axis(view.x.name),
     y: view.y ? axis(view.y.name) : null,
-    z: { name: view.output, unit: variable.units, at: reader(variable) },
+    z: { name: view.output, unit: variable.units, at: reader(variable), isJudged: "ancillary_variables" in variable },
     regime: regime
       ? {
           at: reader(regime),
@@ -95,7 +95,7 @@ function fromSlice(found, view) {
   return {
     x: axis(view.x.name),
     y: view.y ? axis(view.y.name) : null,
-    z: { name: view.output, unit: found.header.unit, at: reader(found.values, found.dims) },
+    z: { name: view.output, unit: found.header.unit, at: reader(found.values, found.dims), isJudged: found.header.judged },
     regime: found.regime
       ? {
           at: reader(found.regime, found.regimeDims),

@@ -90,7 +90,7 @@ export function levelsOf({ low, high }, unit) {
 export function hatchDrawn({ data, x, y, clipId, edges }, regimes) {
   const invalid = new Set(regimes.filter(({ valid }) => !valid).map(({ value }) => value));
   const group = drawn("g", { class: "hatch", "clip-path": `url(#${clipId})` });
-  if (!invalid.size) return group;
+  if (!invalid.size || !data.z.isJudged) return group; // such as a throw number, which always holds
   const area = ringsAround(gridOf(data), (value) => invalid.has(value), edges);
   const id = `${clipId}-hatch`;
   group.append(

@@ -56,7 +56,7 @@ export class HeatMap {
     new ResizeObserver(() => this.resize()).observe(this.box);
   }
 
-  // data: {x, y: {name, unit, values}, z: {name, unit, at(i, j)}, regime: {at(i, j), names} or null,
+  // data: {x, y: {name, unit, values}, z: {name, unit, at(i, j), isJudged}, regime: {at(i, j), names} or null,
   // look(name) of a regime}. While it `isMoving`, lines are drawn of fewer values: they take most of
   // the time. A `range` of colours is that of several maps.
   show(data, { isMoving = false, range = null } = {}) {

@@ -53,6 +53,37 @@ class TestSlice:
         (wrong,) = problem(client.get(f"{address}/slice", params=long), 422)["errors"]
         assert wrong["fix"] == "A value has at most 200 characters"
 
+    @pytest.mark.parametrize("outputs", [["stopping_distance"], ["acceleration_x", "throw_number"],
+                                         ["terminal_velocity", "acceleration_x"]])  # fmt: skip
+    def test_every_listed_variable_has_a_slice_of_its_values(self, client, outputs) -> None:
+        """`regime` had those of the contact, and another regime was refused."""
+        axes = {"beta": [5, 20, 40], "frequency": [30, 60, 90]}
+        fixed = {"friction": 0.3, "radius": 0.3, "amplitude": 2e-4}
+        study = {**STUDY, "outputs": outputs, "parameters": {**axes, **fixed}}
+        posted = client.post("/sweeps", json=study).json()
+        dataset = run_study(parse_study(study))
+        listed = posted["outputs"]
+        assert {one["name"] for one in listed} == {*dataset.data_vars}
+        assert len({one["label"] for one in listed}) == len(listed)
+        for name, variable in dataset.data_vars.items():
+            cut = {"output": name, "axes": "beta,frequency"}
+            judged = client.get(f"/sweeps/{posted['id']}/slice", params=cut).json()["judged"]
+            assert judged == ("ancillary_variables" in variable.attrs)
+            told = client.get(f"/sweeps/{posted['id']}/slice", params=cut).json()["values"]
+            assert {*told["dims"]} == {*variable.dims}
+            found = np.array(told["data"], dtype=float)  # null is not finite
+            wanted = variable.where(np.isfinite(variable)).transpose(*told["dims"])
+            np.testing.assert_array_equal(found, wanted)
+
+    def test_a_regime_that_needs_what_the_study_does_not_give(self, client) -> None:
+        """The slice of `regime` ended with 500: the contact asks for a friction coefficient."""
+        study = {"kind": "sweep", "scene": "cylinder-isolated", "outputs": ["inertia_ratio"],
+                 "parameters": {"length": [0.01, 0.02], "diameter": 0.01}}  # fmt: skip
+        key = client.post("/sweeps", json=study).json()["id"]
+        told = client.get(f"/sweeps/{key}/slice", params={"output": "regime", "axes": "length"})
+        assert told.status_code == 200, told.text
+        assert told.json()["regimes"].keys() == {"not_assessed"}
+
     def test_binary_and_json_are_the_same_slice(self, client, address):
         told = client.get(f"{address}/slice", params=CUT)
         raw = client.get(f"{address}/slice", params={**CUT, "format": "binary"})

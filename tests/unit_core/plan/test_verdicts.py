@@ -141,6 +141,25 @@ def test_what_always_holds_has_no_verdict_and_counts_everywhere() -> None:
     np.testing.assert_array_equal(valid, is_valid(dataset.regime.values))
 
 
+def test_a_throw_number_puts_no_verdict_on_what_always_holds() -> None:
+    """A drive's acceleration holds in flight, too, where the throw number tells it."""
+    drive = {
+        key: GRID[key] for key in ("scene", "frequency", "amplitude", "beta", "gamma", "delta")
+    }
+    dataset = vibrafeed.sweep(outputs=["throw_number", "drive_across"], **drive)
+    assert counts(dataset.regime) == {"contact": 469, "flight": 531}
+    assert Table.of_xarray(dataset).valid("drive_across") is None
+
+
+@pytest.mark.parametrize("beside", ["acceleration_x", "terminal_velocity"])
+def test_statistics_of_what_always_holds_are_of_every_cell(beside: str) -> None:
+    asked = {"over": ["frequency", "amplitude", "beta"], "statistics": ["max"]}
+    dataset = vibrafeed.sweep(outputs=["throw_number", beside], **GRID)
+    reduced = vibrafeed.sweep(outputs=["throw_number", beside], reduce=asked, **GRID)
+    assert int(reduced.throw_number_count) == 1000
+    assert float(reduced.throw_number_max) == float(dataset.throw_number.max())
+
+
 def test_files_keep_the_links(tmp_path: Path) -> None:
     dataset = vibrafeed.sweep(outputs=["acceleration_x", "terminal_velocity"], **GRID)
     for name in ("a.nc", "a.zarr"):

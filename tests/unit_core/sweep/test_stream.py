@@ -193,3 +193,37 @@ def test_the_outline_of_a_huge_sweep_takes_no_memory():
     table = outline_table(prepare_content(study))
     assert table.variables["regime"].values.size > 10**11
     assert table.attributes["verified_cells"] == 2
+
+
+DRIVE = {"frequency": [30, 60, 90], "amplitude": ["0.05 mm", "0.2 mm", "0.8 mm"], "beta": [10, 40]}
+
+
+@pytest.mark.parametrize(
+    ("scene", "output", "more"),
+    [
+        pytest.param("sphere-on-plane", "required_friction", {}, id="the verdict has more axes"),
+        pytest.param("rectangle-on-plane", "floor_force", {"mass": [1, 2]}, id="fewer axes"),
+        pytest.param("cylinder-on-plane", "angular_acceleration", {"diameter": [0.01, 0.02]},
+                     id="other axes"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("cells", [2, 7, 10_000])
+def test_extremes_are_of_valid_cells_whatever_axes_the_verdict_has(
+    monkeypatch, tmp_path, scene, output, more, cells
+) -> None:
+    """Invalid cells were among them where a verdict has other axes than its output."""
+    monkeypatch.setattr("core.dataset.layout.TILE_CELLS", cells)
+    monkeypatch.setattr("core.dataset.layout.CHUNK_CELLS", cells)
+    content = {"kind": "sweep", "scene": scene, "outputs": [output]}
+    if scene == "cylinder-on-plane":
+        content["variant"] = "thesis"
+    friction = {} if output == "floor_force" else {"friction": [0.1, 0.3, 0.6]}
+    sweep = prepare_content({**content, "parameters": {**DRIVE, **friction, **more}})
+    assert set(sweep.dims[output]) != set(sweep.dims["regime"])
+    table = tabulate(sweep)
+    valid = table.variables[output].values[table.valid(output)]
+    assert 0 < valid.size < table.variables[output].values.size
+    target = open_target(tmp_path / "result.nc", sweep, outline_table(sweep))
+    passed, whole = stream(sweep, target)
+    assert whole
+    assert passed.ends == {output: (valid.min(), valid.max())}
