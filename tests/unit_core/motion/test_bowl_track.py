@@ -301,7 +301,7 @@ def test_parts_on_the_track_are_felt_where_they_are_taken_to_be():
 def test_a_stretch_that_is_too_steep_lets_none_pass():
     steep = {**STUDY, "stretch_climb_2": 30}
     found = vibrafeed.simulate(**steep, length=0.02, outputs=[*WHOLE, "track_feed_rate"])
-    assert int(found.regime) == REGIMES["stalls"].value
+    assert int(found.regime_transit_time) == REGIMES["stalls"].value
     assert np.isinf(float(found.transit_time))
     assert float(found.bottleneck_velocity) <= 0
     assert float(found.bottleneck_fraction) > 0.75
