@@ -349,10 +349,10 @@ def _same_regime(plan: Plan, known: Mapping[str, Any], counts: Collection[str]) 
     tells the derivative. `plan` is that of the study, `known` holds the quantities of all motions;
     `counts` are the names of whole numbers, the period multiple first, that must be the same.
     """
-    told = (*regimes(plan, known).values(), *(known[name] for name in counts))
-    kinds = np.stack(np.broadcast_arrays(*told))
-    kinds = kinds.reshape(1 + len(counts), -1)
-    if not kinds[1, 0] >= 1:
+    verdicts = regimes(plan, known).values()
+    told = (*(known[name] for name in counts), *verdicts)
+    kinds = np.stack(np.broadcast_arrays(*told)).reshape(len(told), -1)
+    if not kinds[0, 0] >= 1:
         return None
     return np.isclose(kinds, kinds[:, :1], rtol=1e-12, atol=0).all(axis=0)
 
