@@ -323,17 +323,17 @@ def _statuses(variables: Mapping[str, TableVariable]) -> tuple[set[str], bool]:
     its regimes in their place. A value may be missing where a status or regime is not valid, or is
     one of `WITHOUT_VALUE`, such as "stopped".
     """
-    told = (one for name, one in variables.items() if is_regime(name))
-    regimes = {name: flag for one in told for name, flag in _present(one, REGIMES).items()}
-    statuses = regimes
+    told = [_present(one, REGIMES) for name, one in variables.items() if is_regime(name)]
+    statuses = {name for flags in told for name in flags}
     if "motion_status" in variables:
-        statuses = _present(variables["motion_status"], MOTION_STATUSES)
+        told.append(_present(variables["motion_status"], MOTION_STATUSES))
+        statuses = set(told[-1])
     explained = (
         all(not flag.valid or name in WITHOUT_VALUE for name, flag in flags.items())
-        for flags in (statuses, regimes)
+        for flags in told
         if flags
     )
-    return set(statuses), any(explained)
+    return statuses, any(explained)
 
 
 def _present(variable: TableVariable, flags: Mapping[str, Flag]) -> dict[str, Flag]:
