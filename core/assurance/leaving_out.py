@@ -169,13 +169,10 @@ def counted(prepared: Prepared) -> tuple[Prepared, Counter[str]]:
 
     plan = prepared.plan
     equations = tuple(replace(e, function=count(e.gives, e.function)) for e in plan.equations)
+    conditions = {one for verdict in plan.verdicts for one in verdict.conditions}
+    known = {c: replace(c, function=count(f"[{c.regime}]", c.function)) for c in conditions}
     verdicts = tuple(
-        replace(
-            verdict,
-            conditions=tuple(
-                replace(c, function=count(f"[{c.regime}]", c.function)) for c in verdict.conditions
-            ),
-        )
+        replace(verdict, conditions=tuple(known[c] for c in verdict.conditions))
         for verdict in plan.verdicts
     )
     counting = replace(plan, equations=equations, verdicts=verdicts)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from core.plan.plan import Plan
 from core.plan.verdicts import Verdict
 from core.quantities import REGIMES
-from core.scenes import Equation
+from core.scenes import Condition, Equation
 from core.watch import Watch
 
 Known = dict[str, Any]
@@ -53,18 +53,25 @@ def run(equations: Iterable[Equation], known: Known, watch: Watch | None = None)
 
 def regimes(plan: Plan, known: Mapping[str, Any]) -> dict[str, NDArray[np.int8]]:
     """Return the regimes of the cells by each verdict of a plan, by the name of the verdict."""
-    return {one.name: np.asarray(regimes_of(one, known)) for one in plan.verdicts}
+    held: dict[Condition, Any] = {}
+    return {one.name: np.asarray(regimes_of(one, known, held)) for one in plan.verdicts}
 
 
-def regimes_of(verdict: Verdict, known: Mapping[str, Any]) -> Any:
+def regimes_of(
+    verdict: Verdict, known: Mapping[str, Any], held: dict[Condition, Any] | None = None
+) -> Any:
     """Return the number of each cell's regime: that of the first condition that holds.
 
-    `known` has the quantities that the conditions need: arrays by name, SI units. The result is
-    int8, of the shape of the conditions.
+    `known` has the quantities that the conditions need: arrays by name, SI units. `held` gets where
+    each condition holds, so that verdicts that share one compute it once. The result is int8, of
+    the shape of the conditions.
     """
+    held = {} if held is None else held
     regime: Any = np.int8(REGIMES[verdict.otherwise].value)
     with too_large_is_data():
         for condition in reversed(verdict.conditions):
-            holds = condition.function(**{name: known[name] for name in condition.inputs})
-            regime = np.where(holds, np.int8(REGIMES[condition.regime].value), regime)
+            if condition not in held:
+                given = {name: known[name] for name in condition.inputs}
+                held[condition] = condition.function(**given)
+            regime = np.where(held[condition], np.int8(REGIMES[condition.regime].value), regime)
     return regime
