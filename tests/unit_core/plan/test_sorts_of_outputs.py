@@ -8,6 +8,7 @@ from core.quantities import FLAGS, QUANTITIES
 
 ERRORS = {
     "conveying_velocity_error", "conveying_velocity_spread", "yield_deviation",
+    "transit_time_error", "bottleneck_velocity_error",
 }  # fmt: skip
 COUNTS = {
     "period_multiple", "impacts_per_period", "impact_count", "platoons", "friction_seed",
