@@ -323,14 +323,14 @@ def _statuses(variables: Mapping[str, TableVariable]) -> tuple[set[str], bool]:
     its regimes in their place. A value may be missing where a status or regime is not valid, or is
     one of `WITHOUT_VALUE`, such as "stopped".
     """
-    told = [_present(one, REGIMES) for name, one in variables.items() if is_regime(name)]
-    statuses = {name for flags in told for name in flags}
+    present = [_present(one, REGIMES) for name, one in variables.items() if is_regime(name)]
+    statuses = {name for flags in present for name in flags}
     if "motion_status" in variables:
-        told.append(_present(variables["motion_status"], MOTION_STATUSES))
-        statuses = set(told[-1])
+        present.append(_present(variables["motion_status"], MOTION_STATUSES))
+        statuses = set(present[-1])
     explained = (
         all(not flag.valid or name in WITHOUT_VALUE for name, flag in flags.items())
-        for flags in told
+        for flags in present
         if flags
     )
     return statuses, any(explained)
