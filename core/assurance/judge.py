@@ -323,16 +323,17 @@ def _statuses(variables: Mapping[str, TableVariable]) -> tuple[set[str], bool]:
     its regimes in their place. A value may be missing where a status or regime is not valid, or is
     one of `WITHOUT_VALUE`, such as "stopped".
     """
-    verdicts = [_present(one, REGIMES) for name, one in variables.items() if is_regime(name)]
-    statuses = {name: flag for one in verdicts for name, flag in one.items()}
+    present = [_present(one, REGIMES) for name, one in variables.items() if is_regime(name)]
+    statuses = {name for flags in present for name in flags}
     if "motion_status" in variables:
-        statuses = _present(variables["motion_status"], MOTION_STATUSES)
+        present.append(_present(variables["motion_status"], MOTION_STATUSES))
+        statuses = set(present[-1])
     explained = (
         all(not flag.valid or name in WITHOUT_VALUE for name, flag in flags.items())
-        for flags in (statuses, *verdicts)
+        for flags in present
         if flags
     )
-    return set(statuses), any(explained)
+    return statuses, any(explained)
 
 
 def _present(variable: TableVariable, flags: Mapping[str, Flag]) -> dict[str, Flag]:

@@ -406,7 +406,15 @@ class TestScenes:
         front = run_study(load_study(configs / "optimise-pareto.toml"))
         used |= {*front.variables}
         used |= set(run_study(load_study(configs / "optimise-velocity.toml")).variables)
-        used |= {"objective_left_out"}  # of optima under uncertainty
+        in_mean = parse_study({
+            "kind": "optimise", "scene": "linear-drive-unit", "variant": "measured",
+            "criterion": {"kind": "maximise", "output": "track_amplitude"}, "robust": "mean",
+            "variables": {"ring_down_frequency": {"lower": 44.0, "upper": 58.0}},
+            "uncertain": {"damping_ratio": {"lower": 0.01, "upper": 0.03}},
+            "parameters": {"frequency": 50.0, "moving_mass": 10.0, "base_mass": 30.0,
+                           "drive_force": 60.0},
+        })  # fmt: skip
+        used |= set(run_study(in_mean).variables)
         assert set(QUANTITIES) - used == set()
 
     def test_regime_values_are_distinct_and_without_gaps(self):
