@@ -53,6 +53,18 @@ def problems(study=PLANE, **parameters):
         ("vertical_stroke", "Did you mean 'vertical_peak_to_peak'?"),
         ("stroke", "Did you mean 'peak_to_peak'?"),
         ("natural_frequency", "Did you mean 'ring_down_frequency'?"),
+        ("amplitude_y", "Write vertical_amplitude, and beta, if y is normal to the track"),
+        ("z_amplitude", "Did you mean 'vertical_amplitude'?"),
+        ("amplitude_pp", "Did you mean 'peak_to_peak'?"),
+        ("machine_number",
+         "Write amplitude = machine number times gravity/(2 pi frequency)^2, along the drive"),
+        ("spring_rate",
+         "Write spring_stiffness = stiffness of all springs together, along the stroke"),
+        ("phase",
+         "Write phase_normal_1 = lead of the normal motion over that along (a lag is negative), "
+         "beside amplitude_along_1 and amplitude_normal_1"),
+        ("force", "Did you mean 'drive_force'?"),
+        ("gamma_percent", "Write gamma = atan(per cent/100)"),
     ],
 )  # fmt: skip
 def test_a_related_quantity_gets_the_relation(typed, advice):
@@ -71,7 +83,8 @@ def test_a_voltage_is_no_force(typed):
 @pytest.mark.parametrize(
     "typed",
     ["max_amplitude", "mean_friction", "half_amplitude", "track_speed", "base_weight",
-     "bowl_mass", "static_mass", "cone_angle", "inner_radius", "horizontal_friction"],
+     "bowl_mass", "static_mass", "cone_angle", "inner_radius", "horizontal_friction",
+     "amplitude_dc", "spring_weight"],
 )  # fmt: skip
 def test_no_name_of_another_quantity_is_suggested(typed):
     assert nearest(typed, PARAMETERS) is None
