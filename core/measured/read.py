@@ -35,7 +35,9 @@ REMARKS = ("comment", "comments", "remark", "remarks")
 
 _IN_BRACKETS = re.compile(r"(\[[^\[\]]*\]|[\[(][^\[\]()]*[\])])\Z")
 _UNITS_ONLY = re.compile(r"([\[(][^\[\]]*[\])])?")
-_BARE_UNIT = re.compile(r"-?|[nuµμm]?s|sec|[mk]?[gG]n?|[mc]?m[/·* ]?s\S{0,3}[2²]|m?V|[k]?Hz|°C?")
+_BARE_UNIT = re.compile(
+    r"-?|[nuµμm]?s(?:ec)?|[mk]?[gG]n?|Gal|[mc]?m[/·* ]?s\S{0,3}[2²]|m?V|[k]?Hz|°C?"
+)
 SEPARATOR = re.compile(r'"?sep=(.)"?', re.IGNORECASE)
 """A line on top of a table that names what separates its cells, as spreadsheets have it."""
 _CLOCK = re.compile(r"(?:\d{4}-\d\d-\d\d[T ])?\d\d:\d\d(?::\d\d.*)?")
@@ -145,7 +147,7 @@ def read_table(source: str | Path) -> RecordingTable:
     _check_rows(body, names)
     numbers = np.array([line for line, _ in body])
     cells = dict(zip(names, zip(*(row for _, row in body), strict=True), strict=True))
-    wrong = {} if lines.delimiter == "," else contradictions(cells)
+    wrong = contradictions(cells)
     columns = {}
     for (name, texts), unit in zip(cells.items(), units, strict=True):
         points = texts if lines.delimiter == "," else [text.replace(",", ".") for text in texts]
