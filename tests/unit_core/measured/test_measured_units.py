@@ -71,6 +71,14 @@ def test_the_key_unit_overrules_a_word_that_is_no_unit():
     assert "'kg' is not a unit of acceleration" in refusal(unknown, unit="kg")[0]
 
 
+@pytest.mark.parametrize("rate", ["2000 samples/s", "2000 sps", "2 kHz", "120000/min"])
+def test_a_rate_is_written_as_recorders_have_it(rate):
+    untimed = table(time="number")
+    np.testing.assert_array_equal(
+        signal(untimed, rate=rate).times, signal(untimed, rate=2000).times
+    )
+
+
 def test_a_recording_may_have_true_minus_signs():
     text = table().replace("-", MINUS)
     np.testing.assert_array_equal(signal(text).accelerations, signal(table()).accelerations)
