@@ -155,3 +155,13 @@ def test_a_number_without_a_unit_has_none_in_messages():
         "Swap start and stop, or list the values: a list may fall."
     )
     assert prepare_content({**PLANE, "parameters": {**PLANE["parameters"], "friction": [0.5, 0.3]}})
+
+
+@pytest.mark.parametrize("name", ["vertical_amplitude", "peak_to_peak"])
+def test_a_sine_beside_harmonics_is_told_as_zero_to_peak_amplitudes(name):
+    """ "A sin(beta)" had been said of a vertical amplitude, too, which is A sin(beta) itself."""
+    study = {**PLANE, "kind": "simulate", "outputs": ["conveying_velocity"]}
+    told = " ".join(
+        problems(study, amplitude=None, beta=None, amplitude_along_1=1e-4, **{name: 1e-4})
+    )
+    assert "amplitude_normal_1 = amplitude sin(beta), which is the vertical amplitude" in told
