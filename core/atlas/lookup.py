@@ -113,14 +113,16 @@ def lookup(
     values = {name: plain(value, f"parameters.{name}") for name, value in parameters.items()}
     columns: Mapping[str, Any] = {}
     if rows is None:
-        found = lookup_grid(opened, values, simulate=simulate)
+        looked_up = lookup_grid(opened, values, simulate=simulate)
     else:
-        is_file = isinstance(rows, str | os.PathLike)
-        columns = read_rows(Path(rows)) if is_file else _columns(plain(rows, "rows"))
-        found = lookup_rows(opened, columns, values, simulate=simulate)
+        if isinstance(rows, str | os.PathLike):
+            columns = read_rows(Path(rows))
+        else:
+            columns = _columns(plain(rows, "rows"))
+        looked_up = lookup_rows(opened, columns, values, simulate=simulate)
     for question in questions({"parameters": {**columns, **values}}):
         warnings.warn(question, stacklevel=2)
-    return found.to_xarray()
+    return looked_up.to_xarray()
 
 
 def _columns(rows: Mapping[str, Any]) -> dict[str, Any]:

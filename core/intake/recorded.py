@@ -126,8 +126,8 @@ def channel_questions(fit: measured.Fit | None) -> list[str]:
     )  # gravity shows the normal one
     asked = [
         f"the recording's {axis} channel shows no motion of the drive. Is it the right column?"
-        for axis, told in zip(fit.axes, fit.significant.any(axis=1), strict=True)
-        if not told and axis not in known
+        for axis, told in zip(fit.axes, fit.significant, strict=True)
+        if not told.any() and axis not in known
     ]
     largest = fit.axes[int(fit.amplitudes.max(axis=1).argmax())]
     if largest == "across" and len(fit.axes) > 1:
