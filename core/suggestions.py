@@ -20,8 +20,10 @@ _SYNONYMS: Final[Mapping[str, str]] = {
     "frequency": "f freq hz drive_frequency driving_frequency vibration_frequency excitation_"
     "frequency",
     "amplitude": "a0 amp drive_amplitude vibration_amplitude zero_to_peak half_stroke",
-    "peak_to_peak": "stroke p2p pp p_p pk_pk peak_peak peak2peak stroke_length double_amplitude",
-    "vertical_amplitude": "amplitude_vertical amplitude_normal normal_amplitude amplitude_z",
+    "peak_to_peak": "stroke p2p pp p_p pk_pk pk2pk peak_peak peak2peak stroke_length "
+    "double_amplitude amplitude_pp amplitude_p2p amplitude_peak_to_peak",
+    "vertical_amplitude": "amplitude_vertical amplitude_normal normal_amplitude amplitude_z "
+    "z_amplitude v_amplitude vert_amplitude amplitude_vert",
     "vertical_peak_to_peak": "vertical_stroke stroke_vertical normal_stroke peak_to_peak_vertical "
     "peak_to_peak_normal normal_peak_to_peak vertical_p2p",
     "alpha": "α azimuth drive_azimuth",  # noqa: RUF001
@@ -50,6 +52,7 @@ _SYNONYMS: Final[Mapping[str, str]] = {
     "base_mass": "counter_mass countermass",
     "centre_of_mass": "center_of_mass centre_of_gravity center_of_gravity cog com",
     "drop_height": "height_of_drop fall_height",
+    "drive_force": "force exciting_force excitation_force",
     "hold_down": "magnet vacuum",
     "hold_down_force": "magnetic_force holding_force suction_force",
     # --- outputs
@@ -116,15 +119,24 @@ _RELATIONS: Final = (
     ("amplitude", "displacement",
      "Write amplitude from zero to peak, or peak_to_peak, the whole stroke"),
     ("amplitude", "horizontal_amplitude amplitude_horizontal amplitude_along along_amplitude "
-     "amplitude_x",
+     "amplitude_x x_amplitude longitudinal_amplitude",
      "Write amplitude = horizontal amplitude/cos(beta)"),
+    ("vertical_amplitude", "amplitude_y y_amplitude",
+     "Write vertical_amplitude, and beta, if y is normal to the track"),
+    ("amplitude", "angular_amplitude torsional_amplitude amplitude_angle",
+     "Write amplitude = angle in radians times radius/cos(beta)"),
+    ("phase_normal_1", "phase phase_lag phase_angle phase_shift phase_difference",
+     "Write phase_normal_1 = lead of the normal motion over that along (a lag is negative), beside "
+     "amplitude_along_1 and amplitude_normal_1"),
     ("peak_to_peak", "horizontal_stroke stroke_horizontal horizontal_peak_to_peak "
      "peak_to_peak_horizontal", "Write peak_to_peak = horizontal stroke/cos(beta)"),
     ("amplitude", "rms_amplitude amplitude_rms rms displacement_rms rms_displacement",
      "Write amplitude = sqrt(2) times the rms value of a sine"),
-    ("amplitude", "acceleration_amplitude amplitude_acceleration drive_acceleration g_level "
-     "peak_acceleration vibration_acceleration machine_number acceleration",
+    ("amplitude", "acceleration_amplitude amplitude_acceleration drive_acceleration "
+     "peak_acceleration vibration_acceleration acceleration",
      "Write amplitude = acceleration/(2 pi frequency)^2, along the drive"),
+    ("amplitude", "machine_number g_level g_force",
+     "Write amplitude = machine number times gravity/(2 pi frequency)^2, along the drive"),
     ("vertical_amplitude", "vertical_acceleration acceleration_vertical normal_acceleration "
      "acceleration_normal",
      "Write vertical_amplitude = acceleration/(2 pi frequency)^2, and beta"),
@@ -140,6 +152,8 @@ _RELATIONS: Final = (
      "Write beta = 90 degrees less the angle from the normal of the track"),
     ("gamma", "track_pitch helix_pitch rise rise_per_turn climb_per_turn lead climb_height",
      "Write gamma = atan(rise per turn/(2 pi radius))"),
+    ("gamma", "slope_percent gamma_percent incline_percent grade gradient",
+     "Write gamma = atan(per cent/100)"),
     ("radius", "bowl_diameter track_diameter",
      "Write radius = diameter/2, at the wall of the track"),
     ("diameter", "part_radius cylinder_radius ball_radius roller_radius",
@@ -165,6 +179,8 @@ _RELATIONS: Final = (
      "Write damping_ratio = logarithmic decrement/(2 pi)"),
     ("damping_ratio", "damping_coefficient damping_constant damping",
      "Write damping_ratio = c/(2 sqrt(stiffness times mass))"),
+    ("spring_stiffness", "spring_rate spring_rates spring_constant stiffness",
+     "Write spring_stiffness = stiffness of all springs together, along the stroke"),
     ("spring_angle", "spring_angle_horizontal angle_of_springs_to_horizontal",
      "Write spring_angle = 90 degrees less the angle from the horizontal"),
     ("throw_number", "machine_number",
@@ -177,7 +193,7 @@ _RELATIONS: Final = (
 )  # fmt: skip
 """Quantities that are not a parameter or an output, but make one: that, their names, and how."""
 
-_ALIKE: Final = 0.75
+_ALIKE: Final = 0.81
 """Similarity of two words from which on one may be the other, misspelt."""
 _JOINED: Final = 0.9
 """Similarity of two names from which on only the breaks between words, or a letter, differ."""
@@ -229,6 +245,7 @@ def _plain(name: str) -> str:
 
 
 PREFIX = 4  # letters of a name that tell which is meant
+SHORT = 3  # letters from which on a word of a name may be misspelt
 LONGEST = 60  # letters of a name that are looked at; no name of ours has more
 
 
@@ -252,9 +269,13 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 def _may_mean(typed: str, name: str) -> bool:
     """True if a typed name may be a known one, cut or misspelt, and is not another quantity.
 
-    Each word of either has its like in the other; numbers of the known one may be left out.
+    Each word of either has its like in the other; numbers of the known one may be left out. A short
+    word, as in `amplitude_y`, is no slip.
     """
     name = _plain(name)
+    added = {*typed.split("_")} - {*name.split("_")}
+    if not name.startswith(typed) and any(0 < len(one) < SHORT and one.isalpha() for one in added):
+        return False
     if (
         name.startswith(typed)
         or difflib.SequenceMatcher(None, typed.replace("_", ""), name.replace("_", "")).ratio()

@@ -12,11 +12,12 @@ import typer
 from app.cli import console
 from app.cli.drives import document_of, show_fit, toml_of
 from app.cli.options import FAILED, Json, Units
-from app.cli.studies import refuse
+from app.cli.studies import refuse, warn
 from app.cli.units import units_asked
 from core import plots
 from core.errors import Problem, StudyError
 from core.extras import installing
+from core.intake.recorded import channel_questions
 from core.measured import Recording, fit_drive
 from core.measured.read import read_table
 from core.plots.problem import PlotError
@@ -140,8 +141,7 @@ def drive(
         harmonics=harmonics,
     )
     fit = _fit_recording(recording, asked, plot)
-    for question in questions_of_drive(fit.parameters(), recording.name):
-        typer.echo(f"{recording}: {question}", err=True)
+    warn(recording, questions_of_drive(fit.parameters(), recording.name) + channel_questions(fit))
     lines = toml_of(fit, recording)
     if toml:
         typer.echo(lines)

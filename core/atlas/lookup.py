@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -42,6 +43,7 @@ from core.quantities.flags import REGIME
 from core.study import SimulateStudy
 from core.study.grid_study import PARAMETERS
 from core.study.units import UnitError, read_numbers
+from core.study.unusual import questions
 from core.study.values import Fixed, read_values
 from core.watch import Watch
 
@@ -67,7 +69,7 @@ def lookup(
 
     The atlas holds for a block that moves in the plane of the track and does not rebound. What it
     does not answer, near the border of a regime or outside its range, has no speed (NaN) and a
-    `lookup_status` that says so.
+    `lookup_status` that says so. Warns of values that are allowed and unusual.
 
     Parameters
     ----------
@@ -110,14 +112,18 @@ def lookup(
     opened = atlas if isinstance(atlas, Atlas) else open_atlas(atlas)
     check_not_paired(parameters)
     values = {name: plain(value, f"parameters.{name}") for name, value in parameters.items()}
+    columns: Mapping[str, Any] = {}
     if rows is None:
-        return lookup_grid(opened, values, simulate=simulate).to_xarray()
-    columns = (
-        read_rows(Path(rows))
-        if isinstance(rows, str | os.PathLike)
-        else _columns(plain(rows, "rows"))
-    )
-    return lookup_rows(opened, columns, values, simulate=simulate).to_xarray()
+        looked_up = lookup_grid(opened, values, simulate=simulate)
+    else:
+        if isinstance(rows, str | os.PathLike):
+            columns = read_rows(Path(rows))
+        else:
+            columns = _columns(plain(rows, "rows"))
+        looked_up = lookup_rows(opened, columns, values, simulate=simulate)
+    for question in questions({"parameters": {**columns, **values}}):
+        warnings.warn(question, stacklevel=2)
+    return looked_up.to_xarray()
 
 
 def _columns(rows: Mapping[str, Any]) -> dict[str, Any]:

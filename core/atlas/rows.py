@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
 from core.errors import Problem, StudyError
-from core.measured.read import decoded, name_and_unit
+from core.measured.cells import read_cells
+from core.measured.marks import ONE_MARK
+from core.measured.read import name_and_unit
 from core.quantities import QUANTITIES
 from core.study.grid_study import PARAMETERS
 from core.study.units import UnitError, read_number, with_unit
@@ -32,7 +33,7 @@ def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
     OSError
         If the file cannot be read.
     """
-    heading, body, delimiter = _cells(path)
+    heading, body = _cells(path)
     names, units, problems = _headings(heading)
     problems += [
         Problem(f"row {number}",
@@ -45,7 +46,7 @@ def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
     if problems:
         raise StudyError(problems)
     columns = {
-        name: _column(name, unit, [row[k] for row in body], delimiter != ",", problems)
+        name: _column(name, unit, [row[k] for row in body], problems)
         for k, (name, unit) in enumerate(zip(names, units, strict=True))
     }
     if problems:
@@ -53,30 +54,30 @@ def read_rows(path: Path) -> Mapping[str, tuple[float, ...]]:
     return columns
 
 
-def _cells(path: Path) -> tuple[list[str], list[list[str]], str]:
-    """Return the texts of a CSV file: cells of the heading, cells of each row, column separator.
+def _cells(path: Path) -> tuple[list[str], list[list[str]]]:
+    """Return the texts of a CSV file: cells of the heading, and cells of each row.
 
-    The separator is a tab or semicolon if the first line has one, else a comma. Empty rows are left
-    out; rows may differ in length.
+    Empty rows are left out; rows may differ in length.
 
     Raises
     ------
     StudyError
-        If `path` is not text in UTF-8 or Windows-1252, has no rows below the heading, or more than
-        `MAX_ROWS`.
+        If `path` is no text, has no rows below the heading or more than `MAX_ROWS`, or contradicts
+        itself in its decimal marks.
     """
     try:
-        lines = decoded(path.read_bytes()).splitlines()
+        rows, faults = read_cells(path)
     except ValueError as error:
         fix = "Save the file in the encoding UTF-8"
         raise StudyError([Problem("rows", f"the CSV file cannot be read: {error}", fix)]) from None
-    delimiter = next((mark for mark in "\t;" if lines and mark in lines[0]), ",")
-    heading, *body = [row for row in csv.reader(lines, delimiter=delimiter) if any(row)] or [[]]
+    if faults:
+        raise StudyError([Problem("rows", message, ONE_MARK) for message in faults])
+    heading, *body = rows or [[]]
     if not body or len(body) > MAX_ROWS:
         message = f"it has {len(body):,} rows of values" if body else "it holds no rows of values"
         fix = f"Give names of parameters on top, and 1 to {MAX_ROWS:,} rows below"
         raise StudyError([Problem("rows", message, fix)])
-    return heading, body, delimiter
+    return heading, body
 
 
 def _headings(cells: list[str]) -> tuple[list[str], list[str], list[Problem]]:
@@ -99,9 +100,7 @@ def _headings(cells: list[str]) -> tuple[list[str], list[str], list[Problem]]:
     return names, units, problems
 
 
-def _column(
-    name: str, unit: str, cells: list[str], decimal_commas: bool, problems: list[Problem]
-) -> tuple[float, ...]:
+def _column(name: str, unit: str, cells: list[str], problems: list[Problem]) -> tuple[float, ...]:
     """Return the numbers of one column of a CSV file in the unit of studies; NaN for wrong cells.
 
     Parameters
@@ -112,8 +111,6 @@ def _column(
         Unit of its heading, for cells that have none of their own; "" without.
     cells : list of str
         The texts below the heading.
-    decimal_commas : bool
-        Whether a comma is the decimal sign.
     problems : list of Problem
         A problem is added for each text that cannot be read; it names the column and the first row
         with this text, counted from 1 below the heading. Rows that repeat it add none.
@@ -121,9 +118,8 @@ def _column(
     quantity, known, values = QUANTITIES[name], {}, []
     for number, cell in enumerate(cells, 1):
         if cell not in known:  # columns repeat values: a text with a unit takes long to read
-            text = cell.replace(",", ".") if decimal_commas else cell
             try:
-                known[cell] = read_number(name, quantity, with_unit(text, unit))
+                known[cell] = read_number(name, quantity, with_unit(cell, unit))
             except UnitError as error:
                 known[cell] = float("nan")
                 place = f"row {number}, {name}"

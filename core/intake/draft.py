@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from core.errors import Problem, StudyError
 from core.intake.messages import problems_of
-from core.intake.recorded import tilt_questions
+from core.intake.recorded import channel_questions, tilt_questions
 from core.intake.section import Stranger
 from core.intake.sections import SECTIONS
 from core.kinds import KINDS
@@ -56,7 +56,11 @@ class Draft:
     @property
     def questions(self) -> tuple[str, ...]:
         """Questions about values that are allowed and unusual, those of files as those typed."""
-        return (*questions(self.content), *tilt_questions(self.fit, self.content))
+        return (
+            *questions(self.content),
+            *channel_questions(self.fit),
+            *tilt_questions(self.fit, self.content),
+        )
 
     def resolve(self, *, files: bool) -> Draft:
         """Return this draft of a study with file names replaced by the numbers in the files.

@@ -161,6 +161,8 @@ def _numbers(value: Any, path: str) -> Any:
         fix = "Open the file with mask_and_scale=True, the default of xarray"
         raise StudyError([Problem(path, "the numbers of the array are not decoded", fix)])
     numbers, unit = apart(value)
+    if getattr(numbers, "ndim", 0) == 2 and path == "drive.mounting":  # a rotation matrix
+        return numbers.tolist()
     if getattr(numbers, "ndim", 0) > 1:
         message = f"the value is an array of {numbers.ndim} dimensions"
         raise StudyError([Problem(path, message, "Give an array of one dimension, or one number")])

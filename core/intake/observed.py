@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import itertools
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import islice
@@ -14,8 +11,9 @@ from typing import Any, Final, NoReturn
 from core.errors import Problem, StudyError
 from core.extras import installing
 from core.intake.section import Content, Resolved, Section, Stranger, dotted
-from core.measured.marks import ONE_MARK, contradictions
-from core.measured.read import decoded, name_and_unit
+from core.measured.cells import read_cells
+from core.measured.marks import ONE_MARK
+from core.measured.read import name_and_unit
 from core.study.grid_study import PARAMETERS
 from core.study.observations import MAX_RUNS, OBSERVED
 from core.study.units import with_unit
@@ -119,29 +117,14 @@ def _value(cell: Any, unit: str) -> Any:
 
 
 def _csv(path: Path) -> Iterable[list[str]]:
-    """Return the rows of a CSV file as lists of cells; commas, semicolons or tabs separate them.
+    """Return the rows of a CSV file as lists of cells; raise `StudyError` where marks contradict.
 
-    `path` is that of the file. Decimal commas become points unless commas separate the cells. Empty
-    lines and lines that begin with # are left out.
+    `path` is that of the file.
     """
-    text = decoded(path.read_bytes())
-    lines = [line for line in text.splitlines() if line.strip(" ,;\t") and line[0] != "#"]
-    first = lines[0] if lines else ""
-    delimiter = max(";\t,", key=first.count)
-    rows = [*csv.reader(io.StringIO("\n".join(lines)), delimiter=delimiter)]
-    if delimiter == "," or not rows:
-        return rows
-    columns = dict(zip(rows[0], itertools.zip_longest(*rows[1:], fillvalue=""), strict=False))
-    for message in contradictions(columns).values():
+    rows, faults = read_cells(path)
+    for message in faults:
         _fail(f"{path.name}: {message}", ONE_MARK)
-    # Where commas part no cells, they are those of decimals.
-    return [[_with_point(cell) for cell in row] for row in rows]
-
-
-def _with_point(cell: str) -> str:
-    """Return a number with a decimal point for the comma; other texts unchanged."""
-    text = cell.strip()
-    return text.replace(",", ".") if _NUMBER.fullmatch(text) else cell
+    return rows
 
 
 def _workbook(path: Path) -> Iterable[list[Any]]:

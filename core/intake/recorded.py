@@ -114,6 +114,30 @@ def tilt_questions(fit: measured.Fit | None, content: Mapping[str, Any]) -> list
     ]
 
 
+def channel_questions(fit: measured.Fit | None) -> list[str]:
+    """Return questions about channels of a recording that move as those of no feeder.
+
+    `fit` is that of the recording, None without one.
+    """
+    if fit is None:
+        return []
+    known = (
+        ("across",) if fit.tilt is None else ("across", "normal")
+    )  # gravity shows the normal one
+    asked = [
+        f"the recording's {axis} channel shows no motion of the drive. Is it the right column?"
+        for axis, told in zip(fit.axes, fit.significant, strict=True)
+        if not told.any() and axis not in known
+    ]
+    largest = fit.axes[int(fit.amplitudes.max(axis=1).argmax())]
+    if largest == "across" and len(fit.axes) > 1:
+        asked.append(
+            "the recording moves most across the track. Are the names of the channels, or the "
+            "mounting, right?"
+        )
+    return asked
+
+
 def _slopes(content: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
     """Return the least and largest angles [rad] by which a study says that its track rises.
 

@@ -6,6 +6,7 @@ of remarks does not spoil its accelerations.
 
 from __future__ import annotations
 
+import codecs
 import csv
 import re
 from collections import Counter
@@ -34,8 +35,11 @@ REMARKS = ("comment", "comments", "remark", "remarks")
 
 _IN_BRACKETS = re.compile(r"(\[[^\[\]]*\]|[\[(][^\[\]()]*[\])])\Z")
 _UNITS_ONLY = re.compile(r"([\[(][^\[\]]*[\])])?")
-_BARE_UNIT = re.compile(r"-?|[nuµμm]?s|sec|[mk]?[gG]n?|[mc]?m[/·* ]?s\S{0,3}[2²]|m?V|[k]?Hz|°C?")
-_SEPARATOR = re.compile(r'"?sep=(.)"?', re.IGNORECASE)
+_BARE_UNIT = re.compile(
+    r"-?|[nuµμm]?s(?:ec)?|[mk]?[gG]n?|Gal|[mc]?m[/·* ]?s\S{0,3}[2²]|m?V|[k]?Hz|°C?"
+)
+SEPARATOR = re.compile(r'"?sep=(.)"?', re.IGNORECASE)
+"""A line on top of a table that names what separates its cells, as spreadsheets have it."""
 _CLOCK = re.compile(r"(?:\d{4}-\d\d-\d\d[T ])?\d\d:\d\d(?::\d\d.*)?")
 _ENCODINGS = ("utf-8-sig", "cp1252")  # the second is what a spreadsheet in Europe writes
 _MINUS = "\u2212"  # the minus sign of word processors and PDF files
@@ -143,7 +147,7 @@ def read_table(source: str | Path) -> RecordingTable:
     _check_rows(body, names)
     numbers = np.array([line for line, _ in body])
     cells = dict(zip(names, zip(*(row for _, row in body), strict=True), strict=True))
-    wrong = {} if lines.delimiter == "," else contradictions(cells)
+    wrong = contradictions(cells)
     columns = {}
     for (name, texts), unit in zip(cells.items(), units, strict=True):
         points = texts if lines.delimiter == "," else [text.replace(",", ".") for text in texts]
@@ -270,20 +274,21 @@ def _text_of(source: str | Path) -> str:
 def decoded(raw: bytes) -> str:
     """Return the text of a table as recorders and spreadsheets write it, with plain minus signs.
 
-    Its encoding is UTF-8, with or without a byte order mark, or Windows-1252.
+    Its encoding is UTF-8, with or without a byte order mark, UTF-16 with one, or Windows-1252.
 
     Raises
     ------
     ValueError
-        If it is neither.
+        If it is none of them.
     """
-    if b"\0" not in raw:
-        for encoding in _ENCODINGS:
+    is_wide = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    if is_wide or b"\0" not in raw:
+        for encoding in ("utf-16",) if is_wide else _ENCODINGS:
             try:
                 return raw.decode(encoding).replace(_MINUS, "-")
             except UnicodeDecodeError:
                 continue
-    raise ValueError("it is not text in UTF-8 or Windows-1252")
+    raise ValueError("it is not text in UTF-8, UTF-16 or Windows-1252")
 
 
 def _lines(text: str) -> _Lines:
@@ -301,7 +306,7 @@ def _lines(text: str) -> _Lines:
             continue
         if len(line) > MAX_LETTERS:
             raise _refused(f"line {number} has {len(line):,} letters", "Keep the columns in use")
-        if not delimiter and (named := _SEPARATOR.fullmatch(line.strip())):
+        if not delimiter and (named := SEPARATOR.fullmatch(line.strip())):
             delimiter = named[1]
             continue
         remark = line.lstrip().startswith("#")

@@ -37,11 +37,12 @@ ACCELERATION = Quantity(
 )  # fmt: skip
 NOTHING_SAID: Final[Mapping[str, tuple[float, float]]] = MappingProxyType({})
 ENDINGS = {
-    "g": "g", "mg": "mg", "ms2": "m/s2", "m_s2": "m/s2", "mps2": "m/s2", "mms2": "mm/s2",
-    "mm_s2": "mm/s2", "mmps2": "mm/s2",
+    "g": "g", "mg": "mg", "ms2": "m/s2", "m_s2": "m/s2", "mps2": "m/s2", "m/s2": "m/s2",
+    "m/s^2": "m/s2", "m/s²": "m/s2", "mms2": "mm/s2", "mm_s2": "mm/s2", "mmps2": "mm/s2",
+    "mm/s2": "mm/s2", "mm/s^2": "mm/s2", "mm/s²": "mm/s2",
 }  # fmt: skip
-"""Ends of the names of columns that are units, as in ``acc_x_g``."""
-_UNIT_IN_NAME = re.compile(rf"[_ ]({'|'.join(ENDINGS)})\Z")
+"""Ends of the names of columns that are units, as in ``acc_x_g`` and ``ax / g``."""
+_UNIT_IN_NAME = re.compile(rf"[_ /:,]\(?({'|'.join(map(re.escape, ENDINGS))})\)?\Z")
 UNITS = ("m s-2", "mm s-2", "cm/s2", "g", "mg")  # as messages list them
 
 

@@ -125,18 +125,18 @@ def unit_in_name(name: str) -> str:
 def _stem_and_unit(name: str) -> tuple[str, str]:
     """Return a column's name in small letters without the unit of time at its end, and that unit.
 
-    The unit is a word of its own (``t_us``, ``Time ms``, ``timestampMs``), or follows a usual name
-    (``timems``). It is empty if there is none.
+    The unit is a word of its own (``t_us``, ``Time ms``, ``t/s``, ``timestampMs``), or follows a
+    usual name (``timems``). It is empty if there is none.
     """
     plain = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).casefold()
-    plain = re.sub(r"[\s.\-_]+", "_", plain).strip("_")
+    plain = re.sub(r"[\s.,:/\-_]+", "_", plain).strip("_")
     for unit, words in ENDINGS.items():
         for word in words.split():
             stem = plain.removesuffix(word)
             if plain == word and len(word) > 1:
                 return USUAL_NAMES[0], unit
             if stem != plain and (stem.endswith("_") or stem in USUAL_NAMES):
-                return stem.rstrip("_"), unit
+                return stem.rstrip("_").removesuffix("_in"), unit
     return plain, ""
 
 
@@ -181,7 +181,7 @@ def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> 
         )
     usual = float(np.median(steps))
     away = np.abs(steps / usual - 1.0)
-    if away[away > UNEVEN].sum() <= MOST_LOST * steps.size:
+    if _lost(steps) <= MOST_LOST or _even_if_rounded(times) is not times:
         return None
     worst = int(away.argmax())
     return Problem(
@@ -195,6 +195,12 @@ def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> 
     )
 
 
+def _lost(steps: NDArray[np.float64]) -> float:
+    """Return the share of samples that are lost or late, from the steps between their times [s]."""
+    away = np.abs(steps / np.median(steps) - 1.0)
+    return float(away[away > UNEVEN].sum()) / steps.size
+
+
 def _even_if_rounded(times: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return exactly even times of samples, if `times` are even up to their own rounding.
 
@@ -206,9 +212,11 @@ def _even_if_rounded(times: NDArray[np.float64]) -> NDArray[np.float64]:
     slope, start = np.polyfit(place, times, 1) if times.size > 1 else (0.0, 0.0)
     even = start + slope * place
     steps = np.unique(np.diff(times))
-    if steps.size and steps[-1] > (1.0 + UNEVEN) * np.median(np.diff(times)):
-        return times  # some samples are lost
     noise = 1e-9 * times[-1]  # of differences of numbers in floating point
     distinct = steps[np.flatnonzero(np.diff(steps, prepend=-np.inf) > noise)]
+    if steps.size and steps[-1] > (1.0 + UNEVEN) * np.median(np.diff(times)):
+        has_one_or_two_units = distinct.size == 2 and distinct[1] <= 2.0 * distinct[0] + noise
+        if _lost(np.diff(times)) <= MOST_LOST or not has_one_or_two_units:
+            return times  # some samples are lost
     unit = float(np.diff(distinct).min()) if distinct.size > 1 else noise
     return even if np.abs(times - even).max() <= ROUNDED * unit else times

@@ -258,7 +258,8 @@ def shape_of(parameters: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
 
 _NO_SINE = {
     "harmonics": (
-        "Remove it, and write amplitude_along_1 = A cos(beta), amplitude_normal_1 = A sin(beta)"
+        "Remove it, and write amplitude_along_1 = amplitude cos(beta) and amplitude_normal_1 = "
+        "amplitude sin(beta), which is the vertical amplitude, both from zero to peak"
     ),
     "steps": "Remove it, or the steps",
 }

@@ -10,6 +10,7 @@ from typing import Any
 
 UNITS = ("units", "unit")  # attributes of labelled arrays; CF has the first
 PACKED = ("scale_factor", "add_offset")  # attributes of arrays whose numbers are not decoded
+_BARE = re.compile(r"\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*")
 _NAMELESS = re.compile(r"dim_\d+")
 
 
@@ -58,7 +59,9 @@ def as_typed(value: Any) -> Any:
 
 
 def with_own_unit(number: Any, unit: str) -> Any:
-    """Return a number with its unit as text; the number itself if the unit is empty."""
+    """Return a number, or the text of one, with its unit as text; as it is if the unit is empty."""
+    if isinstance(number, str) and _BARE.fullmatch(number):
+        return f"{number} {unit}".strip()
     return f"{number!r} {unit}" if unit and isinstance(number, int | float) else number
 
 
@@ -81,7 +84,8 @@ def is_packed(value: Any) -> bool:
 
 def _labelled_unit(value: Any) -> str:
     """Return the unit that the attributes, the index or the type of a labelled array have."""
-    attributes = getattr(value, "attrs", None) or {}
+    written = getattr(value, "attrs", None) or {}
+    attributes = {str(name).casefold(): unit for name, unit in written.items()}
     indexes = getattr(value, "xindexes", None) or {}  # of pint-xarray: coordinates keep it there
     in_index = [getattr(index, "units", None) or {} for index in indexes.values()]
     carried = [

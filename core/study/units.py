@@ -51,15 +51,17 @@ _TITLE = re.compile(r"\b[A-Z](?=[a-z]{2,})")
 # What a rate counts is no unit. pint has a revolution for 2 pi radians, and so rpm and rps.
 _PER_MINUTE = dict.fromkeys(("rpm", "vpm", "cpm", "spm", "revolutions_per_minute"), "count/min")
 _COUNTED = {
-    "Hz": re.compile(r"\b(r|revs?|revolutions?|turns?|cycles?|vibs?|vibrations?|strokes?)\b"),
+    "Hz": re.compile(
+        r"\b(r|revs?|revolutions?|turns?|cycles?|vibs?|vibrations?|strokes?|samples?)\b"
+    ),
     "min-1": re.compile(r"\b(parts?|pcs?|pieces?)\b"),
 }
 _RATES = {
-    "Hz": {**_PER_MINUTE, "rps": "count/s", "cps": "count/s"},
+    "Hz": {**_PER_MINUTE, "rps": "count/s", "cps": "count/s", "sps": "count/s"},
     "min-1": {"ppm": "count/min"},
 }
 # "g" is the gram of a mass and the standard gravity of an acceleration; loggers also write "G".
-_GRAVITY = re.compile(r"([mμu]?)(?:[gG]|g_?n|gs|g's)")
+_GRAVITY = re.compile(r"([mμu]?)(?:[gG]s?|g_?n|g's)")
 _PREFIXES = {"": "", "m": "milli", "μ": "micro", "u": "micro"}
 _MOVING = ("m s-1", "m s-2", "m s-3")
 _JOINED = re.compile(r"([mc]?m)s(?:\*\*|\^)?(-[1-3])")  # "ms-2", as m s-2 is often written

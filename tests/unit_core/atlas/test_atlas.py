@@ -177,6 +177,15 @@ def test_a_look_up_is_what_a_simulation_gives(atlas):
     np.testing.assert_array_equal(found.regime.values[answered], right.regime.values[answered])
 
 
+def test_a_look_up_warns_of_unusual_numbers_as_a_study_does(atlas):
+    """Millimetres typed as metres, by themselves or as a column, had gone without a word."""
+    with pytest.warns(UserWarning, match="amplitude = 0.3 means 300 mm; usual values are"):
+        vibrafeed.lookup(atlas, **{**PART, "amplitude": 0.3})
+    rest = {name: value for name, value in PART.items() if name != "amplitude"}
+    with pytest.warns(UserWarning, match="amplitude = 0.3 means 300 mm; usual values are"):
+        vibrafeed.lookup(atlas, rows={"amplitude": [0.3, 4e-4]}, **rest)
+
+
 def test_a_drive_that_points_back_is_the_mirror_image(atlas):
     axes = {**PART, "friction": [0.3, 0.5, 0.7], "amplitude": np.linspace(0.1e-3, 0.7e-3, 12)}
     ahead = vibrafeed.lookup(atlas, **{**axes, "gamma": 2})

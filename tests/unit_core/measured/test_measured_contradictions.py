@@ -65,7 +65,8 @@ def refused(text, recording=AX_AZ):
     [
         ("time_ms", 1e3), ("timestamp_ms", 1e3), ("t_us", 1e6), ("time (ms)", 1e3), ("timeMs", 1e3),
         ("Time us", 1e6), ("t_ns", 1e9), ("time_s", 1.0), ("Zeit [s]", 1.0), ("millis", 1e3),
-        ("Uhr [ms]", 1e3), ("micros", 1e6), ("elapsed_ms", 1e3),
+        ("Uhr [ms]", 1e3), ("micros", 1e6), ("elapsed_ms", 1e3), ("time/ms", 1e3), ("t / s", 1.0),
+        ("t in ms", 1e3),
     ],
 )  # fmt: skip
 def test_the_name_of_a_column_of_times_tells_their_unit(name, factor):
@@ -282,6 +283,17 @@ def test_a_stated_climb_is_where_gravity_belongs():
     assert "climbs by 11.5 degrees, the study computes with gamma = 0 degrees" in asked
 
 
+def test_times_in_whole_milliseconds_are_even_and_a_gap_is_none():
+    """A recorder of 800 samples a second that writes whole milliseconds has steps of 1 and 2."""
+    signal = signal_of(TRUE, rate=800.0, count=800)
+    values = signal.accelerations / GRAVITY + np.array([[0.0], [1.0]])
+    is_true(fit_drive(table(np.floor(signal.times * 1e3), values, "time_ms,ax,az"), AX_AZ))
+    gap = np.r_[0:280, 520:800]
+    assert "not evenly spaced" in refused(table(signal.times[gap], values[:, gap]))
+    lost = np.sort(np.random.default_rng(1).choice(800, 640, replace=False))
+    assert "not evenly spaced" in refused(table(signal.times[lost], values[:, lost]))
+
+
 # --- what a feeder can be
 
 
@@ -297,6 +309,31 @@ def test_fitted_numbers_are_judged_as_typed_ones():
     slow = study(plain(G * 100 * [[1.0], [0.0]] + [[0.0], [1.0]]))
     (asked,) = prepare_content(slow).questions
     assert asked.startswith("amplitude_along_1 = 30 mm, fitted to data, is unusual; usual values")
+
+
+def test_channels_that_do_not_move_as_a_feeder_does_are_asked_about():
+    """Along and across were mixed up: 0 mm/s, and nobody was told."""
+    noise = np.random.default_rng(1).normal(0.0, 1e-3, SIGNAL.times.size)
+    text = table(SIGNAL.times, [G[0], noise, G[1]], "time [s],ax [g],ay [g],az [g]")
+
+    def asked(**channels):
+        return prepare_content({**study(""), "drive": {"data": text, **channels}}).questions
+
+    along, normal = (
+        f"the recording's {axis} channel shows no motion of the drive. Is it the right column?"
+        for axis in ("along", "normal")
+    )
+    across = "the recording moves most across the track. Are the names of the channels, or the "
+    assert asked(along="ay", normal="az") == (along,)
+    assert asked(along="ax", normal="ay") == (normal,)
+    for channels in (
+        {"along": "ay", "across": "ax", "normal": "az"},
+        {"sensor": ["ay", "-ax", "az"]},
+    ):
+        assert asked(**channels) == (along, across + "mounting, right?")
+    assert asked(along="ax", normal="az") == asked(sensor=["ax", "ay", "az"]) == ()
+    level = table(SIGNAL.times, [G[0], 1.0 + noise], "time [s],ax [g],az [g]")
+    assert prepare_content(study(level)).questions == ()  # gravity shows that it is the normal one
 
 
 def test_observed_numbers_are_judged_as_typed_ones(tmp_path):

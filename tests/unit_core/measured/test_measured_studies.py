@@ -14,7 +14,7 @@ import vibrafeed
 from benchmarks.measured_errors import CASES, fitted
 from benchmarks.measured_speeds import PARTS, stated, study_of, true_speed
 from core.errors import StudyError
-from core.intake import load_study, parse_json, parse_study, prepare_content
+from core.intake import gather, load_study, parse_json, parse_study, prepare_content
 from core.intake import recorded as measured
 from core.intake import study_of as sound
 from core.motion.drive_error import drive_error
@@ -53,6 +53,12 @@ def test_the_numbers_of_the_fit_become_parameters():
     assert found.drive.name == "data"
     assert found.drive.sha256 == hashlib.sha256(TEXT.encode()).hexdigest()
     assert found.drive.numbers == {n: v for n, v in values.items() if n != "friction"}
+
+
+def test_a_mounting_may_be_an_array():
+    sensor = {"sensor": ["ax", "az", "ax"], "data": TEXT, "mounting": np.eye(3)}
+    content = gather(None, {"scene": "rectangle-on-plane", "drive": sensor}, "simulate")
+    assert content["drive"]["mounting"] == np.eye(3).tolist()
 
 
 def test_a_canonical_study_is_read_again_without_its_recording(tmp_path):

@@ -71,6 +71,14 @@ def test_the_key_unit_overrules_a_word_that_is_no_unit():
     assert "'kg' is not a unit of acceleration" in refusal(unknown, unit="kg")[0]
 
 
+@pytest.mark.parametrize("rate", ["2000 samples/s", "2000 sps", "2 kHz", "120000/min"])
+def test_a_rate_is_written_as_recorders_have_it(rate):
+    untimed = table(time="number")
+    np.testing.assert_array_equal(
+        signal(untimed, rate=rate).times, signal(untimed, rate=2000).times
+    )
+
+
 def test_a_recording_may_have_true_minus_signs():
     text = table().replace("-", MINUS)
     np.testing.assert_array_equal(signal(text).accelerations, signal(table()).accelerations)
@@ -82,7 +90,7 @@ READ = [
 ]
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252"])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252", "utf-16"])
 def test_all_tables_are_read_in_the_encodings_of_spreadsheets(tmp_path, encoding):
     runs, cases, drive = (tmp_path / name for name in ("runs.csv", "cases.csv", "drive.csv"))
     text = RUNS if encoding != "cp1252" else RUNS.replace(MINUS, "-")
@@ -103,9 +111,9 @@ def test_a_recording_in_windows_1252_is_sent_whole(tmp_path):
 
 def test_bytes_that_are_no_text_are_told(tmp_path):
     path = tmp_path / "runs.csv"
-    path.write_bytes("amplitude [mm]\n1\n".encode("utf-16"))
+    path.write_bytes("amplitude [mm]\n1\n".encode("utf-16-le"))  # without a mark it may be anything
     for read in (read_rows, read_cases):
-        with pytest.raises(StudyError, match="it is not text in UTF-8 or Windows-1252"):
+        with pytest.raises(StudyError, match="it is not text in UTF-8, UTF-16 or Windows-1252"):
             read(path)
 
 
@@ -118,6 +126,26 @@ def test_a_bare_number_never_loses_the_unit_of_its_heading(tmp_path):
         assert read_cases(path)["amplitude"] == (1e-3,)
         assert str(read_rows(path)[0]["gamma"]).endswith(" rad")
         assert read_rows(path)[0]["amplitude"] == "1. mm"
+
+
+@pytest.mark.parametrize("read", [read_rows, read_cases])
+def test_tables_with_two_decimal_marks_are_refused(tmp_path, read):
+    """3,000 rpm had been read as 3.000 rpm among the rows to look up."""
+    path = tmp_path / "runs.csv"
+    for cells in ("3,000;0.3", "3.000;0,3", "3,000;1\n900;1", "3,000 rpm;0.3 mm"):
+        path.write_text(f"frequency [rpm];amplitude [mm]\n{cells}\n")
+        with pytest.raises(StudyError, match="thousands"):
+            read(path)
+
+
+def test_a_line_may_name_the_separator_and_a_cell_its_own_unit(tmp_path):
+    path = tmp_path / "runs.csv"
+    path.write_text("sep=;\n# bowl 3\nfrequency [rpm];amplitude [mm]\n3000;0,3\n50,5 Hz;300 um\n")
+    assert read_cases(path) == {"frequency": (50.0, 50.5), "amplitude": (3e-4, 3e-4)}
+    assert read_rows(path) == [
+        {"frequency": "3000 rpm", "amplitude": "0.3 mm"},
+        {"frequency": "50.5 Hz", "amplitude": "300 um"},
+    ]
 
 
 def test_a_row_with_more_cells_than_the_heading_is_refused(tmp_path):

@@ -40,6 +40,7 @@ COLUMN.attrs["units"] = "mm"
 MM = [
     array([0.1, 0.3], "mm", dims="amplitude"),
     xarray.DataArray([0.1, 0.3], dims="amplitude", attrs={"unit": "mm"}),
+    xarray.DataArray(["0.1", "0.3"], dims="amplitude", attrs={"Units": "mm"}),
     xarray.Variable("amplitude", [0.1, 0.3], {"units": "mm"}),
     COLUMN,
     PLAIN.Quantity([0.1, 0.3], "mm"),

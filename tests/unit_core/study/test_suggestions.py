@@ -53,6 +53,18 @@ def problems(study=PLANE, **parameters):
         ("vertical_stroke", "Did you mean 'vertical_peak_to_peak'?"),
         ("stroke", "Did you mean 'peak_to_peak'?"),
         ("natural_frequency", "Did you mean 'ring_down_frequency'?"),
+        ("amplitude_y", "Write vertical_amplitude, and beta, if y is normal to the track"),
+        ("z_amplitude", "Did you mean 'vertical_amplitude'?"),
+        ("amplitude_pp", "Did you mean 'peak_to_peak'?"),
+        ("machine_number",
+         "Write amplitude = machine number times gravity/(2 pi frequency)^2, along the drive"),
+        ("spring_rate",
+         "Write spring_stiffness = stiffness of all springs together, along the stroke"),
+        ("phase",
+         "Write phase_normal_1 = lead of the normal motion over that along (a lag is negative), "
+         "beside amplitude_along_1 and amplitude_normal_1"),
+        ("force", "Did you mean 'drive_force'?"),
+        ("gamma_percent", "Write gamma = atan(per cent/100)"),
     ],
 )  # fmt: skip
 def test_a_related_quantity_gets_the_relation(typed, advice):
@@ -71,7 +83,8 @@ def test_a_voltage_is_no_force(typed):
 @pytest.mark.parametrize(
     "typed",
     ["max_amplitude", "mean_friction", "half_amplitude", "track_speed", "base_weight",
-     "bowl_mass", "static_mass", "cone_angle", "inner_radius", "horizontal_friction"],
+     "bowl_mass", "static_mass", "cone_angle", "inner_radius", "horizontal_friction",
+     "amplitude_dc", "spring_weight"],
 )  # fmt: skip
 def test_no_name_of_another_quantity_is_suggested(typed):
     assert nearest(typed, PARAMETERS) is None
@@ -142,3 +155,13 @@ def test_a_number_without_a_unit_has_none_in_messages():
         "Swap start and stop, or list the values: a list may fall."
     )
     assert prepare_content({**PLANE, "parameters": {**PLANE["parameters"], "friction": [0.5, 0.3]}})
+
+
+@pytest.mark.parametrize("name", ["vertical_amplitude", "peak_to_peak"])
+def test_a_sine_beside_harmonics_is_told_as_zero_to_peak_amplitudes(name):
+    """ "A sin(beta)" had been said of a vertical amplitude, too, which is A sin(beta) itself."""
+    study = {**PLANE, "kind": "simulate", "outputs": ["conveying_velocity"]}
+    told = " ".join(
+        problems(study, amplitude=None, beta=None, amplitude_along_1=1e-4, **{name: 1e-4})
+    )
+    assert "amplitude_normal_1 = amplitude sin(beta), which is the vertical amplitude" in told
