@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from core.plan.plan import Plan
 from core.plan.verdicts import Verdict
 from core.quantities import REGIMES
-from core.scenes import Condition, Equation
+from core.scenes import Equation
 from core.watch import Watch
 
 Known = dict[str, Any]
