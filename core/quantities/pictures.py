@@ -99,7 +99,7 @@ FILLS = {
     "tuned_stiff": "#9ccbff",
     "tuned_soft": "#ffd98f",
     "hits_magnet": "#ffffff",
-    "overstressed": "#bd5aff",
+    "overstressed": "#a05ce6",
     "isolation_poor": "#c66a2c",
     "several_amplitudes": "#ffffff",
     "hunting": "#d6d6d6",

@@ -306,7 +306,7 @@ def test_a_full_and_a_read_only_disk_are_told_and_lose_nothing(tmp_path):
         assert server.finished(first)["status"] == "successful"
         kept = server.ask(f"/jobs/{first}/results/dataset")
         # What would not fit is refused before anything is computed.
-        large = {**simulation(1)["parameters"], "gamma": {"start": 0, "stop": 5, "num": 30}}
+        large = {**simulation(1)["parameters"], "gamma": {"start": 0, "stop": 5, "num": 90}}
         told = refusal(lambda: server.post({**simulation(1), "parameters": large}))
         assert (told["status"], told["type"]) == (507, "urn:vibrafeed:problem:storage")
         # The disk fills up while a job is under way.

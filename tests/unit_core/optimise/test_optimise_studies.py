@@ -104,7 +104,7 @@ def test_all_mistakes_are_told_at_once():
         ({"criterion": {"kind": "weighted", "weight": -1}}, "criterion.weight", "is too small"),
         ({"criterion": {"kind": "pareto", "points": 1}}, "criterion.points", "is too small"),
         (
-            {"criterion": {"kind": "maximise", "output": "acceleration_v"}},
+            {"criterion": {"kind": "maximise", "output": "aceleration_x"}},
             "criterion.output",
             "Did you mean 'acceleration_",
         ),

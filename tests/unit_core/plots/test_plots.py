@@ -244,7 +244,7 @@ def test_falling_and_logarithmic_axes():
 @pytest.mark.parametrize(
     ("asked", "place", "words"),
     [
-        ({"variable": "acceleration_z"}, "variable", "Did you mean 'acceleration_x'?"),
+        ({"variable": "aceleration_x"}, "variable", "Did you mean 'acceleration_x'?"),
         ({"variable": "regime"}, "variable", "every picture shades the regimes"),
         ({"axes": ("betta", "alpha")}, "axes", "Did you mean 'beta'?"),
         ({"axes": ("beta", "beta")}, "axes", "different axes"),

@@ -226,7 +226,7 @@ def test_every_error_is_told_with_its_place():
     told = problems(
         uncertain={"friction": {"mean": 0.3, "devation": 1}, "beta": {"lower": 3}},
         samples=300, quantiles=[0.5, 1.5], analyses=["sobol", "other"],
-        outputs=["acceleration_q"],
+        outputs=["aceleration_x"],
     )  # fmt: skip
     assert "deviation" in told["uncertain.friction"]
     assert "distribution" in told["uncertain.beta"]
