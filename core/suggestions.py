@@ -59,6 +59,7 @@ _SYNONYMS: Final[Mapping[str, str]] = {
     "conveying_velocity": "velocity speed conveying_speed transport_velocity transport_speed "
     "feed_speed feed_velocity mean_velocity mean_speed average_velocity average_speed v "
     "velocity_mean",
+    "oriented_feed_rate": "wanted_feed_rate",
     "feed_rate": "feedrate throughput rate parts_per_minute ppm output_rate",
     "part_gap": "gap",
     "occupancy": "fill filling degree_of_filling",
@@ -190,6 +191,11 @@ _RELATIONS: Final = (
     ("flight_fraction", "flight_time airtime time_of_flight",
      "Ask for flight_fraction: flight time times frequency"),
     ("period_multiple", "period", "Ask for period_multiple: period times frequency"),
+    *(
+        (name, " ".join(name.replace("let_down", old) for old in ("resting", "second")),
+         f"Ask for {name} and {name.replace('let_down', 'thrown')}: the share lies between them")
+        for name in QUANTITIES if name.startswith("let_down_share_")
+    ),
 )  # fmt: skip
 """Quantities that are not a parameter or an output, but make one: that, their names, and how."""
 

@@ -165,3 +165,10 @@ def test_a_sine_beside_harmonics_is_told_as_zero_to_peak_amplitudes(name):
         problems(study, amplitude=None, beta=None, amplitude_along_1=1e-4, **{name: 1e-4})
     )
     assert "amplitude_normal_1 = amplitude sin(beta), which is the vertical amplitude" in told
+
+
+def test_a_share_of_rest_has_two_ends():
+    study = {"kind": "sweep", "scene": "resting-part", "outputs": ["resting_share_flat"],
+             "parameters": {"length": "12 mm", "width": "8 mm", "height": "3 mm"}}  # fmt: skip
+    with pytest.raises(StudyError, match="Ask for let_down_share_flat and thrown_share_flat"):
+        prepare_content(study)
