@@ -218,10 +218,15 @@ def _problems(
         if name not in known:
             fix = suggest(name, known)
             yield Problem("axes", f"'{name}' is not an axis of this sweep", fix)
+    if len(set(axes)) < len(axes):
+        yield Problem("axes", "axes names an axis twice", "Name each axis once")
     for name in at:
         if name not in known:
             fix = suggest(name, known)
             yield Problem(name, f"'{name}' is not an axis of this sweep", fix)
+        elif name in axes:
+            fix = f"Leave out {name}=, or take {name} out of axes"
+            yield Problem(name, f"{name} is a free axis, and has a value besides", fix)
 
 
 def _value_on_axis(grid: Grid, name: str, at: Mapping[str, str]) -> float:

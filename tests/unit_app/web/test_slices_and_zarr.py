@@ -53,6 +53,17 @@ class TestSlice:
         (wrong,) = problem(client.get(f"{address}/slice", params=long), 422)["errors"]
         assert wrong["fix"] == "A value has at most 200 characters"
 
+    @pytest.mark.parametrize("value", ["NaN", "1"])
+    def test_a_free_axis_has_no_value_and_is_named_once(self, client, address, value):
+        axis = CUT["axes"].split(",")[0]
+        (wrong,) = problem(client.get(f"{address}/slice", params={**CUT, axis: value}), 422)[
+            "errors"
+        ]
+        assert wrong["message"] == f"{axis} is a free axis, and has a value besides"
+        twice = {**CUT, "axes": f"{axis},{axis}"}
+        told = problem(client.get(f"{address}/slice", params=twice), 422)["errors"]
+        assert "axes names an axis twice" in [one["message"] for one in told]
+
     @pytest.mark.parametrize("outputs", [["stopping_distance"], ["acceleration_x", "throw_number"],
                                          ["terminal_velocity", "acceleration_x"]])  # fmt: skip
     def test_every_listed_variable_has_a_slice_of_its_values(self, client, outputs) -> None:
