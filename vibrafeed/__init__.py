@@ -203,7 +203,7 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     >>> study.kind, study.scene
     ('sweep', 'cylinder-on-plane')
     """
-    loaded: Study = import_module("vibrafeed._functions").load(path)
+    loaded: Study = import_module("core.intake").load_study(path)
     return loaded
 
 

@@ -66,14 +66,6 @@ def study(base: StudyLike | None = None, /, **keywords: Any) -> Study:
     return made
 
 
-def load(path: str | os.PathLike[str]) -> Study:
-    """Return the study in a file for `vibrafeed.load_study`; warn of unusual values."""
-    intake = import_module("core.intake")
-    content = intake.read_content(import_module("pathlib").Path(path))
-    loaded: Study = intake.study_of(content)
-    return loaded
-
-
 def sweep(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
     """Return closed-form quantities of one scene over a grid of parameters.
 

@@ -29,12 +29,8 @@ MAX_ROWS_SENT = 20_000  # rows of a recording from the network; fitting so many 
 # Digits of kept numbers: more than a fit determines, and few enough to be equal on all processors.
 DIGITS = 10
 SENT = "data"  # the name of a recording without a file
-VALUE_SECTIONS = (
-    "parameters",
-    "variables",
-    "uncertain",
-    "unknowns",
-)  # where a study gives parameters
+VALUE_SECTIONS = ("parameters", "variables", "uncertain", "unknowns")
+"""Where a study gives parameters."""
 SLOPES: Final = {"along": "gamma", "across": "delta"}
 """The parameter by which a track rises along an axis."""
 ASKED_FROM = 5.0  # degrees between the climb of a recording and that of its study
@@ -62,7 +58,7 @@ def with_drive(content: Content, files: bool) -> Resolved:
     except StudyError as error:
         without = {name: value for name, value in content.items() if name != "drive"}
         return Resolved(without, error.problems)
-    own = [given for name in VALUE_SECTIONS if isinstance(given := content.get(name), Mapping)]
+    own = _parameter_sections(content)
     numbers = {n: v for n, v in record.numbers.items() if not any(n in given for given in own)}
     parameters = content.get("parameters", {})
     if isinstance(parameters, Mapping):  # if it is none, its reader says so
@@ -138,6 +134,11 @@ def channel_questions(fit: measured.Fit | None) -> list[str]:
     return asked
 
 
+def _parameter_sections(content: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the sections of a study that give parameters."""
+    return [one for key in VALUE_SECTIONS if isinstance(one := content.get(key), Mapping)]
+
+
 def _slopes(content: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
     """Return the least and largest angles [rad] by which a study says that its track rises.
 
@@ -146,8 +147,8 @@ def _slopes(content: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
     """
     slopes = {}
     for axis, name in SLOPES.items():
-        given = [one for key in VALUE_SECTIONS if isinstance(one := content.get(key), Mapping)]
-        written = [value for one in given if name in one for value in leaves_of(one[name])]
+        given = (one for one in _parameter_sections(content) if name in one)
+        written = [value for one in given for value in leaves_of(one[name])]
         try:
             angles = read_numbers(name, QUANTITIES[name], written) if written else ()
         except UnitError:

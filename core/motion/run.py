@@ -23,7 +23,7 @@ from core.motion.systems import CONTACTS
 from core.motion.verify import accuracy, verified
 from core.plan.derived import cells_of
 from core.plan.equations import regimes, run_equations
-from core.plan.labels import coordinates_of, global_attributes, outputs_of, verdicts_of
+from core.plan.labels import coordinates_of, global_attributes, outputs_of, verdict_variables
 from core.plan.pieces import Computed
 from core.quantities import FLAGS
 from core.watch import Watch
@@ -42,8 +42,8 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
         return prepared.compute(watch)
     known = _evaluate(prepared, watch)
     plan = prepared.plan
-    arrays = {name: _drop_unused_axes(prepared, name, known[name]) for name in plan.outputs}
-    arrays |= {n: _drop_unused_axes(prepared, n, v) for n, v in regimes(plan, known).items()}
+    arrays = {name: _over_own_axes(prepared, name, known[name]) for name in plan.outputs}
+    arrays |= {n: _over_own_axes(prepared, n, v) for n, v in regimes(plan, known).items()}
     if prepared.derived is not None:
         asked, part = prepared.derived, plan.part(prepared.derived.outputs)
         found = derivatives_at(part, cells_of(part, prepared.grid), asked.parameters, watch)
@@ -69,7 +69,7 @@ def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
         if name in variables:
             told = flag_attributes(name, states, tuple(states))
             variables[name] = replace(variables[name], attributes=told)
-    variables |= verdicts_of(plan, prepared.dims, arrays)
+    variables |= verdict_variables(plan, prepared.dims, arrays)
     if prepared.derived is not None:
         variables |= prepared.derived.variables(prepared.dims, arrays)
     coordinates = coordinates_of(plan, prepared.grid)
@@ -117,7 +117,7 @@ def _trajectory(prepared: Simulation, known: dict[str, Any], watch: Watch) -> Tr
     )
 
 
-def _drop_unused_axes(prepared: Simulation, name: str, values: NDArray[Any]) -> NDArray[Any]:
+def _over_own_axes(prepared: Simulation, name: str, values: NDArray[Any]) -> NDArray[Any]:
     """Return `values` over the axes of the grid that the quantity `name` depends on, and no others.
 
     The others have length 1. A quantity that is the same along one of its own axes is spread over

@@ -72,7 +72,7 @@ def link_to_verdict(plan: Plan, output: str) -> dict[str, str]:
     return {} if verdict is None else {"ancillary_variables": verdict.name}
 
 
-def verdicts_of(
+def verdict_variables(
     plan: Plan, dims: Mapping[str, tuple[str, ...]], arrays: Mapping[str, NDArray[Any]]
 ) -> dict[str, TableVariable]:
     """Return the flag variables of a result: the regimes, each with the outputs that it judges.

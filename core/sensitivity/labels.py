@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from core.dataset.table import Table, TableVariable
-from core.plan.labels import coordinates_of, global_attributes, verdicts_of
+from core.plan.labels import coordinates_of, global_attributes, verdict_variables
 from core.plan.pieces import Computed
 from core.plan.replicates import REPLICATES
 from core.plan.statistics import LEVELS
@@ -29,7 +29,7 @@ def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
         name: TableVariable(dims[name], arrays[name], one.attributes)
         for name, one in prepared.result_variables.items()
     }
-    for name, verdict in verdicts_of(prepared.plan, dims, arrays).items():
+    for name, verdict in verdict_variables(prepared.plan, dims, arrays).items():
         comment = f"{verdict.attributes['comment']}; of the nominal values"
         attributes = {**verdict.attributes, "comment": comment}
         variables[name] = replace(verdict, attributes=attributes)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.dataset.regimes import is_valid
 from core.errors import StoppedError
 from core.mechanics.arrays import Array, Mask
 from core.plan import statistics
@@ -27,7 +28,6 @@ from core.watch import Watch
 
 BLOCK = 1 << 18
 """Evaluations at a time: a bound on memory, and often enough to report progress."""
-INVALID = [flag.value for flag in REGIMES.values() if not flag.valid]
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -139,7 +139,7 @@ class _Evaluator:
             part = self.watch.part(number / self.long) if self.long else None
             known = run_equations(plan, {**self.designs, **samples}, part)
             verdicts = {n: np.broadcast_to(one, shape) for n, one in regimes(plan, known).items()}
-            valid = {n: ~np.isin(one, INVALID) for n, one in verdicts.items()}
+            valid = {n: is_valid(one) for n, one in verdicts.items()}
         if not self.long:
             self.watch.advance(number)
         outputs = {}

@@ -7,7 +7,7 @@ from core.mechanics.arrays import Array
 from core.plan.derivatives import derivatives
 from core.plan.derived import cells_of
 from core.plan.evaluate import evaluate
-from core.plan.labels import coordinates_of, global_attributes, outputs_of, verdicts_of
+from core.plan.labels import coordinates_of, global_attributes, outputs_of, verdict_variables
 from core.plan.pieces import Computed
 from core.plan.prepared import Prepared
 from core.plan.sample import Sample
@@ -40,7 +40,7 @@ def label(prepared: Prepared, computed: Computed, watch: Watch) -> Table:
         """Return the outputs at sampled cells."""
         return {name: sample.at(arrays[name], dims[name]) for name in plan.outputs}
 
-    variables = outputs_of(prepared, arrays) | verdicts_of(plan, dims, arrays)
+    variables = outputs_of(prepared, arrays) | verdict_variables(plan, dims, arrays)
     if prepared.derived is not None:
         variables |= prepared.derived.variables(prepared.dims, arrays)
     attributes = {**attributes_of(prepared), **verified(prepared, values_at, watch)}
