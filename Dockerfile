@@ -6,12 +6,10 @@ COPY app app
 COPY core core
 COPY vibrafeed vibrafeed
 COPY configs configs
-COPY scripts scripts
 RUN python -m venv /opt/vibrafeed \
     && /opt/vibrafeed/bin/python -m pip install --no-cache-dir --constraint constraints.txt '.[plot,cluster,postgres,tables,traces]'
 
 FROM python:3.11-slim-bookworm
-# The folder is not /app: nothing that is called like a package of ours stands above it.
 WORKDIR /srv/vibrafeed
 RUN useradd --system --uid 10001 --home-dir /srv/vibrafeed vibrafeed \
     && install -d -o vibrafeed /var/lib/vibrafeed /var/cache/vibrafeed

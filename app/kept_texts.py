@@ -12,9 +12,9 @@ from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 
-import core
-from app.folders import cache_folder
-from core.dataset.files import whole
+from vibrafeed import core
+from vibrafeed.app.folders import cache_folder
+from vibrafeed.core.dataset.files import whole
 
 SOURCES = (Path(core.__file__).parent, Path(__file__).parent)
 KEPT = 8  # texts of a name that stay, the last written: a branch or two
@@ -25,7 +25,7 @@ def study_schema_text() -> str:
 
     def make() -> str:
         """Return it from the models of every kind."""
-        from core.schema import study_schema  # here, since it loads half of core
+        from vibrafeed.core.schema import study_schema  # here, since it loads half of core
 
         return json.dumps(study_schema(), indent=0)
 

@@ -16,24 +16,24 @@ from anyio.to_thread import current_default_thread_limiter
 from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
 
-import core
-from app import traces
-from app.jobs.admission import Admission
-from app.jobs.cluster import Cluster
-from app.jobs.keys import Keys
-from app.jobs.ledger import Ledger
-from app.jobs.process_pool import ProcessPool
-from app.jobs.runner import Runner
-from app.jobs.store import Store
-from app.jobs.writer import Writer
-from app.settings import Settings
-from app.web import calculations, guard, openapi, problems
-from app.web.compress import Compress
-from app.web.made_once import MadeOnce
-from app.web.metrics import Metrics, watch_jobs
-from app.web.observe import Observe
-from app.web.outgoing import Outgoing, Unsent
-from app.web.routes import (
+from vibrafeed import core
+from vibrafeed.app import traces
+from vibrafeed.app.jobs.admission import Admission
+from vibrafeed.app.jobs.cluster import Cluster
+from vibrafeed.app.jobs.keys import Keys
+from vibrafeed.app.jobs.ledger import Ledger
+from vibrafeed.app.jobs.process_pool import ProcessPool
+from vibrafeed.app.jobs.runner import Runner
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.jobs.writer import Writer
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web import calculations, guard, openapi, problems
+from vibrafeed.app.web.compress import Compress
+from vibrafeed.app.web.made_once import MadeOnce
+from vibrafeed.app.web.metrics import Metrics, watch_jobs
+from vibrafeed.app.web.observe import Observe
+from vibrafeed.app.web.outgoing import Outgoing, Unsent
+from vibrafeed.app.web.routes import (
     convert,
     figures,
     friction,
@@ -46,10 +46,10 @@ from app.web.routes import (
     sweeps,
     zarr,
 )
-from app.web.shares import CORES, SLOTS, Shares
-from app.web.stopping import Stopping
-from app.web.warmth import Warmth
-from app.web.zarr_views import ZarrViews
+from vibrafeed.app.web.shares import CORES, SLOTS, Shares
+from vibrafeed.app.web.stopping import Stopping
+from vibrafeed.app.web.warmth import Warmth
+from vibrafeed.app.web.zarr_views import ZarrViews
 
 logger = logging.getLogger("vibrafeed")
 
@@ -121,9 +121,11 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.views = ZarrViews(store, settings.zarr_cache_bytes)
     app.state.unsent = Unsent(settings.max_unsent_bytes)
     app.state.warmth = Warmth()  # started where the service is served
-    app.state.uploads = Counter()  # bodies on their way, by address: `app.web.connections`
+    app.state.uploads = (
+        Counter()
+    )  # bodies on their way, by address: `vibrafeed.app.web.connections`
     app.state.metrics = Metrics()  # other parts add gauges
-    # Of (name, check): see `app.web.routes.health.readyz`.
+    # Of (name, check): see `vibrafeed.app.web.routes.health.readyz`.
     app.state.readiness = [("jobs", runner.fault), ("ledger", ledger.fault)]
     app.state.stopping = threading.Event()  # set by a signal: open streams end
     watch_jobs(app.state.metrics, admission, cluster, settings)

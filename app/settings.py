@@ -14,10 +14,10 @@ from urllib.parse import urlsplit
 from pydantic import BeforeValidator, Field, SecretStr, field_serializer, field_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
-from app.folders import data_folder
-from core.errors import Problem
-from core.extras import installing
-from core.suggestions import suggestion
+from vibrafeed.app.folders import data_folder
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.extras import installing
+from vibrafeed.core.suggestions import suggestion
 
 PREFIX = "VIBRAFEED_"
 # Read by the tests only; whoever runs them may serve with the same environment.

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from app.spans import Traces
+    from vibrafeed.app.spans import Traces
 
 ENDPOINTS = ("OTEL_EXPORTER_OTLP_ENDPOINT", "OTEL_EXPORTER_OTLP_TRACES_ENDPOINT")
 
@@ -26,7 +26,7 @@ def configured(environment: Mapping[str, str] = os.environ) -> Traces | None:
     """
     if not _is_wanted(environment) or not _is_installed():
         return None
-    from app.spans import sent_as  # OpenTelemetry, which few have
+    from vibrafeed.app.spans import sent_as  # OpenTelemetry, which few have
 
     return sent_as(environment.get("OTEL_SERVICE_NAME", "vibrafeed"))
 

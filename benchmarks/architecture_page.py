@@ -18,15 +18,15 @@ ROOT = Path(__file__).parents[1]
 DRAWING = ROOT / "docs" / "generated" / "rooms.svg"
 
 WAY = {
-    "core.study": "1 a study is read and checked",
-    "core.scenes": "2 a scene names its equations",
-    "core.plan": "3 a plan leaves out what nothing asks for",
-    "core.motion": "4 motion is followed in time",
-    "core.sweep": "4 closed forms are evaluated",
-    "core.dataset": "5 a labelled dataset holds the results",
-    "core.plots": "6 a picture is drawn",
-    "app.web": "6 a reply is sent",
-    "app.cli": "6 a file is written",
+    "vibrafeed.core.study": "1 a study is read and checked",
+    "vibrafeed.core.scenes": "2 a scene names its equations",
+    "vibrafeed.core.plan": "3 a plan leaves out what nothing asks for",
+    "vibrafeed.core.motion": "4 motion is followed in time",
+    "vibrafeed.core.sweep": "4 closed forms are evaluated",
+    "vibrafeed.core.dataset": "5 a labelled dataset holds the results",
+    "vibrafeed.core.plots": "6 a picture is drawn",
+    "vibrafeed.app.web": "6 a reply is sent",
+    "vibrafeed.app.cli": "6 a file is written",
 }
 """Where the way of the data passes, by package."""
 
@@ -68,8 +68,8 @@ def layers(rules: list[dict[str, Any]]) -> list[list[Room]]:
     at = whole.index("app")
     forbidden = [rule for rule in rules if rule["type"] == "forbidden"]
     return [
-        [_room(name, forbidden) for name in layer.split(" | ")]
-        for layer in (*whole[:at], *app, *whole[at + 1 :])
+        [_room(f"vibrafeed.{name}", forbidden) for name in layer.split(" | ")]
+        for layer in ("", *app, *whole[at + 1 :])
     ]
 
 

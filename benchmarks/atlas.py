@@ -15,15 +15,15 @@ from numpy.typing import NDArray
 
 from benchmarks.options import options
 from benchmarks.timing import least
-from core.atlas.build import RESOLUTIONS, build
-from core.atlas.cells import exact
-from core.atlas.find import STATUS, AtlasValues, find
-from core.atlas.numbers import AXES, Numbers
-from core.atlas.practice import practical_numbers
-from core.atlas.read import open_atlas
-from core.dataset.netcdf import write_netcdf
-from core.plots.book_page import Chart, draw_page
-from core.plots.files import METADATA
+from vibrafeed.core.atlas.build import RESOLUTIONS, build
+from vibrafeed.core.atlas.cells import exact
+from vibrafeed.core.atlas.find import STATUS, AtlasValues, find
+from vibrafeed.core.atlas.numbers import AXES, Numbers
+from vibrafeed.core.atlas.practice import practical_numbers
+from vibrafeed.core.atlas.read import open_atlas
+from vibrafeed.core.dataset.netcdf import write_netcdf
+from vibrafeed.core.plots.book_page import Chart, draw_page
+from vibrafeed.core.plots.files import METADATA
 
 CELLS = 10_000
 TIMED = 100_000

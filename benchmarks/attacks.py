@@ -18,8 +18,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
-from app.web.execution import PROCESSES
 from benchmarks.serving import Served
+from vibrafeed.app.web.execution import PROCESSES
 
 MB = 1_000_000
 ELSEWHERE = "127.0.0.2"  # where another owner asks from: without keys an address is one

@@ -14,15 +14,15 @@ import numpy as np
 
 from benchmarks.options import options
 from benchmarks.timing import timed
-from core.intake import parse_study
-from core.kinds import run_study
-from core.motion.driven import driven
-from core.motion.drives import shape_of
-from core.motion.methods.events import planar_path
-from core.motion.systems import SYSTEMS
-from core.motion.waves import ALONG, speed
-from core.plan.equations import run_equations
-from core.plan.plan import plan_scene
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.motion.driven import driven
+from vibrafeed.core.motion.drives import shape_of
+from vibrafeed.core.motion.methods.events import planar_path
+from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.motion.waves import ALONG, speed
+from vibrafeed.core.plan.equations import run_equations
+from vibrafeed.core.plan.plan import plan_scene
 
 Array = np.ndarray
 PICTURE = Path(__file__).parents[1] / "docs" / "generated" / "best-wave.png"

@@ -19,12 +19,12 @@ import numpy as np
 
 from benchmarks.options import options
 from benchmarks.timing import timed
-from core.calibrate.boxes import explore
-from core.calibrate.calibration import Calibration
-from core.calibrate.posterior import posterior_of
-from core.calibrate.scatter import NONE_BEFORE
-from core.intake import prepare_content
-from core.watch import Watch
+from vibrafeed.core.calibrate.boxes import explore
+from vibrafeed.core.calibrate.calibration import Calibration
+from vibrafeed.core.calibrate.posterior import posterior_of
+from vibrafeed.core.calibrate.scatter import NONE_BEFORE
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.watch import Watch
 
 RANGES: dict[str, dict[str, dict[str, Any]]] = {
     "friction": {"unknowns": {"friction": {"lower": 0.1, "upper": 0.6}}},

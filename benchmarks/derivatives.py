@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 
 from benchmarks.options import options
 from benchmarks.timing import in_turns
-from core.motion.groups import Groups, cells_of
-from core.motion.kernels.arrays import NEVER
-from core.motion.kernels.planar.derive import DERIVED_COLUMNS, KINK, MARGIN
-from core.motion.kernels.planar.slope_tables import DERIVED, DERIVED_BY
-from core.motion.kernels.planar.tables import PIECE
-from core.motion.kernels.results import COLUMN, RESULTS
-from core.motion.kernels.statuses import MODE, STATUS
-from core.motion.planar import derive_cells, follow, solve_cells
+from vibrafeed.core.motion.groups import Groups, cells_of
+from vibrafeed.core.motion.kernels.arrays import NEVER
+from vibrafeed.core.motion.kernels.planar.derive import DERIVED_COLUMNS, KINK, MARGIN
+from vibrafeed.core.motion.kernels.planar.slope_tables import DERIVED, DERIVED_BY
+from vibrafeed.core.motion.kernels.planar.tables import PIECE
+from vibrafeed.core.motion.kernels.results import COLUMN, RESULTS
+from vibrafeed.core.motion.kernels.statuses import MODE, STATUS
+from vibrafeed.core.motion.planar import derive_cells, follow, solve_cells
 
 Floats = NDArray[np.float64]
 

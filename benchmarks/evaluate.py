@@ -30,19 +30,19 @@ from numpy.typing import NDArray
 
 from benchmarks.options import options
 from benchmarks.timing import timed
-from core.errors import StudyError
-from core.intake import prepare_content
-from core.plan.blocks import evaluate_in_blocks
-from core.plan.evaluate import empty_results
-from core.plan.grid import Grid
-from core.plan.loops.fused import Fused
-from core.plan.loops.trace import traced
-from core.plan.plan import Plan, make_plan, scene_parameters
-from core.plan.prepared import Prepared
-from core.quantities import QUANTITIES
-from core.scenes import SCENES
-from core.study.units import read_number
-from core.study.values import Fixed, Points
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.plan.blocks import evaluate_in_blocks
+from vibrafeed.core.plan.evaluate import empty_results
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.loops.fused import Fused
+from vibrafeed.core.plan.loops.trace import traced
+from vibrafeed.core.plan.plan import Plan, make_plan, scene_parameters
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.scenes import SCENES
+from vibrafeed.core.study.units import read_number
+from vibrafeed.core.study.values import Fixed, Points
 
 SPANS = {
     "frequency": (20, 120), "amplitude": (2e-4, 1e-3), "friction": (0.1, 0.8), "alpha": (0, 60),
@@ -119,8 +119,8 @@ def idiom(grid: Grid) -> xarray.DataArray:
 
 BEFORE = """
 import json, sys, time
-from core.intake import prepare_content
-from core.plan.evaluate import evaluate
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.plan.evaluate import evaluate
 prepared = prepare_content(json.loads(sys.argv[1]))
 for _ in range(3):  # loops are compiled at first
     started = time.perf_counter()

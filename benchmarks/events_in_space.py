@@ -13,17 +13,17 @@ import numpy as np
 
 from benchmarks.options import options
 from benchmarks.timing import least
-from core.compiled import compiled
-from core.motion.groups import SOLID_CYLINDER, Contacts, Groups, cells_of
-from core.motion.kernels.arrays import NEVER, Floats
-from core.motion.kernels.cells import cell_of
-from core.motion.kernels.means import mean_velocity
-from core.motion.kernels.results import RESULTS, TALLY
-from core.motion.kernels.track import drive, solve_cells
-from core.motion.kernels.track.cycle import Series, new_history, settle
-from core.motion.kernels.track.tables import TURN, at_rest, new_work
-from core.motion.methods.stepping import stepped_motion
-from core.motion.result import STATUS, Motion, motion_of
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.groups import SOLID_CYLINDER, Contacts, Groups, cells_of
+from vibrafeed.core.motion.kernels.arrays import NEVER, Floats
+from vibrafeed.core.motion.kernels.cells import cell_of
+from vibrafeed.core.motion.kernels.means import mean_velocity
+from vibrafeed.core.motion.kernels.results import RESULTS, TALLY
+from vibrafeed.core.motion.kernels.track import drive, solve_cells
+from vibrafeed.core.motion.kernels.track.cycle import Series, new_history, settle
+from vibrafeed.core.motion.kernels.track.tables import TURN, at_rest, new_work
+from vibrafeed.core.motion.methods.stepping import stepped_motion
+from vibrafeed.core.motion.result import STATUS, Motion, motion_of
 
 WITNESS = Series(24, 1e-13)
 SETTINGS = {"tolerance": 1e-12, "max_periods": 1000.0}

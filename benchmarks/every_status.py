@@ -15,17 +15,17 @@ import numpy as np
 from numpy.random import Generator
 
 from benchmarks.options import options
-from core.motion.groups import Contacts, Groups, cells_of
-from core.motion.kernels import means
-from core.motion.kernels.arrays import NEVER, Flags, Floats
-from core.motion.kernels.cells import cell_of
-from core.motion.kernels.results import COLUMN, RESULTS, TALLY
-from core.motion.kernels.statuses import STATUS
-from core.motion.kernels.track import drive, solve_cells
-from core.motion.kernels.track.cycle import apart, approach, new_history
-from core.motion.kernels.track.solve import FINE
-from core.motion.kernels.track.tables import TURN, at_rest, new_work
-from core.quantities import MOTION_STATUSES
+from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
+from vibrafeed.core.motion.kernels import means
+from vibrafeed.core.motion.kernels.arrays import NEVER, Flags, Floats
+from vibrafeed.core.motion.kernels.cells import cell_of
+from vibrafeed.core.motion.kernels.results import COLUMN, RESULTS, TALLY
+from vibrafeed.core.motion.kernels.statuses import STATUS
+from vibrafeed.core.motion.kernels.track import drive, solve_cells
+from vibrafeed.core.motion.kernels.track.cycle import apart, approach, new_history
+from vibrafeed.core.motion.kernels.track.solve import FINE
+from vibrafeed.core.motion.kernels.track.tables import TURN, at_rest, new_work
+from vibrafeed.core.quantities import MOTION_STATUSES
 
 GRAVITY = 9.80665
 TRACK = Contacts(wall=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from core.materials import friction, shown
+from vibrafeed.core.materials import friction, shown
 
 PAGE = Path(__file__).parents[1] / "docs" / "generated" / "friction.md"
 

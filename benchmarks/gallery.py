@@ -14,7 +14,7 @@ from pathlib import Path
 
 from PIL import Image
 
-from app.cli import app
+from vibrafeed.app.cli import app
 
 ROOT = Path(__file__).parents[1]
 STUDIES = ROOT / "configs" / "gallery"

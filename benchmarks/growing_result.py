@@ -26,8 +26,8 @@ from benchmarks.options import options
 from benchmarks.reduce import SPANS, SPEED, study
 from benchmarks.serving import Served, percentile, served
 from benchmarks.timing import timed
-from core.intake import prepare_content
-from core.kinds import tabulate
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
 
 BOX = 5  # values along each axis at most: some 10^4 cells, of many chunks
 ENDED = ("successful", "failed", "dismissed")

@@ -23,16 +23,16 @@ from benchmarks.motions import (
 )
 from benchmarks.options import options
 from benchmarks.timing import timed
-from core.intake import parse_study
-from core.motion.result import STATUS, Motion
-from core.optimise.codes import STATUS as OPTIMUM
-from core.optimise.known_optima import by_closed_form, is_closed
-from core.optimise.methods import METHODS
-from core.optimise.optimisation import Optimisation
-from core.optimise.prepare import prepare
-from core.optimise.run import compute, designs_of
-from core.optimise.scipy_methods import SEARCH_BUDGET, one_by_one, search
-from core.watch import Watch
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.motion.result import STATUS, Motion
+from vibrafeed.core.optimise.codes import STATUS as OPTIMUM
+from vibrafeed.core.optimise.known_optima import by_closed_form, is_closed
+from vibrafeed.core.optimise.methods import METHODS
+from vibrafeed.core.optimise.optimisation import Optimisation
+from vibrafeed.core.optimise.prepare import prepare
+from vibrafeed.core.optimise.run import compute, designs_of
+from vibrafeed.core.optimise.scipy_methods import SEARCH_BUDGET, one_by_one, search
+from vibrafeed.core.watch import Watch
 
 Groups = dict[str, Any]
 Array = np.ndarray
@@ -144,8 +144,9 @@ def rated(
 ) -> Measured:
     """Return a summary of stated against true errors of the judged studies.
 
-    Most methods give no value where they can state no error (`core.motion.result.checked`); that of
-    regularised friction is NaN where its coarser runs cannot be compared.
+    Most methods give no value where they can state no error
+    (`vibrafeed.core.motion.result.checked`); that of regularised friction is NaN where its coarser
+    runs cannot be compared.
     """
     stating = np.isfinite(stated)
     true, said = true[stating], stated[stating]

@@ -14,16 +14,16 @@ import textwrap
 from collections.abc import Iterable
 from pathlib import Path
 
-from core.catalogue import scene_parameters
-from core.kinds import KINDS
-from core.motion.drive_units import PARAMETERS_OF_UNIT
-from core.motion.row_parts import CHOOSING
-from core.motion.systems import SYSTEMS
-from core.quantities import QUANTITIES, Quantity
-from core.quantities.bowl_track import BOWL_TRACK, MAX_STRETCHES, OF_STRETCHES
-from core.quantities.drive import DRIVE
-from core.quantities.row import MAX_NUMBERED, NUMBERS
-from core.scenes import SCENES
+from vibrafeed.core.catalogue import scene_parameters
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.motion.drive_units import PARAMETERS_OF_UNIT
+from vibrafeed.core.motion.row_parts import CHOOSING
+from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.quantities import QUANTITIES, Quantity
+from vibrafeed.core.quantities.bowl_track import BOWL_TRACK, MAX_STRETCHES, OF_STRETCHES
+from vibrafeed.core.quantities.drive import DRIVE
+from vibrafeed.core.quantities.row import MAX_NUMBERED, NUMBERS
+from vibrafeed.core.scenes import SCENES
 
 PACKAGE = Path(__file__).parents[1] / "vibrafeed"
 NAMES, STUDIES_FILE = PACKAGE / "_names.py", PACKAGE / "_studies.py"
@@ -279,9 +279,9 @@ if TYPE_CHECKING:
 
     import xarray
 
-    from core.intake.keywords import StudyLike
-    from core.motion.drive_error import DriveError
-    from core.study import Study
+    from vibrafeed.core.intake.keywords import StudyLike
+    from vibrafeed.core.motion.drive_error import DriveError
+    from vibrafeed.core.study import Study
     from vibrafeed._names import (
         DriveNumbers,
         NoMore,

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from core.intake.forms import to_toml
-from core.kinds import KINDS
-from core.plan.kind import Kind
+from vibrafeed.core.intake.forms import to_toml
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.plan.kind import Kind
 
 PAGE = Path(__file__).parents[1] / "docs" / "generated" / "kinds.md"
 

@@ -37,9 +37,9 @@ import xarray
 from benchmarks.options import options
 from benchmarks.reduce import prepared, study
 from benchmarks.timing import timed
-from core.reduce.run import cores
+from vibrafeed.core.reduce.run import cores
 
-COMMAND = [sys.executable, "-c", "from app.cli import main; main()"]
+COMMAND = [sys.executable, "-c", "from vibrafeed.app.cli import main; main()"]
 ASKED = {"statistics": ["max"]}
 SHARES, SAMPLE = 2048, 12
 

@@ -14,9 +14,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from app.jobs.ledger import Ledger
 from benchmarks.options import options
 from benchmarks.timing import timed
+from vibrafeed.app.jobs.ledger import Ledger
 
 MEMORY = Path("/dev/shm")
 

@@ -40,10 +40,10 @@ def guard() -> None:
     from secure.middleware import SecureASGIMiddleware
     from starlette.middleware.trustedhost import TrustedHostMiddleware
 
-    from app.jobs.keys import Keys, new_key
-    from app.jobs.ledger import Ledger
-    from app.settings import Settings
-    from app.web.guard import Guard, Limits, SafeHeaders
+    from vibrafeed.app.jobs.keys import Keys, new_key
+    from vibrafeed.app.jobs.ledger import Ledger
+    from vibrafeed.app.settings import Settings
+    from vibrafeed.app.web.guard import Guard, Limits, SafeHeaders
 
     key, digest = new_key()
     headers = [(b"host", b"localhost:8000"), (b"authorization", f"Bearer {key}".encode())]
@@ -114,8 +114,8 @@ def downloads() -> None:
     from fastapi import FastAPI, Request
     from starlette.responses import FileResponse
 
-    from app.web import problems
-    from app.web.downloads import file_reply
+    from vibrafeed.app.web import problems
+    from vibrafeed.app.web.downloads import file_reply
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "file"
@@ -204,7 +204,7 @@ Queue = tuple[Callable[[str], object], Callable[[], Any], Callable[[Any], object
 
 def ours(folder: Path) -> Queue:
     """Return put, take and end operations of the ledger, as for the other libraries."""
-    from app.jobs.ledger import Ledger
+    from vibrafeed.app.jobs.ledger import Ledger
 
     book = Ledger(folder / "ours.sqlite3")
 
@@ -314,7 +314,7 @@ def digits() -> None:
     """Print the speed and the decisions of Arb's balls against mpmath's numbers."""
     from flint import arb, ctx  # type: ignore[import-not-found]
 
-    from core.sweep.precise import CONTEXT, DIGITS
+    from vibrafeed.core.sweep.precise import CONTEXT, DIGITS
 
     ctx.dps = DIGITS
     a, b, x, y = CONTEXT.mpf(1) / 3, CONTEXT.mpf(2) / 7, arb(1) / 3, arb(2) / 7

@@ -1,4 +1,4 @@
-"""Prints how often true drives lie within the errors that `core.measured` states.
+"""Prints how often true drives lie within the errors that `vibrafeed.core.measured` states.
 
 Each recording holds the same drive of three orders on two axes, noise of a colour, a drift, and a
 clock 1 % slow: `python -m benchmarks.measured_errors --draws 400`.
@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from benchmarks.options import options
-from core.errors import StudyError
-from core.measured import Fit, Signal, fit_signal
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.measured import Fit, Signal, fit_signal
 
 FREQUENCY, RATE, CLOCK = 50.0, 2000.0, 0.01
 AMPLITUDES = np.array([[1e-4, 2e-5, 5e-6], [5e-5, 3e-5, 1e-5]])  # m

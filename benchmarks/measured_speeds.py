@@ -15,9 +15,9 @@ import numpy as np
 
 from benchmarks.measured_errors import AMPLITUDES, CASES, FREQUENCY, ORDERS, PHASES, fitted
 from benchmarks.options import options
-from core.motion.drive_error import DriveError, drive_error, velocities
-from core.motion.prepare import prepare
-from core.study.simulate_study import SimulateStudy
+from vibrafeed.core.motion.drive_error import DriveError, drive_error, velocities
+from vibrafeed.core.motion.prepare import prepare
+from vibrafeed.core.study.simulate_study import SimulateStudy
 
 PARTS = {
     "slides": {"friction": 0.3, "drive_factor": 0.7},

@@ -23,22 +23,22 @@ from numpy.typing import NDArray
 
 from benchmarks.options import options
 from benchmarks.waves import PLANAR, SPATIAL, harmonics, parts, steps
-from core.motion import planar, waves
-from core.motion.groups import Contacts, Groups, cells_of
-from core.motion.kernels.arrays import NEVER
-from core.motion.kernels.cells import cell_of
-from core.motion.kernels.planar.tables import PIECE
-from core.motion.kernels.results import TALLY
-from core.motion.kernels.statuses import MODE
-from core.motion.kernels.track import drive
-from core.motion.kernels.track.cycle import new_history, settle
-from core.motion.kernels.track.solve import FINE
-from core.motion.kernels.track.tables import at_rest, new_work
-from core.motion.kernels.waves import SineSum, passages
-from core.motion.methods.events import planar_motion
-from core.motion.methods.spatial_events import spatial_motion
-from core.motion.result import STATUS
-from core.motion.waves import TURN
+from vibrafeed.core.motion import planar, waves
+from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
+from vibrafeed.core.motion.kernels.arrays import NEVER
+from vibrafeed.core.motion.kernels.cells import cell_of
+from vibrafeed.core.motion.kernels.planar.tables import PIECE
+from vibrafeed.core.motion.kernels.results import TALLY
+from vibrafeed.core.motion.kernels.statuses import MODE
+from vibrafeed.core.motion.kernels.track import drive
+from vibrafeed.core.motion.kernels.track.cycle import new_history, settle
+from vibrafeed.core.motion.kernels.track.solve import FINE
+from vibrafeed.core.motion.kernels.track.tables import at_rest, new_work
+from vibrafeed.core.motion.kernels.waves import SineSum, passages
+from vibrafeed.core.motion.methods.events import planar_motion
+from vibrafeed.core.motion.methods.spatial_events import spatial_motion
+from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.waves import TURN
 
 ROOT = Path(__file__).parents[1]
 REPEATS = [STATUS["periodic"], STATUS["at_rest"]]

@@ -64,7 +64,7 @@ class Mistake:
 
 def command(line: str, **files: str) -> list[str]:
     """Return the output of a vibrafeed command on files, whose names have _ for the dot."""
-    from app.cli import app
+    from vibrafeed.app.cli import app
 
     for name, text in files.items():
         Path(name.replace("_", ".")).write_text(text, encoding="utf-8")

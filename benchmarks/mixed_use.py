@@ -19,11 +19,11 @@ from collections import Counter, defaultdict
 from statistics import median
 from typing import Any
 
-from app.web.execution import PROCESSES
 from benchmarks.attacks import LARGE, SMALL, varied
 from benchmarks.options import options
 from benchmarks.serving import Served, served
 from benchmarks.timing import timed
+from vibrafeed.app.web.execution import PROCESSES
 
 MAX_GROWTH = 1.05
 CACHE = 4_000_000  # bytes of chunks that are kept; a tenth of the hour reads as many

@@ -18,12 +18,12 @@ import numpy as np
 from benchmarks.lockstep import lockstep_velocities
 from benchmarks.motions import planar_motion
 from benchmarks.options import options
-from core.motion.groups import Groups as Part
-from core.motion.groups import cells_of
-from core.motion.kernels.arrays import NEVER
-from core.motion.planar import solve_cells
-from core.motion.result import COLUMNS
-from core.quantities import MOTION_STATUSES
+from vibrafeed.core.motion.groups import Groups as Part
+from vibrafeed.core.motion.groups import cells_of
+from vibrafeed.core.motion.kernels.arrays import NEVER
+from vibrafeed.core.motion.planar import solve_cells
+from vibrafeed.core.motion.result import COLUMNS
+from vibrafeed.core.quantities import MOTION_STATUSES
 
 Groups = dict[str, np.ndarray]
 SETTINGS = {"tolerance": 1e-12, "max_periods": 1000.0}

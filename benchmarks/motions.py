@@ -1,7 +1,7 @@
 """The functions of motion with every number by its name: for benchmarks and tests of single cells.
 
 Each takes the fields of `Groups` and `Contacts` beside the settings of its own, and returns what
-the function of that name in `core.motion.methods` does.
+the function of that name in `vibrafeed.core.motion.methods` does.
 """
 
 from __future__ import annotations
@@ -10,9 +10,16 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from core.motion.groups import Contacts, Groups
-from core.motion.methods import METHODS, events, reference, regularised, stepping, tumbling
-from core.motion.result import Motion
+from vibrafeed.core.motion.groups import Contacts, Groups
+from vibrafeed.core.motion.methods import (
+    METHODS,
+    events,
+    reference,
+    regularised,
+    stepping,
+    tumbling,
+)
+from vibrafeed.core.motion.result import Motion
 
 
 def _sorted(numbers: dict[str, Any]) -> tuple[Groups, Contacts, dict[str, Any]]:

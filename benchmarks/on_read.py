@@ -18,12 +18,12 @@ import xarray
 
 from benchmarks.options import options
 from benchmarks.timing import in_turns
-from core.intake import prepare_content
-from core.plan.evaluate import evaluate
-from core.sweep import Sweep
-from core.sweep.lazy import open_lazily
-from core.sweep.stream import outline_table, stream
-from core.sweep.targets import open_target
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.plan.evaluate import evaluate
+from vibrafeed.core.sweep import Sweep
+from vibrafeed.core.sweep.lazy import open_lazily
+from vibrafeed.core.sweep.stream import outline_table, stream
+from vibrafeed.core.sweep.targets import open_target
 
 OUTPUT = "transport_velocity"
 

@@ -16,17 +16,17 @@ from typing import Any
 import numpy as np
 
 from benchmarks.timing import least
-from core.assurance.accuracy.optimisers import run_optimiser
-from core.intake import parse_study
-from core.kinds import run_study
-from core.mechanics.arrays import Array
-from core.optimise import METHODS
-from core.optimise.methods import refusal
-from core.optimise.newton import BATCHED, fastest
-from core.optimise.prepare import prepare
-from core.optimise.problem import chosen_cells
-from core.optimise.run import designs_of
-from core.watch import Watch
+from vibrafeed.core.assurance.accuracy.optimisers import run_optimiser
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise import METHODS
+from vibrafeed.core.optimise.methods import refusal
+from vibrafeed.core.optimise.newton import BATCHED, fastest
+from vibrafeed.core.optimise.prepare import prepare
+from vibrafeed.core.optimise.problem import chosen_cells
+from vibrafeed.core.optimise.run import designs_of
+from vibrafeed.core.watch import Watch
 
 PICTURE = Path(__file__).parents[1] / "docs" / "generated" / "optimise-methods.png"
 SCIPY = ("slsqp", "trust-constr", "differential_evolution", "shgo", "direct")

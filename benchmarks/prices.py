@@ -21,11 +21,11 @@ import numpy as np
 
 from benchmarks.options import options
 from benchmarks.timing import least
-from core.errors import StudyError
-from core.intake import load_study, prepare_content
-from core.kinds import tabulate
-from core.motion.systems import CONTACTS, SYSTEMS, methods_of
-from core.watch import Watch
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import load_study, prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS, methods_of
+from vibrafeed.core.watch import Watch
 
 NOTHING = 0.01  # s: shorter times are those of labels and of looking things up
 WITHIN = 3.0

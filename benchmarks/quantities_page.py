@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from core.quantities import MOTION_STATUSES, QUANTITIES, REGIMES, Quantity
+from vibrafeed.core.quantities import MOTION_STATUSES, QUANTITIES, REGIMES, Quantity
 
 PAGE = Path(__file__).parents[1] / "docs" / "generated" / "quantities.md"
 

@@ -29,17 +29,17 @@ import xarray
 from numpy.typing import NDArray
 
 from benchmarks.options import options
-from core.aligned import aligned
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.plan.grid import Grid
-from core.plan.loops.lanes import LaneLoop
-from core.plan.loops.trace import traced
-from core.reduce.arrays import reduced_arrays
-from core.reduce.run import Units, cores
-from core.reduce.state import State, merge_states
-from core.sweep.reduced import ReducedSweep
-from core.watch import Watch
+from vibrafeed.core.aligned import aligned
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.loops.lanes import LaneLoop
+from vibrafeed.core.plan.loops.trace import traced
+from vibrafeed.core.reduce.arrays import reduced_arrays
+from vibrafeed.core.reduce.run import Units, cores
+from vibrafeed.core.reduce.state import State, merge_states
+from vibrafeed.core.sweep.reduced import ReducedSweep
+from vibrafeed.core.watch import Watch
 
 try:
     import numexpr

@@ -21,8 +21,8 @@ import numpy as np
 import xarray
 
 from benchmarks.options import options
-from core.intake import prepare_content
-from core.kinds import tabulate
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
 
 SPEED = "conveying_velocity"
 STORED, REDUCED = "stored", "reduced"

@@ -17,11 +17,11 @@ import numpy as np
 
 from benchmarks.options import options
 from benchmarks.timing import timed
-from core.motion.result import STATUS
-from core.motion.systems import SYSTEMS
-from core.plan.equations import run_equations
-from core.plan.plan import plan_scene
-from core.scenes.scene import STANDARD_GRAVITY
+from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.plan.equations import run_equations
+from vibrafeed.core.plan.plan import plan_scene
+from vibrafeed.core.scenes.scene import STANDARD_GRAVITY
 
 Array = np.ndarray
 Cells = dict[str, Array]

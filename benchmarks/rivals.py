@@ -32,9 +32,9 @@ from scipy import optimize
 
 from benchmarks.options import options
 from benchmarks.search import GRID, GRIDS, Design, cached_grid, designs
-from core.mechanics.arrays import Array
-from core.optimise.scipy_methods import SEARCH_BUDGET
-from core.optimise.search import search_maximum
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise.scipy_methods import SEARCH_BUDGET
+from vibrafeed.core.optimise.search import search_maximum
 
 NO_VALUE = 1e3  # stands in where there is none; all rivals but scipy's compare ranks alone
 REACHED = 1e-6  # of the grid's best

@@ -19,8 +19,8 @@ import vibrafeed
 from benchmarks.options import options
 from benchmarks.serving import served
 from benchmarks.timing import least
-from core.motion.kernels.rows import path_of_row, path_of_waved_row
-from core.motion.kernels.rows.tables import NO_STOP, Head
+from vibrafeed.core.motion.kernels.rows import path_of_row, path_of_waved_row
+from vibrafeed.core.motion.kernels.rows.tables import NO_STOP, Head
 
 DRIVE: dict[str, Any] = {"frequency": 50, "beta": 25, "outputs": ["conveying_velocity"]}
 ROW: dict[str, Any] = {"scene": "row-on-plane", "friction": 0.4, "max_periods": 100}

@@ -92,14 +92,14 @@ def studies() -> dict[str, Any]:
 
 def compute(folder: Path) -> None:
     """Run every study with the imported code, and write its arrays."""
-    from core.kinds import tabulate
+    from vibrafeed.core.kinds import tabulate
 
     try:
-        from core.intake import prepare_content, read_toml
+        from vibrafeed.core.intake import prepare_content, read_toml
     except ModuleNotFoundError:  # of a checkout in which that room was not yet built
-        from core.study.load import read_toml
+        from vibrafeed.core.study.load import read_toml
 
-        from core.kinds import prepare_content
+        from vibrafeed.core.kinds import prepare_content
 
     contents: dict[str, Any] = json.loads((folder / "studies.json").read_text())
     for name, content in contents.items():

@@ -22,9 +22,9 @@ from scipy import optimize
 from benchmarks.motions import planar_motion
 from benchmarks.options import options
 from benchmarks.timing import timed
-from core.mechanics.arrays import Array
-from core.optimise.scipy_methods import SEARCH_BUDGET
-from core.optimise.search import search_maximum
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise.scipy_methods import SEARCH_BUDGET
+from vibrafeed.core.optimise.search import search_maximum
 
 GRAVITY = 9.81
 NO_VALUE = 1e3

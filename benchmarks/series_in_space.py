@@ -16,14 +16,14 @@ import numpy as np
 
 from benchmarks.events_in_space import KINDS, SETTINGS, random_groups, timed
 from benchmarks.options import options
-from core.compiled import compiled
-from core.motion.groups import cells_of
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.cells import cell_of
-from core.motion.kernels.track import drive
-from core.motion.kernels.track.cycle import Series, new_history, settle
-from core.motion.kernels.track.solve import FINE
-from core.motion.kernels.track.tables import at_rest, new_work
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.groups import cells_of
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.cells import cell_of
+from vibrafeed.core.motion.kernels.track import drive
+from vibrafeed.core.motion.kernels.track.cycle import Series, new_history, settle
+from vibrafeed.core.motion.kernels.track.solve import FINE
+from vibrafeed.core.motion.kernels.track.tables import at_rest, new_work
 
 ORDERS = (8, 12, 14, 16, 18, 20, 24)
 

@@ -27,16 +27,16 @@ import orjson
 import uvicorn
 from starlette.types import Receive, Scope, Send
 
-from app.jobs.manifest import NETCDF
-from app.jobs.store import Store
-from app.web.calculations import encode_binary, encode_json
 from benchmarks.options import options
 from benchmarks.serving import Served, percentile, served
 from benchmarks.timing import timed
-from core.dataset.document import to_document
-from core.intake import prepare_content, read_json
-from core.kinds import tabulate
-from core.sweep.slice import cut
+from vibrafeed.app.jobs.manifest import NETCDF
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.web.calculations import encode_binary, encode_json
+from vibrafeed.core.dataset.document import to_document
+from vibrafeed.core.intake import prepare_content, read_json
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.sweep.slice import cut
 
 FREE = {"alpha": 250, "beta": 400}  # 10^5 values
 MILLION = {"alpha": 1000, "beta": 1000}

@@ -20,8 +20,8 @@ from http.client import HTTPConnection, HTTPMessage
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from app.jobs.manifest import MANIFEST, NETCDF, fingerprint
-from app.jobs.store import Store
+from vibrafeed.app.jobs.manifest import MANIFEST, NETCDF, fingerprint
+from vibrafeed.app.jobs.store import Store
 
 PATIENCE = 240.0  # s for a server to start: others may load the machine
 
@@ -119,7 +119,7 @@ def served(open_files: int | None = None, **settings: object) -> Iterator[Served
         data = Path(folder) / "data"
         given = {"data_directory": data, **settings}
         environment = {f"VIBRAFEED_{name.upper()}": str(value) for name, value in given.items()}
-        command = [sys.executable, "-c", "from app.cli import main; main()", "serve"]
+        command = [sys.executable, "-c", "from vibrafeed.app.cli import main; main()", "serve"]
         path = Path(folder) / "log"
         limit = None if open_files is None else partial(_limit_files, open_files)
         with path.open("wb") as log:

@@ -12,8 +12,8 @@ from pathlib import Path
 from benchmarks.options import options
 from benchmarks.reduce import ASKED, TABLE, study
 from benchmarks.timing import timed
-from core.intake import prepare_content
-from core.kinds import tabulate
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
 
 
 def main(cells: int, count: int) -> None:

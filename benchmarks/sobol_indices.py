@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.options import options
-from core.mechanics.arrays import Array, Mask
-from core.sensitivity.indices import sobol_indices
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.sensitivity.indices import sobol_indices
 
 SAMPLES = (256, 1024, 4096)
 

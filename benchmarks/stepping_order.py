@@ -15,7 +15,7 @@ import numpy as np
 from benchmarks.motions import planar_stepped_motion, reference_motion, stepped_motion, stepped_path
 from benchmarks.timing import timed
 from benchmarks.worked_values import MEAN_VELOCITIES
-from core.assurance.accuracy.curves import fitted_slope
+from vibrafeed.core.assurance.accuracy.curves import fitted_slope
 
 STEPS = (100, 300, 1000, 3000, 10000, 30000, 100000)
 REST = {"drive_number_along": 0.0, "drive_number_across": 0.0, "drive_number_normal": 0.0}

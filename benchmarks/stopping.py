@@ -21,7 +21,7 @@ from pathlib import Path
 import xarray
 
 from benchmarks.options import options
-from core.motion.result import STATUS
+from vibrafeed.core.motion.result import STATUS
 
 VIBRAFEED = Path(sys.executable).with_name("vibrafeed")
 LIMIT = 2.0  # s

@@ -23,16 +23,16 @@ from benchmarks.best_wave import motions
 from benchmarks.engine_drivers import BLOCKS
 from benchmarks.options import options
 from benchmarks.timing import least
-from core.assurance.case import Case
-from core.assurance.catalogue import cases
-from core.assurance.forms.formulas import GRAVITY
-from core.assurance.forms.laws import LATER, turning_phase
-from core.assurance.judge import outputs_of
-from core.motion.systems import SYSTEMS
-from core.motion.waves import ALONG, NORMAL, speed
-from core.plan.equations import run_equations
-from core.plan.plan import plan_scene
-from core.quantities import QUANTITIES
+from vibrafeed.core.assurance.case import Case
+from vibrafeed.core.assurance.catalogue import cases
+from vibrafeed.core.assurance.forms.formulas import GRAVITY
+from vibrafeed.core.assurance.forms.laws import LATER, turning_phase
+from vibrafeed.core.assurance.judge import outputs_of
+from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.motion.waves import ALONG, NORMAL, speed
+from vibrafeed.core.plan.equations import run_equations
+from vibrafeed.core.plan.plan import plan_scene
+from vibrafeed.core.quantities import QUANTITIES
 
 GENERATED = Path(__file__).parents[1] / "docs" / "generated"
 RESULTS, PICTURE = GENERATED / "validation-engines.json", GENERATED / "validation-engines.png"

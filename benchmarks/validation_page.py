@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.validation_engines import ASKED, NAMES, PICTURE, RESULTS, STEPS
-from core.assurance.case import EVIDENCE, RELATIONS
-from core.assurance.catalogue import FAMILIES, NOT_CLAIMED, cases
-from core.assurance.forms import Form, forms
-from core.assurance.judge import Outcome, run_cases
-from core.assurance.tables import expected, number
-from core.assurance.worked import rail, throws
-from core.dataset.markdown import markdown_table
+from vibrafeed.core.assurance.case import EVIDENCE, RELATIONS
+from vibrafeed.core.assurance.catalogue import FAMILIES, NOT_CLAIMED, cases
+from vibrafeed.core.assurance.forms import Form, forms
+from vibrafeed.core.assurance.judge import Outcome, run_cases
+from vibrafeed.core.assurance.tables import expected, number
+from vibrafeed.core.assurance.worked import rail, throws
+from vibrafeed.core.dataset.markdown import markdown_table
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "validation.md"

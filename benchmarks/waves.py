@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.options import options
-from core.motion import planar, waves
-from core.motion.groups import Groups, cells_of
-from core.motion.kernels import track
-from core.motion.kernels.arrays import NEVER
-from core.motion.result import COLUMNS
-from core.motion.waves import ENDS, TURN, Wave
+from vibrafeed.core.motion import planar, waves
+from vibrafeed.core.motion.groups import Groups, cells_of
+from vibrafeed.core.motion.kernels import track
+from vibrafeed.core.motion.kernels.arrays import NEVER
+from vibrafeed.core.motion.result import COLUMNS
+from vibrafeed.core.motion.waves import ENDS, TURN, Wave
 
 PLANAR = {"tolerance": 1e-12, "max_periods": 1000.0}
 SPATIAL = {"tolerance": 1e-10, "max_periods": 400.0}

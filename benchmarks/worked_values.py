@@ -1,4 +1,4 @@
-"""Worked values, to which tests and benchmarks are held: the rows of a file of `core.assurance`.
+"""Worked values, to which tests and benchmarks are held: rows of `vibrafeed.core.assurance`.
 
 Each row has the keys of its table as attributes. Where the values come from stands there.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from types import SimpleNamespace
 
-from core.assurance.worked.values import worked_values
+from vibrafeed.core.assurance.worked.values import worked_values
 
 GRAVITY = 9.8  # m s-2, of the mean velocities
 TABLES = worked_values()
@@ -28,7 +28,7 @@ class MeanVelocity(SimpleNamespace):
         return self.value * self.circular_frequency / GRAVITY
 
     def groups(self) -> dict[str, float]:
-        """Return the groups of `core.motion.groups.Groups`, without those that are 0."""
+        """Return the groups of `vibrafeed.core.motion.groups.Groups`, without those that are 0."""
         w = self.circular_frequency
         drive = self.amplitude * w * w / GRAVITY
         beta, gamma = math.radians(self.beta), math.radians(self.gamma)

@@ -27,14 +27,14 @@ import numpy as np
 
 from benchmarks.options import options
 from benchmarks.timing import timed
-from core.dataset.files import Behind, sync
-from core.dataset.growing import SYNC_BYTES
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.plan.tiles import Tiled
-from core.sweep import Sweep
-from core.sweep.stream import outline_table
-from core.sweep.targets import open_target
+from vibrafeed.core.dataset.files import Behind, sync
+from vibrafeed.core.dataset.growing import SYNC_BYTES
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.plan.tiles import Tiled
+from vibrafeed.core.sweep import Sweep
+from vibrafeed.core.sweep.stream import outline_table
+from vibrafeed.core.sweep.targets import open_target
 
 DIFFERENT = 4  # tiles that are computed
 

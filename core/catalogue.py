@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from core.motion.systems import CONTACTS, SYSTEMS
-from core.plan.plan import find_scene, scene_parameters
-from core.quantities import QUANTITIES, REGIMES
-from core.quantities.drive import DRIVE
-from core.quantities.pictures import INKS, LEVELS, colour_of
-from core.scenes import SCENES, Equation, Scene
-from core.scenes.aliases import instead_of
-from core.scenes.graph import behind
-from core.study.units import read_number
+from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS
+from vibrafeed.core.plan.plan import find_scene, scene_parameters
+from vibrafeed.core.quantities import QUANTITIES, REGIMES
+from vibrafeed.core.quantities.drive import DRIVE
+from vibrafeed.core.quantities.pictures import INKS, LEVELS, colour_of
+from vibrafeed.core.scenes import SCENES, Equation, Scene
+from vibrafeed.core.scenes.aliases import instead_of
+from vibrafeed.core.scenes.graph import behind
+from vibrafeed.core.study.units import read_number
 
 
 def describe_all() -> list[dict[str, Any]]:

@@ -1,7 +1,7 @@
 """Compilation of the kernels by numba: how functions of kernel files are compiled.
 
-`core.linking` says how compiled functions that call each other become machine code, and
-`core.kernel_cache` where that is kept.
+`vibrafeed.core.linking` says how compiled functions that call each other become machine code, and
+`vibrafeed.core.kernel_cache` where that is kept.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from llvmlite import ir
 from numba.core import event, types
 from numba.extending import intrinsic
 
-from core.compiling import stopwatch
-from core.kernel_cache import cache_of, loop_name
-from core.linking import Choice, EntryDispatcher
+from vibrafeed.core.compiling import stopwatch
+from vibrafeed.core.kernel_cache import cache_of, loop_name
+from vibrafeed.core.linking import Choice, EntryDispatcher
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

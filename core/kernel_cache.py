@@ -49,11 +49,11 @@ KEPT = 8
 """Folders of a package that stay, the last used: a branch or two, and versions side by side."""
 
 IMPORT = re.compile(
-    r"^[ \t]*from[ \t]+(?:vibrafeed\.)?(core[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|.*)"
-    r"|^[ \t]*import[ \t]+(?:vibrafeed\.)?(core[\w.]*)",
+    r"^[ \t]*from[ \t]+vibrafeed\.(core[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|.*)"
+    r"|^[ \t]*import[ \t]+vibrafeed\.(core[\w.]*)",
     re.MULTILINE,
 )
-"""An import of ours, in a clone or installed.
+"""An import of ours.
 
 A parser finds the same in fifty times the time, at every start: a test compares them."""
 

@@ -9,9 +9,9 @@ from typing import Any, Final
 
 from pydantic.json_schema import models_json_schema
 
-from core.kinds import KINDS
-from core.plan.kind import Kind
-from core.quantities import QUANTITIES
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.plan.kind import Kind
+from vibrafeed.core.quantities import QUANTITIES
 
 DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
 NOTES: Final = ("title", "description", "default", "examples")

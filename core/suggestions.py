@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
 from typing import Final
 
-from core.quantities import QUANTITIES
+from vibrafeed.core.quantities import QUANTITIES
 
 _SYNONYMS: Final[Mapping[str, str]] = {
     # --- parameters

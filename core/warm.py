@@ -15,8 +15,8 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from core.intake import prepare_content
-from core.kinds import KINDS, tabulate
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import KINDS, tabulate
 
 STUDIES: dict[str, tuple[Mapping[str, Any], ...]] = {
     package: studies for kind in KINDS.values() for package, studies in kind.compiles.items()
@@ -92,6 +92,6 @@ def carry_out(package: str, part: slice = slice(None)) -> None:
 
 def _cache() -> Any:
     """Return the module of the cache; numba is loaded with it."""
-    from core import kernel_cache
+    from vibrafeed.core import kernel_cache
 
     return kernel_cache

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import StoppedError
+from vibrafeed.core.errors import StoppedError
 
 LOOK = 0.05
 """Seconds between two looks of the lookout."""

@@ -39,38 +39,42 @@ LINES = 5
 
 ALLOWED = {
     # Released keys of replies and files, and what they are called in the code.
-    "core.errors.Problem.place": "`place` of a problem, in replies and in messages",
-    "app.web.replies.ProblemItem.place": "the same, in the OpenAPI document",
-    "core.plots.problem.PlotError.__init__.place": "the same",
-    "core.intake.section.Stranger.place": "the same, of a key that nothing knows",
-    "core.intake.section.Section.place": "makes it",
-    "core.study.*.places": "where each parameter's problem is said to be",
-    "core.study.*.output_places": "where each output's problem is said to be",
+    "vibrafeed.core.errors.Problem.place": "`place` of a problem, in replies and in messages",
+    "vibrafeed.app.web.replies.ProblemItem.place": "the same, in the OpenAPI document",
+    "vibrafeed.core.plots.problem.PlotError.__init__.place": "the same",
+    "vibrafeed.core.intake.section.Stranger.place": "the same, of a key that nothing knows",
+    "vibrafeed.core.intake.section.Section.place": "makes it",
+    "vibrafeed.core.study.*.places": "where each parameter's problem is said to be",
+    "vibrafeed.core.study.*.output_places": "where each output's problem is said to be",
     # Answers to questions: `vibrafeed new` asks, and `vibrafeed validate --answers` reads a file.
-    "core.assurance.answers.*": "the file of another program's answers has this key",
-    "core.assurance.answers": "the same",
-    "app.cli.validate.validate.answers": "the option's name",
-    "app.cli.new.*": "answers to the questions that it asks",
-    "app.cli.questions.*": "the same",
-    "app.cli.starter.*": "the same",
+    "vibrafeed.core.assurance.answers.*": "the file of another program's answers has this key",
+    "vibrafeed.core.assurance.answers": "the same",
+    "vibrafeed.app.cli.validate.validate.answers": "the option's name",
+    "vibrafeed.app.cli.new.*": "answers to the questions that it asks",
+    "vibrafeed.app.cli.questions.*": "the same",
+    "vibrafeed.app.cli.starter.*": "the same",
     # Words that mean themselves.
-    "app.jobs.errors.NotFoundError": "HTTP 404, Not Found",
-    "core.optimise.scipy_methods.one_by_one": "one after the other",
-    "core.scenes.devices.Device.place": "the number behind a key, as in `wiper_height_2`",
+    "vibrafeed.app.jobs.errors.NotFoundError": "HTTP 404, Not Found",
+    "vibrafeed.core.optimise.scipy_methods.one_by_one": "one after the other",
+    "vibrafeed.core.scenes.devices.Device.place": "the number behind a key, as in `wiper_height_2`",
     # The rows set it, and are under other work: `trajectory` then.
-    "core.motion.method.Method.course": "of rows, too",
-    "core.motion.method.FollowCourse": "the same",
-    "core.motion.course": "the same",
-    "core.mechanics.rolling_motion.RollingContact.runs_away": "a motion without bound",
-    "core.motion.kernels.means.runs_away": "the same",
-    "core.motion.kernels.planar.chaos.FollowedRun.runs_away": "the same",
-    "core.motion.kernels.planar.chaos.ran_away": "the same",
-    "core.motion.kernels.planar.settle.slides_away": "the same",
-    "core.motion.methods.reference._slides_away": "the same",
+    "vibrafeed.core.motion.method.Method.course": "of rows, too",
+    "vibrafeed.core.motion.method.FollowCourse": "the same",
+    "vibrafeed.core.motion.course": "the same",
+    "vibrafeed.core.mechanics.rolling_motion.RollingContact.runs_away": "a motion without bound",
+    "vibrafeed.core.motion.kernels.means.runs_away": "the same",
+    "vibrafeed.core.motion.kernels.planar.chaos.FollowedRun.runs_away": "the same",
+    "vibrafeed.core.motion.kernels.planar.chaos.ran_away": "the same",
+    "vibrafeed.core.motion.kernels.planar.settle.slides_away": "the same",
+    "vibrafeed.core.motion.methods.reference._slides_away": "the same",
 }
 """Names that stay, by module and name, `*` for all of a module, each with its reason."""
 
-ROWS = ("core.motion.kernels.rows.", "core.motion.row_", "core.motion.methods.rows")
+ROWS = (
+    "vibrafeed.core.motion.kernels.rows.",
+    "vibrafeed.core.motion.row_",
+    "vibrafeed.core.motion.methods.rows",
+)
 """Rooms that are under other work."""
 MAX_ROWS = 19
 MAX_QUESTIONS_OF_ROWS = 35

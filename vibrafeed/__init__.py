@@ -55,8 +55,6 @@ right. It is a `VibrafeedError`, as are all errors that are raised on purpose.
 (True, 'parameters.friction')
 >>> issubclass(vibrafeed.LimitError, vibrafeed.VibrafeedError)  # larger than a limit in force
 True
->>> issubclass(vibrafeed.ForeignPackageError, ImportError)  # another package is called `core`
-True
 
 Importing this module loads no library; each function loads what it needs.
 
@@ -70,13 +68,9 @@ import os as _os
 import sys as _sys
 from importlib import import_module
 
-from vibrafeed._packages import ForeignPackageError, claim
-
-claim("core")
-
-import core  # noqa: E402 - found only now
-from vibrafeed._functions import of_kind  # noqa: E402
-from vibrafeed._studies import (  # noqa: E402
+from vibrafeed import core
+from vibrafeed._functions import of_kind
+from vibrafeed._studies import (
     calibrate,
     drive_error,
     open_lazily,
@@ -96,14 +90,14 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-    from core.atlas.lookup import lookup
-    from core.atlas.read import open_atlas
-    from core.errors import LimitError, Problem, StudyError, VibrafeedError
-    from core.materials import friction, leaf_springs
-    from core.motion.drive_error import DriveError
-    from core.motion.rates import effective_distance, parts_per_minute, velocity_for
-    from core.quantities import QUANTITIES, REGIMES
-    from core.study import (
+    from vibrafeed.core.atlas.lookup import lookup
+    from vibrafeed.core.atlas.read import open_atlas
+    from vibrafeed.core.errors import LimitError, Problem, StudyError, VibrafeedError
+    from vibrafeed.core.materials import friction, leaf_springs
+    from vibrafeed.core.motion.drive_error import DriveError
+    from vibrafeed.core.motion.rates import effective_distance, parts_per_minute, velocity_for
+    from vibrafeed.core.quantities import QUANTITIES, REGIMES
+    from vibrafeed.core.study import (
         CalibrateStudy,
         OptimiseStudy,
         SensitivityStudy,
@@ -115,14 +109,14 @@ if TYPE_CHECKING:
 __version__: str = core.__version__
 
 _ELSEWHERE = {
-    "core.atlas.lookup": ("lookup",),
-    "core.atlas.read": ("open_atlas",),
-    "core.errors": ("LimitError", "Problem", "StudyError", "VibrafeedError"),
-    "core.materials": ("friction", "leaf_springs"),
-    "core.motion.drive_error": ("DriveError",),
-    "core.motion.rates": ("effective_distance", "parts_per_minute", "velocity_for"),
-    "core.quantities": ("QUANTITIES", "REGIMES"),
-    "core.study": (
+    "vibrafeed.core.atlas.lookup": ("lookup",),
+    "vibrafeed.core.atlas.read": ("open_atlas",),
+    "vibrafeed.core.errors": ("LimitError", "Problem", "StudyError", "VibrafeedError"),
+    "vibrafeed.core.materials": ("friction", "leaf_springs"),
+    "vibrafeed.core.motion.drive_error": ("DriveError",),
+    "vibrafeed.core.motion.rates": ("effective_distance", "parts_per_minute", "velocity_for"),
+    "vibrafeed.core.quantities": ("QUANTITIES", "REGIMES"),
+    "vibrafeed.core.study": (
         "CalibrateStudy",
         "OptimiseStudy",
         "SensitivityStudy",
@@ -138,7 +132,6 @@ __all__ = [
     "REGIMES",
     "CalibrateStudy",
     "DriveError",
-    "ForeignPackageError",
     "LimitError",
     "OptimiseStudy",
     "Problem",
@@ -177,7 +170,9 @@ if not TYPE_CHECKING:  # there every name would do
         """Load what stands in the core when it is first asked for."""
         if name in _HOMES:
             value = getattr(import_module(_HOMES[name]), name)
-        elif name in import_module("core.kinds").KINDS:  # for which no keywords have been written
+        elif (
+            name in import_module("vibrafeed.core.kinds").KINDS
+        ):  # for which no keywords have been written
             value = of_kind(name)
         else:
             raise AttributeError(f"module 'vibrafeed' has no attribute '{name}'")
@@ -203,7 +198,7 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     >>> study.kind, study.scene
     ('sweep', 'cylinder-on-plane')
     """
-    loaded: Study = import_module("core.intake").load_study(path)
+    loaded: Study = import_module("vibrafeed.core.intake").load_study(path)
     return loaded
 
 
@@ -268,7 +263,7 @@ def plot(
     >>> figure.get_suptitle()
     'Acceleration along the track'
     """
-    plots = import_module("core.plots")
+    plots = import_module("vibrafeed.core.plots")
     dataset = _opened(dataset)
     dims = (axes,) if isinstance(axes, str) else axes
     return plots.draw(
@@ -280,7 +275,7 @@ def plot(
 def _opened(source: Any) -> Any:
     """Return the datasets to be drawn: paths are read as files, lists entry by entry."""
     if isinstance(source, str | _os.PathLike):
-        return import_module("core.plots.files").read(source)
+        return import_module("vibrafeed.core.plots.files").read(source)
     return [_opened(one) for one in source] if isinstance(source, list | tuple) else source
 
 
@@ -325,7 +320,7 @@ def animate(
     """
     from pathlib import Path
 
-    from core.plots.movie import animate
+    from vibrafeed.core.plots.movie import animate
 
     animate(
         _opened(dataset), Path(file), slow=slow, title=title, units=units, dark=dark, small=small
@@ -363,7 +358,7 @@ def scenes(
     >>> vibrafeed.scenes("rectangle-on-plane")["parameters"][0]["name"]
     'frequency'
     """
-    catalogue = import_module("core.catalogue")
+    catalogue = import_module("vibrafeed.core.catalogue")
     return (
         catalogue.describe_all()
         if name is None

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from vibrafeed._packages import claim
-
 
 def main() -> None:
     """Run the command line."""
-    claim("app")
-    from app.cli import main
+    from vibrafeed.app.cli import main
 
     main()
 

@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 
     import xarray
 
-    from core.intake.keywords import StudyLike
-    from core.motion.drive_error import DriveError
-    from core.study import Study
-    from core.watch import Watch
+    from vibrafeed.core.intake.keywords import StudyLike
+    from vibrafeed.core.motion.drive_error import DriveError
+    from vibrafeed.core.study import Study
+    from vibrafeed.core.watch import Watch
 
 
 def study(base: StudyLike | None = None, /, **keywords: Any) -> Study:
@@ -58,7 +58,7 @@ def study(base: StudyLike | None = None, /, **keywords: Any) -> Study:
     >>> dict(vibrafeed.sweep(drive, beta=20).sizes)
     {'frequency': 101}
     """
-    intake = import_module("core.intake")
+    intake = import_module("vibrafeed.core.intake")
     content = intake.gather(base, keywords)
     if not isinstance(content, dict):
         return content
@@ -299,7 +299,7 @@ def open_lazily(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Da
     >>> lazy.acceleration_x[99_999, 0].values > lazy.acceleration_x[0, 0].values
     np.True_
     """
-    from core.sweep.lazy import open_lazily  # loads the plan
+    from vibrafeed.core.sweep.lazy import open_lazily  # loads the plan
 
     prepared = _prepared("sweep", study, keywords)
     _import_accessor()
@@ -345,9 +345,9 @@ def drive_error(
     """
     import numpy as np  # a library
 
-    from core.motion.drive_error import drive_error
+    from vibrafeed.core.motion.drive_error import drive_error
 
-    intake = import_module("core.intake")
+    intake = import_module("vibrafeed.core.intake")
     found = intake.gather(study, keywords, "simulate")
     content = found if isinstance(found, dict) else found.content()
     asked, fit = intake.study_and_fit(content)
@@ -372,10 +372,10 @@ def _prepared(kind: str, base: StudyLike | None, keywords: Mapping[str, Any]) ->
 
     `base` is the study, mapping or path, if any, and `keywords` add to it.
     """
-    intake = import_module("core.intake")
+    intake = import_module("vibrafeed.core.intake")
     content = intake.gather(base, keywords, kind)
     if not isinstance(content, dict):
-        return import_module("core.kinds").prepare(content)
+        return import_module("vibrafeed.core.kinds").prepare(content)
     prepared = intake.prepare_content(content, files=True)
     for question in prepared.questions:
         warnings.warn(question, stacklevel=CALLER)
@@ -391,8 +391,8 @@ def _carry_out(kind: str, base: StudyLike | None, keywords: Mapping[str, Any]) -
     prepared = _prepared(kind, base, keywords)
     prepared.check_limits(cells=None, bytes_=_memory())
     _import_accessor()
-    with import_module("core.compiling").announced(_say):
-        return import_module("core.kinds").tabulate(prepared, _watch()).to_xarray()
+    with import_module("vibrafeed.core.compiling").announced(_say):
+        return import_module("vibrafeed.core.kinds").tabulate(prepared, _watch()).to_xarray()
 
 
 def _memory() -> int:
@@ -404,7 +404,7 @@ def _watch() -> Watch | None:
     """Return a watch that shows progress in a notebook; elsewhere None."""
     if "ipykernel" not in sys.modules:
         return None
-    return import_module("core.watch").Watch(progress=_progress(time.monotonic))
+    return import_module("vibrafeed.core.watch").Watch(progress=_progress(time.monotonic))
 
 
 def _progress(clock: Callable[[], float]) -> Callable[[float], None]:

@@ -15,9 +15,6 @@ if TYPE_CHECKING:
 
     import xarray
 
-    from core.intake.keywords import StudyLike
-    from core.motion.drive_error import DriveError
-    from core.study import Study
     from vibrafeed._names import (
         DriveNumbers,
         NoMore,
@@ -28,6 +25,9 @@ if TYPE_CHECKING:
         SweptScene,
     )
     from vibrafeed._values import Bounds, Values
+    from vibrafeed.core.intake.keywords import StudyLike
+    from vibrafeed.core.motion.drive_error import DriveError
+    from vibrafeed.core.study import Study
 
 
 def study(

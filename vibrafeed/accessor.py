@@ -13,22 +13,22 @@ from typing import TYPE_CHECKING
 
 import xarray
 
-from core.dataset.formats import suffix_of, write_result
-from core.dataset.regimes import judge_of, regime_shares
-from core.dataset.shown import in_shown_units
-from core.dataset.table import Table
-from core.errors import Problem, StudyError, VibrafeedError
-from core.intake import parse_json
-from core.quantities.flags import REGIME
-from core.study.shown import read_shown
-from core.study.units import UnitError
+from vibrafeed.core.dataset.formats import suffix_of, write_result
+from vibrafeed.core.dataset.regimes import judge_of, regime_shares
+from vibrafeed.core.dataset.shown import in_shown_units
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.errors import Problem, StudyError, VibrafeedError
+from vibrafeed.core.intake import parse_json
+from vibrafeed.core.quantities.flags import REGIME
+from vibrafeed.core.study.shown import read_shown
+from vibrafeed.core.study.units import UnitError
 
 if TYPE_CHECKING:
     import os
 
     from matplotlib.figure import Figure
 
-    from core.study import Study
+    from vibrafeed.core.study import Study
 
 
 @xarray.register_dataset_accessor("vf")  # type: ignore[no-untyped-call]

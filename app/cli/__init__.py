@@ -13,8 +13,8 @@ from typing import Annotated, Any, Final
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-import core
-from core.kinds import KINDS
+from vibrafeed import core
+from vibrafeed.core.kinds import KINDS
 
 COMMANDS: Final = MappingProxyType(
     {

@@ -6,20 +6,20 @@ import shlex
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from app.cli import console
-from app.jobs.accuracy import PAGE, draw
-from core.assurance import leaving_out
-from core.assurance.accuracy.families import SECONDS
-from core.assurance.accuracy.page import PageSection, head_of, sections_of, write_page
-from core.assurance.accuracy.report import machine, measure_study
-from core.assurance.hard_cases import HARD_CASES
-from core.assurance.judge import run_cases
-from core.assurance.tables import hard_cases_markdown, hard_cases_table
-from core.dataset.files import whole
-from core.dataset.netcdf import write_netcdf
-from core.dataset.table import Table
-from core.plan.prepared import Prepared
-from core.watch import Watch
+from vibrafeed.app.cli import console
+from vibrafeed.app.jobs.accuracy import PAGE, draw
+from vibrafeed.core.assurance import leaving_out
+from vibrafeed.core.assurance.accuracy.families import SECONDS
+from vibrafeed.core.assurance.accuracy.page import PageSection, head_of, sections_of, write_page
+from vibrafeed.core.assurance.accuracy.report import machine, measure_study
+from vibrafeed.core.assurance.hard_cases import HARD_CASES
+from vibrafeed.core.assurance.judge import run_cases
+from vibrafeed.core.assurance.tables import hard_cases_markdown, hard_cases_table
+from vibrafeed.core.dataset.files import whole
+from vibrafeed.core.dataset.netcdf import write_netcdf
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.watch import Watch
 
 EXTREMES = ("extremes", "leaving-out")  # datasets of what is asked of no study
 

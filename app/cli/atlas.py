@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli import console
-from app.cli.existing import REMOVE
-from app.cli.options import FAILED
-from app.cli.studies import REPLACE, interruption, refuse
-from core.atlas.build import RESOLUTIONS, build
-from core.dataset.group import write_zarr
-from core.dataset.netcdf import write_netcdf
-from core.dataset.shards import needed_for_zarr
-from core.errors import MissingPackageError, Problem, StoppedError
-from core.extras import installing
-from core.watch import Watch
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.existing import REMOVE
+from vibrafeed.app.cli.options import FAILED
+from vibrafeed.app.cli.studies import REPLACE, interruption, refuse
+from vibrafeed.core.atlas.build import RESOLUTIONS, build
+from vibrafeed.core.dataset.group import write_zarr
+from vibrafeed.core.dataset.netcdf import write_netcdf
+from vibrafeed.core.dataset.shards import needed_for_zarr
+from vibrafeed.core.errors import MissingPackageError, Problem, StoppedError
+from vibrafeed.core.extras import installing
+from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:
-    from core.watch import Watch
+    from vibrafeed.core.watch import Watch
 
 SUFFIXES = (".nc", ".zarr")
 
@@ -62,7 +62,7 @@ def atlas(
     _refuse_problems(output, charts, resolution, force=force)
     if charts is not None:
         try:
-            from core.plots.book import write_book
+            from vibrafeed.core.plots.book import write_book
         except ModuleNotFoundError as error:
             console.fail(f"{error.name} is missing. Install it: {installing('matplotlib', 'plot')}")
             raise typer.Exit(FAILED) from None

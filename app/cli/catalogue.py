@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from app.cli.console import say, table, tell
-from app.cli.units import DEFAULT_DIGITS, format_number
-from core.study.shown import ShownUnits
+from vibrafeed.app.cli.console import say, table, tell
+from vibrafeed.app.cli.units import DEFAULT_DIGITS, format_number
+from vibrafeed.core.study.shown import ShownUnits
 
 SCENES = ("scene", "variants", "methods in time", "title")
 PARAMETERS = ("parameter", "symbol", "unit", "bounds", "default", "meaning")
@@ -18,7 +18,8 @@ REGIMES = ("regime", "value", "meaning")
 def show_scenes(lines: Sequence[Mapping[str, Any]]) -> None:
     """Print a table of all scenes: name, variants (the default marked by *), methods, title.
 
-    `lines` are the entries of the catalogue, as `core.catalogue.describe_all` returns them.
+    `lines` are the entries of the catalogue, as `vibrafeed.core.catalogue.describe_all` returns
+    them.
     """
     rows = []
     for line in lines:

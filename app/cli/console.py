@@ -13,8 +13,8 @@ from rich import box
 from rich.console import Console
 from rich.text import Text
 
-from app.cli.layout import Rows, block_lines, fold_line, least_widths, plain_lines
-from core.compiling import ONCE, stopwatch
+from vibrafeed.app.cli.layout import Rows, block_lines, fold_line, least_widths, plain_lines
+from vibrafeed.core.compiling import ONCE, stopwatch
 
 stdout = Console(highlight=False)
 stderr = Console(stderr=True, highlight=False)

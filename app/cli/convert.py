@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.studies import content_of, name_of, refuse, warn
-from app.cli.texts import refuse_taken, write_text
-from core.errors import Problem, StudyError
-from core.intake import prepare_content
-from core.intake.forms import FORMS, SERVICE, resolve_files, to_curl
-from core.suggestions import suggestion
+from vibrafeed.app.cli.studies import content_of, name_of, refuse, warn
+from vibrafeed.app.cli.texts import refuse_taken, write_text
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.intake.forms import FORMS, SERVICE, resolve_files, to_curl
+from vibrafeed.core.suggestions import suggestion
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -9,22 +9,22 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli import console
-from app.cli.drives import document_of, show_fit, toml_of
-from app.cli.options import FAILED, Json, Units
-from app.cli.studies import refuse, warn
-from app.cli.units import units_asked
-from core import plots
-from core.errors import Problem, StudyError
-from core.extras import installing
-from core.intake.recorded import channel_questions
-from core.measured import Recording, fit_drive
-from core.measured.read import read_table
-from core.plots.problem import PlotError
-from core.study.unusual import questions_of_drive
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.drives import document_of, show_fit, toml_of
+from vibrafeed.app.cli.options import FAILED, Json, Units
+from vibrafeed.app.cli.studies import refuse, warn
+from vibrafeed.app.cli.units import units_asked
+from vibrafeed.core import plots
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.extras import installing
+from vibrafeed.core.intake.recorded import channel_questions
+from vibrafeed.core.measured import Recording, fit_drive
+from vibrafeed.core.measured.read import read_table
+from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.study.unusual import questions_of_drive
 
 if TYPE_CHECKING:
-    from core.measured import Fit
+    from vibrafeed.core.measured import Fit
 
 KEYS = tuple(field.name for field in fields(Recording) if field.name != "slopes")
 _NAMES = "|".join(KEYS)
@@ -223,7 +223,7 @@ def _problems_of_picture(plot: Path | None) -> list[Problem]:
     if plot is None:
         return []
     try:
-        from core.plots.files import check_format
+        from vibrafeed.core.plots.files import check_format
     except ModuleNotFoundError as error:
         console.fail(f"{error.name} is missing. Install it: {installing('matplotlib', 'plot')}")
         raise typer.Exit(FAILED) from None

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-import core
-from app.cli.console import say, table
-from core.measured import Fit
-from core.study.shown import ShownUnits
+from vibrafeed import core
+from vibrafeed.app.cli.console import say, table
+from vibrafeed.core.measured import Fit
+from vibrafeed.core.study.shown import ShownUnits
 
 MICRO = 1e6  # micrometres in a metre
 PERCENT = 100.0

@@ -6,15 +6,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.studies import REPLACE, refuse
-from core.dataset.formats import read_result
-from core.errors import Problem
-from core.kinds import is_whole
-from core.plan.sample import LEFT_OUT
-from core.sweep.targets import attributes_there, is_complete, is_zarr
+from vibrafeed.app.cli.studies import REPLACE, refuse
+from vibrafeed.core.dataset.formats import read_result
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.kinds import is_whole
+from vibrafeed.core.plan.sample import LEFT_OUT
+from vibrafeed.core.sweep.targets import attributes_there, is_complete, is_zarr
 
 if TYPE_CHECKING:
-    from core.plan.prepared import Prepared
+    from vibrafeed.core.plan.prepared import Prepared
 
 REMOVE = "Remove the existing output, or give another name"
 

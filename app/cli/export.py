@@ -10,15 +10,15 @@ from typing import Annotated
 
 import typer
 
-from app.cli import console
-from app.cli.options import FAILED, INVALID_INPUT
-from app.cli.studies import refuse, refuse_existing
-from app.cli.targets import check_suffix, make_folder_of, write_or_exit
-from app.cli.units import units_asked
-from core.dataset.formats import read_result, suffix_of
-from core.dataset.shown import in_shown_units
-from core.dataset.table import Table
-from core.errors import LimitError, Problem, VibrafeedError
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.options import FAILED, INVALID_INPUT
+from vibrafeed.app.cli.studies import refuse, refuse_existing
+from vibrafeed.app.cli.targets import check_suffix, make_folder_of, write_or_exit
+from vibrafeed.app.cli.units import units_asked
+from vibrafeed.core.dataset.formats import read_result, suffix_of
+from vibrafeed.core.dataset.shown import in_shown_units
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.errors import LimitError, Problem, VibrafeedError
 
 FOR_PEOPLE = (".csv", ".xlsx", ".parquet")
 """Formats that may hold other units than those of files."""

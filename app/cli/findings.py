@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app.cli.console import say, table, tell
-from app.cli.units import format_number
+from vibrafeed.app.cli.console import say, table, tell
+from vibrafeed.app.cli.units import format_number
 
 if TYPE_CHECKING:
-    from core.dataset import Table
-    from core.study.shown import ShownUnits
+    from vibrafeed.core.dataset import Table
+    from vibrafeed.core.study.shown import ShownUnits
 
 DIGITS = 4  # significant digits of printed values
 MAX_ROWS = 20  # runs that are printed; the file has all

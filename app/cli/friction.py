@@ -7,11 +7,11 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli import console
-from app.cli.options import Json
-from app.cli.published import exit_if_empty, join_texts, number_sources, tell_notes
-from core import materials
-from core.materials import shown
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.options import Json
+from vibrafeed.app.cli.published import exit_if_empty, join_texts, number_sources, tell_notes
+from vibrafeed.core import materials
+from vibrafeed.core.materials import shown
 
 PAIRS = ("pair", "surface", "static", "kinetic", "from")
 REBOUNDS = ("pair", "restitution", "note", "from")

@@ -8,10 +8,10 @@ from typing import Annotated
 
 import typer
 
-from app.cli.existing import refuse_others
-from app.cli.shares import counts_of, join_shares, shares_of
-from app.cli.studies import prepare_all, refuse
-from core.errors import Problem
+from vibrafeed.app.cli.existing import refuse_others
+from vibrafeed.app.cli.shares import counts_of, join_shares, shares_of
+from vibrafeed.app.cli.studies import prepare_all, refuse
+from vibrafeed.core.errors import Problem
 
 
 def join(

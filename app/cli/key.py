@@ -16,18 +16,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli import console
-from app.cli.options import INVALID_INPUT, Json
-from app.cli.serve import PRIVATE, settings_in_force
-from app.cli.studies import refuse
-from app.jobs import audit
-from app.jobs.errors import LaterLedgerError
-from app.jobs.keys import InvalidKeyError, Key, Keys, NoSuchKeyError, new_key
-from app.jobs.ledger import Ledger
-from core.errors import Problem
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.options import INVALID_INPUT, Json
+from vibrafeed.app.cli.serve import PRIVATE, settings_in_force
+from vibrafeed.app.cli.studies import refuse
+from vibrafeed.app.jobs import audit
+from vibrafeed.app.jobs.errors import LaterLedgerError
+from vibrafeed.app.jobs.keys import InvalidKeyError, Key, Keys, NoSuchKeyError, new_key
+from vibrafeed.app.jobs.ledger import Ledger
+from vibrafeed.core.errors import Problem
 
 if TYPE_CHECKING:
-    from app.jobs.database import Database
+    from vibrafeed.app.jobs.database import Database
 
 key = typer.Typer(
     no_args_is_help=True,

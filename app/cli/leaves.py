@@ -6,11 +6,11 @@ from typing import Annotated
 
 import typer
 
-from app.cli import console
-from app.cli.options import Json
-from app.cli.published import exit_if_empty, join_texts, number_sources, tell_notes
-from core import materials
-from core.materials import shown
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.options import Json
+from vibrafeed.app.cli.published import exit_if_empty, join_texts, number_sources, tell_notes
+from vibrafeed.core import materials
+from vibrafeed.core.materials import shown
 
 HEADING = ("material", "form", "elastic modulus (GPa)", "density (kg/m³)", "from")
 

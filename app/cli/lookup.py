@@ -10,21 +10,21 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import typer
 
-from app.cli import console
-from app.cli.options import FAILED, Json, Units
-from app.cli.studies import refuse, refuse_existing, warn
-from app.cli.targets import check_suffix, make_folder_of, write_or_exit
-from app.cli.units import format_number, units_asked
-from core.atlas.lookup import ROW, advice, lookup_grid, lookup_rows
-from core.atlas.numbers import AXES
-from core.atlas.read import MAKE, open_atlas
-from core.atlas.rows import read_rows
-from core.dataset.frame import Frame, FrameColumn
-from core.errors import Problem, StudyError, VibrafeedError
-from core.study.unusual import questions
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.options import FAILED, Json, Units
+from vibrafeed.app.cli.studies import refuse, refuse_existing, warn
+from vibrafeed.app.cli.targets import check_suffix, make_folder_of, write_or_exit
+from vibrafeed.app.cli.units import format_number, units_asked
+from vibrafeed.core.atlas.lookup import ROW, advice, lookup_grid, lookup_rows
+from vibrafeed.core.atlas.numbers import AXES
+from vibrafeed.core.atlas.read import MAKE, open_atlas
+from vibrafeed.core.atlas.rows import read_rows
+from vibrafeed.core.dataset.frame import Frame, FrameColumn
+from vibrafeed.core.errors import Problem, StudyError, VibrafeedError
+from vibrafeed.core.study.unusual import questions
 
 if TYPE_CHECKING:
-    from core.dataset.table import Table
+    from vibrafeed.core.dataset.table import Table
 
 MAX_SHOWN = 20  # rows on the screen
 WAYS = (

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app.cli.console import stdout, tell
-from app.cli.units import format_number
-from core import optimise
-from core.intake import parse_json
-from core.quantities import OPTIMUM_STATUSES, QUANTITIES
+from vibrafeed.app.cli.console import stdout, tell
+from vibrafeed.app.cli.units import format_number
+from vibrafeed.core import optimise
+from vibrafeed.core.intake import parse_json
+from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES
 
 if TYPE_CHECKING:
-    from core.dataset import Table
-    from core.study.shown import ShownUnits
+    from vibrafeed.core.dataset import Table
+    from vibrafeed.core.study.shown import ShownUnits
 
 
 def format_value(name: str, value: float, units: ShownUnits) -> str:

@@ -9,14 +9,14 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.questions import QUESTIONS, Question
-from app.cli.starter import example_study, starter_study
-from app.cli.studies import STANDARD, refuse, warn
-from app.cli.texts import refuse_taken, write_text
-from core.errors import Problem
-from core.kinds import KINDS
-from core.study.units import UnitError
-from core.suggestions import suggestion
+from vibrafeed.app.cli.questions import QUESTIONS, Question
+from vibrafeed.app.cli.starter import example_study, starter_study
+from vibrafeed.app.cli.studies import STANDARD, refuse, warn
+from vibrafeed.app.cli.texts import refuse_taken, write_text
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.study.units import UnitError
+from vibrafeed.core.suggestions import suggestion
 
 _BY_NAME = {question.name: question for question in reversed(QUESTIONS)}  # the first of a name
 Answer = str | None

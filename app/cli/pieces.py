@@ -13,15 +13,23 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from app.jobs.blocks import Blocks
-from app.jobs.errors import TornBlockError
-from core import kinds
-from core.compiling import stopwatch
-from core.dataset.files import partial
-from core.dataset.table import Table
-from core.plan.pieces import Computed, Cut, carry_out, cells_of, cells_of_piece, join, price
-from core.plan.prepared import Box, Prepared
-from core.watch import Watch
+from vibrafeed.app.jobs.blocks import Blocks
+from vibrafeed.app.jobs.errors import TornBlockError
+from vibrafeed.core import kinds
+from vibrafeed.core.compiling import stopwatch
+from vibrafeed.core.dataset.files import partial
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.plan.pieces import (
+    Computed,
+    Cut,
+    carry_out,
+    cells_of,
+    cells_of_piece,
+    join,
+    price,
+)
+from vibrafeed.core.plan.prepared import Box, Prepared
+from vibrafeed.core.watch import Watch
 
 PIECE_SECONDS = 2.0
 """Approximate time of a piece on all cores [s]: what a killed run loses."""

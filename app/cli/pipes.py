@@ -11,8 +11,8 @@ from pathlib import Path
 
 import typer
 
-from app.cli.studies import refuse
-from core.errors import Problem
+from vibrafeed.app.cli.studies import refuse
+from vibrafeed.core.errors import Problem
 
 FORM = ".csv"
 """What goes to standard output unless another suffix is named, as in ``-.nc``."""

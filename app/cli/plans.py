@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from app.cli.console import say, table, tell
-from app.cli.units import DEFAULT_DIGITS, format_number, units_asked
-from core.plan.grid import from_si
-from core.quantities import QUANTITIES
+from vibrafeed.app.cli.console import say, table, tell
+from vibrafeed.app.cli.units import DEFAULT_DIGITS, format_number, units_asked
+from vibrafeed.core.plan.grid import from_si
+from vibrafeed.core.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    from core.plan.prepared import Prepared
+    from vibrafeed.core.plan.prepared import Prepared
 
 
 def plan_facts(path: Path, prepared: Prepared) -> dict[str, Any]:
@@ -93,5 +93,5 @@ def more(prepared: Prepared, checked: float) -> Iterator[str]:
     plan = prepared.plan
     yield f"  checked in {checked:.3f} s; {plan.scene.choice} {plan.variant}"
     yield f"  equations: {', '.join(equation.gives for equation in plan.equations)}"
-    kept = sys.modules.get("core.kernel_cache")  # who needs no kernel does not load it
+    kept = sys.modules.get("vibrafeed.core.kernel_cache")  # who needs no kernel does not load it
     yield f"  kernels: compiled, kept in {kept.root()}" if kept else "  kernels: none, all in numpy"

@@ -7,12 +7,12 @@ from typing import Annotated
 
 import typer
 
-from app.cli import console
-from app.cli.options import FAILED
-from app.cli.studies import refuse, refuse_existing
-from core.errors import Problem
-from core.extras import installing
-from core.plots.pictures import PICTURES
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.options import FAILED
+from vibrafeed.app.cli.studies import refuse, refuse_existing
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.extras import installing
+from vibrafeed.core.plots.pictures import PICTURES
 
 
 def plot(
@@ -105,7 +105,7 @@ def plot(
 ) -> None:
     """Draw a result: an output with its regimes, a map of regimes, or the motion of one part."""
     try:
-        from core.plots import PlotError, draw_file
+        from vibrafeed.core.plots import PlotError, draw_file
     except ModuleNotFoundError as error:
         console.fail(f"{error.name} is missing. Install it: {installing('matplotlib', 'plot')}")
         raise typer.Exit(FAILED) from None

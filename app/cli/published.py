@@ -7,8 +7,8 @@ from typing import Any
 
 import typer
 
-from app.cli import console
-from app.cli.options import FAILED
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.options import FAILED
 
 
 def number_sources(sources: Iterable[str]) -> dict[str, str]:

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final
 
-from core.quantities import QUANTITIES
-from core.study.units import UnitError, read_number
-from core.study.unusual import questions
-from core.suggestions import by_synonym, nearest
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.units import UnitError, read_number
+from vibrafeed.core.study.unusual import questions
+from vibrafeed.core.suggestions import by_synonym, nearest
 
 NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 

@@ -7,12 +7,12 @@ from typing import Annotated
 
 import typer
 
-from app.cli import console
-from app.cli.accuracy import EXTREMES, dataset_of, write_report
-from app.cli.options import FAILED
-from app.cli.studies import interruption, prepare_all, refuse, refuse_clashes
-from core.assurance.accuracy.families import families_of
-from core.errors import Problem, StudyError
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.accuracy import EXTREMES, dataset_of, write_report
+from vibrafeed.app.cli.options import FAILED
+from vibrafeed.app.cli.studies import interruption, prepare_all, refuse, refuse_clashes
+from vibrafeed.core.assurance.accuracy.families import families_of
+from vibrafeed.core.errors import Problem, StudyError
 
 
 def report(

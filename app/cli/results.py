@@ -10,26 +10,26 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.cli.console import fail, say, table, tell
-from app.cli.findings import show_findings
-from app.cli.nearest import format_value, is_infeasible, list_choice, nearest
-from app.cli.uncertain import is_short, is_uncertain, show_design
-from app.cli.units import DIGITS, shown_range, units_asked
-from core.dataset.regimes import judge_of, percent, regime_shares, shares_of
-from core.intake import parse_json
-from core.kinds import is_whole, not_verified, share_left_out
-from core.motion.feeding import travel_in_words
-from core.quantities import QUANTITIES, REGIMES, STATUSES
-from core.quantities.flags import REGIME, is_regime
-from core.quantities.optimum import OF_THE_SEARCH
-from core.study.distributions import nominal
-from core.study.optimise_study import OptimiseStudy, Pareto
+from vibrafeed.app.cli.console import fail, say, table, tell
+from vibrafeed.app.cli.findings import show_findings
+from vibrafeed.app.cli.nearest import format_value, is_infeasible, list_choice, nearest
+from vibrafeed.app.cli.uncertain import is_short, is_uncertain, show_design
+from vibrafeed.app.cli.units import DIGITS, shown_range, units_asked
+from vibrafeed.core.dataset.regimes import judge_of, percent, regime_shares, shares_of
+from vibrafeed.core.intake import parse_json
+from vibrafeed.core.kinds import is_whole, not_verified, share_left_out
+from vibrafeed.core.motion.feeding import travel_in_words
+from vibrafeed.core.quantities import QUANTITIES, REGIMES, STATUSES
+from vibrafeed.core.quantities.flags import REGIME, is_regime
+from vibrafeed.core.quantities.optimum import OF_THE_SEARCH
+from vibrafeed.core.study.distributions import nominal
+from vibrafeed.core.study.optimise_study import OptimiseStudy, Pareto
 
 if TYPE_CHECKING:
-    from core.dataset import Table
-    from core.dataset.table import TableVariable
-    from core.study.shown import ShownUnits
-    from core.sweep.stream import Passed
+    from vibrafeed.core.dataset import Table
+    from vibrafeed.core.dataset.table import TableVariable
+    from vibrafeed.core.study.shown import ShownUnits
+    from vibrafeed.core.sweep.stream import Passed
 
 Ends = tuple[float, float] | None
 _CHOICE = re.compile(r"\w+ = ")

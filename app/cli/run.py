@@ -9,17 +9,17 @@ from typing import Annotated
 
 import typer
 
-import core
-from app.cli import console, plans
-from app.cli.existing import complete_already, refuse_others
-from app.cli.options import FAILED, NO_SOLUTION, Json, Units
-from app.cli.pipes import is_standard, standard_output
-from app.cli.running import Running, history_of
-from app.cli.shares import run_share
-from app.cli.studies import Batch, prepare_all, refuse
-from app.cli.targets import targets_of
-from app.cli.units import units_asked
-from core.errors import Problem
+from vibrafeed import core
+from vibrafeed.app.cli import console, plans
+from vibrafeed.app.cli.existing import complete_already, refuse_others
+from vibrafeed.app.cli.options import FAILED, NO_SOLUTION, Json, Units
+from vibrafeed.app.cli.pipes import is_standard, standard_output
+from vibrafeed.app.cli.running import Running, history_of
+from vibrafeed.app.cli.shares import run_share
+from vibrafeed.app.cli.studies import Batch, prepare_all, refuse
+from vibrafeed.app.cli.targets import targets_of
+from vibrafeed.app.cli.units import units_asked
+from vibrafeed.core.errors import Problem
 
 
 def run(
@@ -150,7 +150,7 @@ def run(
             if share is not None:
                 run_share(studies, targets, share)
             elif scheduler is not None:
-                from app.cli.scheduler import run_on_scheduler  # it loads Dask
+                from vibrafeed.app.cli.scheduler import run_on_scheduler  # it loads Dask
 
                 refuse_others(studies, targets, force=force)
                 run_on_scheduler(studies, targets, scheduler, shares, history_of(files[0]))

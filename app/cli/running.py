@@ -12,30 +12,30 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from app.cli import console
-from app.cli.nearest import is_infeasible
-from app.cli.pieces import Pieces
-from app.cli.plans import more
-from app.cli.results import facts_of, show_result
-from app.cli.streamed import run_streamed
-from app.cli.studies import (
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.nearest import is_infeasible
+from vibrafeed.app.cli.pieces import Pieces
+from vibrafeed.app.cli.plans import more
+from vibrafeed.app.cli.results import facts_of, show_result
+from vibrafeed.app.cli.streamed import run_streamed
+from vibrafeed.app.cli.studies import (
     INTERRUPTED,
     interruptible_compiler,
     interruption,
     refuse_beyond_memory,
 )
-from app.cli.targets import kept_apart, write_or_exit
-from core import kinds
-from core.compiling import stopwatch
-from core.dataset.formats import NETCDF, ZARR, suffix_of
-from core.dataset.netcdf import is_large
-from core.errors import StoppedError
-from core.plan.pieces import cells_of
-from core.plan.tiles import Tiled
-from core.watch import Watch
+from vibrafeed.app.cli.targets import kept_apart, write_or_exit
+from vibrafeed.core import kinds
+from vibrafeed.core.compiling import stopwatch
+from vibrafeed.core.dataset.formats import NETCDF, ZARR, suffix_of
+from vibrafeed.core.dataset.netcdf import is_large
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.plan.pieces import cells_of
+from vibrafeed.core.plan.tiles import Tiled
+from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:
-    from core.plan.prepared import Prepared
+    from vibrafeed.core.plan.prepared import Prepared
 
 
 @dataclass

@@ -7,13 +7,13 @@ from typing import Annotated
 
 import typer
 
-from app.cli import catalogue, console
-from app.cli.options import Json, Units
-from app.cli.studies import refuse
-from app.cli.units import units_asked
-from core.catalogue import describe, describe_all
-from core.errors import StudyError
-from core.scenes import SCENES
+from vibrafeed.app.cli import catalogue, console
+from vibrafeed.app.cli.options import Json, Units
+from vibrafeed.app.cli.studies import refuse
+from vibrafeed.app.cli.units import units_asked
+from vibrafeed.core.catalogue import describe, describe_all
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.scenes import SCENES
 
 
 def _names(begun: str) -> list[str]:

@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING
 
 import distributed
 
-from app.cli import console
-from app.cli.shares import counts_of, join_shares, report_errors, shares_of, single_study
-from app.cli.studies import interruption
-from app.jobs.cluster import by_name
-from app.jobs.shares import compute_share, sensible_count
-from core.errors import StoppedError
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.shares import counts_of, join_shares, report_errors, shares_of, single_study
+from vibrafeed.app.cli.studies import interruption
+from vibrafeed.app.jobs.shares import compute_share, sensible_count
+from vibrafeed.core.errors import StoppedError
 
 if TYPE_CHECKING:
-    from core.plan.prepared import Prepared
+    from vibrafeed.core.plan.prepared import Prepared
 
 
 def run_on_scheduler(
@@ -57,9 +56,7 @@ def run_on_scheduler(
     ):
         study = sweep.study.canonical()
         numbers = {
-            client.submit(
-                by_name(compute_share), study, target, count, share, pure=False, retries=2
-            ): share
+            client.submit(compute_share, study, target, count, share, pure=False, retries=2): share
             for share in missing
         }
         done = distributed.as_completed(list(numbers), with_results=True)  # type: ignore[no-untyped-call]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from app.kept_texts import study_schema_text
+from vibrafeed.app.kept_texts import study_schema_text
 
 
 def schema() -> None:

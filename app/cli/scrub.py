@@ -8,12 +8,12 @@ from typing import Annotated
 
 import typer
 
-from app.cli import console
-from app.cli.options import FAILED, INVALID_INPUT, Json
-from app.cli.serve import settings_in_force
-from app.cli.studies import interruption
-from app.jobs.scrub import BROKEN, ORPHANED, WHOLE, damages
-from app.jobs.store import Store
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.options import FAILED, INVALID_INPUT, Json
+from vibrafeed.app.cli.serve import settings_in_force
+from vibrafeed.app.cli.studies import interruption
+from vibrafeed.app.jobs.scrub import BROKEN, ORPHANED, WHOLE, damages
+from vibrafeed.app.jobs.store import Store
 
 SHOWN = 12  # letters of an identifier, as in the names of downloads
 COLUMNS = ("study", "state", "files")

@@ -14,19 +14,19 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 import typer
 from pydantic import ValidationError
 
-from app import logs
-from app.cli import console
-from app.cli.options import INVALID_INPUT
-from app.cli.studies import refuse
-from app.jobs.errors import LaterLedgerError
-from app.jobs.keys import Keys
-from app.jobs.ledger import Ledger
-from app.settings import PREFIX, Settings, unknown_variables
-from core.errors import Problem
+from vibrafeed.app import logs
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.options import INVALID_INPUT
+from vibrafeed.app.cli.studies import refuse
+from vibrafeed.app.jobs.errors import LaterLedgerError
+from vibrafeed.app.jobs.keys import Keys
+from vibrafeed.app.jobs.ledger import Ledger
+from vibrafeed.app.settings import PREFIX, Settings, unknown_variables
+from vibrafeed.core.errors import Problem
 
 if TYPE_CHECKING:
-    from app.jobs.ledger import Ledger
-    from app.settings import Settings
+    from vibrafeed.app.jobs.ledger import Ledger
+    from vibrafeed.app.settings import Settings
 
 PRIVATE = 0o077  # what others on the machine may not do with files
 OLDER_DATA = Path("data")  # what the data directory was by default
@@ -55,9 +55,9 @@ def serve(
         return
     _check_keys(settings, host)
     # Settings are shown, and keys kept, without what serves.
-    from app.main import create_app
-    from app.web.connections import most_requests, raise_open_files
-    from app.web.server import serve_until_stopped
+    from vibrafeed.app.main import create_app
+    from vibrafeed.app.web.connections import most_requests, raise_open_files
+    from vibrafeed.app.web.server import serve_until_stopped
 
     os.umask(PRIVATE)  # studies and results are their owner's, those of the workers too
     _check_address(host, port)
@@ -130,7 +130,7 @@ def _check_keys(settings: Settings, host: str) -> None:
 
     `host` is the address to listen on.
     """
-    from app.web.guard import is_loopback  # with all that serves
+    from vibrafeed.app.web.guard import is_loopback  # with all that serves
 
     if settings.api_key_hashes or is_loopback(host):
         return

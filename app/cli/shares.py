@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from app.cli import console
-from app.cli.options import FAILED
-from app.cli.studies import interruption, refuse
-from core.dataset.records import Records
-from core.errors import Problem, VibrafeedError
-from core.plan.shares import ARRAYS, MAX_SHARES, SHARDS, SharesMissingError, ranges
-from core.sweep.targets import is_zarr
-from core.watch import Watch
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.options import FAILED
+from vibrafeed.app.cli.studies import interruption, refuse
+from vibrafeed.core.dataset.records import Records
+from vibrafeed.core.errors import Problem, VibrafeedError
+from vibrafeed.core.plan.shares import ARRAYS, MAX_SHARES, SHARDS, SharesMissingError, ranges
+from vibrafeed.core.sweep.targets import is_zarr
+from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:
-    from core.plan.prepared import Prepared
-    from core.plan.shares import Shares
+    from vibrafeed.core.plan.prepared import Prepared
+    from vibrafeed.core.plan.shares import Shares
 
 _OF = re.compile(r"\d+-of-(\d+)")
 _SHARE = re.compile(r"(\d{1,9})/(\d{1,9})")

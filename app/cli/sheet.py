@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
-from app.cli import console
-from app.cli.options import FAILED, Units
-from app.cli.studies import refuse, refuse_existing
-from core.extras import installing
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.options import FAILED, Units
+from vibrafeed.app.cli.studies import refuse, refuse_existing
+from vibrafeed.core.extras import installing
 
 
 def sheet(
@@ -38,7 +38,7 @@ def sheet(
 ) -> None:
     """Write one page about a result: drive and part, what comes out, a picture, the assumptions."""
     try:
-        from core.plots import PlotError, write_sheet
+        from vibrafeed.core.plots import PlotError, write_sheet
     except ModuleNotFoundError as error:
         console.fail(f"{error.name} is missing. Install it: {installing('matplotlib', 'plot')}")
         raise typer.Exit(FAILED) from None

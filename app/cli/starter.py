@@ -10,12 +10,12 @@ from typing import Any, Final
 
 import tomlkit
 
-from app.cli.questions import QUESTIONS, parse_typed
-from core.intake.forms import to_toml
-from core.kinds import KINDS
-from core.quantities import QUANTITIES
-from core.study.shown import SI
-from core.study.units import read_number
+from vibrafeed.app.cli.questions import QUESTIONS, parse_typed
+from vibrafeed.core.intake.forms import to_toml
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.shown import SI
+from vibrafeed.core.study.units import read_number
 
 SCENES: Final[Mapping[str, str]] = {
     "straight": "rectangle-on-plane",

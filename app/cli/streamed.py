@@ -9,18 +9,18 @@ from typing import Any
 
 import typer
 
-from app.cli import console
-from app.cli.options import FAILED
-from app.cli.results import show_result, streamed_facts
-from app.cli.studies import interruption, refuse
-from core.dataset.files import partial
-from core.errors import Problem, VibrafeedError
-from core.kinds import is_whole, not_verified
-from core.plan.prepared import Prepared
-from core.sweep.size import bytes_in_file
-from core.sweep.stream import outline_table, stream
-from core.sweep.targets import is_complete, is_zarr, open_target
-from core.watch import Watch
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.options import FAILED
+from vibrafeed.app.cli.results import show_result, streamed_facts
+from vibrafeed.app.cli.studies import interruption, refuse
+from vibrafeed.core.dataset.files import partial
+from vibrafeed.core.errors import Problem, VibrafeedError
+from vibrafeed.core.kinds import is_whole, not_verified
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.sweep.size import bytes_in_file
+from vibrafeed.core.sweep.stream import outline_table, stream
+from vibrafeed.core.sweep.targets import is_complete, is_zarr, open_target
+from vibrafeed.core.watch import Watch
 
 OTHERWISE = "Remove the existing output, or give another name"
 

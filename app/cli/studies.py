@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
 
-from app.cli.options import INVALID_INPUT
-from core import intake
-from core.compiling import stopwatch
-from core.errors import LimitError, Problem, StudyError
+from vibrafeed.app.cli.options import INVALID_INPUT
+from vibrafeed.core import intake
+from vibrafeed.core.compiling import stopwatch
+from vibrafeed.core.errors import LimitError, Problem, StudyError
 
 if TYPE_CHECKING:
-    from core.plan.prepared import Prepared
+    from vibrafeed.core.plan.prepared import Prepared
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as of programs that the signal kills: 128 + 2."""

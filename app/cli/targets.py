@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from app.cli import console
-from app.cli.options import FAILED
-from app.cli.studies import refuse, refuse_clashes, stem_of
-from core.dataset.formats import FORMATS, known_suffixes, suffix_of, write_result
-from core.errors import LimitError, MissingPackageError, Problem
-from core.suggestions import nearest
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.options import FAILED
+from vibrafeed.app.cli.studies import refuse, refuse_clashes, stem_of
+from vibrafeed.core.dataset.formats import FORMATS, known_suffixes, suffix_of, write_result
+from vibrafeed.core.errors import LimitError, MissingPackageError, Problem
+from vibrafeed.core.suggestions import nearest
 
 if TYPE_CHECKING:
-    from core.dataset.table import Table
-    from core.plan.prepared import Prepared
+    from vibrafeed.core.dataset.table import Table
+    from vibrafeed.core.plan.prepared import Prepared
 
 
 def targets_of(studies: Mapping[Path, Prepared], output: str | None) -> dict[Path, str]:

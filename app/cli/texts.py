@@ -6,10 +6,10 @@ from pathlib import Path
 
 import typer
 
-from app.cli import console
-from app.cli.options import FAILED
-from app.cli.studies import refuse
-from core.errors import Problem
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.options import FAILED
+from vibrafeed.app.cli.studies import refuse
+from vibrafeed.core.errors import Problem
 
 
 def refuse_taken(file: Path, option: str, *, force: bool) -> None:

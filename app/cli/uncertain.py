@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from app.cli.console import say, table, tell
-from app.cli.units import format_number
-from core.dataset.regimes import percent_with_error
-from core.quantities import QUANTITIES
-from core.sensitivity.variables import QUANTILE, UNCERTAIN
+from vibrafeed.app.cli.console import say, table, tell
+from vibrafeed.app.cli.units import format_number
+from vibrafeed.core.dataset.regimes import percent_with_error
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.sensitivity.variables import QUANTILE, UNCERTAIN
 
 if TYPE_CHECKING:
-    from core.dataset import Table
-    from core.mechanics.arrays import Array
-    from core.study.shown import Shown, ShownUnits
+    from vibrafeed.core.dataset import Table
+    from vibrafeed.core.mechanics.arrays import Array
+    from vibrafeed.core.study.shown import Shown, ShownUnits
 
 COLUMNS = {
     "first": "first index",

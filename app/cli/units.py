@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from app.cli.studies import refuse
-from core.errors import Problem
-from core.study.shown import ShownUnits, read_shown
-from core.study.units import UnitError
+from vibrafeed.app.cli.studies import refuse
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.study.shown import ShownUnits, read_shown
+from vibrafeed.core.study.units import UnitError
 
 DIGITS = 4
 """Digits of a value; more where the least and the largest would look alike."""

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
-import core
-from app.cli import console
-from app.cli.layout import plain_lines
-from app.cli.options import FAILED
-from app.cli.studies import interruption, refuse
-from app.cli.texts import refuse_taken, write_text
-from core.assurance import catalogue
-from core.assurance.answers import read_answers
-from core.assurance.judge import judge_results, run_cases, summaries
-from core.assurance.tables import (
+from vibrafeed import core
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.layout import plain_lines
+from vibrafeed.app.cli.options import FAILED
+from vibrafeed.app.cli.studies import interruption, refuse
+from vibrafeed.app.cli.texts import refuse_taken, write_text
+from vibrafeed.core.assurance import catalogue
+from vibrafeed.core.assurance.answers import read_answers
+from vibrafeed.core.assurance.judge import judge_results, run_cases, summaries
+from vibrafeed.core.assurance.tables import (
     COLUMNS,
     FAMILY_COLUMNS,
     document,
@@ -27,13 +27,13 @@ from core.assurance.tables import (
     rows,
     sentence,
 )
-from core.errors import Problem, StudyError
-from core.watch import Watch
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:
-    from core.assurance.answers import ProgramAnswers
-    from core.assurance.case import Case
-    from core.assurance.judge import Outcome
+    from vibrafeed.core.assurance.answers import ProgramAnswers
+    from vibrafeed.core.assurance.case import Case
+    from vibrafeed.core.assurance.judge import Outcome
 
 COMMAND = Path("validate")  # what problems are said to be of
 

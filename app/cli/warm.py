@@ -8,9 +8,9 @@ from typing import Annotated
 
 import typer
 
-from app.cli import console
-from app.cli.options import FAILED, Json
-from core.warm import compile_kernels, is_warm
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.options import FAILED, Json
+from vibrafeed.core.warm import compile_kernels, is_warm
 
 
 def warm(

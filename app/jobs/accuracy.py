@@ -8,15 +8,15 @@ from pathlib import Path
 
 import xarray
 
-from app.jobs.store import Store
-from core.assurance.accuracy.families import families_of
-from core.assurance.accuracy.kept import keep, kept
-from core.assurance.accuracy.page import head_of, sections_of, write_page
-from core.assurance.accuracy.report import machine, measure_family, part_of
-from core.extras import installing
-from core.plan.pieces import Computed
-from core.plan.prepared import Prepared
-from core.watch import Watch
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.core.assurance.accuracy.families import families_of
+from vibrafeed.core.assurance.accuracy.kept import keep, kept
+from vibrafeed.core.assurance.accuracy.page import head_of, sections_of, write_page
+from vibrafeed.core.assurance.accuracy.report import machine, measure_family, part_of
+from vibrafeed.core.extras import installing
+from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.watch import Watch
 
 logger = logging.getLogger("vibrafeed.jobs")
 
@@ -102,8 +102,8 @@ def draw(
         Called with a sentence if matplotlib is missing; the result is then empty.
     """
     try:
-        from core.plots.accuracy import draw_accuracy
-        from core.plots.files import save
+        from vibrafeed.core.plots.accuracy import draw_accuracy
+        from vibrafeed.core.plots.files import save
     except ModuleNotFoundError as error:
         warn(f"{error.name} is missing: no pictures. {installing('matplotlib', 'plot')}")
         return {}

@@ -6,19 +6,19 @@ import logging
 import time
 from collections.abc import Callable
 
-from app.jobs import audit, work
-from app.jobs.errors import FetchingError, NotFoundError, NotOwnerError, TooManyJobsError
-from app.jobs.job_looks import JobLooks
-from app.jobs.keys import NOBODY, Key
-from app.jobs.ledger import Job, Ledger
-from app.jobs.quota import Quota
-from app.jobs.scrub import BROKEN, damages
-from app.jobs.store import Store
-from app.jobs.studies import identifier
-from app.settings import Settings
-from core.errors import StudyError
-from core.kinds import KINDS
-from core.plan.prepared import Prepared
+from vibrafeed.app.jobs import audit, work
+from vibrafeed.app.jobs.errors import FetchingError, NotFoundError, NotOwnerError, TooManyJobsError
+from vibrafeed.app.jobs.job_looks import JobLooks
+from vibrafeed.app.jobs.keys import NOBODY, Key
+from vibrafeed.app.jobs.ledger import Job, Ledger
+from vibrafeed.app.jobs.quota import Quota
+from vibrafeed.app.jobs.scrub import BROKEN, damages
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.jobs.studies import identifier
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.plan.prepared import Prepared
 
 logger = logging.getLogger("vibrafeed.store")
 

@@ -9,8 +9,8 @@ from typing import Literal
 
 from sqlalchemy import select
 
-from app.jobs.database import Database
-from app.jobs.tables import AUDIT
+from vibrafeed.app.jobs.database import Database
+from vibrafeed.app.jobs.tables import AUDIT
 
 MAX_ENTRIES = 100_000  # the latest; older ones go when the service tidies up
 

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from app.jobs.errors import TornBlockError
-from app.jobs.studies import Studies, durable_file
-from core.plan.pieces import Computed
+from vibrafeed.app.jobs.errors import TornBlockError
+from vibrafeed.app.jobs.studies import Studies, durable_file
+from vibrafeed.core.plan.pieces import Computed
 
 DIGEST = 32  # bytes of the SHA-256 that a block's file begins with
 _NOTES = "notes"

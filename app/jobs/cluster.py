@@ -8,15 +8,13 @@ import os
 from collections.abc import Callable
 from contextlib import AsyncExitStack, suppress
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import dask
 from distributed import Client, LocalCluster, WorkerPlugin, get_worker
 
 if TYPE_CHECKING:
     _Made = tuple[Client, AsyncExitStack]  # what closes it, and the workers if they are ours
-
-_T = TypeVar("_T")
 
 MAX_FAILURES = 10  # workers that die under one block
 BEGUN = "vibrafeed-begun"  # Dask's topic under which workers report the calls that they begin
@@ -151,37 +149,23 @@ class Cluster:
         self.begun(told["key"], told["worker"], told["is_loaded"])
 
 
-def by_name(function: Callable[..., _T]) -> Callable[..., _T]:
-    """Return a callable for workers that imports a function by its name and calls it.
+def call_reported(module: str, name: str, *arguments: Any) -> Any:
+    """Call a function on a worker, and report to the cluster's clients that it has begun.
 
-    Dask sends the callable with all that it holds, and the worker finds the function in the package
-    `vibrafeed`: schedulers and workers may have other packages called `app` and `core`. The
-    callable reports to the service when a worker takes it up, and when the worker has loaded the
-    code, which takes seconds on a busy machine in its first call.
+    They are told when the worker takes the call up, and when it has imported `module`, which takes
+    seconds on a busy machine in its first call.
     """
-    module = function.__module__.removeprefix("vibrafeed.")  # as the repository has it
-    name, topic = function.__name__, BEGUN
+    _report(is_loaded=False)
+    home = import_module(module)
+    _report(is_loaded=True)
+    return getattr(home, name)(*arguments)
 
-    def tell(is_loaded: bool) -> None:
-        """Report to the cluster's clients that this worker has begun with the call.
 
-        `is_loaded` is False when the worker takes the call up, True once it has imported the code.
-        """
-        with suppress(ValueError):  # it is called elsewhere than on a worker
-            worker = get_worker()
-            told = {"key": worker.get_current_task(), "worker": worker.address}
-            worker.log_event(topic, {**told, "is_loaded": is_loaded})
-
-    def call(*arguments: Any) -> _T:
-        """Import the function and call it; report the begin and the end of the import."""
-        tell(is_loaded=False)
-        home = import_module("vibrafeed._packages").load(module)
-        tell(is_loaded=True)
-        called: _T = getattr(home, name)(*arguments)
-        return called
-
-    call.__name__ = name
-    return call
+def _report(*, is_loaded: bool) -> None:
+    with suppress(ValueError):  # it is called elsewhere than on a worker
+        worker = get_worker()
+        told = {"key": worker.get_current_task(), "worker": worker.address}
+        worker.log_event(BEGUN, {**told, "is_loaded": is_loaded})
 
 
 def _is_lost(start: asyncio.Task[_Made]) -> bool:

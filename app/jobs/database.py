@@ -29,8 +29,8 @@ from typing import Any
 from sqlalchemy import URL, Connection, Engine, Row, create_engine, event, exc, inspect, make_url
 from sqlalchemy.sql.expression import Select
 
-from app.jobs.errors import LaterLedgerError, LostLedgerError
-from app.jobs.tables import UPGRADES, VERSION, WORDS
+from vibrafeed.app.jobs.errors import LaterLedgerError, LostLedgerError
+from vibrafeed.app.jobs.tables import UPGRADES, VERSION, WORDS
 
 PATIENCE = 30  # s that a transaction waits for another process to end its own
 # A server that hangs, or whose machine is gone, gives up the lock after so long.

@@ -6,7 +6,7 @@ import errno
 import sqlite3
 from typing import Any
 
-from app.jobs.errors import LostLedgerError, LostStoreError
+from vibrafeed.app.jobs.errors import LostLedgerError, LostStoreError
 
 FILES = "The service has reached its limit of open files"
 HELD = "Another process holds the ledger"
@@ -43,8 +43,8 @@ def passes(error: OSError | sqlite3.OperationalError) -> bool:
 def problem(error: OSError | sqlite3.OperationalError) -> dict[str, Any]:
     """Return the arguments of the problem document for a file that cannot be written.
 
-    They are those of `app.web.replies.problem_document`: status 507, kind, title, and a detail with
-    the cause.
+    They are those of `vibrafeed.app.web.replies.problem_document`: status 507, kind, title, and a
+    detail with the cause.
     """
     return {
         "status": 507,

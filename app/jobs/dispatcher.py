@@ -10,18 +10,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from app.jobs import work
-from app.jobs.cluster import Cluster
-from app.jobs.errors import TornBlockError
-from app.jobs.executor import Executor, LostError
-from app.jobs.fair_queue import FairQueue, share_of
-from app.jobs.ledger import Ledger, Work
-from app.jobs.store import Store
-from app.jobs.thread_pool import ThreadPool
-from app.jobs.work_progress import WorkProgress
-from app.settings import Settings
-from core.errors import VibrafeedError
-from core.kinds import KINDS
+from vibrafeed.app.jobs import work
+from vibrafeed.app.jobs.cluster import Cluster
+from vibrafeed.app.jobs.errors import TornBlockError
+from vibrafeed.app.jobs.executor import Executor, LostError
+from vibrafeed.app.jobs.fair_queue import FairQueue, share_of
+from vibrafeed.app.jobs.ledger import Ledger, Work
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.jobs.thread_pool import ThreadPool
+from vibrafeed.app.jobs.work_progress import WorkProgress
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.errors import VibrafeedError
+from vibrafeed.core.kinds import KINDS
 
 logger = logging.getLogger("vibrafeed.jobs")
 _T = TypeVar("_T")
@@ -304,7 +304,8 @@ class Dispatcher:
         blocks : int
             Number of blocks in whose expected time the call ends.
         function : callable
-            A function of `app.jobs.work`, which is called with the data directory and `arguments`.
+            A function of `vibrafeed.app.jobs.work`, which is called with the data directory and
+            `arguments`.
         """
         has_begun = False
 

@@ -1,8 +1,8 @@
-"""Errors of jobs and their files; `app.web.problems` says what each is over HTTP."""
+"""Errors of jobs and their files; `vibrafeed.app.web.problems` says what each is over HTTP."""
 
 from __future__ import annotations
 
-from core.errors import VibrafeedError
+from vibrafeed.core.errors import VibrafeedError
 
 
 class NotFoundError(VibrafeedError):

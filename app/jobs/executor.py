@@ -13,9 +13,9 @@ from distributed import KilledWorker
 from distributed.client import FutureCancelledError
 from distributed.comm.core import CommClosedError
 
-from app.jobs.cluster import Cluster, by_name
-from app.jobs.fair_queue import FairQueue, Slot
-from core.errors import VibrafeedError
+from vibrafeed.app.jobs.cluster import Cluster, call_reported
+from vibrafeed.app.jobs.fair_queue import FairQueue, Slot
+from vibrafeed.core.errors import VibrafeedError
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -158,8 +158,8 @@ class Executor:
         `arguments` are its arguments. The record has the future of the result, and two futures that
         the worker's reports set: when it has begun, and when its code is loaded.
         """
-        client = await self._client()
-        future = client.submit(by_name(function), *arguments, pure=False)
+        client, name = await self._client(), function.__name__
+        future = client.submit(call_reported, function.__module__, name, *arguments, pure=False)
         loop = asyncio.get_running_loop()
         begun, loaded = loop.create_future(), loop.create_future()
         call = _Call(future, asyncio.create_task(_result_of(future)), begun, loaded)

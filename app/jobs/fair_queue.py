@@ -12,7 +12,7 @@ import itertools
 import time
 from dataclasses import dataclass, field
 
-from app.jobs.ledger import Work
+from vibrafeed.app.jobs.ledger import Work
 
 
 def share_of(item: Work) -> str:

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 
-from app.jobs.manifest import ZARR
-from app.jobs.studies import durable_file
-from core.dataset.shards import UNFINISHED
+from vibrafeed.app.jobs.manifest import ZARR
+from vibrafeed.app.jobs.studies import durable_file
+from vibrafeed.core.dataset.shards import UNFINISHED
 
 LIST = f"{ZARR}.sha256"
 KEPT = 8  # lists that are cached in memory; one of 100,000 shards takes some 20 MB

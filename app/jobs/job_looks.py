@@ -7,7 +7,7 @@ from collections import defaultdict
 from typing import TypeAlias
 from weakref import WeakKeyDictionary
 
-from app.jobs.ledger import Job, Ledger
+from vibrafeed.app.jobs.ledger import Job, Ledger
 
 TOGETHER = 0.02  # s; requests that come within it are answered by one query
 _Asked: TypeAlias = defaultdict[str, list[asyncio.Future[Job | None]]]

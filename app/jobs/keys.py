@@ -20,11 +20,11 @@ from typing import Any, Literal, get_args
 
 from sqlalchemy import Row, select
 
-from app.jobs import audit
-from app.jobs.database import Database
-from app.jobs.tables import KEYS
-from core.errors import Problem, VibrafeedError
-from core.suggestions import suggestion
+from vibrafeed.app.jobs import audit
+from vibrafeed.app.jobs.database import Database
+from vibrafeed.app.jobs.tables import KEYS
+from vibrafeed.core.errors import Problem, VibrafeedError
+from vibrafeed.core.suggestions import suggestion
 
 logger = logging.getLogger("vibrafeed.keys")
 

@@ -12,8 +12,8 @@ import uuid
 
 from sqlalchemy import select
 
-from app.jobs.database import Database
-from app.jobs.tables import PRICES
+from vibrafeed.app.jobs.database import Database
+from vibrafeed.app.jobs.tables import PRICES
 
 KEPT = 31
 """Studies of each kind and method that are kept, the latest."""

@@ -21,12 +21,12 @@ from typing import Any
 from sqlalchemy import ColumnElement, Connection, Row, func, select, true
 from sqlalchemy.sql.expression import Insert, Select
 
-from app.jobs.database import Database
-from app.jobs.disk import why
-from app.jobs.entries import ACTIVE, STATES, Job, Queue, Wanted, Work
-from app.jobs.errors import QueueFullError
-from app.jobs.queries import JOB, conditions, job_of
-from app.jobs.tables import JOBS, VERSION, WORK
+from vibrafeed.app.jobs.database import Database
+from vibrafeed.app.jobs.disk import why
+from vibrafeed.app.jobs.entries import ACTIVE, STATES, Job, Queue, Wanted, Work
+from vibrafeed.app.jobs.errors import QueueFullError
+from vibrafeed.app.jobs.queries import JOB, conditions, job_of
+from vibrafeed.app.jobs.tables import JOBS, VERSION, WORK
 
 __all__ = ["ACTIVE", "STATES", "Job", "Ledger", "Queue", "Wanted", "Work"]
 

@@ -13,13 +13,13 @@ from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING
 
-from app.jobs.errors import LostStoreError
-from app.jobs.groups import LIST, read_list
-from app.jobs.integrity import has_digest
-from app.jobs.manifest import MANIFEST, ZARR, Manifest
-from app.jobs.studies import durable_file
-from core.dataset.files import PART, sync
-from core.dataset.shards import open_store, plain_errors
+from vibrafeed.app.jobs.errors import LostStoreError
+from vibrafeed.app.jobs.groups import LIST, read_list
+from vibrafeed.app.jobs.integrity import has_digest
+from vibrafeed.app.jobs.manifest import MANIFEST, ZARR, Manifest
+from vibrafeed.app.jobs.studies import durable_file
+from vibrafeed.core.dataset.files import PART, sync
+from vibrafeed.core.dataset.shards import open_store, plain_errors
 
 if TYPE_CHECKING:
     from obstore.store import ObjectStore

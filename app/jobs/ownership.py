@@ -12,8 +12,8 @@ from typing import Any
 
 from sqlalchemy import ColumnElement, Row, select
 
-from app.jobs.database import Database
-from app.jobs.tables import JOBS, OWNED_STUDIES
+from vibrafeed.app.jobs.database import Database
+from vibrafeed.app.jobs.tables import JOBS, OWNED_STUDIES
 
 USED_EVERY = 3600.0  # s; a study's time of last use is written at most once in this time
 

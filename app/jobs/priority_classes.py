@@ -6,13 +6,13 @@ from collections import OrderedDict
 from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
-from app.jobs import learned
-from app.jobs.database import Database
-from app.jobs.ledger import Work
-from app.jobs.store import Store
-from app.settings import Settings
-from core.assurance.accuracy.families import SECONDS
-from core.kinds import KINDS
+from vibrafeed.app.jobs import learned
+from vibrafeed.app.jobs.database import Database
+from vibrafeed.app.jobs.ledger import Work
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.assurance.accuracy.families import SECONDS
+from vibrafeed.core.kinds import KINDS
 
 SHORT = 10  # in times of a block; items that take longer are long
 MAX_KNOWN = 1000  # items whose expected time is kept in memory
@@ -31,7 +31,7 @@ class PriorityClasses:
 
     As many long items may be computed at a time as `concurrent_jobs` says, and as many short ones
     besides: short work does not wait until something long is over. On the workers they share time:
-    see `app.jobs.fair_queue`.
+    see `vibrafeed.app.jobs.fair_queue`.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ from multiprocessing import forkserver, reduction
 from multiprocessing.connection import Connection
 from typing import Any, TypeVar
 
-from core.errors import StoppedError, VibrafeedError
+from vibrafeed.core.errors import StoppedError, VibrafeedError
 
 LOOK = 0.5  # s between checks that the client still waits for the result
 CALLS = 500  # calls of a process before a new one replaces it: memory does not pile up

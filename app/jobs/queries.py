@@ -8,8 +8,8 @@ from typing import Any
 
 from sqlalchemy import BigInteger, ColumnElement, Row, cast, func, select
 
-from app.jobs.entries import ACTIVE, Job, Wanted
-from app.jobs.tables import JOBS, WORK
+from vibrafeed.app.jobs.entries import ACTIVE, Job, Wanted
+from vibrafeed.app.jobs.tables import JOBS, WORK
 
 JOB = select(
     JOBS,

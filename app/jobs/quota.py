@@ -8,12 +8,12 @@ import threading
 import time
 from collections.abc import Mapping
 
-from app.jobs.errors import NoRoomError
-from app.jobs.keys import NOBODY, Key
-from app.jobs.ledger import Ledger
-from app.jobs.ownership import OwnedStudy, Ownership
-from app.jobs.store import Store
-from app.settings import Settings
+from vibrafeed.app.jobs.errors import NoRoomError
+from vibrafeed.app.jobs.keys import NOBODY, Key
+from vibrafeed.app.jobs.ledger import Ledger
+from vibrafeed.app.jobs.ownership import OwnedStudy, Ownership
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.settings import Settings
 
 COUNTED_EVERY = 60.0  # s; counting looks at every file
 RIGHT_FOR = 1.0  # s; the largest age of a count before something is refused or removed

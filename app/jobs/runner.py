@@ -15,16 +15,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, Any
 
-from app.jobs import disk
-from app.jobs.cluster import Cluster
-from app.jobs.dispatcher import Dispatcher, TooLongError
-from app.jobs.errors import BlindWorkerError, OtherVersionError, TornBlockError
-from app.jobs.executor import LostError, WorkersDieError
-from app.jobs.ledger import Ledger, Work
-from app.jobs.priority_classes import PriorityClasses
-from app.jobs.store import Store
-from app.jobs.thread_pool import ThreadPool
-from app.settings import Settings
+from vibrafeed.app.jobs import disk
+from vibrafeed.app.jobs.cluster import Cluster
+from vibrafeed.app.jobs.dispatcher import Dispatcher, TooLongError
+from vibrafeed.app.jobs.errors import BlindWorkerError, OtherVersionError, TornBlockError
+from vibrafeed.app.jobs.executor import LostError, WorkersDieError
+from vibrafeed.app.jobs.ledger import Ledger, Work
+from vibrafeed.app.jobs.priority_classes import PriorityClasses
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.jobs.thread_pool import ThreadPool
+from vibrafeed.app.settings import Settings
 
 logger = logging.getLogger("vibrafeed.jobs")
 

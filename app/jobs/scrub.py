@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.jobs.groups import LIST, read_list
-from app.jobs.integrity import has_digest
-from app.jobs.manifest import MANIFEST, ZARR, Manifest
-from app.jobs.store import Store
-from app.jobs.studies import IDENTIFIER
+from vibrafeed.app.jobs.groups import LIST, read_list
+from vibrafeed.app.jobs.integrity import has_digest
+from vibrafeed.app.jobs.manifest import MANIFEST, ZARR, Manifest
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.jobs.studies import IDENTIFIER
 
 WHOLE, BROKEN, ORPHANED, WAITING = "whole", "broken", "orphaned", "no result"
 OURS = ("study.json", MANIFEST, LIST, "blocks")  # files of a study that no manifest lists

@@ -24,11 +24,11 @@ from typing import Any
 
 import orjson
 
-import core
-from app.jobs.blocks import Blocks
-from app.jobs.groups import LIST, complete_list, files_of, read_list, write_list
-from app.jobs.integrity import Integrity
-from app.jobs.manifest import (
+from vibrafeed import core
+from vibrafeed.app.jobs.blocks import Blocks
+from vibrafeed.app.jobs.groups import LIST, complete_list, files_of, read_list, write_list
+from vibrafeed.app.jobs.integrity import Integrity
+from vibrafeed.app.jobs.manifest import (
     JSON,
     MANIFEST,
     MAX_JSON_VALUES,
@@ -38,14 +38,14 @@ from app.jobs.manifest import (
     Manifest,
     fingerprint,
 )
-from app.jobs.object_store import RemoteResults
-from app.jobs.studies import durable_file
-from core.dataset.document import to_document
-from core.dataset.files import PART, partial
-from core.dataset.netcdf import write_netcdf
-from core.dataset.records import ENDING
-from core.dataset.shards import GROUP, GROWING
-from core.dataset.table import Table
+from vibrafeed.app.jobs.object_store import RemoteResults
+from vibrafeed.app.jobs.studies import durable_file
+from vibrafeed.core.dataset.document import to_document
+from vibrafeed.core.dataset.files import PART, partial
+from vibrafeed.core.dataset.netcdf import write_netcdf
+from vibrafeed.core.dataset.records import ENDING
+from vibrafeed.core.dataset.shards import GROUP, GROWING
+from vibrafeed.core.dataset.table import Table
 
 logger = logging.getLogger("vibrafeed.store")
 

@@ -12,13 +12,13 @@ from collections import OrderedDict
 from collections.abc import Iterator
 from pathlib import Path
 
-import core
-from app.jobs.errors import NotFoundError, OtherVersionError
-from core.dataset.files import whole
-from core.errors import StudyError, VibrafeedError
-from core.intake import prepare_content, read_json
-from core.plan.prepared import Prepared
-from core.study.grid_study import Study
+from vibrafeed import core
+from vibrafeed.app.jobs.errors import NotFoundError, OtherVersionError
+from vibrafeed.core.dataset.files import whole
+from vibrafeed.core.errors import StudyError, VibrafeedError
+from vibrafeed.core.intake import prepare_content, read_json
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.study.grid_study import Study
 
 IDENTIFIER = re.compile(r"[0-9a-f]{64}")
 USED_EVERY = 3600.0  # s; a study's time of last use is written at most once in this time

@@ -14,20 +14,22 @@ from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
-import core
-from app.jobs import shares
-from app.jobs.errors import BlindWorkerError, NotFoundError, OtherVersionError
-from app.jobs.store import Store
-from app.jobs.studies import identifier
-from app.settings import Settings
-from core.assurance.accuracy.families import families_of
-from core.errors import StoppedError
-from core.kinds import KINDS
-from core.plan.pieces import Cut, cells_of_piece, join
-from core.plan.prepared import Prepared
-from core.watch import Watch
+from vibrafeed import core
+from vibrafeed.app.jobs import shares
+from vibrafeed.app.jobs.errors import BlindWorkerError, NotFoundError, OtherVersionError
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.jobs.studies import identifier
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.assurance.accuracy.families import families_of
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.plan.pieces import Cut, cells_of_piece, join
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.watch import Watch
 
-IN_SHARES = 0  # stands for the cells of a block that is a share of a sweep (`app.jobs.shares`)
+IN_SHARES = (
+    0  # stands for the cells of a block that is a share of a sweep (`vibrafeed.app.jobs.shares`)
+)
 UNWANTED = "no client wants the block any more"
 
 _netcdf = threading.Lock()  # the library crashes if two threads of a worker use it
@@ -127,7 +129,7 @@ def compute_block(
             part = prepared.within(Cut(prepared, cells).box(index))
             computed = KINDS[prepared.study.kind].compute(part, watch)
         else:
-            from app.jobs.accuracy import measure_block
+            from vibrafeed.app.jobs.accuracy import measure_block
 
             with _netcdf:
                 computed = measure_block(prepared, index, watch)
@@ -188,7 +190,7 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
             store.drop_blocks(key)
         elif process not in KINDS:
             prepared = _study(directory, key, process)
-            from app.jobs.accuracy import write_report
+            from vibrafeed.app.jobs.accuracy import write_report
 
             write_report(store, key, process, prepared, cells, seconds)
         elif cells == IN_SHARES:

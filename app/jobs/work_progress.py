@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from app.jobs.ledger import Work
+from vibrafeed.app.jobs.ledger import Work
 
 logger = logging.getLogger("vibrafeed.jobs")
 

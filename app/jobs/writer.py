@@ -8,15 +8,15 @@ import os
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 
-from app.jobs.errors import NoRoomError
-from app.jobs.keys import Key
-from app.jobs.manifest import NETCDF, Manifest
-from app.jobs.process_pool import ProcessPool
-from app.jobs.store import Store
-from app.settings import Settings
-from core.errors import LimitError
-from core.kinds import tabulate
-from core.plan.prepared import Prepared
+from vibrafeed.app.jobs.errors import NoRoomError
+from vibrafeed.app.jobs.keys import Key
+from vibrafeed.app.jobs.manifest import NETCDF, Manifest
+from vibrafeed.app.jobs.process_pool import ProcessPool
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.errors import LimitError
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.plan.prepared import Prepared
 
 TIMES = 10.0  # as long as a reply may take: a file is finished though its price was too low
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from fastapi import Request
 
-from app.web.problems import NotAcceptableError
+from vibrafeed.app.web.problems import NotAcceptableError
 
 
 def form_for(request: Request, forms: Mapping[str, str], *, missing: str = "") -> str:

@@ -13,18 +13,18 @@ from typing import Any, cast
 import numpy as np
 import orjson
 
-from app.jobs.manifest import MAX_JSON_VALUES
-from app.jobs.shares import check_length, is_in_shares
-from app.settings import Settings
-from app.web.execution import ACCURACY, Execution, read_execution
-from core.dataset.document import to_document
-from core.errors import StoppedError
-from core.intake import prepare_content, read_json
-from core.intake.forms import FORMS, to_curl
-from core.kinds import is_whole, tabulate
-from core.plan.prepared import Prepared
-from core.sweep.slice import SliceCut, compute_slice, prepare_cut
-from core.watch import Watch
+from vibrafeed.app.jobs.manifest import MAX_JSON_VALUES
+from vibrafeed.app.jobs.shares import check_length, is_in_shares
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web.execution import ACCURACY, Execution, read_execution
+from vibrafeed.core.dataset.document import to_document
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.intake import prepare_content, read_json
+from vibrafeed.core.intake.forms import FORMS, to_curl
+from vibrafeed.core.kinds import is_whole, tabulate
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.sweep.slice import SliceCut, compute_slice, prepare_cut
+from vibrafeed.core.watch import Watch
 
 KEPT = 4
 """Number of prepared sweeps that a process keeps."""
@@ -107,7 +107,8 @@ def encode_slice_of(
     """Compute a slice of a sweep and return it encoded as `form`, ``json`` or ``binary``.
 
     `text` is the canonical study; `output`, `axes`, `at` and `most` choose the slice as in
-    `core.sweep.slice.prepare_cut`, whose errors it raises; `threads` is as in `compute_slice`.
+    `vibrafeed.core.sweep.slice.prepare_cut`, whose errors it raises; `threads` is as in
+    `compute_slice`.
     """
     cut = prepare_cut(_sweep(text), output=output, axes=axes, at=at, most=most)
     return encode_slice(cut, form, threads)

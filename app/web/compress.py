@@ -11,9 +11,9 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.web.accept import takes_gzip
-from app.web.documents import NETCDF_TYPE
-from app.web.tables import PACKED
+from vibrafeed.app.web.accept import takes_gzip
+from vibrafeed.app.web.documents import NETCDF_TYPE
+from vibrafeed.app.web.tables import PACKED
 
 SMALL = 1400  # bytes: with its head, such a reply fills one packet
 LEVEL = 1  # digits hardly compress further at higher ones, which take several times as long

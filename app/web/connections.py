@@ -26,7 +26,9 @@ from uvicorn.protocols.http.h11_impl import H11Protocol, RequestResponseCycle
 
 HEAD_SECONDS = 10.0  # s for the head of a request, and before its body has to keep its rate
 BODY_RATE = 10_000.0  # bytes/s of a body, at least
-SEND_SECONDS = 20.0  # s within which what is sent at once (`app.web.outgoing.WHOLE`) has to leave
+SEND_SECONDS = (
+    20.0  # s within which what is sent at once (`vibrafeed.app.web.outgoing.WHOLE`) has to leave
+)
 
 MAX_HEAD = 16_384  # bytes of the head of a request
 MAX_LINES = 100  # of a head: each is parsed, and searched by every layer; browsers send some twenty

@@ -11,15 +11,15 @@ from fastapi import Depends, Path, Request, params
 from fastapi.concurrency import run_in_threadpool
 from fastapi.exceptions import RequestValidationError
 
-from app.jobs import keys
-from app.jobs.admission import Admission
-from app.jobs.store import Store
-from app.jobs.studies import unknown
-from app.jobs.writer import Writer
-from app.settings import Settings
-from app.web.outcomes import no_such_job
-from app.web.problems import TooLargeError
-from app.web.zarr_views import ZarrViews
+from vibrafeed.app.jobs import keys
+from vibrafeed.app.jobs.admission import Admission
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.jobs.studies import unknown
+from vibrafeed.app.jobs.writer import Writer
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web.outcomes import no_such_job
+from vibrafeed.app.web.problems import TooLargeError
+from vibrafeed.app.web.zarr_views import ZarrViews
 
 
 async def settings_of(request: Request) -> Settings:

@@ -14,10 +14,10 @@ from typing import Any, Literal
 import orjson
 from pydantic import BaseModel, Field
 
-import core
-from app.jobs.ledger import ACTIVE, Job
-from app.jobs.manifest import JSON, NETCDF, ZARR, Manifest
-from app.web.execution import PROCESSES, Process
+from vibrafeed import core
+from vibrafeed.app.jobs.ledger import ACTIVE, Job
+from vibrafeed.app.jobs.manifest import JSON, NETCDF, ZARR, Manifest
+from vibrafeed.app.web.execution import PROCESSES, Process
 
 RESULTS = "http://www.opengis.net/def/rel/ogc/1.0/results"
 EXECUTE = "http://www.opengis.net/def/rel/ogc/1.0/execute"

@@ -17,10 +17,10 @@ from fastapi import Request
 from fastapi.responses import Response, StreamingResponse
 from starlette.types import Receive, Scope, Send
 
-from app.jobs.errors import NotFoundError
-from app.jobs.integrity import Integrity
-from app.web.outgoing import reserve_bytes
-from app.web.replies import problem_document
+from vibrafeed.app.jobs.errors import NotFoundError
+from vibrafeed.app.jobs.integrity import Integrity
+from vibrafeed.app.web.outgoing import reserve_bytes
+from vibrafeed.app.web.replies import problem_document
 
 # Bytes that are read at a time: as fast as sendfile, where the 64 KiB of FileResponse take three
 # times as long.

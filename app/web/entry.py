@@ -12,10 +12,10 @@ from starlette.datastructures import Headers
 from starlette.responses import Response
 from starlette.types import Scope
 
-from app import logs
-from app.jobs.keys import NOBODY, Key, Keys, hash_of
-from app.web.refused_keys import RefusedKeys
-from app.web.replies import problem_document
+from vibrafeed.app import logs
+from vibrafeed.app.jobs.keys import NOBODY, Key, Keys, hash_of
+from vibrafeed.app.web.refused_keys import RefusedKeys
+from vibrafeed.app.web.replies import problem_document
 
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 # Figures of all owners together.

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Union
 
 from pydantic import BaseModel, ConfigDict, Field, RootModel
 
-from core.errors import Problem, StudyError
-from core.kinds import KINDS
-from core.plan.kind import Kind
-from core.study import Study
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.plan.kind import Kind
+from vibrafeed.core.study import Study
 
 ACCURACY = "accuracy"
 

@@ -1,6 +1,7 @@
 """The guard in front of the routes: names and origins, limits, safe headers.
 
-Plain ASGI layers: they pass streams on piece by piece. What a key lets do is `app.web.entry`'s.
+Plain ASGI layers: they pass streams on piece by piece. What a key lets do is
+`vibrafeed.app.web.entry`'s.
 """
 
 from __future__ import annotations
@@ -18,12 +19,12 @@ from starlette.datastructures import Headers
 from starlette.middleware.cors import CORSMiddleware
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.jobs import disk
-from app.jobs.keys import Keys
-from app.settings import Settings
-from app.web.entry import OF_KEY, SAFE_METHODS, Entry, owner_of, path_of
-from app.web.problems import STATUS, TooLargeError
-from app.web.replies import problem_document, problems
+from vibrafeed.app.jobs import disk
+from vibrafeed.app.jobs.keys import Keys
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web.entry import OF_KEY, SAFE_METHODS, Entry, owner_of, path_of
+from vibrafeed.app.web.problems import STATUS, TooLargeError
+from vibrafeed.app.web.replies import problem_document, problems
 
 logger = logging.getLogger("vibrafeed")
 

@@ -14,7 +14,7 @@ from typing import cast
 from fastapi import Request
 from fastapi.responses import Response
 
-from app.web.downloads import document_reply, etag_of
+from vibrafeed.app.web.downloads import document_reply, etag_of
 
 
 class MadeOnce:

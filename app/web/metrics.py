@@ -19,11 +19,11 @@ from prometheus_client.exposition import generate_latest
 from prometheus_client.metrics_core import GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 
-import core
-from app.jobs.admission import Admission
-from app.jobs.cluster import Cluster
-from app.jobs.ledger import Work
-from app.settings import Settings
+from vibrafeed import core
+from vibrafeed.app.jobs.admission import Admission
+from vibrafeed.app.jobs.cluster import Cluster
+from vibrafeed.app.jobs.ledger import Work
+from vibrafeed.app.settings import Settings
 
 # Upper ends of the classes of histograms [s]: of requests and blocks, and of whole items of work.
 SECONDS = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0)

@@ -13,12 +13,12 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app import logs
-from app.web.metrics import Metrics
-from app.web.problems import unforeseen
+from vibrafeed.app import logs
+from vibrafeed.app.web.metrics import Metrics
+from vibrafeed.app.web.problems import unforeseen
 
 if TYPE_CHECKING:
-    from app.spans import Traces
+    from vibrafeed.app.spans import Traces
 
 logger = logging.getLogger("vibrafeed.requests")
 

@@ -13,11 +13,11 @@ from fastapi.routing import APIRoute
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
-from app.kept_texts import kept_text
-from app.web.execution import PROCESSES, AnyStudy
-from app.web.made_once import made_once
-from app.web.replies import ProblemDocument, component, execution_name
-from app.web.sharing import Sharing
+from vibrafeed.app.kept_texts import kept_text
+from vibrafeed.app.web.execution import PROCESSES, AnyStudy
+from vibrafeed.app.web.made_once import made_once
+from vibrafeed.app.web.replies import ProblemDocument, component, execution_name
+from vibrafeed.app.web.sharing import Sharing
 
 PATH = "/openapi.json"
 

@@ -7,14 +7,14 @@ from pathlib import Path
 
 from fastapi.responses import Response
 
-from app.jobs.admission import Admission
-from app.jobs.errors import GoneError, NotFoundError
-from app.jobs.ledger import ACTIVE, Job
-from app.jobs.manifest import Manifest
-from app.web.documents import results
-from app.web.downloads import Check
-from app.web.problems import BusyError, NoSuchJobError, NotReadyError
-from app.web.replies import json_reply, problem_document
+from vibrafeed.app.jobs.admission import Admission
+from vibrafeed.app.jobs.errors import GoneError, NotFoundError
+from vibrafeed.app.jobs.ledger import ACTIVE, Job
+from vibrafeed.app.jobs.manifest import Manifest
+from vibrafeed.app.web.documents import results
+from vibrafeed.app.web.downloads import Check
+from vibrafeed.app.web.problems import BusyError, NoSuchJobError, NotReadyError
+from vibrafeed.app.web.replies import json_reply, problem_document
 
 
 def find_job(admission: Admission, number: str) -> Job:

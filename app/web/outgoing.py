@@ -9,8 +9,8 @@ from collections.abc import Callable
 from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.web.problems import STATUS, BusyError
-from app.web.replies import problem_document
+from vibrafeed.app.web.problems import STATUS, BusyError
+from vibrafeed.app.web.replies import problem_document
 
 WHOLE = 1 << 20  # bytes of the longest body that is sent at once: pieces cost it a third more time
 PIECE = 1 << 18  # bytes of a longer one that are sent at a time: others wait no longer than for one

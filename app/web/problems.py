@@ -12,8 +12,8 @@ from fastapi.responses import Response
 from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
-from app.jobs import disk
-from app.jobs.errors import (
+from vibrafeed.app.jobs import disk
+from vibrafeed.app.jobs.errors import (
     FetchingError,
     GoneError,
     NoRoomError,
@@ -23,9 +23,9 @@ from app.jobs.errors import (
     QueueFullError,
     TooManyJobsError,
 )
-from app.jobs.process_pool import EndedError
-from app.web.replies import problem_document
-from core.errors import (
+from vibrafeed.app.jobs.process_pool import EndedError
+from vibrafeed.app.web.replies import problem_document
+from vibrafeed.core.errors import (
     LimitError,
     MissingPackageError,
     Problem,

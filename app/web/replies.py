@@ -9,7 +9,7 @@ import orjson
 from fastapi.responses import Response
 from pydantic import BaseModel
 
-from core.errors import MAX_PROBLEMS, Problem
+from vibrafeed.core.errors import MAX_PROBLEMS, Problem
 
 PROBLEM_TYPE = "application/problem+json"
 
@@ -34,7 +34,7 @@ class ProblemDocument(BaseModel):
 
 
 def component(name: str) -> dict[str, Any]:
-    """Return a JSON reference to a schema that `app.web.openapi` adds to the document."""
+    """Return a JSON reference to a schema that `vibrafeed.app.web.openapi` adds to the document."""
     return {"$ref": f"#/components/schemas/{name}"}
 
 

@@ -18,9 +18,9 @@ from types import FrameType
 import uvicorn
 from fastapi import FastAPI
 
-from app.settings import Settings
-from app.web.connections import ACCEPTED_AT_ONCE, Connection
-from app.web.outgoing import Tide
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web.connections import ACCEPTED_AT_ONCE, Connection
+from vibrafeed.app.web.outgoing import Tide
 
 logger = logging.getLogger("vibrafeed")
 

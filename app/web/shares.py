@@ -18,9 +18,9 @@ from typing import Any, TypeVar, cast
 from fastapi import Depends, Request, params
 from starlette.requests import ClientDisconnect
 
-from app.jobs.process_pool import ProcessPool
-from app.web.dependencies import Body
-from app.web.entry import owner_of
+from vibrafeed.app.jobs.process_pool import ProcessPool
+from vibrafeed.app.web.dependencies import Body
+from vibrafeed.app.web.entry import owner_of
 
 CORES = os.cpu_count() or 1
 SLOTS = min(CORES, 8) + 1  # routes have a thread more: descriptions and small slices do not wait

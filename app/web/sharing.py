@@ -8,9 +8,9 @@ from typing import Any
 from fastapi.exceptions import RequestValidationError
 from pydantic import BaseModel, ConfigDict, StrictBool
 
-from app.web.replies import component, problems
-from core.errors import StudyError
-from core.intake import read_json
+from vibrafeed.app.web.replies import component, problems
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import read_json
 
 
 class Sharing(BaseModel):

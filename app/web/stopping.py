@@ -6,7 +6,7 @@ import threading
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from app.web.replies import problem_document
+from vibrafeed.app.web.replies import problem_document
 
 RETRY = "5"  # s after which another server, or the next one, may answer
 

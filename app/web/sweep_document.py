@@ -6,9 +6,9 @@ from typing import Any
 
 from pydantic import BaseModel, Field
 
-from core.dataset.table import regime_attributes
-from core.plan.prepared import Prepared
-from core.quantities import QUANTITIES
+from vibrafeed.core.dataset.table import regime_attributes
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.quantities import QUANTITIES
 
 
 class SweepAxis(BaseModel):

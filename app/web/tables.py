@@ -11,11 +11,11 @@ from anyio import CapacityLimiter, to_thread
 from fastapi import Request
 from fastapi.responses import Response, StreamingResponse
 
-from app.settings import Settings
-from app.web.outgoing import reserve_bytes
-from core.dataset.formats import FORMATS
-from core.dataset.frame import Frame
-from core.extras import installing
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web.outgoing import reserve_bytes
+from vibrafeed.core.dataset.formats import FORMATS
+from vibrafeed.core.dataset.frame import Frame
+from vibrafeed.core.extras import installing
 
 NOTE: Final = "Vibrafeed-Note"
 TABLES: Final = {suffix[1:]: one.media for suffix, one in FORMATS.items() if one.media}

@@ -5,8 +5,8 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 
-from app.jobs.store import Store
-from core.sweep.zarr_view import ZarrView
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.core.sweep.zarr_view import ZarrView
 
 MAX_VIEWS = 64  # each holds a study and the documents of its arrays: some 100 KB
 

@@ -9,7 +9,7 @@ import xarray as xr
 
 from benchmarks.figures.judgement import EXACT
 from benchmarks.figures.studies import data
-from core.quantities import REGIMES
+from vibrafeed.core.quantities import REGIMES
 
 
 def slope(values: xr.DataArray) -> xr.DataArray:

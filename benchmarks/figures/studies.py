@@ -8,9 +8,9 @@ from pathlib import Path
 
 import xarray as xr
 
-from core.intake import load_study, parse_study
-from core.kinds import run_study
-from core.study import SweepStudy
+from vibrafeed.core.intake import load_study, parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.study import SweepStudy
 
 ROOT = Path(__file__).parents[2]
 STUDIES = ROOT / "configs" / "figures"

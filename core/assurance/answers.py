@@ -16,11 +16,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from core.assurance.case import Case
-from core.assurance.catalogue import FAMILIES, cases
-from core.assurance.forms import forms
-from core.errors import MAX_PROBLEMS, Problem, StudyError
-from core.suggestions import suggestion
+from vibrafeed.core.assurance.case import Case
+from vibrafeed.core.assurance.catalogue import FAMILIES, cases
+from vibrafeed.core.assurance.forms import forms
+from vibrafeed.core.errors import MAX_PROBLEMS, Problem, StudyError
+from vibrafeed.core.suggestions import suggestion
 
 FORMAT = "vibrafeed-answers-1"
 MAX_RANDOM = 10_000

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.arrays import Array
 
 Content = Mapping[str, Any]
 

@@ -6,11 +6,11 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from types import MappingProxyType
 from typing import Any
 
-import core
-from core.assurance.case import EVIDENCE, RELATIONS, Case
-from core.assurance.forms import forms
-from core.assurance.worked import rail, throws, values
-from core.errors import Problem, StudyError
+from vibrafeed import core
+from vibrafeed.core.assurance.case import EVIDENCE, RELATIONS, Case
+from vibrafeed.core.assurance.forms import forms
+from vibrafeed.core.assurance.worked import rail, throws, values
+from vibrafeed.core.errors import Problem, StudyError
 
 FORMAT = "vibrafeed-validation-1"
 

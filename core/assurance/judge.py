@@ -12,15 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from core import kinds
-from core.assurance.case import Case, CaseValues, Content, Term, Truth
-from core.dataset.table import Table, TableVariable
-from core.errors import StudyError
-from core.intake import prepare_content
-from core.mechanics.arrays import Array
-from core.quantities import MOTION_STATUSES, REGIMES, Flag
-from core.quantities.flags import is_regime
-from core.watch import Watch
+from vibrafeed.core import kinds
+from vibrafeed.core.assurance.case import Case, CaseValues, Content, Term, Truth
+from vibrafeed.core.dataset.table import Table, TableVariable
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.quantities import MOTION_STATUSES, REGIMES, Flag
+from vibrafeed.core.quantities.flags import is_regime
+from vibrafeed.core.watch import Watch
 
 STATED = "conveying_velocity_error"
 

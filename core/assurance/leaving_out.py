@@ -20,18 +20,18 @@ from typing import Any
 
 import numpy as np
 
-import core
-from core import kinds
-from core.catalogue import needed_parameters
-from core.dataset.markdown import markdown_table
-from core.dataset.table import CONVENTIONS, Table, TableVariable
-from core.errors import StudyError
-from core.intake import prepare_content
-from core.motion.systems import SYSTEMS
-from core.plan.plan import scene_parameters
-from core.plan.prepared import Prepared
-from core.scenes import ALIASES, SCENES, Scene
-from core.watch import Watch
+from vibrafeed import core
+from vibrafeed.core import kinds
+from vibrafeed.core.catalogue import needed_parameters
+from vibrafeed.core.dataset.markdown import markdown_table
+from vibrafeed.core.dataset.table import CONVENTIONS, Table, TableVariable
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.plan.plan import scene_parameters
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.scenes import ALIASES, SCENES, Scene
+from vibrafeed.core.watch import Watch
 
 TYPICAL: dict[str, Any] = {
     "frequency": [40.0, 50.0, 60.0], "amplitude": [1e-4, 2e-4, 3e-4], "beta": [10.0, 20.0, 30.0],
@@ -289,8 +289,8 @@ def _imports(content: Mapping[str, Any]) -> tuple[int, tuple[str, ...]]:
     """
     code = (
         "import json, sys; before = set(sys.modules)\n"
-        "from core.intake import prepare_content\n"
-        "from core.kinds import tabulate\n"
+        "from vibrafeed.core.intake import prepare_content\n"
+        "from vibrafeed.core.kinds import tabulate\n"
         "tabulate(prepare_content(json.loads(sys.argv[1])))\n"
         "print(json.dumps(sorted(set(sys.modules) - before)))"
     )

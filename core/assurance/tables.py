@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from core.assurance.case import RELATIONS, Case
-from core.assurance.catalogue import FAMILIES, NOT_CLAIMED
-from core.assurance.judge import Outcome, Summary, summaries
-from core.dataset.markdown import markdown_table
-from core.dataset.table import CONVENTIONS, Table, TableVariable
+from vibrafeed.core.assurance.case import RELATIONS, Case
+from vibrafeed.core.assurance.catalogue import FAMILIES, NOT_CLAIMED
+from vibrafeed.core.assurance.judge import Outcome, Summary, summaries
+from vibrafeed.core.dataset.markdown import markdown_table
+from vibrafeed.core.dataset.table import CONVENTIONS, Table, TableVariable
 
 FORMAT = "vibrafeed-outcomes-1"
 

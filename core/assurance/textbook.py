@@ -1,7 +1,8 @@
 """Textbook formulas in many digits, and what an error of the inputs does to them.
 
-They share nothing with `core.mechanics`: no rearranged forms, no limits taken, no scaling; the
-digits make up for the cancellation. Inputs are in the units of studies, angles in degrees.
+They share nothing with `vibrafeed.core.mechanics`: no rearranged forms, no limits taken, no
+scaling; the digits make up for the cancellation. Inputs are in the units of studies, angles in
+degrees.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from typing import Any
 
 from mpmath import mp, mpf
 
-from core.assurance.case import Truth
+from vibrafeed.core.assurance.case import Truth
 
 DIGITS = 700
 """Enough for 1 - exp(-s) at s = 1e-300."""

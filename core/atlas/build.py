@@ -9,12 +9,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-import core
-from core.atlas.cells import BITS, REGIMES_STORED, Cells, exact, regime_of
-from core.atlas.nodes import Axes, choose_nodes
-from core.atlas.numbers import AXES, Numbers
-from core.atlas.practice import PRACTICAL
-from core.dataset.table import (
+from vibrafeed import core
+from vibrafeed.core.atlas.cells import BITS, REGIMES_STORED, Cells, exact, regime_of
+from vibrafeed.core.atlas.nodes import Axes, choose_nodes
+from vibrafeed.core.atlas.numbers import AXES, Numbers
+from vibrafeed.core.atlas.practice import PRACTICAL
+from vibrafeed.core.dataset.table import (
     CONVENTIONS,
     REFERENCES,
     Table,
@@ -22,9 +22,9 @@ from core.dataset.table import (
     quantity_attributes,
     regime_attributes,
 )
-from core.errors import StoppedError
-from core.motion.result import SHARES
-from core.watch import Watch
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.motion.result import SHARES
+from vibrafeed.core.watch import Watch
 
 ATLAS_VERSION: Final = 1
 """Version of the content of an atlas; raised when numbers, variables or the error model change."""

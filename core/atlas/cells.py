@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.atlas.numbers import Numbers, groups_at
-from core.mechanics.arrays import Array
-from core.motion.methods.events import EVENTS, planar_motion
-from core.motion.result import SHARES, STATUS, Motion
-from core.quantities import REGIMES
-from core.watch import Watch
+from vibrafeed.core.atlas.numbers import Numbers, groups_at
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.methods.events import EVENTS, planar_motion
+from vibrafeed.core.motion.result import SHARES, STATUS, Motion
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.watch import Watch
 
 BITS = {name: 1 << position for position, name in enumerate(SHARES)}
 """The ways of moving as bits of a pattern; 0 where there is no answer."""

@@ -13,13 +13,13 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.atlas.build import SAFETY, SHARE_DIGITS, SHARE_SAFETY, VELOCITY_DIGITS
-from core.atlas.cells import BITS
-from core.atlas.numbers import AXES, Numbers, out_of_range, rests
-from core.atlas.read import ERRORS, VALUES, Atlas
-from core.mechanics.arrays import Array
-from core.motion.result import SHARES
-from core.quantities import Flag
+from vibrafeed.core.atlas.build import SAFETY, SHARE_DIGITS, SHARE_SAFETY, VELOCITY_DIGITS
+from vibrafeed.core.atlas.cells import BITS
+from vibrafeed.core.atlas.numbers import AXES, Numbers, out_of_range, rests
+from vibrafeed.core.atlas.read import ERRORS, VALUES, Atlas
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.result import SHARES
+from vibrafeed.core.quantities import Flag
 
 PIECE: Final = 8192  # cells that are looked up at a time: their corners stay in the cache
 

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-import core
-from core.atlas.cells import regime_of
-from core.atlas.find import LOOKUP_STATUSES, STATUS, AtlasValues, find
-from core.atlas.numbers import AXES, numbers_of
-from core.atlas.read import Atlas, open_atlas
-from core.atlas.rows import read_rows
-from core.dataset.table import (
+from vibrafeed import core
+from vibrafeed.core.atlas.cells import regime_of
+from vibrafeed.core.atlas.find import LOOKUP_STATUSES, STATUS, AtlasValues, find
+from vibrafeed.core.atlas.numbers import AXES, numbers_of
+from vibrafeed.core.atlas.read import Atlas, open_atlas
+from vibrafeed.core.atlas.rows import read_rows
+from vibrafeed.core.dataset.table import (
     CONVENTIONS,
     REFERENCES,
     Table,
@@ -26,26 +26,26 @@ from core.dataset.table import (
     quantity_attributes,
     regime_attributes,
 )
-from core.errors import Problem, StudyError
-from core.intake import parse_study
-from core.intake.keywords import check_not_paired, plain
-from core.mechanics.arrays import Array
-from core.motion.drives import shape_of
-from core.motion.groups import Groups, groups_of, table
-from core.motion.methods.events import EVENTS, planar_motion
-from core.motion.prepare import Simulation, prepare
-from core.motion.result import SHARES
-from core.plan.equations import regimes_of
-from core.plan.grid import parameter_to_si
-from core.plan.labels import coordinates_of
-from core.quantities import QUANTITIES
-from core.quantities.flags import REGIME
-from core.study import SimulateStudy
-from core.study.grid_study import PARAMETERS
-from core.study.units import UnitError, read_numbers
-from core.study.unusual import questions
-from core.study.values import Fixed, read_values
-from core.watch import Watch
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.intake.keywords import check_not_paired, plain
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.drives import shape_of
+from vibrafeed.core.motion.groups import Groups, groups_of, table
+from vibrafeed.core.motion.methods.events import EVENTS, planar_motion
+from vibrafeed.core.motion.prepare import Simulation, prepare
+from vibrafeed.core.motion.result import SHARES
+from vibrafeed.core.plan.equations import regimes_of
+from vibrafeed.core.plan.grid import parameter_to_si
+from vibrafeed.core.plan.labels import coordinates_of
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities.flags import REGIME
+from vibrafeed.core.study import SimulateStudy
+from vibrafeed.core.study.grid_study import PARAMETERS
+from vibrafeed.core.study.units import UnitError, read_numbers
+from vibrafeed.core.study.unusual import questions
+from vibrafeed.core.study.values import Fixed, read_values
+from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:
     import xarray

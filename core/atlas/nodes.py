@@ -10,10 +10,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from core.atlas.cells import exact
-from core.atlas.numbers import AXES, HOP, HOP_AFTER_HOP, Numbers
-from core.atlas.practice import practical_numbers, spread_points
-from core.watch import Watch
+from vibrafeed.core.atlas.cells import exact
+from vibrafeed.core.atlas.numbers import AXES, HOP, HOP_AFTER_HOP, Numbers
+from vibrafeed.core.atlas.practice import practical_numbers, spread_points
+from vibrafeed.core.watch import Watch
 
 POPULATION = 20_000  # typical look-ups, which show how often an interval is asked for
 NODE_OFFSET = 1e-6  # of a throw number at which the normal motion changes: a node on either side

@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array, Mask
-from core.motion.groups import Groups
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.motion.groups import Groups
 
 
 class Numbers(NamedTuple):

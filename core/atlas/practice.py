@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from core.atlas.numbers import Numbers, out_of_range
+from vibrafeed.core.atlas.numbers import Numbers, out_of_range
 
 PRACTICAL: Mapping[str, tuple[float, float]] = {
     "friction_kinetic": (0.1, 1.0),

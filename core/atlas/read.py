@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.atlas.build import ATLAS_VERSION
-from core.atlas.numbers import AXES
-from core.dataset.formats import read_result
-from core.dataset.table import Table
-from core.errors import VibrafeedError
-from core.motion.result import SHARES
+from vibrafeed.core.atlas.build import ATLAS_VERSION
+from vibrafeed.core.atlas.numbers import AXES
+from vibrafeed.core.dataset.formats import read_result
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.errors import VibrafeedError
+from vibrafeed.core.motion.result import SHARES
 
 VALUES = ("velocity_number", *(f"{name}_fraction" for name in SHARES))
 """The variables that are interpolated."""

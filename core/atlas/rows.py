@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
-from core.errors import Problem, StudyError
-from core.measured.cells import read_cells
-from core.measured.marks import ONE_MARK
-from core.measured.read import name_and_unit
-from core.quantities import QUANTITIES
-from core.study.grid_study import PARAMETERS
-from core.study.units import UnitError, read_number, with_unit
-from core.suggestions import suggestion
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.measured.cells import read_cells
+from vibrafeed.core.measured.marks import ONE_MARK
+from vibrafeed.core.measured.read import name_and_unit
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.grid_study import PARAMETERS
+from vibrafeed.core.study.units import UnitError, read_number, with_unit
+from vibrafeed.core.suggestions import suggestion
 
 MAX_ROWS: Final = 2_000_000  # rows of a file
 MAX_REPORTED: Final = 20  # problems of cells that are listed at most

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from core.lazy import lazily
+from vibrafeed.core.lazy import lazily
 
 __all__ = [
     "KIND",
@@ -13,9 +13,9 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from core.calibrate.calibration import Calibration
-    from core.calibrate.kind import KIND
-    from core.calibrate.prepare import MAX_UNKNOWNS
+    from vibrafeed.core.calibrate.calibration import Calibration
+    from vibrafeed.core.calibrate.kind import KIND
+    from vibrafeed.core.calibrate.prepare import MAX_UNKNOWNS
 else:
     __getattr__ = lazily(
         __name__,

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from core.calibrate.model import Model
-from core.mechanics.arrays import Array
-from core.watch import Watch
+from vibrafeed.core.calibrate.model import Model
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.watch import Watch
 
 STEP = 1e-5  # step of differences, as a share of the distance of the bounds
 MAX_STEPS = 40  # evaluations of the residuals, beside those of their derivatives

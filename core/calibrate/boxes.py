@@ -14,9 +14,9 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from core.calibrate.scatter import Likelihood, log_sum
-from core.mechanics.arrays import Array
-from core.watch import Watch
+from vibrafeed.core.calibrate.scatter import Likelihood, log_sum
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.watch import Watch
 
 FIRST_SHARE = 4  # the first boxes take at most this fraction (1/4) of all points
 FINEST_FIRST = 8  # halvings of the range of an unknown for the first boxes, at most

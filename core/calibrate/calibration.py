@@ -6,17 +6,17 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 
-from core.calibrate.candidates import ENSEMBLE
-from core.calibrate.model import Model
-from core.calibrate.posterior import AXIS, MAX_MODES
-from core.calibrate.scatter import Likelihood
-from core.motion.method import Method
-from core.motion.prepare import price_of, tried_price
-from core.motion.systems import methods_of
-from core.plan.grid import Grid
-from core.plan.prepared import Prepared
-from core.quantities import QUANTITIES
-from core.study.calibrate_study import CalibrateStudy
+from vibrafeed.core.calibrate.candidates import ENSEMBLE
+from vibrafeed.core.calibrate.model import Model
+from vibrafeed.core.calibrate.posterior import AXIS, MAX_MODES
+from vibrafeed.core.calibrate.scatter import Likelihood
+from vibrafeed.core.motion.method import Method
+from vibrafeed.core.motion.prepare import price_of, tried_price
+from vibrafeed.core.motion.systems import methods_of
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.calibrate_study import CalibrateStudy
 
 RUN, MODE, ESTIMATE = "run", "mode", "mean median deviation lower_68 upper_68 lower_95 upper_95"
 ESTIMATES = ("best", *ESTIMATE.split())

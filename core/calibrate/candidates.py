@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.calibrate.model import Model
-from core.calibrate.posterior import Posterior
-from core.mechanics.arrays import Array
-from core.plan.grid import Grid
-from core.watch import Watch
+from vibrafeed.core.calibrate.model import Model
+from vibrafeed.core.calibrate.posterior import Posterior
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.watch import Watch
 
 ENSEMBLE = 300  # points of the posterior at which candidates are predicted
 MAX_CANDIDATES = 2_000  # candidate runs: each takes `ENSEMBLE` motions

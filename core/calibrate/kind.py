@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Final
 
-from core.calibrate.prepare import prepare
-from core.calibrate.run import compute, label
-from core.motion.prepare import choose_system
-from core.motion.systems import SYSTEMS
-from core.plan.kind import Kind
-from core.study.calibrate_study import CalibrateStudy
+from vibrafeed.core.calibrate.prepare import prepare
+from vibrafeed.core.calibrate.run import compute, label
+from vibrafeed.core.motion.prepare import choose_system
+from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.plan.kind import Kind
+from vibrafeed.core.study.calibrate_study import CalibrateStudy
 
 KIND: Final = Kind(
     name="calibrate",

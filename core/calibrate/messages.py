@@ -8,14 +8,14 @@ from itertools import combinations
 
 import numpy as np
 
-from core.calibrate.calibration import LEFT, Calibration
-from core.calibrate.candidates import columns_of
-from core.calibrate.model import Unknown
-from core.calibrate.posterior import Posterior
-from core.mechanics.arrays import Array
-from core.quantities import QUANTITIES
-from core.study.distributions import Normal
-from core.study.shown import SI, ShownUnits
+from vibrafeed.core.calibrate.calibration import LEFT, Calibration
+from vibrafeed.core.calibrate.candidates import columns_of
+from vibrafeed.core.calibrate.model import Unknown
+from vibrafeed.core.calibrate.posterior import Posterior
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.distributions import Normal
+from vibrafeed.core.study.shown import SI, ShownUnits
 
 HARDLY = 0.7
 """Share of the prior deviation: above it, the runs say next to nothing about an unknown."""

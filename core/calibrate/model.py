@@ -14,17 +14,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array, Mask
-from core.motion.feeding import feed_rate
-from core.plan.equations import run_equations
-from core.plan.grid import parameter_to_si
-from core.plan.plan import Plan
-from core.quantities import QUANTITIES
-from core.quantities.quantity import in_sentence
-from core.scenes.scene import STATIC_ABOVE_KINETIC
-from core.study.calibrate_study import Prior, quantity_of
-from core.study.distributions import Normal
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.motion.feeding import feed_rate
+from vibrafeed.core.plan.equations import run_equations
+from vibrafeed.core.plan.grid import parameter_to_si
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities.quantity import in_sentence
+from vibrafeed.core.scenes.scene import STATIC_ABOVE_KINETIC
+from vibrafeed.core.study.calibrate_study import Prior, quantity_of
+from vibrafeed.core.study.distributions import Normal
+from vibrafeed.core.watch import Watch
 
 CELLS_AT_A_TIME = 200_000  # motions that are predicted at a time: a bound on memory
 OUTPUTS = (

@@ -11,9 +11,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from core.calibrate.boxes import Explored, PosteriorBoxes, points_of
-from core.calibrate.scatter import Likelihood, log_sum
-from core.mechanics.arrays import Array
+from vibrafeed.core.calibrate.boxes import Explored, PosteriorBoxes, points_of
+from vibrafeed.core.calibrate.scatter import Likelihood, log_sum
+from vibrafeed.core.mechanics.arrays import Array
 
 POINTS = 60_000  # points within the boxes, about
 MAX_NUMBERS = 4_000_000  # points times runs that are held at a time: a bound on memory

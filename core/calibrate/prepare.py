@@ -7,25 +7,25 @@ from dataclasses import replace
 
 import numpy as np
 
-from core.calibrate.calibration import Calibration
-from core.calibrate.candidates import ENSEMBLE, MAX_CANDIDATES
-from core.calibrate.model import OUTPUTS, Model, Runs, Unknown
-from core.calibrate.scatter import Likelihood, Scatter
-from core.errors import Problem, StudyError
-from core.mechanics.arrays import Array
-from core.motion.prepare import choose_system, fix_for_unused_setting
-from core.motion.systems import CONTACTS
-from core.plan.grid import Grid
-from core.plan.plan import plan_scene
-from core.plan.prepared import broken_constraints, locate_problem
-from core.quantities import QUANTITIES
-from core.scenes import Scene
-from core.scenes.scene import STATIC_ABOVE_KINETIC
-from core.study.calibrate_study import STEMS, CalibrateStudy
-from core.study.observations import OBSERVED, Run, parameters_of, read_error
-from core.study.shown import ShownUnits
-from core.study.units import UnitError
-from core.study.values import Fixed, Points, Span, Values
+from vibrafeed.core.calibrate.calibration import Calibration
+from vibrafeed.core.calibrate.candidates import ENSEMBLE, MAX_CANDIDATES
+from vibrafeed.core.calibrate.model import OUTPUTS, Model, Runs, Unknown
+from vibrafeed.core.calibrate.scatter import Likelihood, Scatter
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.prepare import choose_system, fix_for_unused_setting
+from vibrafeed.core.motion.systems import CONTACTS
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.plan import plan_scene
+from vibrafeed.core.plan.prepared import broken_constraints, locate_problem
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.scenes import Scene
+from vibrafeed.core.scenes.scene import STATIC_ABOVE_KINETIC
+from vibrafeed.core.study.calibrate_study import STEMS, CalibrateStudy
+from vibrafeed.core.study.observations import OBSERVED, Run, parameters_of, read_error
+from vibrafeed.core.study.shown import ShownUnits
+from vibrafeed.core.study.units import UnitError
+from vibrafeed.core.study.values import Fixed, Points, Span, Values
 
 MAX_UNKNOWNS = 4  # a grid over more would be too coarse to trust
 

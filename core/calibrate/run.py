@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.calibrate.best import LeastSquares
-from core.calibrate.boxes import explore
-from core.calibrate.calibration import (
+from vibrafeed.core.calibrate.best import LeastSquares
+from vibrafeed.core.calibrate.boxes import explore
+from vibrafeed.core.calibrate.calibration import (
     BANDS,
     CANDIDATE,
     ESTIMATES,
@@ -20,9 +20,9 @@ from core.calibrate.calibration import (
     RUN,
     Calibration,
 )  # fmt: skip
-from core.calibrate.candidates import information
-from core.calibrate.messages import Findings, summary
-from core.calibrate.posterior import (
+from vibrafeed.core.calibrate.candidates import information
+from vibrafeed.core.calibrate.messages import Findings, summary
+from vibrafeed.core.calibrate.posterior import (
     Posterior,
     axes_of,
     log_density,
@@ -31,14 +31,14 @@ from core.calibrate.posterior import (
     pair,
     posterior_of,
 )
-from core.calibrate.scatter import Likelihood, log_sum
-from core.dataset.table import Table, TableVariable, quantity_attributes
-from core.mechanics.arrays import Array
-from core.plan.labels import global_attributes
-from core.plan.pieces import FOLLOWED, Computed
-from core.quantities import QUANTITIES
-from core.quantities.quantity import in_sentence
-from core.watch import Watch
+from vibrafeed.core.calibrate.scatter import Likelihood, log_sum
+from vibrafeed.core.dataset.table import Table, TableVariable, quantity_attributes
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.labels import global_attributes
+from vibrafeed.core.plan.pieces import FOLLOWED, Computed
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities.quantity import in_sentence
+from vibrafeed.core.watch import Watch
 
 SHARES = (0.16, 0.84, 0.025, 0.975)
 """Of the mass below the ends of the intervals of `BANDS`: both tails are equal."""

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.calibrate.model import Model, Predicted
-from core.mechanics.arrays import Array
+from vibrafeed.core.calibrate.model import Model, Predicted
+from vibrafeed.core.mechanics.arrays import Array
 
 NONE_BEFORE = 0.9
 """Prior probability that the errors explain all scatter."""

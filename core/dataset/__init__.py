@@ -1,5 +1,5 @@
 """Labelled results: CF attributes, the xarray view, the NetCDF writer."""
 
-from core.dataset.table import Table, TableVariable
+from vibrafeed.core.dataset.table import Table, TableVariable
 
 __all__ = ["Table", "TableVariable"]

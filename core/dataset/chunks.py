@@ -19,7 +19,7 @@ import numpy as np
 from deflate import crc32, zlib_compress  # crc32: ten times as fast as zlib's
 from numpy.typing import NDArray
 
-from core.dataset.layout import Box, Tile
+from vibrafeed.core.dataset.layout import Box, Tile
 
 if TYPE_CHECKING:
     import h5py

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from core.dataset.frame import Frame, FrameColumn, heading
+from vibrafeed.core.dataset.frame import Frame, FrameColumn, heading
 
 
 def metadata_path(path: Path) -> Path:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from core.dataset.table import Table, TableVariable
+from vibrafeed.core.dataset.table import Table, TableVariable
 
 
 def to_document(table: Table) -> dict[str, Any]:

@@ -10,16 +10,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
-from core.dataset import matlab, workbook
-from core.dataset.csv_metadata import csv_metadata, metadata_path
-from core.dataset.files import whole
-from core.dataset.frame import Frame, pyarrow
-from core.dataset.group import read_zarr, write_zarr
-from core.dataset.netcdf import write_netcdf
-from core.dataset.read import attributes_of_file, read_netcdf
-from core.dataset.shards import attributes_at, needed_for_zarr
-from core.dataset.table import Table
-from core.errors import VibrafeedError
+from vibrafeed.core.dataset import matlab, workbook
+from vibrafeed.core.dataset.csv_metadata import csv_metadata, metadata_path
+from vibrafeed.core.dataset.files import whole
+from vibrafeed.core.dataset.frame import Frame, pyarrow
+from vibrafeed.core.dataset.group import read_zarr, write_zarr
+from vibrafeed.core.dataset.netcdf import write_netcdf
+from vibrafeed.core.dataset.read import attributes_of_file, read_netcdf
+from vibrafeed.core.dataset.shards import attributes_at, needed_for_zarr
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.errors import VibrafeedError
 
 NETCDF: Final = ".nc"
 ZARR: Final = ".zarr"

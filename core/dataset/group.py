@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from core.dataset.files import partial
-from core.dataset.netcdf import tiles_of
-from core.dataset.read import check_size
-from core.dataset.shards import GrowingZarr, open_store, plain_errors
-from core.dataset.table import Table, TableVariable
+from vibrafeed.core.dataset.files import partial
+from vibrafeed.core.dataset.netcdf import tiles_of
+from vibrafeed.core.dataset.read import check_size
+from vibrafeed.core.dataset.shards import GrowingZarr, open_store, plain_errors
+from vibrafeed.core.dataset.table import Table, TableVariable
 
 if TYPE_CHECKING:
     import zarr

@@ -16,10 +16,10 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from core.dataset.chunks import ChunkFile
-from core.dataset.files import Behind, partial, settle, sync
-from core.dataset.journal import Journal
-from core.dataset.layout import Tiles
+from vibrafeed.core.dataset.chunks import ChunkFile
+from vibrafeed.core.dataset.files import Behind, partial, settle, sync
+from vibrafeed.core.dataset.journal import Journal
+from vibrafeed.core.dataset.layout import Tiles
 
 # Written bytes, or seconds, after which a thread waits until the disk has them, while more are
 # written: a kill loses no more.

@@ -14,9 +14,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.files import whole
-from core.dataset.table import Table, TableVariable
-from core.errors import LimitError
+from vibrafeed.core.dataset.files import whole
+from vibrafeed.core.dataset.table import Table, TableVariable
+from vibrafeed.core.errors import LimitError
 
 MAX_BYTES: Final = 2**31 - 2**20  # bytes that a variable of a MAT file of version 5 may have
 LONGEST: Final = 63  # characters of a name in MATLAB

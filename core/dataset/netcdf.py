@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset import layout
-from core.dataset.chunks import ChunkFile
-from core.dataset.files import whole
-from core.dataset.layout import Layout, Tiles
-from core.dataset.table import Table, TableVariable
+from vibrafeed.core.dataset import layout
+from vibrafeed.core.dataset.chunks import ChunkFile
+from vibrafeed.core.dataset.files import whole
+from vibrafeed.core.dataset.layout import Layout, Tiles
+from vibrafeed.core.dataset.table import Table, TableVariable
 
 if TYPE_CHECKING:
     import netCDF4

@@ -16,7 +16,7 @@ import google_crc32c
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.layout import Layout, Tile
+from vibrafeed.core.dataset.layout import Layout, Tile
 
 NO_CHUNK = np.iinfo(np.uint64).max
 

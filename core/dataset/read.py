@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from core.dataset.frame import check_rows
-from core.dataset.table import Table, TableVariable
-from core.errors import LimitError
+from vibrafeed.core.dataset.frame import check_rows
+from vibrafeed.core.dataset.table import Table, TableVariable
+from vibrafeed.core.errors import LimitError
 
 if TYPE_CHECKING:
     import h5py

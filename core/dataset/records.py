@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.files import whole
+from vibrafeed.core.dataset.files import whole
 
 if TYPE_CHECKING:
     from obstore.store import ObjectStore

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.quantities import REGIMES
-from core.quantities.flags import is_regime
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.quantities.flags import is_regime
 
 _VALID = np.zeros(256, dtype=np.bool_)
 _VALID[[flag.value for flag in REGIMES.values() if flag.valid]] = True

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from core.study.shown import ShownUnits
+from vibrafeed.core.study.shown import ShownUnits
 
 if TYPE_CHECKING:
     import xarray

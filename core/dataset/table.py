@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.regimes import is_valid, judge_of
-from core.quantities import QUANTITIES, REGIMES, Flag
-from core.quantities.quantity import in_sentence
+from vibrafeed.core.dataset.regimes import is_valid, judge_of
+from vibrafeed.core.quantities import QUANTITIES, REGIMES, Flag
+from vibrafeed.core.quantities.quantity import in_sentence
 
 if TYPE_CHECKING:
     import xarray

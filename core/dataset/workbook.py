@@ -16,9 +16,9 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.frame import Frame, FrameColumn, heading
-from core.errors import LimitError, MissingPackageError
-from core.extras import installing
+from vibrafeed.core.dataset.frame import Frame, FrameColumn, heading
+from vibrafeed.core.errors import LimitError, MissingPackageError
+from vibrafeed.core.extras import installing
 
 MAX_ROWS: Final = 2**20 - 1  # that a sheet of Excel has under its headings
 ROWS: Final = 1024  # rows that are added at a time; writing can be stopped in between

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from core.dataset.table import Table
+from vibrafeed.core.dataset.table import Table
 
 FILL: dict[str, tuple[float, str | int]] = {
     "float64": (np.nan, "NaN"), "float32": (np.nan, "NaN"), "int8": (0, 0), "int64": (0, 0)

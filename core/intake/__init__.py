@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from core.lazy import lazily
+from vibrafeed.core.lazy import lazily
 
 __all__ = [
     "gather",
@@ -21,8 +21,8 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from core.intake.keywords import gather
-    from core.intake.read import (
+    from vibrafeed.core.intake.keywords import gather
+    from vibrafeed.core.intake.read import (
         load_study,
         parse_json,
         parse_study,
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
         study_and_fit,
         study_of,
     )
-    from core.intake.text import read_content, read_json, read_toml
+    from vibrafeed.core.intake.text import read_content, read_json, read_toml
 else:
     __getattr__ = lazily(
         __name__,

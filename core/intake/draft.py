@@ -8,22 +8,22 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from core.errors import Problem, StudyError
-from core.intake.messages import problems_of
-from core.intake.recorded import channel_questions, tilt_questions
-from core.intake.section import Stranger
-from core.intake.sections import SECTIONS
-from core.kinds import KINDS
-from core.plan.plan import plan_scene, scene_parameters
-from core.plan.prepared import Prepared, names_intended
-from core.plan.sketch import Sketch
-from core.study.grid_study import MAX_OUTPUTS, PARAMETERS, Study
-from core.study.unusual import questions
-from core.suggestions import nearest
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.intake.messages import problems_of
+from vibrafeed.core.intake.recorded import channel_questions, tilt_questions
+from vibrafeed.core.intake.section import Stranger
+from vibrafeed.core.intake.sections import SECTIONS
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.plan.plan import plan_scene, scene_parameters
+from vibrafeed.core.plan.prepared import Prepared, names_intended
+from vibrafeed.core.plan.sketch import Sketch
+from vibrafeed.core.study.grid_study import MAX_OUTPUTS, PARAMETERS, Study
+from vibrafeed.core.study.unusual import questions
+from vibrafeed.core.suggestions import nearest
 
 if TYPE_CHECKING:
-    from core.measured.drive import Fit
-    from core.plan.kind import Kind
+    from vibrafeed.core.measured.drive import Fit
+    from vibrafeed.core.plan.kind import Kind
 
 
 @dataclass

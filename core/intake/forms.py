@@ -13,12 +13,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from core.errors import Problem, StudyError
-from core.intake.keywords import KEYS
-from core.intake.observed import read_rows
-from core.intake.posteriors import with_posteriors
-from core.intake.sections import SECTIONS
-from core.measured.read import decoded
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.intake.keywords import KEYS
+from vibrafeed.core.intake.observed import read_rows
+from vibrafeed.core.intake.posteriors import with_posteriors
+from vibrafeed.core.intake.sections import SECTIONS
+from vibrafeed.core.measured.read import decoded
 
 SERVICE: Final = "http://127.0.0.1:8000"
 LONGEST_ARGUMENT: Final = 100_000  # bytes; Linux takes 131,072 in one argument of a command

@@ -9,15 +9,15 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-from core.errors import Problem, StudyError
-from core.intake.text import LARGEST, TOO_LARGE, read_content
-from core.kinds import KINDS
-from core.measured.read import name_and_unit
-from core.quantities import QUANTITIES
-from core.scenes import SCENES
-from core.study.arrays import apart, dimension_of, is_packed, with_own_unit
-from core.study.grid_study import PARAMETERS, Study
-from core.study.values import MAX_POINTS
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.intake.text import LARGEST, TOO_LARGE, read_content
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.measured.read import name_and_unit
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.scenes import SCENES
+from vibrafeed.core.study.arrays import apart, dimension_of, is_packed, with_own_unit
+from vibrafeed.core.study.grid_study import PARAMETERS, Study
+from vibrafeed.core.study.values import MAX_POINTS
 
 KEYS = tuple(dict.fromkeys(key for kind in KINDS.values() for key in kind.model.model_fields))
 """The keys that a study of any kind has beside its parameters."""

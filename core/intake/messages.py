@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from core.errors import MAX_PROBLEMS, Problem
-from core.intake.section import Section, Stranger
-from core.study.grid_study import PARAMETERS
-from core.suggestions import Suggestions
+from vibrafeed.core.errors import MAX_PROBLEMS, Problem
+from vibrafeed.core.intake.section import Section, Stranger
+from vibrafeed.core.study.grid_study import PARAMETERS
+from vibrafeed.core.suggestions import Suggestions
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails

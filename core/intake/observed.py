@@ -8,15 +8,15 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
-from core.errors import Problem, StudyError
-from core.extras import installing
-from core.intake.section import Content, Resolved, Section, Stranger, dotted
-from core.measured.cells import read_cells
-from core.measured.marks import ONE_MARK
-from core.measured.read import name_and_unit
-from core.study.grid_study import PARAMETERS
-from core.study.observations import MAX_RUNS, OBSERVED
-from core.study.units import with_unit
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.extras import installing
+from vibrafeed.core.intake.section import Content, Resolved, Section, Stranger, dotted
+from vibrafeed.core.measured.cells import read_cells
+from vibrafeed.core.measured.marks import ONE_MARK
+from vibrafeed.core.measured.read import name_and_unit
+from vibrafeed.core.study.grid_study import PARAMETERS
+from vibrafeed.core.study.observations import MAX_RUNS, OBSERVED
+from vibrafeed.core.study.units import with_unit
 
 SUFFIXES = (".csv", ".xlsx")
 OWN: Final = (*OBSERVED, "error", "regime")

@@ -8,11 +8,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from core.errors import Problem
-from core.intake.section import Content, Resolved, Section
-from core.quantities import QUANTITIES
-from core.study.distributions import CALIBRATION
-from core.study.units import UnitError, unit_factor
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.intake.section import Content, Resolved, Section
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.distributions import CALIBRATION
+from vibrafeed.core.study.units import UnitError, unit_factor
 
 MAX_BYTES = 200_000_000  # of a result
 DENSITY = "density_"
@@ -64,7 +64,7 @@ def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
     The result has the lists `values` and `densities`, for values in the units of files; densities
     of 0 at the ends are cut off.
     """
-    from core.dataset.read import read_netcdf  # few studies need it
+    from vibrafeed.core.dataset.read import read_netcdf  # few studies need it
 
     key = f"uncertain.{name}.{CALIBRATION}"
     fix = "Name the NetCDF file that `vibrafeed run` wrote of a study of kind 'calibrate'"

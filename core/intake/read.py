@@ -8,15 +8,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from core.errors import Problem
-from core.intake.draft import Draft
-from core.intake.text import read_content, read_json, read_toml
-from core.plan.prepared import Prepared
-from core.study.grid_study import Study
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.intake.draft import Draft
+from vibrafeed.core.intake.text import read_content, read_json, read_toml
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.study.grid_study import Study
 
 if TYPE_CHECKING:
-    from core.measured.drive import Fit
-    from core.study.simulate_study import SimulateStudy
+    from vibrafeed.core.measured.drive import Fit
+    from vibrafeed.core.study.simulate_study import SimulateStudy
 
 CALLER = 4
 """Calls from a warning to who asked `vibrafeed` for a study."""

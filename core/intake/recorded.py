@@ -11,19 +11,19 @@ from typing import Any, Final
 
 from pydantic import ValidationError
 
-from core import measured
-from core.errors import Problem, StudyError
-from core.intake.messages import problems_of
-from core.intake.section import Content, Resolved, Section, Stranger
-from core.quantities import QUANTITIES
-from core.study.drive import (
+from vibrafeed.core import measured
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.intake.messages import problems_of
+from vibrafeed.core.intake.section import Content, Resolved, Section, Stranger
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.drive import (
     MeasuredDrive,
     RecordedDrive,
     names_recording,
     only_the_plain_sine,
 )
-from core.study.units import UnitError, read_numbers
-from core.study.unusual import leaves_of
+from vibrafeed.core.study.units import UnitError, read_numbers
+from vibrafeed.core.study.unusual import leaves_of
 
 MAX_ROWS_SENT = 20_000  # rows of a recording from the network; fitting so many takes a second
 # Digits of kept numbers: more than a fit determines, and few enough to be equal on all processors.

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from core.errors import Problem
-from core.study.grid_study import PARAMETERS
-from core.suggestions import Suggestions
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.study.grid_study import PARAMETERS
+from vibrafeed.core.suggestions import Suggestions
 
 if TYPE_CHECKING:
-    from core.measured.drive import Fit
+    from vibrafeed.core.measured.drive import Fit
 
 Content = dict[str, Any]
 """What stands in a study: its keys and their values, as a file or request has them."""

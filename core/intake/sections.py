@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from typing import Any, Final
 
-from core.errors import Problem
-from core.intake.observed import OBSERVATIONS
-from core.intake.posteriors import UNCERTAIN
-from core.intake.recorded import DRIVE
-from core.intake.section import Section, Stranger, no_parameter
-from core.study.optimise_study import ANGLES, CRITERIA
-from core.study.reduction import LevelSet, Reduction
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.intake.observed import OBSERVATIONS
+from vibrafeed.core.intake.posteriors import UNCERTAIN
+from vibrafeed.core.intake.recorded import DRIVE
+from vibrafeed.core.intake.section import Section, Stranger, no_parameter
+from vibrafeed.core.study.optimise_study import ANGLES, CRITERIA
+from vibrafeed.core.study.reduction import LevelSet, Reduction
 
 
 def _parameter_names(parameters: Any, known: Collection[str]) -> Iterable[str]:

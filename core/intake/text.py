@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from core.errors import Problem, StudyError
-from core.intake.sections import SECTIONS
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.intake.sections import SECTIONS
 
 DEEPEST = 32  # levels of nesting; a study has 5, an execute request around it 2
 # What no study comes near: who sends more is refused before it is looked at closely.

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
-from core import calibrate, motion, optimise, sensitivity, sweep
-from core.lazy import Exported, lazily
+from vibrafeed.core import calibrate, motion, optimise, sensitivity, sweep
+from vibrafeed.core.lazy import Exported, lazily
 
 if TYPE_CHECKING:
-    from core.kinds.results import (
+    from vibrafeed.core.kinds.results import (
         is_whole,
         not_verified,
         prepare,
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
         share_left_out,
         tabulate,
     )
-    from core.plan.kind import Kind
+    from vibrafeed.core.plan.kind import Kind
 else:
     __getattr__ = lazily(
         __name__,

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from core.dataset.table import Table
-from core.kinds import KINDS
-from core.plan.pieces import carry_out
-from core.plan.prepared import Prepared
-from core.plan.sample import FAILED, LEFT_OUT
-from core.quantities import STATUSES
-from core.study.grid_study import Study
-from core.watch import Watch
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.plan.pieces import carry_out
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.plan.sample import FAILED, LEFT_OUT
+from vibrafeed.core.quantities import STATUSES
+from vibrafeed.core.study.grid_study import Study
+from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:
     import xarray
@@ -35,8 +35,8 @@ def run_study(study: Study, *, watch: Watch | None = None) -> xarray.Dataset:
 
     Examples
     --------
-    >>> from core.intake import load_study
-    >>> from core.kinds import run_study
+    >>> from vibrafeed.core.intake import load_study
+    >>> from vibrafeed.core.kinds import run_study
     >>> dataset = run_study(load_study("configs/figures/fig-5-1.toml"))
     """
     return tabulate(prepare(study), watch).to_xarray()

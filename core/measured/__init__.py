@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from core.lazy import lazily
+from vibrafeed.core.lazy import lazily
 
 __all__ = [
     "Clock",
@@ -23,10 +23,10 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from core.measured.drive import Clock, Fit, Fold, Tilt
-    from core.measured.fit import fit_drive, fit_signal
-    from core.measured.read import Fault, RecordingColumn, RecordingTable, read_table
-    from core.measured.recording import Recording, Signal, read_signal
+    from vibrafeed.core.measured.drive import Clock, Fit, Fold, Tilt
+    from vibrafeed.core.measured.fit import fit_drive, fit_signal
+    from vibrafeed.core.measured.read import Fault, RecordingColumn, RecordingTable, read_table
+    from vibrafeed.core.measured.recording import Recording, Signal, read_signal
 else:
     __getattr__ = lazily(
         __name__,

@@ -8,8 +8,8 @@ import itertools
 import re
 from pathlib import Path
 
-from core.measured.marks import contradictions
-from core.measured.read import SEPARATOR, decoded
+from vibrafeed.core.measured.marks import contradictions
+from vibrafeed.core.measured.read import SEPARATOR, decoded
 
 _NUMBER = re.compile(r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?)(\s*[^\d\s.,].*)?")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import Problem
+from vibrafeed.core.errors import Problem
 
 RUN = 3  # equal samples in a row that a clipped crest holds
 CREST = 4.0  # samples at an extreme value over those at the next: more is no crest

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.polynomial.legendre import legval
 from numpy.typing import NDArray
 
-from core.measured.harmonics import Array
-from core.measured.recording import Signal
+from vibrafeed.core.measured.harmonics import Array
+from vibrafeed.core.measured.recording import Signal
 
 
 class Clock(NamedTuple):

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from core.measured.drive import Clock, Fit, wrap_angle
-from core.measured.fundamental import DRIFT, fundamental, orders_below
-from core.measured.gravity import tilt_of
-from core.measured.harmonics import Array, Samples, Solution, solve_least_squares
-from core.measured.noise import Noise, covariance_of, hurdle, noise_of
-from core.measured.read import RecordingTable
-from core.measured.recording import Recording, Signal, read_signal
-from core.measured.validity import check_before, check_fit, check_orders
+from vibrafeed.core.measured.drive import Clock, Fit, wrap_angle
+from vibrafeed.core.measured.fundamental import DRIFT, fundamental, orders_below
+from vibrafeed.core.measured.gravity import tilt_of
+from vibrafeed.core.measured.harmonics import Array, Samples, Solution, solve_least_squares
+from vibrafeed.core.measured.noise import Noise, covariance_of, hurdle, noise_of
+from vibrafeed.core.measured.read import RecordingTable
+from vibrafeed.core.measured.recording import Recording, Signal, read_signal
+from vibrafeed.core.measured.validity import check_before, check_fit, check_orders
 
 
 def fit_drive(source: str | Path | RecordingTable, recording: Recording) -> Fit:

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.polynomial.legendre import legvander
 from scipy.fft import next_fast_len
 
-from core.measured.harmonics import Array, Samples, Solution, solve_least_squares
-from core.measured.noise import density_near, hurdle
-from core.measured.recording import MAX_ORDERS
-from core.measured.times import UNEVEN
+from vibrafeed.core.measured.harmonics import Array, Samples, Solution, solve_least_squares
+from vibrafeed.core.measured.noise import density_near, hurdle
+from vibrafeed.core.measured.recording import MAX_ORDERS
+from vibrafeed.core.measured.times import UNEVEN
 
 LEAST_PERIODS = 10  # periods that a recording needs
 MAX_LEFT = 0.5  # largest rms of the residual, over that of the harmonics

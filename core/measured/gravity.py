@@ -11,9 +11,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import Problem
-from core.measured.drive import Tilt
-from core.measured.recording import AXES, STANDARD_GRAVITY
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.measured.drive import Tilt
+from vibrafeed.core.measured.recording import AXES, STANDARD_GRAVITY
 
 Slopes = Mapping[str, tuple[float, float]]
 """Least and largest angle [rad] by which a track may rise along and across."""

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from core.errors import Problem
-from core.quantities.quantity import angle
-from core.study.units import UnitError, problem, read_number
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.quantities.quantity import angle
+from vibrafeed.core.study.units import UnitError, problem, read_number
 
 Angles = tuple[float | str, float | str, float | str]
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.measured.harmonics import Array, Samples, Solution, columns
+from vibrafeed.core.measured.harmonics import Array, Samples, Solution, columns
 
 BINS = 20  # bins whose mean estimates a density within a fifth; more reach too far in red noise
 LOWEST_BINS = 12  # about zero, where noise is steep and the drift hears the lowest bins only

@@ -20,9 +20,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import Problem, StudyError
-from core.measured.marks import ONE_MARK, contradictions
-from core.suggestions import suggestion
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.measured.marks import ONE_MARK, contradictions
+from vibrafeed.core.suggestions import suggestion
 
 MAX_BYTES = 50_000_000  # bytes of a file, or characters of a text
 MAX_ROWS = 500_000  # whose fit in three axes takes half a gigabyte and some ten seconds

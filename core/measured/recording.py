@@ -12,13 +12,13 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import Problem, StudyError
-from core.measured.clipped import clipping_problems
-from core.measured.mounting import Angles, direction
-from core.measured.read import RecordingColumn, RecordingTable, read_table
-from core.measured.times import read_times
-from core.quantities import QUANTITIES, Quantity
-from core.study.units import (
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.measured.clipped import clipping_problems
+from vibrafeed.core.measured.mounting import Angles, direction
+from vibrafeed.core.measured.read import RecordingColumn, RecordingTable, read_table
+from vibrafeed.core.measured.times import read_times
+from vibrafeed.core.quantities import QUANTITIES, Quantity
+from vibrafeed.core.study.units import (
     UnitError,
     UnknownUnitError,
     problem,

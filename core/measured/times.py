@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import Problem
-from core.measured.read import RecordingTable
-from core.quantities import Quantity
-from core.study.units import UnitError, problem, read_number, unit_factor
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.measured.read import RecordingTable
+from vibrafeed.core.quantities import Quantity
+from vibrafeed.core.study.units import UnitError, problem, read_number, unit_factor
 
 RATE = Quantity(
     "Hz", "f_s", "Sampling rate", "Samples a second.", 0.0, strict=True, parameter=True,

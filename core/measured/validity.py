@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.errors import Problem, StudyError
-from core.measured.fundamental import (
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.measured.fundamental import (
     LEAST_PERIODS,
     MAX_LEFT,
     NYQUIST_SHARE,
@@ -15,11 +15,11 @@ from core.measured.fundamental import (
     stands_out,
     strongest_line,
 )
-from core.measured.gravity import gravity_problems
-from core.measured.harmonics import Samples, Solution, solve_least_squares
-from core.measured.noise import Noise
-from core.measured.recording import FREQUENCY, LEAST_SAMPLES, Signal
-from core.study.unusual import likely_unit_of_times
+from vibrafeed.core.measured.gravity import gravity_problems
+from vibrafeed.core.measured.harmonics import Samples, Solution, solve_least_squares
+from vibrafeed.core.measured.noise import Noise
+from vibrafeed.core.measured.recording import FREQUENCY, LEAST_SAMPLES, Signal
+from vibrafeed.core.study.unusual import likely_unit_of_times
 
 STEPS = 1e-9, 1e3
 """Shortest and longest time from one sample to the next [s]: others are a wrong rate or unit."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics.arrays import Array, Mask
 
 QUARTER = np.pi / 2
 TINY = 2.0**-200  # far below the distance of any other float from a multiple of 90 degrees

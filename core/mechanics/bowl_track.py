@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.mechanics.angles import cosine
-from core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.angles import cosine
+from vibrafeed.core.mechanics.arrays import Array
 
 
 class Stretches(NamedTuple):

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.arrays import Array
 
 SEPARATION, SLIDING, STICK, TWO_SOLUTIONS, NO_SOLUTION = 0.0, 1.0, 2.0, 3.0, 4.0
-"""The cases. `contact_case` of `core.mechanics.corner` adds STICK to those of `case`."""
+"""The cases. `contact_case` of `vibrafeed.core.mechanics.corner` adds STICK to those of `case`."""
 
 
 def case(response: Array, free: Array) -> Array:

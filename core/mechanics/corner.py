@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.angles import cosine, sine
-from core.mechanics.arrays import Array, Mask, ratio
-from core.mechanics.complementarity import (
+from vibrafeed.core.mechanics.angles import cosine, sine
+from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
+from vibrafeed.core.mechanics.complementarity import (
     NO_SOLUTION,
     SEPARATION,
     SLIDING,
@@ -235,7 +235,7 @@ def contact_case(
     friction_static: Array,
     normal_response: Array,
 ) -> Array:
-    """Return the case of the contact, a number of `core.mechanics.complementarity`.
+    """Return the case of the contact, a number of `vibrafeed.core.mechanics.complementarity`.
 
     SEPARATION, SLIDING, STICK, TWO_SOLUTIONS or NO_SOLUTION. A corner at rest sticks if the force
     that would hold it (`holding_*`, per mass) lies in the cone of static friction; else the case

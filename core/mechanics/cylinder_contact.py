@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.mechanics import vectors
-from core.mechanics.arrays import Array, Mask
-from core.mechanics.cylinder_rims import minima, nearest_on_rims
-from core.mechanics.cylinders import Cylinder, separation
-from core.mechanics.rectangle_contact import ALIKE
-from core.mechanics.vectors import Vector, across, cross, dot, norm, plus, scaled
+from vibrafeed.core.mechanics import vectors
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics.cylinder_rims import minima, nearest_on_rims
+from vibrafeed.core.mechanics.cylinders import Cylinder, separation
+from vibrafeed.core.mechanics.rectangle_contact import ALIKE
+from vibrafeed.core.mechanics.vectors import Vector, across, cross, dot, norm, plus, scaled
 
 # What `form` says.
 NO_FORM, RIM_ON_FACE, RIM_ON_SIDE, FACE_ON_FACE, SIDE_ON_SIDE, SIDE_ON_FACE = range(6)

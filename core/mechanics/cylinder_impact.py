@@ -9,13 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.mechanics import impact, vectors
-from core.mechanics.angles import cosine, sine
-from core.mechanics.arrays import Array, Mask
-from core.mechanics.cylinder_contact import CylinderContact
-from core.mechanics.cylinders import Cylinder
-from core.mechanics.impact import SpatialDelassus, SpatialImpulse, only_in_impact
-from core.mechanics.vectors import Vector, cross, dot, minus, plus, scaled
+from vibrafeed.core.mechanics import impact, vectors
+from vibrafeed.core.mechanics.angles import cosine, sine
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics.cylinder_contact import CylinderContact
+from vibrafeed.core.mechanics.cylinders import Cylinder
+from vibrafeed.core.mechanics.impact import SpatialDelassus, SpatialImpulse, only_in_impact
+from vibrafeed.core.mechanics.vectors import Vector, cross, dot, minus, plus, scaled
 
 
 class CylinderMasses(NamedTuple):

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array
-from core.mechanics.cylinder_impact import (
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.cylinder_impact import (
     Approach,
     CylinderMasses,
     ImpactFrame,
@@ -18,9 +18,9 @@ from core.mechanics.cylinder_impact import (
     inertial,
     turning,
 )
-from core.mechanics.cylinders import Cylinder
-from core.mechanics.impact import SpatialImpulse
-from core.mechanics.vectors import dot
+from vibrafeed.core.mechanics.cylinders import Cylinder
+from vibrafeed.core.mechanics.impact import SpatialImpulse
+from vibrafeed.core.mechanics.vectors import dot
 
 
 def impulse_friction(*, spatial_impulse: SpatialImpulse) -> Array:

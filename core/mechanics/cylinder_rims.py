@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.mechanics import vectors
-from core.mechanics.arrays import Array, Mask
-from core.mechanics.cylinders import Cylinder, separation
-from core.mechanics.rectangle_contact import ALIKE
-from core.mechanics.vectors import Vector, across, cross, dot, norm, plus, scaled
+from vibrafeed.core.mechanics import vectors
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics.cylinders import Cylinder, separation
+from vibrafeed.core.mechanics.rectangle_contact import ALIKE
+from vibrafeed.core.mechanics.vectors import Vector, across, cross, dot, norm, plus, scaled
 
 SAMPLES = 24  # of a rim: its distance from an axis has at most two minima, far apart or shallow
 MAX_STEPS = 40  # bisection alone would need 50 to the last digit; Newton's steps need about 5

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.mechanics import vectors
-from core.mechanics.arrays import Array
-from core.mechanics.vectors import Vector, across, dot, norm
+from vibrafeed.core.mechanics import vectors
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.vectors import Vector, across, dot, norm
 
 
 class Cylinder(NamedTuple):

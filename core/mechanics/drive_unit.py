@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array, Mask, hypot
+from vibrafeed.core.mechanics.arrays import Array, Mask, hypot
 
 VACUUM_PERMEABILITY = 1.25663706127e-6  # N A-2, CODATA 2022
 FIRST_MODE = 22.373285448061052  # of a beam clamped at both ends: cos(x) cosh(x) = 1, squared

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from core.mechanics.arrays import Array, ratio
-from core.mechanics.orienting import PassedShares
+from vibrafeed.core.mechanics.arrays import Array, ratio
+from vibrafeed.core.mechanics.orienting import PassedShares
 
 PRIOR = 0.5
 """Count that each aspect has before the test, as by Jeffreys' prior."""

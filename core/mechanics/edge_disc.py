@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array, Mask
-from core.mechanics.round_parts import least_friction
-from core.mechanics.screws import Wrench, vector
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics.round_parts import least_friction
+from vibrafeed.core.mechanics.screws import Wrench, vector
 
 
 def leaves_wall(*, wall_balance: Array) -> Mask:

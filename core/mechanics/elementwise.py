@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.arrays import Array
 
 MANTISSA_BITS, BIAS = 52, 1023
 EXPONENT_MASK = 0x7FF << MANTISSA_BITS

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array, Mask, ratio
+from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
 
 
 def friction_static(*, friction: Array) -> Array:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics.arrays import Array, Mask
 
 EPSILON = float(np.finfo(np.float64).eps)  # distance of 1 from the next float
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array, hypot
-from core.mechanics.drive_unit import second_over_first
+from vibrafeed.core.mechanics.arrays import Array, hypot
+from vibrafeed.core.mechanics.drive_unit import second_over_first
 
 
 def natural_frequency(

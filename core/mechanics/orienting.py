@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.mechanics.angles import cosine
-from core.mechanics.arrays import Array, Mask, hypot, ratio
+from vibrafeed.core.mechanics.angles import cosine
+from vibrafeed.core.mechanics.arrays import Array, Mask, hypot, ratio
 
 Matrix = Sequence[Sequence[Array]]
 

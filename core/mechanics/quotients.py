@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array, ratio
-from core.mechanics.elementwise import Elementwise
+from vibrafeed.core.mechanics.arrays import Array, ratio
+from vibrafeed.core.mechanics.elementwise import Elementwise
 
 
 @Elementwise

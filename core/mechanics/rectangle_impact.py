@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.mechanics import impact
-from core.mechanics.arrays import Array, Mask
-from core.mechanics.impact import Impulse, only_in_impact
-from core.mechanics.rectangle_contact import Rectangle, RectangleContact
+from vibrafeed.core.mechanics import impact
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics.impact import Impulse, only_in_impact
+from vibrafeed.core.mechanics.rectangle_contact import Rectangle, RectangleContact
 
 
 class EdgeAction(NamedTuple):

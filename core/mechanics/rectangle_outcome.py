@@ -5,10 +5,10 @@ All functions take and return broadcastable float64 arrays, SI units, angles in 
 
 from __future__ import annotations
 
-from core.mechanics.arrays import Array
-from core.mechanics.impact import Impulse
-from core.mechanics.rectangle_contact import Rectangle
-from core.mechanics.rectangle_impact import (
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.impact import Impulse
+from vibrafeed.core.mechanics.rectangle_contact import Rectangle
+from vibrafeed.core.mechanics.rectangle_impact import (
     Arms,
     BodyVelocities,
     RectangleMasses,

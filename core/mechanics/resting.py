@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.angles import cosine, sine
-from core.mechanics.arrays import Array, Mask, hypot
+from vibrafeed.core.mechanics.angles import cosine, sine
+from vibrafeed.core.mechanics.arrays import Array, Mask, hypot
 
 
 def share_of_faces(along: Array, across: Array, apart: Array) -> Array:

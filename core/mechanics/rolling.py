@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array, Mask, hypot, ratio
-from core.mechanics.elementwise import Elementwise
+from vibrafeed.core.mechanics.arrays import Array, Mask, hypot, ratio
+from vibrafeed.core.mechanics.elementwise import Elementwise
 
 # Newton's steps: a solid cylinder has its root to the last bit after five, over all inputs that the
 # tests try; what turns more easily needs more. A loop over arrays stops as soon as no root moves; a

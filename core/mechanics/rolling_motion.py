@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics.arrays import Array, Mask
 
 
 class RollingContact(NamedTuple):

@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.angles import cosine, sine
-from core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.angles import cosine, sine
+from vibrafeed.core.mechanics.arrays import Array
 
 
 def rotation_x(angle: Array) -> Array:

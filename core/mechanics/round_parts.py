@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics import rolling
-from core.mechanics.angles import cosine, sine
-from core.mechanics.arrays import Array, Mask, hypot, ratio
+from vibrafeed.core.mechanics import rolling
+from vibrafeed.core.mechanics.angles import cosine, sine
+from vibrafeed.core.mechanics.arrays import Array, Mask, hypot, ratio
 
 # --- how much of a part turns
 

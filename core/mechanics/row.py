@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.angles import cosine, sine
-from core.mechanics.arrays import Array, Mask, ratio
+from vibrafeed.core.mechanics.angles import cosine, sine
+from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
 
 MINUTE = 60.0  # seconds
 MAX_PARTS = 64

@@ -14,8 +14,8 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.mechanics.rotations import turned
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.rotations import turned
 
 
 def vector(first: Array, second: Array, third: Array) -> Array:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array, Mask, ratio
+from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
 
 STEPS, OUTER_STEPS, DAMPING_STEPS = 7, 7, 8
 """Newton's steps for the speed after an impact, and for the damping by a restitution of both laws:

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.angles import cosine, sine
-from core.mechanics.arrays import Array, Mask, hypot
+from vibrafeed.core.mechanics.angles import cosine, sine
+from vibrafeed.core.mechanics.arrays import Array, Mask, hypot
 
 MAX_STEPS = 6
 """Newton's steps for the pulse: each at least squares the error, which is below 0.1 at the start.

@@ -13,10 +13,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from core.mechanics.angles import cosine
-from core.mechanics.arrays import Array, Mask, ratio
-from core.mechanics.elementwise import LOGARITHMIC, arc_quotient, arc_series
-from core.mechanics.quotients import (
+from vibrafeed.core.mechanics.angles import cosine
+from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
+from vibrafeed.core.mechanics.elementwise import LOGARITHMIC, arc_quotient, arc_series
+from vibrafeed.core.mechanics.quotients import (
     arctan_quotient,
     expm1_quotient,
     log1p_quotient,

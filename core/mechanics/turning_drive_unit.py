@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.angles import cosine, sine
-from core.mechanics.arrays import Array, hypot
-from core.mechanics.drive_unit import second_over_first
+from vibrafeed.core.mechanics.angles import cosine, sine
+from vibrafeed.core.mechanics.arrays import Array, hypot
+from vibrafeed.core.mechanics.drive_unit import second_over_first
 
 
 def turning_mass_empty(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics.arrays import Array, Mask
 
 Vector = tuple[Array, Array, Array]
 """Components along x, y, z."""

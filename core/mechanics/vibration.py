@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.angles import cosine, sine
-from core.mechanics.arrays import Array, Mask, compensated_sum, hypot, ratio
+from vibrafeed.core.mechanics.angles import cosine, sine
+from vibrafeed.core.mechanics.arrays import Array, Mask, compensated_sum, hypot, ratio
 
 # Between them a square is a float with all its digits.
 FAR_BELOW, FAR_ABOVE = 1e-150, 1e150

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array, Mask, compensated_sum, ratio
+from vibrafeed.core.mechanics.arrays import Array, Mask, compensated_sum, ratio
 
 
 def centripetal_acceleration(*, speed: Array, radius: Array) -> Array:

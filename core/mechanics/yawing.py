@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.angles import cosine, sine
-from core.mechanics.arrays import Array, Mask, hypot, ratio
-from core.mechanics.rolling import is_rolling
-from core.mechanics.screws import ScrewKind, ScrewReduction, Wrench, vector
+from vibrafeed.core.mechanics.angles import cosine, sine
+from vibrafeed.core.mechanics.arrays import Array, Mask, hypot, ratio
+from vibrafeed.core.mechanics.rolling import is_rolling
+from vibrafeed.core.mechanics.screws import ScrewKind, ScrewReduction, Wrench, vector
 
 
 def level_gravity(*, gravity: Array) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from core.lazy import lazily
+from vibrafeed.core.lazy import lazily
 
 __all__ = [
     "KIND",
@@ -14,10 +14,10 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from core.motion.kind import KIND
-    from core.motion.prepare import Simulation
-    from core.motion.result import Motion
-    from core.motion.systems import SYSTEMS
+    from vibrafeed.core.motion.kind import KIND
+    from vibrafeed.core.motion.prepare import Simulation
+    from vibrafeed.core.motion.result import Motion
+    from vibrafeed.core.motion.systems import SYSTEMS
 else:
     __getattr__ = lazily(
         __name__,

@@ -19,8 +19,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array, ratio
-from core.motion.groups import Contacts, Groups, in_plane
+from vibrafeed.core.mechanics.arrays import Array, ratio
+from vibrafeed.core.motion.groups import Contacts, Groups, in_plane
 
 
 def fastest_velocity(

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from core.mechanics.arrays import Array
-from core.scenes import cylinder_isolated, rectangle_isolated
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.scenes import cylinder_isolated, rectangle_isolated
 
 
 class Body(NamedTuple):

@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import Problem
-from core.mechanics.arrays import Array, Mask
-from core.mechanics.bowl_track import (
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics.bowl_track import (
     Stretches,
     bounds,
     picked,
@@ -26,13 +26,13 @@ from core.mechanics.bowl_track import (
     stretches_of,
     total_length,
 )
-from core.motion.rates import parts_per_minute
-from core.plan.equations import run
-from core.quantities import QUANTITIES
-from core.quantities.bowl_track import OF_STRETCHES
-from core.scenes.graph import between
-from core.scenes.scene import Condition, Equation, fields, keywords
-from core.study.simulate_study import SETTINGS
+from vibrafeed.core.motion.rates import parts_per_minute
+from vibrafeed.core.plan.equations import run
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities.bowl_track import OF_STRETCHES
+from vibrafeed.core.scenes.graph import between
+from vibrafeed.core.scenes.scene import Condition, Equation, fields, keywords
+from vibrafeed.core.study.simulate_study import SETTINGS
 
 SOURCE = "theory 15.6"
 PARTS = 16

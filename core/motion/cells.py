@@ -9,8 +9,8 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from core.motion.result import COLUMNS, STATUS
-from core.watch import Watch
+from vibrafeed.core.motion.result import COLUMNS, STATUS
+from vibrafeed.core.watch import Watch
 
 Kernel = Callable[
     [NDArray[np.float64], NDArray[np.float64], NDArray[np.int8], NDArray[np.int8]], object

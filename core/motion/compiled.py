@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from core.lazy import lazily
+from vibrafeed.core.lazy import lazily
 
 __all__ = [
     "again",
@@ -25,8 +25,8 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from core.motion.kernels import cells, rows, stepping, track, tumbling
-    from core.motion.kernels.planar import again, derive, flow, solve, unrepeated, wave
+    from vibrafeed.core.motion.kernels import cells, rows, stepping, track, tumbling
+    from vibrafeed.core.motion.kernels.planar import again, derive, flow, solve, unrepeated, wave
 else:
     _ONE_PACKAGE = ("cells", "rows", "stepping", "track", "tumbling")
     _PLANAR = ("again", "derive", "flow", "solve", "unrepeated", "wave")

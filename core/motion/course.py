@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.motion.groups import Groups
-from core.motion.waves import ALONG, NORMAL, position_at
-from core.quantities import MOTION_MODES, Flag
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.groups import Groups
+from vibrafeed.core.motion.waves import ALONG, NORMAL, position_at
+from vibrafeed.core.quantities import MOTION_MODES, Flag
+from vibrafeed.core.watch import Watch
 
 TRAJECTORY_FLAGS: dict[str, Mapping[str, Flag]] = {"motion_mode": MOTION_MODES}
 """The flags of trajectories, with their meanings."""

@@ -15,14 +15,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.motion import compiled, planar
-from core.motion.cells import run_cells
-from core.motion.groups import Contacts, Groups, cells_of, in_plane
-from core.motion.kernels.planar.slope_tables import DERIVED, DERIVED_BY
-from core.motion.result import COLUMNS, STATUS, Energy, Motion, motion_of
-from core.motion.systems import CONTACTS
-from core.plan.derivatives import (
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion import compiled, planar
+from vibrafeed.core.motion.cells import run_cells
+from vibrafeed.core.motion.groups import Contacts, Groups, cells_of, in_plane
+from vibrafeed.core.motion.kernels.planar.slope_tables import DERIVED, DERIVED_BY
+from vibrafeed.core.motion.result import COLUMNS, STATUS, Energy, Motion, motion_of
+from vibrafeed.core.motion.systems import CONTACTS
+from vibrafeed.core.plan.derivatives import (
     DERIVATIVE_STATUS,
     Derivatives,
     Derived,
@@ -31,10 +31,10 @@ from core.plan.derivatives import (
     derivatives,
     values_of,
 )
-from core.plan.duals import Dual, slope_of, value_of
-from core.plan.equations import regimes, run
-from core.plan.plan import Plan, plan_scene
-from core.watch import Watch
+from vibrafeed.core.plan.duals import Dual, slope_of, value_of
+from vibrafeed.core.plan.equations import regimes, run
+from vibrafeed.core.plan.plan import Plan, plan_scene
+from vibrafeed.core.watch import Watch
 
 HALVINGS = 12  # times that the step of a finite difference is halved
 LARGEST_STEP = 0.02  # relative step of a parameter, the first of a series of finite differences
@@ -248,8 +248,8 @@ def derivatives_at(
     Parameters
     ----------
     plan : Plan
-        Plan of a scene, or of a system of `core.motion.systems` with the settings of its method
-        among the defaults.
+        Plan of a scene, or of a system of `vibrafeed.core.motion.systems` with the settings of its
+        method among the defaults.
     cells : mapping of str to array_like
         Parameters of the cells by name, SI units.
     parameters : collection of str
@@ -260,7 +260,7 @@ def derivatives_at(
     Raises
     ------
     StudyError
-        As `core.plan.derivatives.derivatives` does.
+        As `vibrafeed.core.plan.derivatives.derivatives` does.
     """
     watch = watch or Watch()
     if not any(equation.takes_long for equation in plan.equations):

@@ -8,13 +8,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import Problem, StudyError
-from core.measured import Fit
-from core.motion.prepare import Simulation, prepare
-from core.plan.equations import run_equations
-from core.plan.grid import parameter_to_si
-from core.study.simulate_study import SimulateStudy
-from core.study.values import Fixed
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.measured import Fit
+from vibrafeed.core.motion.prepare import Simulation, prepare
+from vibrafeed.core.plan.equations import run_equations
+from vibrafeed.core.plan.grid import parameter_to_si
+from vibrafeed.core.study.simulate_study import SimulateStudy
+from vibrafeed.core.study.values import Fixed
 
 LEAST_DRAWS, MAX_DRAWS = 20, 10_000
 """Fewest and most samples of the drive. Of 20, half a sample lies beyond each of `ENDS`; of 10,000,

@@ -12,21 +12,21 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from core.errors import Problem
-from core.mechanics import bowl_drive_unit, drive_unit
-from core.mechanics.angles import cosine, sine
-from core.mechanics.arrays import Array, Mask
-from core.motion import bowl_track
-from core.motion.bowl_track import Track, track_of
-from core.motion.driven import under_wave
-from core.motion.drives import SINE, Shape
-from core.motion.groups import Contacts
-from core.motion.part_load import Load, PartLoad, part_load
-from core.motion.waves import Wave
-from core.quantities.drive import DRIVE
-from core.quantities.drive_unit import DRIVE_UNIT
-from core.scenes import SCENES, Condition, Equation, Scene
-from core.scenes.scene import fields
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.mechanics import bowl_drive_unit, drive_unit
+from vibrafeed.core.mechanics.angles import cosine, sine
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.motion import bowl_track
+from vibrafeed.core.motion.bowl_track import Track, track_of
+from vibrafeed.core.motion.driven import under_wave
+from vibrafeed.core.motion.drives import SINE, Shape
+from vibrafeed.core.motion.groups import Contacts
+from vibrafeed.core.motion.part_load import Load, PartLoad, part_load
+from vibrafeed.core.motion.waves import Wave
+from vibrafeed.core.quantities.drive import DRIVE
+from vibrafeed.core.quantities.drive_unit import DRIVE_UNIT
+from vibrafeed.core.scenes import SCENES, Condition, Equation, Scene
+from vibrafeed.core.scenes.scene import fields
 
 SOURCE = "theory 15.5"
 PARAMETERS_OF_UNIT = frozenset(name for name, quantity in DRIVE_UNIT.items() if quantity.parameter)

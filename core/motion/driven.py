@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from core.mechanics.arrays import Array, ratio
-from core.motion import limits, waves
-from core.motion.drives import Shape
-from core.motion.groups import Groups
-from core.motion.result import STATUS, Motion
-from core.motion.waves import Wave
-from core.scenes import Scene
-from core.scenes.scene import Equation, keywords, taking
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array, ratio
+from vibrafeed.core.motion import limits, waves
+from vibrafeed.core.motion.drives import Shape
+from vibrafeed.core.motion.groups import Groups
+from vibrafeed.core.motion.result import STATUS, Motion
+from vibrafeed.core.motion.waves import Wave
+from vibrafeed.core.scenes import Scene
+from vibrafeed.core.scenes.scene import Equation, keywords, taking
+from vibrafeed.core.watch import Watch
 
 AT_LIMIT = 1e-13
 """Relative excess over the limit of static friction up to which a step of a drive is still at the

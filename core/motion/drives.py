@@ -13,12 +13,12 @@ from typing import Protocol
 
 import numpy as np
 
-from core.errors import Problem
-from core.mechanics.angles import cosine, sine
-from core.mechanics.arrays import Array, ratio
-from core.motion import waves
-from core.motion.waves import TURN, Wave
-from core.quantities.drive import AXES, DRIVE
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.mechanics.angles import cosine, sine
+from vibrafeed.core.mechanics.arrays import Array, ratio
+from vibrafeed.core.motion import waves
+from vibrafeed.core.motion.waves import TURN, Wave
+from vibrafeed.core.quantities.drive import AXES, DRIVE
 
 CLOSED = 1e-9
 """Mean acceleration over the mean size of its steps, below which it is rounding of the study's

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.regimes import percent
-from core.mechanics.arrays import Array
-from core.motion.rates import parts_per_minute
-from core.motion.result import ANSWERED, STATUS, Motion
-from core.quantities import DIRECTIONS
-from core.scenes.scene import Equation
+from vibrafeed.core.dataset.regimes import percent
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.rates import parts_per_minute
+from vibrafeed.core.motion.result import ANSWERED, STATUS, Motion
+from vibrafeed.core.quantities import DIRECTIONS
+from vibrafeed.core.scenes.scene import Equation
 
 if TYPE_CHECKING:
-    from core.dataset.table import Table
+    from vibrafeed.core.dataset.table import Table
 
 RESOLVED = 1e-9
 """Difference of two mean velocities, over the drive's speed, below which they are the same."""

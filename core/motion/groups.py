@@ -12,8 +12,8 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.mechanics.arrays import Array
-from core.motion.waves import Wave, of_columns, of_row
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.waves import Wave, of_columns, of_row
 
 Numbers: TypeAlias = Any
 """An array of many parts, or the plain number of one."""

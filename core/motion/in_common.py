@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.motion.groups import Contacts, Groups
-from core.motion.planar import SETS_LANDINGS
-from core.motion.price import some_cells
-from core.plan.grid import Grid, positions_of
-from core.plan.plan import Plan
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.groups import Contacts, Groups
+from vibrafeed.core.motion.planar import SETS_LANDINGS
+from vibrafeed.core.motion.price import some_cells
+from vibrafeed.core.plan.grid import Grid, positions_of
+from vibrafeed.core.plan.plan import Plan
 
 SIBLINGS = 4
 """Cells with the same motion normal to the floor that a trial follows together."""

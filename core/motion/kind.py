@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, Final
 
-from core.motion.prepare import choose_system
-from core.motion.reduced import prepare_reduced
-from core.motion.run import compute, label
-from core.motion.systems import SYSTEMS
-from core.plan.kind import Kind
-from core.study.simulate_study import SimulateStudy
+from vibrafeed.core.motion.prepare import choose_system
+from vibrafeed.core.motion.reduced import prepare_reduced
+from vibrafeed.core.motion.run import compute, label
+from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.plan.kind import Kind
+from vibrafeed.core.study.simulate_study import SimulateStudy
 
 _SINE: Final = {"frequency": 50, "amplitude": "0.2 mm", "beta": 30, "friction": 0.4}
 _WAVE: Final = {

@@ -1,6 +1,6 @@
 """The demands of a drive on the machine, by axis: largest acceleration, stroke, largest jerk.
 
-Of the plain sine in closed form; of any other wave as `core.motion.waves` finds it.
+Of the plain sine in closed form; of any other wave as `vibrafeed.core.motion.waves` finds it.
 """
 
 from __future__ import annotations
@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.mechanics.arrays import Array
-from core.motion import waves
-from core.motion.waves import Wave
-from core.quantities.drive import AXES, WHERE
-from core.scenes.scene import Equation, taking
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion import waves
+from vibrafeed.core.motion.waves import Wave
+from vibrafeed.core.quantities.drive import AXES, WHERE
+from vibrafeed.core.scenes.scene import Equation, taking
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from core.motion.course import TrajectoryRequest, TrajectoryValues
-from core.motion.groups import Contacts
-from core.motion.price import Pricing
-from core.scenes import Constraint
+from vibrafeed.core.motion.course import TrajectoryRequest, TrajectoryValues
+from vibrafeed.core.motion.groups import Contacts
+from vibrafeed.core.motion.price import Pricing
+from vibrafeed.core.scenes import Constraint
 
 Follow = Callable[..., Any]
 """An equation: takes by keyword a part's numbers, the settings that it needs and a `watch`; returns

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.arrays import Array
 
 
 class Path(NamedTuple):

@@ -9,9 +9,9 @@ from functools import cached_property
 
 import numpy as np
 
-from core.mechanics.arrays import Array
-from core.motion.groups import Groups, Numbers
-from core.motion.waves import ALONG, ENDS, TURN, Wave, step_speeds
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.groups import Groups, Numbers
+from vibrafeed.core.motion.waves import ALONG, ENDS, TURN, Wave, step_speeds
 
 Three = tuple[Numbers, Numbers, Numbers]
 

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from core.motion import compiled
-from core.motion.groups import Groups
-from core.motion.kernels.results import RESULTS
-from core.quantities import MOTION_STATUSES
+from vibrafeed.core.motion import compiled
+from vibrafeed.core.motion.groups import Groups
+from vibrafeed.core.motion.kernels.results import RESULTS
+from vibrafeed.core.quantities import MOTION_STATUSES
 
 if TYPE_CHECKING:
-    from core.motion.kernels.arrays import Floats, Statuses, Stop
-    from core.motion.kernels.planar.drive import Waves
+    from vibrafeed.core.motion.kernels.arrays import Floats, Statuses, Stop
+    from vibrafeed.core.motion.kernels.planar.drive import Waves
 
 NOT_COMPUTED = MOTION_STATUSES["not_computed"].value
 NORMAL_DRIVE = Groups._fields.index("drive_number_normal")

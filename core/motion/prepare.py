@@ -8,37 +8,43 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from core.errors import Problem, StudyError
-from core.mechanics.arrays import Array
-from core.motion.bowl_track import AlongTrack
-from core.motion.drive_units import on_unit, unit_of
-from core.motion.driven import driven
-from core.motion.drives import shape_of, what_is_open
-from core.motion.groups import Contacts
-from core.motion.in_common import families_of
-from core.motion.method import Method
-from core.motion.part_load import price_of_load
-from core.motion.price import Priced, prices_of, sampled_parameters, seconds_of, some_cells
-from core.motion.rolling_scene import ROLLING
-from core.motion.row_scene import ROW, choose_row, of_unit
-from core.motion.soft_floor import LINING, on_soft_floor
-from core.motion.systems import CONTACTS, SYSTEMS, methods_of
-from core.motion.trial import TRIED_CELLS, Trial
-from core.plan.derived import Asked, asked_of
-from core.plan.grid import Grid
-from core.plan.plan import Plan, choose_scene
-from core.plan.prepared import (
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.bowl_track import AlongTrack
+from vibrafeed.core.motion.drive_units import on_unit, unit_of
+from vibrafeed.core.motion.driven import driven
+from vibrafeed.core.motion.drives import shape_of, what_is_open
+from vibrafeed.core.motion.groups import Contacts
+from vibrafeed.core.motion.in_common import families_of
+from vibrafeed.core.motion.method import Method
+from vibrafeed.core.motion.part_load import price_of_load
+from vibrafeed.core.motion.price import (
+    Priced,
+    prices_of,
+    sampled_parameters,
+    seconds_of,
+    some_cells,
+)
+from vibrafeed.core.motion.rolling_scene import ROLLING
+from vibrafeed.core.motion.row_scene import ROW, choose_row, of_unit
+from vibrafeed.core.motion.soft_floor import LINING, on_soft_floor
+from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS, methods_of
+from vibrafeed.core.motion.trial import TRIED_CELLS, Trial
+from vibrafeed.core.plan.derived import Asked, asked_of
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.plan import Plan, choose_scene
+from vibrafeed.core.plan.prepared import (
     Chosen,
     Prepared,
     broken_constraints,
     plan_study,
 )
-from core.plan.price import pace
-from core.quantities import QUANTITIES
-from core.reduce.checks import problems_of, problems_of_names
-from core.scenes import Scene
-from core.study.simulate_study import MAX_PERIODS, SimulateStudy
-from core.study.values import Fixed
+from vibrafeed.core.plan.price import pace
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.reduce.checks import problems_of, problems_of_names
+from vibrafeed.core.scenes import Scene
+from vibrafeed.core.study.simulate_study import MAX_PERIODS, SimulateStudy
+from vibrafeed.core.study.values import Fixed
 
 SCALES = ("velocity_scale", "length_scale")
 ERROR = "conveying_velocity_error"
@@ -173,7 +179,7 @@ def tried_price(
     cells
         Number of cells of the study, which limits the time of the trial.
     """
-    from core.kernel_cache import are_kept, packages
+    from vibrafeed.core.kernel_cache import are_kept, packages
 
     if not are_kept(name for name in packages() if name.startswith("motion-")):
         return price_of(method, plan, grid, free)[0]

@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from core.mechanics.arrays import Array, Mask
-from core.motion.groups import Contacts, Groups, in_plane
-from core.plan.equations import run
-from core.plan.grid import Grid, random_positions
-from core.plan.plan import Plan
-from core.scenes.graph import behind
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.motion.groups import Contacts, Groups, in_plane
+from vibrafeed.core.plan.equations import run
+from vibrafeed.core.plan.grid import Grid, random_positions
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.scenes.graph import behind
 
 CELLS = 32
 """Most cells of a study from which its time is estimated."""

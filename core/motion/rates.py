@@ -6,11 +6,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from core.errors import Problem, StudyError
-from core.mechanics.arrays import Array
-from core.mechanics.travel import distance_bound
-from core.quantities import QUANTITIES
-from core.study.units import UnitError, in_own_unit, problem
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.travel import distance_bound
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.units import UnitError, in_own_unit, problem
 
 _MEASURED: Final = {
     "velocity": "conveying_velocity", "gap": "part_gap", "parts_per_minute": "feed_rate"

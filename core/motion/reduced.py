@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from core.motion.prepare import Simulation, prepare
-from core.motion.verify import accuracy, verified_at
-from core.plan.labels import global_attributes
-from core.plan.sample import Sample, chosen_positions
-from core.reduce.reduced import Reduced
-from core.study.simulate_study import SimulateStudy
-from core.watch import Watch
+from vibrafeed.core.motion.prepare import Simulation, prepare
+from vibrafeed.core.motion.verify import accuracy, verified_at
+from vibrafeed.core.plan.labels import global_attributes
+from vibrafeed.core.plan.sample import Sample, chosen_positions
+from vibrafeed.core.reduce.reduced import Reduced
+from vibrafeed.core.study.simulate_study import SimulateStudy
+from vibrafeed.core.watch import Watch
 
 
 class ReducedSimulation(Reduced, Simulation):

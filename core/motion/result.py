@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array, Mask
-from core.quantities import MOTION_STATUSES
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.quantities import MOTION_STATUSES
 
 
 class Motion(NamedTuple):

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics import round_parts
-from core.mechanics.arrays import Array, Mask
-from core.mechanics.rolling_motion import RollingContact
-from core.motion import feeding, limits, scales
-from core.motion.feeding import DEFAULTS
-from core.motion.groups import BLOCK_ON_FLOOR, Groups
-from core.motion.method import Method
-from core.motion.methods import METHODS, rolling
-from core.motion.result import Motion, has_status
-from core.motion.row_scene import drive_number_along
-from core.scenes.scene import (
+from vibrafeed.core.mechanics import round_parts
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics.rolling_motion import RollingContact
+from vibrafeed.core.motion import feeding, limits, scales
+from vibrafeed.core.motion.feeding import DEFAULTS
+from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Groups
+from vibrafeed.core.motion.method import Method
+from vibrafeed.core.motion.methods import METHODS, rolling
+from vibrafeed.core.motion.result import Motion, has_status
+from vibrafeed.core.motion.row_scene import drive_number_along
+from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
     STATIC_ABOVE_KINETIC,
     Condition,

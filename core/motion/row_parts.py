@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from core.errors import Problem
-from core.mechanics.arrays import Array
-from core.motion.methods.rows import RowParts
-from core.quantities.row import NUMBERS
-from core.scenes.scene import keywords
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.methods.rows import RowParts
+from vibrafeed.core.quantities.row import NUMBERS
+from vibrafeed.core.scenes.scene import keywords
 
 STOP_GAPS = {"track_stop_gap": "track", "fixed_stop_gap": "space"}
 """Parameters that put a stop in front of a row, and which; at most one of them is given."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array, Mask, ratio
-from core.motion import scales
-from core.motion.feeding import occupancy
-from core.motion.methods.rows import RowMotion, RowParts
-from core.motion.rates import parts_per_minute
-from core.motion.result import STATUS
-from core.quantities.row import MAX_NUMBERED
-from core.scenes.scene import Condition, Equation, fields
+from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
+from vibrafeed.core.motion import scales
+from vibrafeed.core.motion.feeding import occupancy
+from vibrafeed.core.motion.methods.rows import RowMotion, RowParts
+from vibrafeed.core.motion.rates import parts_per_minute
+from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.quantities.row import MAX_NUMBERED
+from vibrafeed.core.scenes.scene import Condition, Equation, fields
 
 SOURCE = "theory 17"
 IN_TURN = 3.7241

@@ -5,18 +5,18 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from core.errors import Problem
-from core.mechanics.angles import cosine
-from core.mechanics.arrays import Array
-from core.motion import limits
-from core.motion.drive_units import ChosenUnit
-from core.motion.driven import driven
-from core.motion.drives import shape_of
-from core.motion.feeding import DEFAULTS
-from core.motion.groups import BLOCK_ON_FLOOR, row_groups
-from core.motion.methods import METHODS
-from core.motion.row_parts import NumberedParts, contradictions, numbered
-from core.motion.row_results import (
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.mechanics.angles import cosine
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion import limits
+from vibrafeed.core.motion.drive_units import ChosenUnit
+from vibrafeed.core.motion.driven import driven
+from vibrafeed.core.motion.drives import shape_of
+from vibrafeed.core.motion.feeding import DEFAULTS
+from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, row_groups
+from vibrafeed.core.motion.methods import METHODS
+from vibrafeed.core.motion.row_parts import NumberedParts, contradictions, numbered
+from vibrafeed.core.motion.row_results import (
     BEFORE_MOTION,
     CONDITIONS,
     HELD,
@@ -28,7 +28,13 @@ from core.motion.row_results import (
     own_masses,
     own_static,
 )
-from core.scenes.scene import STANDARD_GRAVITY, STATIC_ABOVE_KINETIC, Constraint, Equation, Scene
+from vibrafeed.core.scenes.scene import (
+    STANDARD_GRAVITY,
+    STATIC_ABOVE_KINETIC,
+    Constraint,
+    Equation,
+    Scene,
+)
 
 ROW = "row-on-plane"
 

@@ -8,25 +8,30 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.table import (
+from vibrafeed.core.dataset.table import (
     Table,
     TableVariable,
     flag_attributes,
     quantity_attributes,
 )
-from core.motion.course import TRAJECTORY_FLAGS, TrajectoryRequest, TrajectoryValues
-from core.motion.derivatives import derivatives_at
-from core.motion.groups import Contacts
-from core.motion.prepare import Simulation
-from core.motion.reduced import ReducedSimulation
-from core.motion.systems import CONTACTS
-from core.motion.verify import accuracy, verified
-from core.plan.derived import cells_of
-from core.plan.equations import regimes, run_equations
-from core.plan.labels import coordinates_of, global_attributes, outputs_of, verdict_variables
-from core.plan.pieces import Computed
-from core.quantities import FLAGS
-from core.watch import Watch
+from vibrafeed.core.motion.course import TRAJECTORY_FLAGS, TrajectoryRequest, TrajectoryValues
+from vibrafeed.core.motion.derivatives import derivatives_at
+from vibrafeed.core.motion.groups import Contacts
+from vibrafeed.core.motion.prepare import Simulation
+from vibrafeed.core.motion.reduced import ReducedSimulation
+from vibrafeed.core.motion.systems import CONTACTS
+from vibrafeed.core.motion.verify import accuracy, verified
+from vibrafeed.core.plan.derived import cells_of
+from vibrafeed.core.plan.equations import regimes, run_equations
+from vibrafeed.core.plan.labels import (
+    coordinates_of,
+    global_attributes,
+    outputs_of,
+    verdict_variables,
+)
+from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.quantities import FLAGS
+from vibrafeed.core.watch import Watch
 
 TIME = "cycle_time"
 """The axis of a trajectory."""

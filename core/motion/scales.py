@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.angles import cosine, sine
-from core.mechanics.arrays import Array, Mask, ratio
-from core.mechanics.vibration import throw
-from core.motion.result import Motion
+from vibrafeed.core.mechanics.angles import cosine, sine
+from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
+from vibrafeed.core.mechanics.vibration import throw
+from vibrafeed.core.motion.result import Motion
 
 
 def drive_number(*, vibration_acceleration: Array, gravity: Array) -> Array:

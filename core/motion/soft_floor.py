@@ -15,12 +15,12 @@ from functools import cache
 
 import numpy as np
 
-from core.mechanics import soft_contact
-from core.mechanics.arrays import Array
-from core.motion.groups import Groups
-from core.motion.methods.regularised import sprung
-from core.motion.systems import SYSTEMS
-from core.scenes.scene import Condition, Constraint, Equation, Scene, taking
+from vibrafeed.core.mechanics import soft_contact
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.groups import Groups
+from vibrafeed.core.motion.methods.regularised import sprung
+from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.scenes.scene import Condition, Constraint, Equation, Scene, taking
 
 SOURCE = "theory 18.3"
 FALLING, LINING, DAMPED = "restitution_speed", "lining_stiffness", "contact_damping_ratio"

@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from core.mechanics.arrays import Array, Mask, ratio
-from core.motion.result import Energy, Motion
-from core.scenes.scene import Condition, Equation
+from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
+from vibrafeed.core.motion.result import Energy, Motion
+from vibrafeed.core.scenes.scene import Condition, Equation
 
 SOURCE = "theory 13.15"
 

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from core.mechanics.arrays import Array
-from core.motion.waves import ALONG, ENDS, TURN, Wave, level, push, speed
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.waves import ALONG, ENDS, TURN, Wave, level, push, speed
 
 NEAR = 1e-8
 """Share of a step: if a jump of the push is nearer to the end of a step, both are moved apart. In a

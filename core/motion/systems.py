@@ -13,19 +13,19 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.mechanics import vibration
-from core.mechanics.arrays import Array, Mask
-from core.motion import best_wave, feeding, groups, limits, scales, spending
-from core.motion.feeding import RESOLVED
-from core.motion.groups import SOLID_CYLINDER, Contacts
-from core.motion.method import Method
-from core.motion.methods import METHODS
-from core.motion.result import Motion, has_status
-from core.motion.rolling_scene import ROLLING, rolling_scenes
-from core.motion.row_scene import ROW, row_scene
-from core.motion.tumbling_scene import cylinder, rectangle, tumbling_scene
-from core.quantities import QUANTITIES
-from core.scenes.scene import (
+from vibrafeed.core.mechanics import vibration
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.motion import best_wave, feeding, groups, limits, scales, spending
+from vibrafeed.core.motion.feeding import RESOLVED
+from vibrafeed.core.motion.groups import SOLID_CYLINDER, Contacts
+from vibrafeed.core.motion.method import Method
+from vibrafeed.core.motion.methods import METHODS
+from vibrafeed.core.motion.result import Motion, has_status
+from vibrafeed.core.motion.rolling_scene import ROLLING, rolling_scenes
+from vibrafeed.core.motion.row_scene import ROW, row_scene
+from vibrafeed.core.motion.tumbling_scene import cylinder, rectangle, tumbling_scene
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
     STATIC_ABOVE_KINETIC,
     Condition,

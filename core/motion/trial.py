@@ -14,13 +14,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from core.errors import StoppedError
-from core.mechanics.arrays import Array
-from core.motion.in_common import Families
-from core.motion.result import STATUS
-from core.plan.equations import run_equations
-from core.plan.plan import Plan
-from core.watch import Watch
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.in_common import Families
+from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.plan.equations import run_equations
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.watch import Watch
 
 TRIED_CELLS = 256
 """Most cells that a trial follows."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from core.mechanics.arrays import Array, Mask
-from core.motion.bodies import Part, TumblingCylinder, TumblingRectangle
-from core.motion.groups import Contacts
-from core.motion.methods import METHODS
-from core.motion.methods.tumbling import Throw, Tumble
-from core.motion.result import STATUS
-from core.scenes.scene import (
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.motion.bodies import Part, TumblingCylinder, TumblingRectangle
+from vibrafeed.core.motion.groups import Contacts
+from vibrafeed.core.motion.methods import METHODS
+from vibrafeed.core.motion.methods.tumbling import Throw, Tumble
+from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
     STATIC_ABOVE_KINETIC,
     Condition,

@@ -9,18 +9,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.motion.feeding import RESOLVED
-from core.motion.prepare import ERROR, Simulation, other_method
-from core.motion.result import ANSWERED, STATUS
-from core.motion.systems import methods_of
-from core.plan.equations import run_equations
-from core.plan.grid import from_si
-from core.plan.plan import Plan, plan_scene, scene_parameters
-from core.plan.sample import Sample, sample_of
-from core.quantities import QUANTITIES
-from core.scenes import Scene
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.feeding import RESOLVED
+from vibrafeed.core.motion.prepare import ERROR, Simulation, other_method
+from vibrafeed.core.motion.result import ANSWERED, STATUS
+from vibrafeed.core.motion.systems import methods_of
+from vibrafeed.core.plan.equations import run_equations
+from vibrafeed.core.plan.grid import from_si
+from vibrafeed.core.plan.plan import Plan, plan_scene, scene_parameters
+from vibrafeed.core.plan.sample import Sample, sample_of
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.scenes import Scene
+from vibrafeed.core.watch import Watch
 
 EXACT_MEANS = [STATUS[name] for name in ("periodic", "at_rest", "neutral", "settled")]
 """Statuses of motions all of whose outputs two methods should agree on."""

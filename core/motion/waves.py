@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.mechanics.arrays import Array, ratio
+from vibrafeed.core.mechanics.arrays import Array, ratio
 
 TURN = 2 * np.pi
 ALONG, ACROSS, NORMAL, ENDS = range(4)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from core.lazy import lazily
+from vibrafeed.core.lazy import lazily
 
 __all__ = [
     "KIND",
@@ -15,10 +15,10 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from core.optimise.kind import KIND
-    from core.optimise.methods import METHODS
-    from core.optimise.optimisation import Optimisation
-    from core.optimise.reach import nearest, ways
+    from vibrafeed.core.optimise.kind import KIND
+    from vibrafeed.core.optimise.methods import METHODS
+    from vibrafeed.core.optimise.optimisation import Optimisation
+    from vibrafeed.core.optimise.reach import nearest, ways
 else:
     __getattr__ = lazily(
         __name__,

@@ -13,15 +13,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array, Mask
-from core.optimise.methods import METHODS
-from core.optimise.problem import Kept, OptimisationProblem, cells_of, chosen_cells
-from core.optimise.robust import SEED, Uncertain, samples_of
-from core.plan.draws import points, values_at
-from core.plan.grid import parameter_to_si
-from core.plan.replicates import REPLICATES
-from core.plan.statistics import Estimate, mean_and_deviation, probability, quantiles, share
-from core.study.distributions import tolerance
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.optimise.methods import METHODS
+from vibrafeed.core.optimise.problem import Kept, OptimisationProblem, cells_of, chosen_cells
+from vibrafeed.core.optimise.robust import SEED, Uncertain, samples_of
+from vibrafeed.core.plan.draws import points, values_at
+from vibrafeed.core.plan.grid import parameter_to_si
+from vibrafeed.core.plan.replicates import REPLICATES
+from vibrafeed.core.plan.statistics import (
+    Estimate,
+    mean_and_deviation,
+    probability,
+    quantiles,
+    share,
+)
+from vibrafeed.core.study.distributions import tolerance
 
 TIMES, TIMES_MOTION = 16, 4  # the points of a search in each scrambling; motions take long
 BLOCK = 1 << 18  # evaluations at a time, which bounds the memory

@@ -8,27 +8,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.optimise import known_optima
-from core.optimise.afresh import OBJECTIVE, Afresh
-from core.optimise.codes import STATUS
-from core.optimise.conditions import residual
-from core.optimise.grid import dense_grid, reliable_grid
-from core.optimise.methods import METHODS
-from core.optimise.optima import Optima
-from core.optimise.optimisation import Optimisation
-from core.optimise.problem import (
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise import known_optima
+from vibrafeed.core.optimise.afresh import OBJECTIVE, Afresh
+from vibrafeed.core.optimise.codes import STATUS
+from vibrafeed.core.optimise.conditions import residual
+from vibrafeed.core.optimise.grid import dense_grid, reliable_grid
+from vibrafeed.core.optimise.methods import METHODS
+from vibrafeed.core.optimise.optima import Optima
+from vibrafeed.core.optimise.optimisation import Optimisation
+from vibrafeed.core.optimise.problem import (
     LIMIT,
     ROUNDING,
     OptimisationProblem,
     broken_names,
     chosen_cells,
 )
-from core.optimise.single import spread
-from core.optimise.slopes import slopes
-from core.plan.grid import from_si
-from core.quantities import REGIMES
-from core.study.optimise_study import Maximise, Pareto
+from vibrafeed.core.optimise.single import spread
+from vibrafeed.core.optimise.slopes import slopes
+from vibrafeed.core.plan.grid import from_si
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.study.optimise_study import Maximise, Pareto
 
 FORWARD = ("acceleration_x", "starting_acceleration", "conveying_velocity")
 """Outputs that are forward motion where they are positive."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from core.errors import Problem
-from core.optimise.robust import LEAST_SHARE, MAX_UNCERTAIN
-from core.quantities import FLAGS
-from core.scenes import SCENES, Scene
-from core.study.distributions import Distribution
-from core.study.optimise_study import Limited, OptimiseStudy, Pareto
-from core.study.values import Between, Values
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.optimise.robust import LEAST_SHARE, MAX_UNCERTAIN
+from vibrafeed.core.quantities import FLAGS
+from vibrafeed.core.scenes import SCENES, Scene
+from vibrafeed.core.study.distributions import Distribution
+from vibrafeed.core.study.optimise_study import Limited, OptimiseStudy, Pareto
+from vibrafeed.core.study.values import Between, Values
 
 
 def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Problem]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from core.quantities import OPTIMUM_STATUSES
+from vibrafeed.core.quantities import OPTIMUM_STATUSES
 
 STATUS: Mapping[str, int] = {name: flag.value for name, flag in OPTIMUM_STATUSES.items()}
 """The value of each `OPTIMUM_STATUSES` entry."""

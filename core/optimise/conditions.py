@@ -8,8 +8,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array, Mask
-from core.optimise.problem import OptimisationProblem
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.optimise.problem import OptimisationProblem
 
 STEP = 1e-6  # of a variable's range; differences of the outputs then keep about ten digits
 MAX_SUBSETS = 4000  # sets of binding constraints that are tried

@@ -8,15 +8,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array, Mask, ratio
-from core.optimise import known_optima
-from core.optimise.codes import STATUS
-from core.optimise.methods import METHODS
-from core.optimise.optima import Optima
-from core.optimise.problem import LIMIT, OptimisationProblem, cells_of
-from core.study.optimise_study import Pareto, Weighted
-from core.study.spacing import evenly
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
+from vibrafeed.core.optimise import known_optima
+from vibrafeed.core.optimise.codes import STATUS
+from vibrafeed.core.optimise.methods import METHODS
+from vibrafeed.core.optimise.optima import Optima
+from vibrafeed.core.optimise.problem import LIMIT, OptimisationProblem, cells_of
+from vibrafeed.core.study.optimise_study import Pareto, Weighted
+from vibrafeed.core.study.spacing import evenly
+from vibrafeed.core.watch import Watch
 
 WIDE = 1e3  # of the other output's scale: a limit that never binds
 HEAVY = 1e3  # weight that puts the other output first; a steeper ridge is harder to climb along

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from core.mechanics.arrays import Array
-from core.optimise.codes import STATUS
-from core.optimise.optima import Optima, status_of
-from core.optimise.problem import OptimisationProblem, cells_of, chosen_cells
-from core.optimise.reliable import most_reliable
-from core.optimise.single import spread
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise.codes import STATUS
+from vibrafeed.core.optimise.optima import Optima, status_of
+from vibrafeed.core.optimise.problem import OptimisationProblem, cells_of, chosen_cells
+from vibrafeed.core.optimise.reliable import most_reliable
+from vibrafeed.core.optimise.single import spread
+from vibrafeed.core.watch import Watch
 
 FIRST_POINTS = 40_000  # of the first grid of a design
 LATER_WIDTH = 9  # points along each variable of a later grid

@@ -5,13 +5,13 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import Any, Final
 
-from core.motion.systems import SYSTEMS
-from core.optimise.methods import METHODS
-from core.optimise.prepare import choose_problem_scene, prepare
-from core.optimise.run import compute, label
-from core.plan.kind import Kind
-from core.scenes import SCENES
-from core.study.optimise_study import OptimiseStudy
+from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.optimise.methods import METHODS
+from vibrafeed.core.optimise.prepare import choose_problem_scene, prepare
+from vibrafeed.core.optimise.run import compute, label
+from vibrafeed.core.plan.kind import Kind
+from vibrafeed.core.scenes import SCENES
+from vibrafeed.core.study.optimise_study import OptimiseStudy
 
 BATCHED = (
     ("rectangle-on-track", "physical"),

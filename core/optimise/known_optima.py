@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from core.mechanics.arrays import Array
-from core.optimise import newton
-from core.optimise.families import OF_SYSTEM
-from core.optimise.families.family import Family
-from core.optimise.families.optimum import Optimum, ParetoSet
-from core.optimise.optima import Optima
-from core.optimise.problem import LIMIT, OptimisationProblem
-from core.study.optimise_study import Pareto
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise import newton
+from vibrafeed.core.optimise.families import OF_SYSTEM
+from vibrafeed.core.optimise.families.family import Family
+from vibrafeed.core.optimise.families.optimum import Optimum, ParetoSet
+from vibrafeed.core.optimise.optima import Optima
+from vibrafeed.core.optimise.problem import LIMIT, OptimisationProblem
+from vibrafeed.core.study.optimise_study import Pareto
 
 ANGLES = ("alpha", "beta")
 

@@ -8,27 +8,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.table import (
+from vibrafeed.core.dataset.table import (
     Table,
     TableVariable,
     flag_attributes,
     quantity_attributes,
     regime_attributes,
 )
-from core.optimise.front import FLAT
-from core.optimise.methods import METHODS
-from core.optimise.optimisation import Optimisation
-from core.optimise.problem import broken_names
-from core.optimise.sentences import criterion_in_words
-from core.optimise.slopes import sensitive
-from core.optimise.verify import accuracy, verified
-from core.plan.labels import coordinates_of, global_attributes, link_to_verdict
-from core.plan.pieces import Computed
-from core.plan.replicates import INTERVAL, REPLICATES
-from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES, Flag
-from core.quantities.quantity import in_sentence
-from core.study.optimise_study import Pareto
-from core.watch import Watch
+from vibrafeed.core.optimise.front import FLAT
+from vibrafeed.core.optimise.methods import METHODS
+from vibrafeed.core.optimise.optimisation import Optimisation
+from vibrafeed.core.optimise.problem import broken_names
+from vibrafeed.core.optimise.sentences import criterion_in_words
+from vibrafeed.core.optimise.slopes import sensitive
+from vibrafeed.core.optimise.verify import accuracy, verified
+from vibrafeed.core.plan.labels import coordinates_of, global_attributes, link_to_verdict
+from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.plan.replicates import INTERVAL, REPLICATES
+from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES, Flag
+from vibrafeed.core.quantities.quantity import in_sentence
+from vibrafeed.core.study.optimise_study import Pareto
+from vibrafeed.core.watch import Watch
 
 BINDS = {
     "free": Flag(0, "the constraint is not active"),

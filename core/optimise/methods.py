@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from core.mechanics.arrays import Array
-from core.optimise import known_optima, scipy_methods
-from core.optimise.grid import MAX_GRIDDED, by_grid, with_best_rest
-from core.optimise.optima import Optima, Solver
-from core.optimise.population import by_population
-from core.optimise.problem import OptimisationProblem
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise import known_optima, scipy_methods
+from vibrafeed.core.optimise.grid import MAX_GRIDDED, by_grid, with_best_rest
+from vibrafeed.core.optimise.optima import Optima, Solver
+from vibrafeed.core.optimise.population import by_population
+from vibrafeed.core.optimise.problem import OptimisationProblem
+from vibrafeed.core.watch import Watch
 
 
 def _known(solver: Callable[[OptimisationProblem, Mapping[str, Array]], Optima]) -> Solver:

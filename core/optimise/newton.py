@@ -1,8 +1,8 @@
 """The best angles of the drive for whole batches of designs and any bounds, compiled (theory 12).
 
 Maximises a_x (on the track K) over alpha and beta subject to |a_y| <= limit, floor and wall forces
-that push, and bounds of both angles. `core.optimise.families` holds closed forms for the default
-bounds; both agree to rounding.
+that push, and bounds of both angles. `vibrafeed.core.optimise.families` holds closed forms for the
+default bounds; both agree to rounding.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from core.mechanics.arrays import Array
-from core.optimise.codes import Flags, Statuses
-from core.optimise.families import FAMILIES
-from core.optimise.kernels.columns import COLUMNS
-from core.threads import share_out
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise.codes import Flags, Statuses
+from vibrafeed.core.optimise.families import FAMILIES
+from vibrafeed.core.optimise.kernels.columns import COLUMNS
+from vibrafeed.core.threads import share_out
 
 PIECE = 1024  # designs of one call of the kernel
 
@@ -122,7 +122,7 @@ def fastest(
         optimality conditions, bits of binding constraints and status, arrays of the broadcast
         shape.
     """
-    from core.optimise.kernels.newton import solve
+    from vibrafeed.core.optimise.kernels.newton import solve
 
     parts = np.broadcast_arrays(
         vibration_acceleration,

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.optimise.codes import STATUS
-from core.optimise.problem import OptimisationProblem
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise.codes import STATUS
+from vibrafeed.core.optimise.problem import OptimisationProblem
+from vibrafeed.core.watch import Watch
 
 
 @dataclass(frozen=True)

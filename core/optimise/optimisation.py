@@ -7,19 +7,19 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from core.mechanics.arrays import Array
-from core.motion.method import Method
-from core.motion.prepare import other_method, price_of, tried_price
-from core.motion.systems import methods_of
-from core.optimise.problem import OptimisationProblem, broken_names
-from core.optimise.robust import NODES
-from core.optimise.scipy_methods import search_budget
-from core.optimise.sentences import criterion_in_words
-from core.optimise.slopes import sensitive
-from core.plan.grid import Grid
-from core.plan.prepared import Box, Prepared
-from core.quantities import QUANTITIES
-from core.study.optimise_study import OptimiseStudy, Pareto
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.method import Method
+from vibrafeed.core.motion.prepare import other_method, price_of, tried_price
+from vibrafeed.core.motion.systems import methods_of
+from vibrafeed.core.optimise.problem import OptimisationProblem, broken_names
+from vibrafeed.core.optimise.robust import NODES
+from vibrafeed.core.optimise.scipy_methods import search_budget
+from vibrafeed.core.optimise.sentences import criterion_in_words
+from vibrafeed.core.optimise.slopes import sensitive
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.prepared import Box, Prepared
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.optimise_study import OptimiseStudy, Pareto
 
 QUICK = ("exact", "newton")  # without a search
 QUICK_SECONDS, OTHER_SECONDS, MOTION_SECONDS = 2e-5, 0.05, 1.2

@@ -10,13 +10,13 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.optimise.codes import STATUS
-from core.optimise.optima import Optima
-from core.optimise.problem import OptimisationProblem, cells_of, chosen_cells, columns
-from core.optimise.robust import NODES
-from core.optimise.single import spread
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise.codes import STATUS
+from vibrafeed.core.optimise.optima import Optima
+from vibrafeed.core.optimise.problem import OptimisationProblem, cells_of, chosen_cells, columns
+from vibrafeed.core.optimise.robust import NODES
+from vibrafeed.core.optimise.single import spread
+from vibrafeed.core.watch import Watch
 
 MEMBERS = 24  # of a population, and 8 more for each variable
 SAMPLES = 1024  # points from which the first members are taken

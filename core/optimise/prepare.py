@@ -7,13 +7,13 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from core.errors import Problem, StudyError
-from core.motion.prepare import choose_system
-from core.motion.systems import CONTACTS, SYSTEMS
-from core.optimise.checks import misplaced, of_other_drive, problems_of_intervals
-from core.optimise.methods import METHODS, default_method, refusal
-from core.optimise.optimisation import Optimisation
-from core.optimise.problem import (
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.motion.prepare import choose_system
+from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS
+from vibrafeed.core.optimise.checks import misplaced, of_other_drive, problems_of_intervals
+from vibrafeed.core.optimise.methods import METHODS, default_method, refusal
+from vibrafeed.core.optimise.optimisation import Optimisation
+from vibrafeed.core.optimise.problem import (
     CONTACT_OUTPUTS,
     LIMIT,
     SECOND,
@@ -21,20 +21,20 @@ from core.optimise.problem import (
     OptimisationProblem,
     Variable,
 )
-from core.optimise.robust import uncertain_of
-from core.optimise.search import MAX_VARIABLES
-from core.optimise.slopes import MAX_SENSITIVE
-from core.plan.grid import Grid, to_si
-from core.plan.plan import choose_scene
-from core.plan.prepared import Chosen, locate_problem, plan_study
-from core.quantities import QUANTITIES
-from core.scenes import Scene
-from core.scenes.graph import behind
-from core.study.distributions import Distribution, nominal, tolerance
-from core.study.drive import only_the_plain_sine
-from core.study.optimise_study import ANGLES, Limited, OptimiseStudy, Pareto
-from core.study.values import Between, Fixed, Span, Values
-from core.suggestions import suggestion
+from vibrafeed.core.optimise.robust import uncertain_of
+from vibrafeed.core.optimise.search import MAX_VARIABLES
+from vibrafeed.core.optimise.slopes import MAX_SENSITIVE
+from vibrafeed.core.plan.grid import Grid, to_si
+from vibrafeed.core.plan.plan import choose_scene
+from vibrafeed.core.plan.prepared import Chosen, locate_problem, plan_study
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.scenes import Scene
+from vibrafeed.core.scenes.graph import behind
+from vibrafeed.core.study.distributions import Distribution, nominal, tolerance
+from vibrafeed.core.study.drive import only_the_plain_sine
+from vibrafeed.core.study.optimise_study import ANGLES, Limited, OptimiseStudy, Pareto
+from vibrafeed.core.study.values import Between, Fixed, Span, Values
+from vibrafeed.core.suggestions import suggestion
 
 FRONT = "front"
 

@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.motion.result import Motion
-from core.optimise.robust import Uncertain
-from core.plan.equations import regimes, run_equations
-from core.plan.grid import from_si
-from core.plan.plan import Plan
-from core.quantities import QUANTITIES
-from core.study.optimise_study import Criterion, Limited, Minimise, Pareto, Weighted
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.result import Motion
+from vibrafeed.core.optimise.robust import Uncertain
+from vibrafeed.core.plan.equations import regimes, run_equations
+from vibrafeed.core.plan.grid import from_si
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.optimise_study import Criterion, Limited, Minimise, Pareto, Weighted
+from vibrafeed.core.watch import Watch
 
 LIMIT = "limit"
 """Name of the limit of a criterion, and of its value among the arrays of a design."""

@@ -13,14 +13,14 @@ from typing import Any, TypeVar
 import numpy as np
 from pydantic import BaseModel
 
-from core.errors import VibrafeedError
-from core.optimise.codes import STATUS
-from core.optimise.kind import KIND
-from core.optimise.prepare import prepare
-from core.plan.pieces import carry_out
-from core.study.grid_study import Study
-from core.study.optimise_study import Maximise, Minimise, OptimiseStudy, OutputLimit
-from core.study.values import Between, Fixed
+from vibrafeed.core.errors import VibrafeedError
+from vibrafeed.core.optimise.codes import STATUS
+from vibrafeed.core.optimise.kind import KIND
+from vibrafeed.core.optimise.prepare import prepare
+from vibrafeed.core.plan.pieces import carry_out
+from vibrafeed.core.study.grid_study import Study
+from vibrafeed.core.study.optimise_study import Maximise, Minimise, OptimiseStudy, OutputLimit
+from vibrafeed.core.study.values import Between, Fixed
 
 Section = TypeVar("Section", bound=BaseModel)
 

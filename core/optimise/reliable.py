@@ -12,8 +12,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.optimise.problem import LONGEST, UNKNOWN, OptimisationProblem
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise.problem import LONGEST, UNKNOWN, OptimisationProblem
 
 NICHES = 128  # cells of a grid along each variable; the best point of each cell competes
 FOLLOWED = 32  # points that are followed again, for each of the shares below

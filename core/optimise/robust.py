@@ -11,12 +11,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from core.mechanics.arrays import Array
-from core.plan import draws
-from core.plan.draws import values_at
-from core.plan.grid import parameter_to_si
-from core.study.distributions import Distribution, tolerance
-from core.study.values import Between
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan import draws
+from vibrafeed.core.plan.draws import values_at
+from vibrafeed.core.plan.grid import parameter_to_si
+from vibrafeed.core.study.distributions import Distribution, tolerance
+from vibrafeed.core.study.values import Between
 
 NODES = 9  # over the interval of an uncertain parameter
 SAMPLES = 64  # points drawn from distributions, for all candidates of a search

@@ -9,18 +9,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.optimise.afresh import judged_afresh
-from core.optimise.checked import checked
-from core.optimise.front import distinct_points, find_front, knee
-from core.optimise.labels import label
-from core.optimise.methods import METHODS
-from core.optimise.optimisation import Optimisation
-from core.optimise.problem import LIMIT, OptimisationProblem, cells_of, chosen_cells
-from core.plan.grid import Grid
-from core.plan.pieces import Computed
-from core.study.optimise_study import Limited, Pareto
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise.afresh import judged_afresh
+from vibrafeed.core.optimise.checked import checked
+from vibrafeed.core.optimise.front import distinct_points, find_front, knee
+from vibrafeed.core.optimise.labels import label
+from vibrafeed.core.optimise.methods import METHODS
+from vibrafeed.core.optimise.optimisation import Optimisation
+from vibrafeed.core.optimise.problem import LIMIT, OptimisationProblem, cells_of, chosen_cells
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.study.optimise_study import Limited, Pareto
+from vibrafeed.core.watch import Watch
 
 RETRIES = 8  # solutions with more nodes where fresh points break a limit
 BLOCK_CELLS = 65_536  # optima that are computed at a time, which bounds the memory

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import scipy
 
-from core.mechanics.arrays import Array
-from core.optimise.codes import STATUS
-from core.optimise.optima import Optima, Solver, status_of
-from core.optimise.problem import OptimisationProblem, cells_of, chosen_cells
-from core.optimise.search import parts_of, search_maximum
-from core.optimise.single import NO_VALUE, Single, spread
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise.codes import STATUS
+from vibrafeed.core.optimise.optima import Optima, Solver, status_of
+from vibrafeed.core.optimise.problem import OptimisationProblem, cells_of, chosen_cells
+from vibrafeed.core.optimise.search import parts_of, search_maximum
+from vibrafeed.core.optimise.single import NO_VALUE, Single, spread
+from vibrafeed.core.watch import Watch
 
 DesignSearch = Callable[[Single], tuple[Array, str]]
 """Takes one design; returns the best point of the unit box, and what the method says."""

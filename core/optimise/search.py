@@ -21,8 +21,8 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from core.mechanics.arrays import Array
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.watch import Watch
 
 Evaluate = Callable[[Array], Array]
 """Takes points (n, d), returns values (n,); what is not finite counts as no value."""

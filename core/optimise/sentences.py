@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from core.optimise.problem import OptimisationProblem
-from core.quantities import QUANTITIES
-from core.study.distributions import Distribution, nominal, tolerance
-from core.study.optimise_study import Limited, Pareto, Weighted
-from core.study.values import Between
+from vibrafeed.core.optimise.problem import OptimisationProblem
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.distributions import Distribution, nominal, tolerance
+from vibrafeed.core.study.optimise_study import Limited, Pareto, Weighted
+from vibrafeed.core.study.values import Between
 
 
 def criterion_in_words(problem: OptimisationProblem) -> str:

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from core.mechanics.arrays import Array
-from core.optimise.problem import OptimisationProblem, columns
-from core.optimise.reliable import most_reliable
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise.problem import OptimisationProblem, columns
+from vibrafeed.core.optimise.reliable import most_reliable
+from vibrafeed.core.watch import Watch
 
 STEP = 1e-6  # of a variable's range, for central differences: 1e-10 of the slope is left
 NO_VALUE = 1e6  # stands for a missing value where an optimiser needs a number

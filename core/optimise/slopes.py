@@ -7,11 +7,11 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.motion.derivatives import derivatives_at
-from core.optimise.problem import OptimisationProblem
-from core.plan.derivatives import DERIVATIVE_STATUS, values_of
-from core.plan.plan import plan_scene
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.derivatives import derivatives_at
+from vibrafeed.core.optimise.problem import OptimisationProblem
+from vibrafeed.core.plan.derivatives import DERIVATIVE_STATUS, values_of
+from vibrafeed.core.plan.plan import plan_scene
 
 MAX_SENSITIVE = 1_000
 """Designs of a study that asks for sensitivities: each is derived by itself."""

@@ -11,19 +11,19 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.motion.verify import Comparison, compare
-from core.optimise.afresh import judged_afresh
-from core.optimise.codes import STATUS
-from core.optimise.methods import METHODS, refusal
-from core.optimise.optimisation import Optimisation
-from core.optimise.problem import LIMIT, ROUNDING, chosen_cells
-from core.plan.grid import to_si
-from core.plan.sample import Sample, sample_of
-from core.quantities import QUANTITIES
-from core.study.optimise_study import Limited, Pareto
-from core.sweep.verify import AGAINST, Rounding, rounding_of
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.verify import Comparison, compare
+from vibrafeed.core.optimise.afresh import judged_afresh
+from vibrafeed.core.optimise.codes import STATUS
+from vibrafeed.core.optimise.methods import METHODS, refusal
+from vibrafeed.core.optimise.optimisation import Optimisation
+from vibrafeed.core.optimise.problem import LIMIT, ROUNDING, chosen_cells
+from vibrafeed.core.plan.grid import to_si
+from vibrafeed.core.plan.sample import Sample, sample_of
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.optimise_study import Limited, Pareto
+from vibrafeed.core.sweep.verify import AGAINST, Rounding, rounding_of
+from vibrafeed.core.watch import Watch
 
 RIVALS = ("population", "newton", "exact", "grid")
 """Methods by which optima are verified: the first that differs and can solve the problem."""

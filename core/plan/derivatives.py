@@ -1,7 +1,8 @@
 """Derivatives of the outputs of a plan by its parameters, at many cells in one pass.
 
-The equations of the plan are run on numbers that carry their derivative (`core.plan.duals`): each
-is exact up to rounding. What has no formula, such as a motion, comes with a rule of its own.
+The equations of the plan are run on numbers that carry their derivative
+(`vibrafeed.core.plan.duals`): each is exact up to rounding. What has no formula, such as a motion,
+comes with a rule of its own.
 """
 
 from __future__ import annotations
@@ -13,12 +14,12 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import Problem, StudyError
-from core.mechanics.arrays import Array
-from core.plan.duals import Dual, NotDifferentiableError, slope_of, unbox, value_of
-from core.plan.plan import Plan
-from core.quantities.derivative import DERIVATIVE_STATUSES
-from core.scenes import Equation
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.duals import Dual, NotDifferentiableError, slope_of, unbox, value_of
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.quantities.derivative import DERIVATIVE_STATUSES
+from vibrafeed.core.scenes import Equation
 
 SIDE = 1e-6  # step to either side of a switch, as a share of the parameter
 WIDER = 16  # the farther points are so many steps away

@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.table import TableVariable, flag_attributes
-from core.errors import Problem, StudyError
-from core.plan.plan import Plan
-from core.quantities import QUANTITIES
-from core.quantities.derivative import DERIVATIVE_STATUSES
-from core.quantities.quantity import in_sentence
-from core.suggestions import suggestion
+from vibrafeed.core.dataset.table import TableVariable, flag_attributes
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities.derivative import DERIVATIVE_STATUSES
+from vibrafeed.core.quantities.quantity import in_sentence
+from vibrafeed.core.suggestions import suggestion
 
 if TYPE_CHECKING:
-    from core.plan.derivatives import Derivatives
-    from core.plan.grid import Grid
+    from vibrafeed.core.plan.derivatives import Derivatives
+    from vibrafeed.core.plan.grid import Grid
 
 SECTION = "sensitivities"
 MAX_DERIVED = 2_000_000

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 import numpy as np
 import scipy
 
-from core.mechanics.arrays import Array
-from core.plan.grid import parameter_to_si
-from core.study.distributions import Distribution, quantiles
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.grid import parameter_to_si
+from vibrafeed.core.study.distributions import Distribution, quantiles
 
 BITS = 30
 """Binary digits of a coordinate; points lie in the middle of cells of that size, so that none lies

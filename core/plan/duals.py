@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from core.mechanics.arrays import Array
-from core.plan.operations import OPERATIONS
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.operations import OPERATIONS
 
 
 class NotDifferentiableError(TypeError):

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.plan.plan import Plan
-from core.plan.verdicts import Verdict
-from core.quantities import REGIMES
-from core.scenes import Equation
-from core.watch import Watch
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.verdicts import Verdict
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.scenes import Equation
+from vibrafeed.core.watch import Watch
 
 Known = dict[str, Any]
 """Quantities by name: arrays that broadcast, SI units, and bundles of them."""

@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.plan.blocks import Progress, Results, evaluate_in_blocks
-from core.plan.equations import regimes, run_equations
-from core.plan.grid import Grid
-from core.plan.loops.fused import Fused, groups_of
-from core.plan.loops.trace import traced
-from core.plan.plan import Plan
-from core.watch import Watch
+from vibrafeed.core.plan.blocks import Progress, Results, evaluate_in_blocks
+from vibrafeed.core.plan.equations import regimes, run_equations
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.loops.fused import Fused, groups_of
+from vibrafeed.core.plan.loops.trace import traced
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.watch import Watch
 
 FEW_CELLS = 16_384
 """Number of cells that numpy computes in about a millisecond: no loop is compiled for fewer."""
@@ -134,7 +134,7 @@ def repays(missing: Iterable[str], seconds: float) -> bool:
         spent = max(_spent[source] for source in missing)
     if spent < LOAD_SECONDS and "numba" not in sys.modules:
         return False
-    from core.kernel_cache import is_on_disk
+    from vibrafeed.core.kernel_cache import is_on_disk
 
     wait = sum(FIND_SECONDS if is_on_disk(source) else COMPILE_SECONDS for source in missing)
     return spent >= wait

@@ -11,9 +11,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.angles import radians
-from core.quantities import QUANTITIES
-from core.study.values import Fixed, Points, Span, Values
+from vibrafeed.core.mechanics.angles import radians
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.values import Fixed, Points, Span, Values
 
 
 def to_si(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:

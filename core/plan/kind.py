@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from core.dataset.table import Table
-from core.plan.pieces import Computed
-from core.plan.prepared import Chosen, Prepared
-from core.plan.sketch import Sketch
-from core.scenes import Scene
-from core.study.grid_study import Study
-from core.watch import Watch
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.plan.prepared import Chosen, Prepared
+from vibrafeed.core.plan.sketch import Sketch
+from vibrafeed.core.scenes import Scene
+from vibrafeed.core.study.grid_study import Study
+from vibrafeed.core.watch import Watch
 
 
 @dataclass(frozen=True)

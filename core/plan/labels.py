@@ -8,21 +8,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import core
-from core.dataset.table import (
+from vibrafeed import core
+from vibrafeed.core.dataset.table import (
     CONVENTIONS,
     REFERENCES,
     TableVariable,
     quantity_attributes,
     regime_attributes,
 )
-from core.plan.grid import Grid
-from core.plan.plan import Plan
-from core.plan.prepared import Prepared
-from core.quantities import QUANTITIES
-from core.study.drive import MeasuredDrive
-from core.study.grid_study import DrivenStudy
-from core.study.values import Fixed, Values
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.drive import MeasuredDrive
+from vibrafeed.core.study.grid_study import DrivenStudy
+from vibrafeed.core.study.values import Fixed, Values
 
 
 def coordinates_of(plan: Plan, grid: Grid) -> dict[str, TableVariable]:

@@ -1,9 +1,10 @@
 """The table of operations: what each reader of an equation makes of a function of numpy.
 
-An equation is written once, for arrays. Three readers run it on something else: `core.plan.duals`
-on numbers with a derivative, `core.plan.loops` on nodes of a graph, whose steps become a compiled
-loop, and `core.sweep.precise` on numbers of 50 digits. A row of the table is all that they know of
-one function; where a row has nothing for a reader, that reader refuses the function.
+An equation is written once, for arrays. Three readers run it on something else:
+`vibrafeed.core.plan.duals` on numbers with a derivative, `vibrafeed.core.plan.loops` on nodes of a
+graph, whose steps become a compiled loop, and `vibrafeed.core.sweep.precise` on numbers of 50
+digits. A row of the table is all that they know of one function; where a row has nothing for a
+reader, that reader refuses the function.
 """
 
 from __future__ import annotations
@@ -15,15 +16,15 @@ from typing import Any
 
 import numpy as np
 
-from core.mechanics.angles import cosine, sine
-from core.mechanics.elementwise import (
+from vibrafeed.core.mechanics.angles import cosine, sine
+from vibrafeed.core.mechanics.elementwise import (
     LOGARITHMIC,
     arc_quotient,
     arc_series,
     binade,
     exponent,
 )
-from core.mechanics.quotients import (
+from vibrafeed.core.mechanics.quotients import (
     arctan_quotient,
     expm1_quotient,
     log1p_quotient,
@@ -32,7 +33,7 @@ from core.mechanics.quotients import (
     tan_quotient,
     tanh_quotient,
 )
-from core.mechanics.rolling import slip_share
+from vibrafeed.core.mechanics.rolling import slip_share
 
 Function = Callable[..., Any]
 
@@ -44,8 +45,8 @@ class Operation:
     Attributes
     ----------
     function : callable
-        The function: one of numpy's elementwise functions or of `core.mechanics.elementwise`, or
-        `numpy.where`.
+        The function: one of numpy's elementwise functions or of
+        `vibrafeed.core.mechanics.elementwise`, or `numpy.where`.
     slope : callable or None
         Derivative of the result: takes the result, the arguments and their derivatives.
     loop : str

@@ -15,10 +15,10 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiling import stopwatch
-from core.dataset.table import Table
-from core.plan.prepared import Box, Prepared
-from core.watch import Watch
+from vibrafeed.core.compiling import stopwatch
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.plan.prepared import Box, Prepared
+from vibrafeed.core.watch import Watch
 
 Study = TypeVar("Study", bound=Prepared)
 

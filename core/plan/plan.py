@@ -6,16 +6,16 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from core.errors import Problem, StudyError
-from core.plan.verdicts import Verdict, verdicts_of
-from core.quantities import QUANTITIES, REGIMES
-from core.quantities.drive import DRIVE
-from core.quantities.flags import REGIME
-from core.quantities.motion import FEEDING, RESULTS
-from core.scenes import ALIASES, SCENES, Condition, Equation, Scene
-from core.scenes.aliases import ALTERNATIVES, BESIDE, NEEDS, NOT_OF_SHAPE, WRITTEN_AS
-from core.scenes.graph import behind
-from core.suggestions import Suggestions, by_synonym, suggestion
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.plan.verdicts import Verdict, verdicts_of
+from vibrafeed.core.quantities import QUANTITIES, REGIMES
+from vibrafeed.core.quantities.drive import DRIVE
+from vibrafeed.core.quantities.flags import REGIME
+from vibrafeed.core.quantities.motion import FEEDING, RESULTS
+from vibrafeed.core.scenes import ALIASES, SCENES, Condition, Equation, Scene
+from vibrafeed.core.scenes.aliases import ALTERNATIVES, BESIDE, NEEDS, NOT_OF_SHAPE, WRITTEN_AS
+from vibrafeed.core.scenes.graph import behind
+from vibrafeed.core.suggestions import Suggestions, by_synonym, suggestion
 
 
 @dataclass(frozen=True)

@@ -9,18 +9,18 @@ from typing import Any, ClassVar, Self
 
 from numpy.typing import NDArray
 
-from core.errors import LimitError, Problem, StudyError
-from core.plan.derived import Asked, is_status
-from core.plan.grid import Grid, from_si
-from core.plan.plan import Plan, plan_scene
-from core.plan.price import in_words
-from core.plan.shares import Shares
-from core.quantities import FLAGS, QUANTITIES
-from core.scenes import Scene
-from core.scenes.aliases import CONSTRAINTS
-from core.study.grid_study import PARAMETERS, Study
-from core.study.values import Values
-from core.suggestions import SEARCHED, intended
+from vibrafeed.core.errors import LimitError, Problem, StudyError
+from vibrafeed.core.plan.derived import Asked, is_status
+from vibrafeed.core.plan.grid import Grid, from_si
+from vibrafeed.core.plan.plan import Plan, plan_scene
+from vibrafeed.core.plan.price import in_words
+from vibrafeed.core.plan.shares import Shares
+from vibrafeed.core.quantities import FLAGS, QUANTITIES
+from vibrafeed.core.scenes import Scene
+from vibrafeed.core.scenes.aliases import CONSTRAINTS
+from vibrafeed.core.study.grid_study import PARAMETERS, Study
+from vibrafeed.core.study.values import Values
+from vibrafeed.core.suggestions import SEARCHED, intended
 
 Box = Mapping[str, tuple[int, int]]
 """A part of a grid: start and stop on the axes of which it is not the whole."""

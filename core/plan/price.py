@@ -12,12 +12,12 @@ from functools import cache
 
 import numpy as np
 
-from core.plan.evaluate import COMPILE_SECONDS
-from core.plan.grid import Grid
-from core.plan.loops.fused import Values, groups_of
-from core.plan.loops.program import edge_of, program_of
-from core.plan.loops.trace import traced
-from core.plan.plan import Plan
+from vibrafeed.core.plan.evaluate import COMPILE_SECONDS
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.loops.fused import Values, groups_of
+from vibrafeed.core.plan.loops.program import edge_of, program_of
+from vibrafeed.core.plan.loops.trace import traced
+from vibrafeed.core.plan.plan import Plan
 
 STEP_SECONDS, BYTE_SECONDS, CALL_SECONDS = 2.0e-11, 7e-11, 2.8e-9
 """Seconds of an addition in a loop, of a byte written, and of a function that numpy computes

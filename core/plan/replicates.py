@@ -13,7 +13,7 @@ from functools import cache
 import numpy as np
 import scipy
 
-from core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.arrays import Array
 
 REPLICATES = 16
 """Scramblings of a study: enough to estimate an error within a fifth, and few enough that each is

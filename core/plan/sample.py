@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.plan.grid import Grid, random_positions
-from core.plan.prepared import Prepared
-from core.quantities import QUANTITIES
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.grid import Grid, random_positions
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.quantities import QUANTITIES
 
 LEFT_OUT = "verified_left_out"
 """The attribute with the number of cells that a stop left without verifying; absent if it left

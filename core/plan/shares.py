@@ -14,12 +14,12 @@ from typing import Any, ClassVar
 
 from numpy.typing import NDArray
 
-import core
-from core.dataset.records import Record, Records
-from core.dataset.table import Table
-from core.errors import StoppedError, VibrafeedError
-from core.study.grid_study import Study
-from core.watch import Watch
+from vibrafeed import core
+from vibrafeed.core.dataset.records import Record, Records
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.errors import StoppedError, VibrafeedError
+from vibrafeed.core.study.grid_study import Study
+from vibrafeed.core.watch import Watch
 
 MAX_SHARES = 100_000  # shares of a study: each leaves a record
 SHARDS, ARRAYS = "zarr", "nc"

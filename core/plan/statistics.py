@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array, Mask
-from core.plan.replicates import jackknife, student_factor
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.plan.replicates import jackknife, student_factor
 
 LEVELS = 129
 """Number of quantiles that describe a whole distribution, from the least to the largest value."""

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.layout import Tile, Tiles
-from core.plan.evaluate import evaluate
-from core.plan.plan import Plan
-from core.plan.prepared import Prepared
+from vibrafeed.core.dataset.layout import Tile, Tiles
+from vibrafeed.core.plan.evaluate import evaluate
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.prepared import Prepared
 
 
 class Tiled:

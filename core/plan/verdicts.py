@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from core.quantities import REGIMES
-from core.quantities.flags import REGIME
-from core.scenes import EXACT, Condition
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.quantities.flags import REGIME
+from vibrafeed.core.scenes import EXACT, Condition
 
 
 @dataclass(frozen=True)

@@ -8,15 +8,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from core.lazy import lazily
+from vibrafeed.core.lazy import lazily
 
 if TYPE_CHECKING:
-    from core.plots.drawing import draw
-    from core.plots.files import draw_file, save
-    from core.plots.fixed import read_fixed
-    from core.plots.measured import draw_fit
-    from core.plots.problem import PlotError
-    from core.plots.sheet import write_sheet
+    from vibrafeed.core.plots.drawing import draw
+    from vibrafeed.core.plots.files import draw_file, save
+    from vibrafeed.core.plots.fixed import read_fixed
+    from vibrafeed.core.plots.measured import draw_fit
+    from vibrafeed.core.plots.problem import PlotError
+    from vibrafeed.core.plots.sheet import write_sheet
 else:  # the table of pictures is read without matplotlib
     __getattr__ = lazily(
         __name__,

@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
-from core.dataset.regimes import flags_of
-from core.plots.heading import finish
-from core.plots.style import LIGHT, Style, mix
-from core.plots.text import words
+from vibrafeed.core.dataset.regimes import flags_of
+from vibrafeed.core.plots.heading import finish
+from vibrafeed.core.plots.style import LIGHT, Style, mix
+from vibrafeed.core.plots.text import words
 
 MARKERS = "osD^vPX*ph<"
 NOTHING = 1e-18  # drawn in place of an error of 0, which a logarithmic axis cannot show
@@ -32,7 +32,7 @@ def draw_accuracy(dataset: xarray.Dataset, family: str, style: Style = LIGHT) ->
     Parameters
     ----------
     dataset : xarray.Dataset
-        The report, as `core.assurance.accuracy` makes it or as its file is read.
+        The report, as `vibrafeed.core.assurance.accuracy` makes it or as its file is read.
     family : str
         One of its families, such as `motion`.
     style : Style

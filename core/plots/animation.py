@@ -13,11 +13,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from core.plots.film import Film
-from core.plots.heading import finish
-from core.plots.style import RGB, Style, mix
-from core.plots.text import number, with_unit
-from core.quantities.pictures import FILLS
+from vibrafeed.core.plots.film import Film
+from vibrafeed.core.plots.heading import finish
+from vibrafeed.core.plots.style import RGB, Style, mix
+from vibrafeed.core.plots.text import number, with_unit
+from vibrafeed.core.quantities.pictures import FILLS
 
 SIZE = (6.4, 4.0)  # inches
 MARGIN = 0.06  # of the view's width, left and right

@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.patches import FancyArrowPatch, Polygon
 from numpy.typing import NDArray
 
-from core.plots.style import Style, mix
-from core.plots.text import number
+from vibrafeed.core.plots.style import Style, mix
+from vibrafeed.core.plots.text import number
 
 BODIES = (1, 2)
 RIM = 48  # points of a rim

@@ -10,12 +10,12 @@ from typing import Final
 
 from matplotlib.backends.backend_pdf import PdfPages
 
-from core.dataset.files import whole
-from core.errors import StoppedError
-from core.plots.book_intro import draw_introduction
-from core.plots.book_page import Chart, draw_page
-from core.plots.files import METADATA
-from core.watch import Watch
+from vibrafeed.core.dataset.files import whole
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.plots.book_intro import draw_introduction
+from vibrafeed.core.plots.book_page import Chart, draw_page
+from vibrafeed.core.plots.files import METADATA
+from vibrafeed.core.watch import Watch
 
 FRICTIONS: Final = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
 SLOPES: Final = (-5.0, -2.0, 0.0, 2.0, 4.0, 6.0)  # degrees

@@ -7,8 +7,8 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-import core
-from core.plots.book_page import (
+from vibrafeed import core
+from vibrafeed.core.plots.book_page import (
     BETAS,
     LINES,
     Chart,
@@ -17,8 +17,8 @@ from core.plots.book_page import (
     name_bands,
     sheet,
 )
-from core.plots.style import LIGHT
-from core.scenes.scene import STANDARD_GRAVITY
+from vibrafeed.core.plots.style import LIGHT
+from vibrafeed.core.scenes.scene import STANDARD_GRAVITY
 
 ABOUT: Final = """\
 Each page is for one coefficient of friction and one angle of the track. Each curve is one angle

@@ -13,15 +13,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from core.atlas.cells import pattern_of, regime_of
-from core.atlas.numbers import HOP, HOP_AFTER_HOP
-from core.mechanics.arrays import Array
-from core.motion.groups import Groups
-from core.motion.methods.events import EVENTS, planar_motion
-from core.plots.style import LIGHT, mix
-from core.plots.text import number
-from core.quantities import REGIMES
-from core.quantities.pictures import FILLS
+from vibrafeed.core.atlas.cells import pattern_of, regime_of
+from vibrafeed.core.atlas.numbers import HOP, HOP_AFTER_HOP
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.groups import Groups
+from vibrafeed.core.motion.methods.events import EVENTS, planar_motion
+from vibrafeed.core.plots.style import LIGHT, mix
+from vibrafeed.core.plots.text import number
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.quantities.pictures import FILLS
 
 BETAS: Final = (10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0)  # degrees
 MARKERS: Final = "os^Dv<>ph"

@@ -14,13 +14,13 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from core.plots.heading import finish, source_of
-from core.plots.options import Options
-from core.plots.pictures import is_calibration
-from core.plots.problem import PlotError
-from core.plots.style import Style, mix
-from core.plots.text import axis_label, number, scaled, shown_in, with_unit
-from core.study.shown import ShownUnits
+from vibrafeed.core.plots.heading import finish, source_of
+from vibrafeed.core.plots.options import Options
+from vibrafeed.core.plots.pictures import is_calibration
+from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.style import Style, mix
+from vibrafeed.core.plots.text import axis_label, number, scaled, shown_in, with_unit
+from vibrafeed.core.study.shown import ShownUnits
 
 Array = NDArray[np.float64]
 SHARES = (0.95, 0.68)  # of the posterior, that are drawn as areas

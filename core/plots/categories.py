@@ -8,12 +8,12 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from core.dataset.regimes import flags_of
-from core.plots.regimes import Look
-from core.plots.style import Style
-from core.plots.text import words
-from core.quantities import QUANTITIES
-from core.quantities.pictures import FILLS
+from vibrafeed.core.dataset.regimes import flags_of
+from vibrafeed.core.plots.regimes import Look
+from vibrafeed.core.plots.style import Style
+from vibrafeed.core.plots.text import words
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities.pictures import FILLS
 
 MOST = 8  # categories of a picture; more are drawn as numbers
 NO_VALUE = -1

@@ -12,16 +12,16 @@ from matplotlib.figure import FigureBase
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from core.plots.islands import without_specks
-from core.plots.names import add_names, number_lines
-from core.plots.parts import add_colour_bar, say_nothing_is_finite, set_plane
-from core.plots.regimes import Look, shade, veiled_swatch
-from core.plots.scale import Scale, scale_of
-from core.plots.selection import Selection
-from core.plots.sliced import fits_as, renderer_of
-from core.plots.style import Style
-from core.plots.text import number
-from core.quantities.pictures import LEVELS
+from vibrafeed.core.plots.islands import without_specks
+from vibrafeed.core.plots.names import add_names, number_lines
+from vibrafeed.core.plots.parts import add_colour_bar, say_nothing_is_finite, set_plane
+from vibrafeed.core.plots.regimes import Look, shade, veiled_swatch
+from vibrafeed.core.plots.scale import Scale, scale_of
+from vibrafeed.core.plots.selection import Selection
+from vibrafeed.core.plots.sliced import fits_as, renderer_of
+from vibrafeed.core.plots.style import Style
+from vibrafeed.core.plots.text import number
+from vibrafeed.core.quantities.pictures import LEVELS
 
 MAX_POINTS = 1000  # of an axis; a picture shows no more
 

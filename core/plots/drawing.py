@@ -9,13 +9,13 @@ from dataclasses import replace
 import xarray
 from matplotlib.figure import Figure
 
-from core.plots.options import Options
-from core.plots.pictures import NAMES, PICTURES, is_calibration
-from core.plots.problem import PlotError
-from core.plots.style import Style
-from core.plots.text import units_of
-from core.plots.together import draw_together
-from core.suggestions import suggestion
+from vibrafeed.core.plots.options import Options
+from vibrafeed.core.plots.pictures import NAMES, PICTURES, is_calibration
+from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.style import Style
+from vibrafeed.core.plots.text import units_of
+from vibrafeed.core.plots.together import draw_together
+from vibrafeed.core.suggestions import suggestion
 
 
 def draw(
@@ -36,7 +36,7 @@ def draw(
     Parameters
     ----------
     dataset : xarray.Dataset, or a sequence of them
-        A sweep or simulation, as `core.kinds.run_study` returns it or as its
+        A sweep or simulation, as `vibrafeed.core.kinds.run_study` returns it or as its
         file is read. Of several, up to seven, the same output is drawn over the same axis.
     variable : str, optional
         The output; the first if left out.
@@ -45,9 +45,9 @@ def draw(
     at : mapping of str to float, optional
         Values of other dimensions, in the unit of the dataset; the middle one if left out.
     kind : str, optional
-        The name of a picture, one of `core.plots.pictures.PICTURES`; the first that fits if left
-        out. A line with two axes is a family of curves, at most seven, and what is drawn where an
-        axis has no more values than that.
+        The name of a picture, one of `vibrafeed.core.plots.pictures.PICTURES`; the first that fits
+        if left out. A line with two axes is a family of curves, at most seven, and what is drawn
+        where an axis has no more values than that.
     title : str, optional
         The name of the picture; that of what it shows if left out.
     units : str or sequence of str, optional
@@ -73,9 +73,9 @@ def draw(
     Examples
     --------
     >>> from pathlib import Path
-    >>> from core.plots import draw
-    >>> from core.intake import load_study
-    >>> from core.kinds import run_study
+    >>> from vibrafeed.core.plots import draw
+    >>> from vibrafeed.core.intake import load_study
+    >>> from vibrafeed.core.kinds import run_study
     >>> dataset = run_study(load_study(Path("configs/figures/fig-5-1.toml")))
     >>> figure = draw(dataset, axes=("beta", "alpha"), kind="surface")
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import xarray
 
-from core.scenes import EXACT, SCENES
+from vibrafeed.core.scenes import EXACT, SCENES
 
 
 def is_exact(dataset: xarray.Dataset, output: str) -> bool:

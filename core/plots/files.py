@@ -11,11 +11,11 @@ from typing import Any
 import xarray
 from matplotlib.figure import Figure
 
-from core.dataset.files import whole
-from core.plots.drawing import draw
-from core.plots.fixed import read_fixed
-from core.plots.pictures import MOVING
-from core.plots.problem import PlotError, unreadable
+from vibrafeed.core.dataset.files import whole
+from vibrafeed.core.plots.drawing import draw
+from vibrafeed.core.plots.fixed import read_fixed
+from vibrafeed.core.plots.pictures import MOVING
+from vibrafeed.core.plots.problem import PlotError, unreadable
 
 DPI = 150  # dots per inch of a PNG
 FORMATS = {".png": "png", ".svg": "svg", ".pdf": "pdf"}
@@ -104,7 +104,7 @@ def _animate_file(
         Title, units and colours.
     """
     # Here, since it loads what draws bodies, and the whole of motion.
-    from core.plots.movie import animate
+    from vibrafeed.core.plots.movie import animate
 
     if len(files) > 1:
         raise PlotError(

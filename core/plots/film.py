@@ -10,13 +10,19 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from core.plan.grid import parameter_to_si
-from core.plots.problem import PlotError, unreadable
-from core.plots.selection import held_fixed
-from core.plots.text import number, shown_in, with_unit
-from core.plots.trajectory import LEGEND, TIME, check_trajectory, read_trajectory, values_of
-from core.scenes import ALIASES
-from core.study.shown import Shown, ShownUnits
+from vibrafeed.core.plan.grid import parameter_to_si
+from vibrafeed.core.plots.problem import PlotError, unreadable
+from vibrafeed.core.plots.selection import held_fixed
+from vibrafeed.core.plots.text import number, shown_in, with_unit
+from vibrafeed.core.plots.trajectory import (
+    LEGEND,
+    TIME,
+    check_trajectory,
+    read_trajectory,
+    values_of,
+)
+from vibrafeed.core.scenes import ALIASES
+from vibrafeed.core.study.shown import Shown, ShownUnits
 
 FRAMES_PER_SECOND = 25
 MAX_FRAMES = 1000

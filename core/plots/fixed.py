@@ -7,11 +7,11 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 import xarray
 
-from core.plots.problem import PlotError
-from core.quantities import QUANTITIES
-from core.study.units import UnitError, read_number
-from core.study.values import position_on_axis
-from core.suggestions import suggestion
+from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.units import UnitError, read_number
+from vibrafeed.core.study.values import position_on_axis
+from vibrafeed.core.suggestions import suggestion
 
 
 def read_fixed(texts: Mapping[str, float | str]) -> dict[str, float]:

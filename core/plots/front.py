@@ -12,17 +12,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from core.optimise.codes import STATUS
-from core.optimise.sentences import criterion_in_words
-from core.plots.fixed import fixed_positions
-from core.plots.heading import finish, source_of
-from core.plots.optimum import prepared_of
-from core.plots.options import Options
-from core.plots.parts import plain, set_log
-from core.plots.problem import PlotError
-from core.plots.selection import FEW, axis_of, held_at, held_fixed, thin
-from core.plots.style import RGB, Style
-from core.plots.text import (
+from vibrafeed.core.optimise.codes import STATUS
+from vibrafeed.core.optimise.sentences import criterion_in_words
+from vibrafeed.core.plots.fixed import fixed_positions
+from vibrafeed.core.plots.heading import finish, source_of
+from vibrafeed.core.plots.optimum import prepared_of
+from vibrafeed.core.plots.options import Options
+from vibrafeed.core.plots.parts import plain, set_log
+from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.selection import FEW, axis_of, held_at, held_fixed, thin
+from vibrafeed.core.plots.style import RGB, Style
+from vibrafeed.core.plots.text import (
     axis_label,
     long_name,
     name_in_words,
@@ -31,9 +31,9 @@ from core.plots.text import (
     shown_in,
     with_unit,
 )
-from core.quantities.quantity import in_sentence
-from core.study.optimise_study import Pareto
-from core.study.shown import ShownUnits
+from vibrafeed.core.quantities.quantity import in_sentence
+from vibrafeed.core.study.optimise_study import Pareto
+from vibrafeed.core.study.shown import ShownUnits
 
 FRONT = "front"
 WIDTH, PANEL = 8.0, 4.0  # inches: of a sheet, and of each panel of more than one

@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 
-from core.plots.matplotlib_parts import heading_of
-from core.plots.names import leave_out_what_meets
-from core.plots.style import Style
+from vibrafeed.core.plots.matplotlib_parts import heading_of
+from vibrafeed.core.plots.names import leave_out_what_meets
+from vibrafeed.core.plots.style import Style
 
 DOT = " \N{MIDDLE DOT} "
 # Sizes of the title, of the facts below it and of the legend [points].

@@ -19,28 +19,28 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
-from core.dataset.table import quantity_attributes
-from core.optimise import Optimisation
-from core.optimise.afresh import BLOCK, pictured
-from core.optimise.codes import STATUS
-from core.optimise.problem import Kept, OptimisationProblem, chosen_cells
-from core.optimise.run import designs_of
-from core.optimise.sentences import criterion_in_words
-from core.plan.grid import from_si, to_si
-from core.plots.fixed import fixed_positions
-from core.plots.heading import finish, source_of
-from core.plots.names import number_lines
-from core.plots.optimum import is_optimum, prepared_of
-from core.plots.options import Options
-from core.plots.parts import padded, plain
-from core.plots.problem import PlotError
-from core.plots.scale import scale_of
-from core.plots.selection import held_at, held_fixed
-from core.plots.style import RGB, Style, mix
-from core.plots.text import axis_label, number, scaled, shown_in, with_unit, words
-from core.quantities import QUANTITIES
-from core.quantities.quantity import in_sentence
-from core.study.shown import ShownUnits
+from vibrafeed.core.dataset.table import quantity_attributes
+from vibrafeed.core.optimise import Optimisation
+from vibrafeed.core.optimise.afresh import BLOCK, pictured
+from vibrafeed.core.optimise.codes import STATUS
+from vibrafeed.core.optimise.problem import Kept, OptimisationProblem, chosen_cells
+from vibrafeed.core.optimise.run import designs_of
+from vibrafeed.core.optimise.sentences import criterion_in_words
+from vibrafeed.core.plan.grid import from_si, to_si
+from vibrafeed.core.plots.fixed import fixed_positions
+from vibrafeed.core.plots.heading import finish, source_of
+from vibrafeed.core.plots.names import number_lines
+from vibrafeed.core.plots.optimum import is_optimum, prepared_of
+from vibrafeed.core.plots.options import Options
+from vibrafeed.core.plots.parts import padded, plain
+from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.scale import scale_of
+from vibrafeed.core.plots.selection import held_at, held_fixed
+from vibrafeed.core.plots.style import RGB, Style, mix
+from vibrafeed.core.plots.text import axis_label, number, scaled, shown_in, with_unit, words
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities.quantity import in_sentence
+from vibrafeed.core.study.shown import ShownUnits
 
 POINTS = {1: 721, 2: 181}  # points along each variable, by the number of variables
 LESS, MORE = "\N{LESS-THAN OR EQUAL TO}", "\N{GREATER-THAN OR EQUAL TO}"

@@ -8,15 +8,15 @@ import numpy as np
 import xarray
 from matplotlib.patches import Rectangle
 
-from core.plots.animation import DOT, Frame, frames_of
-from core.plots.film import PERIOD_SHOWN, TURN, amplitude_of, frames_in, nice
-from core.plots.heading import finish
-from core.plots.positions import PALE, read_row
-from core.plots.problem import PlotError
-from core.plots.selection import held_fixed
-from core.plots.style import Style, mix
-from core.plots.text import number, with_unit
-from core.study.shown import ShownUnits
+from vibrafeed.core.plots.animation import DOT, Frame, frames_of
+from vibrafeed.core.plots.film import PERIOD_SHOWN, TURN, amplitude_of, frames_in, nice
+from vibrafeed.core.plots.heading import finish
+from vibrafeed.core.plots.positions import PALE, read_row
+from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.selection import held_fixed
+from vibrafeed.core.plots.style import Style, mix
+from vibrafeed.core.plots.text import number, with_unit
+from vibrafeed.core.study.shown import ShownUnits
 
 SIZE = (6.4, 4.0)  # inches
 MARKS = 24

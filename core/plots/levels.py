@@ -14,15 +14,15 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from core.plots.names import add_names, number_lines
-from core.plots.parts import limit_to_cells, set_plane
-from core.plots.regime_map import MAX_POINTS, add_borders, fill_cells, share_entries
-from core.plots.regimes import HATCH_WIDTH, Look
-from core.plots.scale import value_range
-from core.plots.selection import Selection
-from core.plots.sliced import fits_as, renderer_of
-from core.plots.style import Style, mix
-from core.plots.text import number, with_unit
+from vibrafeed.core.plots.names import add_names, number_lines
+from vibrafeed.core.plots.parts import limit_to_cells, set_plane
+from vibrafeed.core.plots.regime_map import MAX_POINTS, add_borders, fill_cells, share_entries
+from vibrafeed.core.plots.regimes import HATCH_WIDTH, Look
+from vibrafeed.core.plots.scale import value_range
+from vibrafeed.core.plots.selection import Selection
+from vibrafeed.core.plots.sliced import fits_as, renderer_of
+from vibrafeed.core.plots.style import Style, mix
+from vibrafeed.core.plots.text import number, with_unit
 
 LINES = 10  # level lines, roughly
 PALE = 0.5  # share of the ground colour in the colour of a regime

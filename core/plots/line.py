@@ -15,14 +15,14 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from core.plots.parts import cell_edges, padded, say_nothing_is_finite, set_log
-from core.plots.regimes import HATCH_WIDTH, MOTION, PLAIN, Look, swatch
-from core.plots.scale import value_range
-from core.plots.selection import FEW, PlotAxis, Selection, thin
-from core.plots.sliced import fits_as, renderer_of
-from core.plots.style import Style, mix
-from core.plots.text import axis_label, number, short_label, with_unit
-from core.quantities.pictures import LEVELS
+from vibrafeed.core.plots.parts import cell_edges, padded, say_nothing_is_finite, set_log
+from vibrafeed.core.plots.regimes import HATCH_WIDTH, MOTION, PLAIN, Look, swatch
+from vibrafeed.core.plots.scale import value_range
+from vibrafeed.core.plots.selection import FEW, PlotAxis, Selection, thin
+from vibrafeed.core.plots.sliced import fits_as, renderer_of
+from vibrafeed.core.plots.style import Style, mix
+from vibrafeed.core.plots.text import axis_label, number, short_label, with_unit
+from vibrafeed.core.quantities.pictures import LEVELS
 
 MAX_CURVES = FEW
 MAX_MARKED = 12  # points of a curve that are marked: between them nothing was computed

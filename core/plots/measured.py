@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from core.measured.drive import Fit
-from core.measured.harmonics import Array
-from core.plots.heading import finish
-from core.plots.style import Style
+from vibrafeed.core.measured.drive import Fit
+from vibrafeed.core.measured.harmonics import Array
+from vibrafeed.core.plots.heading import finish
+from vibrafeed.core.plots.style import Style
 
 SIZE = (10.0, 7.0)  # inches
 AXES = ("along", "across", "normal")  # in the order of the colours of a series

@@ -5,16 +5,16 @@ from __future__ import annotations
 import xarray
 from matplotlib.figure import Figure
 
-from core.errors import VibrafeedError
-from core.intake import parse_json
-from core.kinds.results import prepare, tabulate
-from core.plan.prepared import Prepared
-from core.plots.heading import finish, source_of
-from core.plots.options import Options
-from core.plots.sliced import check_result
-from core.plots.trajectory import TIME, check_trajectory, draw_trajectory, read_trajectory
-from core.plots.tumbling import draw_tumbling, read_tumbling
-from core.study import SimulateStudy
+from vibrafeed.core.errors import VibrafeedError
+from vibrafeed.core.intake import parse_json
+from vibrafeed.core.kinds.results import prepare, tabulate
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.plots.heading import finish, source_of
+from vibrafeed.core.plots.options import Options
+from vibrafeed.core.plots.sliced import check_result
+from vibrafeed.core.plots.trajectory import TIME, check_trajectory, draw_trajectory, read_trajectory
+from vibrafeed.core.plots.tumbling import draw_tumbling, read_tumbling
+from vibrafeed.core.study import SimulateStudy
 
 TIMES = 400  # points of a trajectory that is computed for a picture
 

@@ -12,17 +12,17 @@ import xarray
 from matplotlib.figure import Figure
 from PIL import Image
 
-from core.dataset.files import whole
-from core.extras import installing
-from core.plots.animation import Frame, draw_frames
-from core.plots.film import FRAMES_PER_SECOND, read_film
-from core.plots.lane import draw_lane
-from core.plots.options import Options
-from core.plots.pictures import MOVING
-from core.plots.positions import FIRST
-from core.plots.problem import PlotError
-from core.plots.style import Style
-from core.plots.text import units_of
+from vibrafeed.core.dataset.files import whole
+from vibrafeed.core.extras import installing
+from vibrafeed.core.plots.animation import Frame, draw_frames
+from vibrafeed.core.plots.film import FRAMES_PER_SECOND, read_film
+from vibrafeed.core.plots.lane import draw_lane
+from vibrafeed.core.plots.options import Options
+from vibrafeed.core.plots.pictures import MOVING
+from vibrafeed.core.plots.positions import FIRST
+from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.style import Style
+from vibrafeed.core.plots.text import units_of
 
 DOTS = {".gif": 100, ".mp4": 150}  # dots per inch
 COLOURS = 32  # colours of a GIF: enough for smooth text

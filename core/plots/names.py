@@ -17,11 +17,11 @@ from matplotlib.transforms import BboxBase
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, uniform_filter
 
-from core.plots.parts import cell_edges
-from core.plots.regimes import ON_FILL, Look
-from core.plots.selection import PlotAxis
-from core.plots.style import NARROW, SMALL, Style
-from core.plots.text import words
+from vibrafeed.core.plots.parts import cell_edges
+from vibrafeed.core.plots.regimes import ON_FILL, Look
+from vibrafeed.core.plots.selection import PlotAxis
+from vibrafeed.core.plots.style import NARROW, SMALL, Style
+from vibrafeed.core.plots.text import words
 
 TEXT_SIZE = 10  # points
 BOX = (500.0, 330.0)  # points: width and height of the frame of a normal picture, roughly

@@ -6,11 +6,11 @@ from typing import Any
 
 import xarray
 
-from core.intake import parse_json
-from core.optimise import Optimisation
-from core.optimise.prepare import prepare
-from core.plots.problem import PlotError
-from core.study import OptimiseStudy
+from vibrafeed.core.intake import parse_json
+from vibrafeed.core.optimise import Optimisation
+from vibrafeed.core.optimise.prepare import prepare
+from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.study import OptimiseStudy
 
 
 def is_optimum(dataset: xarray.Dataset) -> bool:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from core.plots.style import LIGHT, Style
-from core.study.shown import ShownUnits
+from vibrafeed.core.plots.style import LIGHT, Style
+from vibrafeed.core.study.shown import ShownUnits
 
 
 @dataclass(frozen=True)

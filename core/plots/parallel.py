@@ -17,20 +17,20 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from core.dataset.regimes import is_valid
-from core.plots.fixed import fixed_positions
-from core.plots.heading import finish, source_of
-from core.plots.options import Options
-from core.plots.parts import padded
-from core.plots.problem import PlotError
-from core.plots.selection import held_fixed, outputs_of, study_of
-from core.plots.sliced import check_result
-from core.plots.style import Style
-from core.plots.text import in_brackets, long_name, number, scaled, shown_in
-from core.quantities.flags import is_regime
-from core.quantities.quantity import in_sentence
-from core.study.shown import ShownUnits
-from core.suggestions import suggestion
+from vibrafeed.core.dataset.regimes import is_valid
+from vibrafeed.core.plots.fixed import fixed_positions
+from vibrafeed.core.plots.heading import finish, source_of
+from vibrafeed.core.plots.options import Options
+from vibrafeed.core.plots.parts import padded
+from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.selection import held_fixed, outputs_of, study_of
+from vibrafeed.core.plots.sliced import check_result
+from vibrafeed.core.plots.style import Style
+from vibrafeed.core.plots.text import in_brackets, long_name, number, scaled, shown_in
+from vibrafeed.core.quantities.flags import is_regime
+from vibrafeed.core.quantities.quantity import in_sentence
+from vibrafeed.core.study.shown import ShownUnits
+from vibrafeed.core.suggestions import suggestion
 
 MAX_DESIGNS = 1000  # lines; of more designs some are chosen by chance
 MAX_COLUMNS = 10  # axes of the picture

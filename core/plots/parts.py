@@ -13,10 +13,10 @@ from matplotlib.figure import FigureBase
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
-from core.plots.scale import Scale
-from core.plots.selection import PlotAxis, Selection, thin
-from core.plots.style import Style
-from core.plots.text import long_name, number, short_label
+from vibrafeed.core.plots.scale import Scale
+from vibrafeed.core.plots.selection import PlotAxis, Selection, thin
+from vibrafeed.core.plots.style import Style
+from vibrafeed.core.plots.text import long_name, number, short_label
 
 DECADE = 10.0
 

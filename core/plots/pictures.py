@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from core.plots.problem import PlotError
+from vibrafeed.core.plots.problem import PlotError
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-    from core.plots.options import Options
+    from vibrafeed.core.plots.options import Options
 
 
 def is_calibration(dataset: xarray.Dataset) -> bool:

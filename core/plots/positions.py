@@ -11,19 +11,19 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from core.kinds.results import tabulate
-from core.motion.row_scene import ROW
-from core.plots.heading import finish, source_of
-from core.plots.motion import followed
-from core.plots.options import Options
-from core.plots.parts import padded
-from core.plots.problem import PlotError
-from core.plots.selection import held_fixed
-from core.plots.sliced import check_result
-from core.plots.style import mix
-from core.plots.text import scaled, shown_in
-from core.plots.trajectory import TIME
-from core.study.shown import Shown, ShownUnits
+from vibrafeed.core.kinds.results import tabulate
+from vibrafeed.core.motion.row_scene import ROW
+from vibrafeed.core.plots.heading import finish, source_of
+from vibrafeed.core.plots.motion import followed
+from vibrafeed.core.plots.options import Options
+from vibrafeed.core.plots.parts import padded
+from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.selection import held_fixed
+from vibrafeed.core.plots.sliced import check_result
+from vibrafeed.core.plots.style import mix
+from vibrafeed.core.plots.text import scaled, shown_in
+from vibrafeed.core.plots.trajectory import TIME
+from vibrafeed.core.study.shown import Shown, ShownUnits
 
 FIRST = "part_position_1"
 TOUCHES = 1e-9

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.errors import Problem, VibrafeedError
+from vibrafeed.core.errors import Problem, VibrafeedError
 
 
 class PlotError(VibrafeedError):

@@ -6,11 +6,18 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from core.optimise.sentences import criterion_in_words
-from core.plots.heading import finish, source_of
-from core.plots.landscape import SOLVED, curves_of, design_positions, draw_curve, held_of, name_of
-from core.plots.optimum import is_optimum, prepared_of
-from core.plots.options import Options
+from vibrafeed.core.optimise.sentences import criterion_in_words
+from vibrafeed.core.plots.heading import finish, source_of
+from vibrafeed.core.plots.landscape import (
+    SOLVED,
+    curves_of,
+    design_positions,
+    draw_curve,
+    held_of,
+    name_of,
+)
+from vibrafeed.core.plots.optimum import is_optimum, prepared_of
+from vibrafeed.core.plots.options import Options
 
 COLUMNS = 3  # curves side by side, at most
 HEIGHT = 2.6  # inches of a row

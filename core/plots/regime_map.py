@@ -11,14 +11,14 @@ from matplotlib.colors import ListedColormap, to_rgb
 from matplotlib.figure import FigureBase
 from numpy.typing import NDArray
 
-from core.dataset.regimes import percent
-from core.plots.islands import without_specks
-from core.plots.names import add_names
-from core.plots.parts import cell_edges, limit_to_cells, set_plane
-from core.plots.regimes import HATCH_WIDTH, Look, swatch
-from core.plots.selection import PlotAxis, Selection
-from core.plots.sliced import fits_as, renderer_of
-from core.plots.style import RGB, Style
+from vibrafeed.core.dataset.regimes import percent
+from vibrafeed.core.plots.islands import without_specks
+from vibrafeed.core.plots.names import add_names
+from vibrafeed.core.plots.parts import cell_edges, limit_to_cells, set_plane
+from vibrafeed.core.plots.regimes import HATCH_WIDTH, Look, swatch
+from vibrafeed.core.plots.selection import PlotAxis, Selection
+from vibrafeed.core.plots.sliced import fits_as, renderer_of
+from vibrafeed.core.plots.style import RGB, Style
 
 MAX_POINTS = 500  # of an axis; a cell is then two points of the picture wide
 BORDER = "#1a1a1a"  # on fills, which are light in every style

@@ -13,13 +13,13 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from core.dataset.regimes import flags_of
-from core.plots.islands import without_specks
-from core.plots.problem import unreadable
-from core.plots.style import LIGHT, RGB, Style, mix
-from core.plots.text import words
-from core.quantities import REGIMES
-from core.quantities.pictures import FILLS, INKS
+from vibrafeed.core.dataset.regimes import flags_of
+from vibrafeed.core.plots.islands import without_specks
+from vibrafeed.core.plots.problem import unreadable
+from vibrafeed.core.plots.style import LIGHT, RGB, Style, mix
+from vibrafeed.core.plots.text import words
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.quantities.pictures import FILLS, INKS
 
 VEIL_STRENGTH = 0.45  # opacity of the veil over values that are not valid
 TINT_VEIL = 0.68  # share of the ground colour in the tint of a background

@@ -10,7 +10,7 @@ from matplotlib.colors import Colormap, Normalize
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from core.plots.style import RGB, Style
+from vibrafeed.core.plots.style import RGB, Style
 
 BANDS = 12  # levels of a scale, roughly
 OUTLIERS = 1.0  # per cent on either side that may be cut off ...

@@ -11,12 +11,12 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from core.dataset.regimes import judge_of
-from core.plots.categories import categories_of, codes_of
-from core.plots.exact import is_exact
-from core.plots.fixed import fixed_positions
-from core.plots.problem import PlotError, unreadable
-from core.plots.text import (
+from vibrafeed.core.dataset.regimes import judge_of
+from vibrafeed.core.plots.categories import categories_of, codes_of
+from vibrafeed.core.plots.exact import is_exact
+from vibrafeed.core.plots.fixed import fixed_positions
+from vibrafeed.core.plots.problem import PlotError, unreadable
+from vibrafeed.core.plots.text import (
     axis_label,
     demand_in_words,
     long_name,
@@ -27,10 +27,10 @@ from core.plots.text import (
     with_unit,
     words,
 )
-from core.quantities import QUANTITIES
-from core.quantities.flags import REGIME, is_regime
-from core.study.shown import ShownUnits
-from core.suggestions import suggestion
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities.flags import REGIME, is_regime
+from vibrafeed.core.study.shown import ShownUnits
+from vibrafeed.core.suggestions import suggestion
 
 LOG_TOLERANCE = 1e-6
 SPEEDS = ("conveying_velocity",)

@@ -13,16 +13,16 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 from numpy.typing import NDArray
 
-from core.dataset.regimes import percent, regime_shares
-from core.dataset.table import Table
-from core.plots.drawing import draw
-from core.plots.files import check_format, read, save
-from core.plots.style import Style
-from core.plots.text import long_name, number, shown_in, units_of, words
-from core.quantities import FLAGS, QUANTITIES, REGIMES
-from core.quantities.flags import is_regime
-from core.quantities.optimum import OF_THE_SEARCH
-from core.study.shown import ShownUnits
+from vibrafeed.core.dataset.regimes import percent, regime_shares
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.plots.drawing import draw
+from vibrafeed.core.plots.files import check_format, read, save
+from vibrafeed.core.plots.style import Style
+from vibrafeed.core.plots.text import long_name, number, shown_in, units_of, words
+from vibrafeed.core.quantities import FLAGS, QUANTITIES, REGIMES
+from vibrafeed.core.quantities.flags import is_regime
+from vibrafeed.core.quantities.optimum import OF_THE_SEARCH
+from vibrafeed.core.study.shown import ShownUnits
 
 PAGE = 8.27, 11.69  # inches, A4
 LEFT, RIGHT, TOP, BOTTOM = 0.08, 0.92, 0.955, 0.045
@@ -60,7 +60,7 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     title : str
         Title of the page; by default that of the study.
     units : str, optional
-        The units that the reader wants, as for `core.plots.draw`.
+        The units that the reader wants, as for `vibrafeed.core.plots.draw`.
 
     Raises
     ------

@@ -15,18 +15,18 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase, SubFigure
 
-from core.dataset.regimes import flags_of
-from core.plots.bodies import draw_bodies, is_pair, read_bodies, views
-from core.plots.categories import looks_of_categories
-from core.plots.heading import finish, source_of
-from core.plots.options import Options
-from core.plots.problem import unreadable
-from core.plots.regimes import PLAIN, Look, looks_of
-from core.plots.selection import ANY_REGIME, Selection, natural, select
-from core.plots.style import Style
-from core.plots.text import long_name
-from core.quantities import STATUSES
-from core.quantities.flags import is_regime
+from vibrafeed.core.dataset.regimes import flags_of
+from vibrafeed.core.plots.bodies import draw_bodies, is_pair, read_bodies, views
+from vibrafeed.core.plots.categories import looks_of_categories
+from vibrafeed.core.plots.heading import finish, source_of
+from vibrafeed.core.plots.options import Options
+from vibrafeed.core.plots.problem import unreadable
+from vibrafeed.core.plots.regimes import PLAIN, Look, looks_of
+from vibrafeed.core.plots.selection import ANY_REGIME, Selection, natural, select
+from vibrafeed.core.plots.style import Style
+from vibrafeed.core.plots.text import long_name
+from vibrafeed.core.quantities import STATUSES
+from vibrafeed.core.quantities.flags import is_regime
 
 NO_REGIMES = "no regimes"
 NOT_DESCRIBED = "the closed forms do not describe a part there"

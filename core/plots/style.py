@@ -14,8 +14,8 @@ from matplotlib.legend import Legend
 from mpl_toolkits.mplot3d import Axes3D  # type: ignore[import-untyped]
 from numpy import linspace
 
-from core.plots.matplotlib_parts import colour_grid, heading_of
-from core.plots.picture import NotebookFigure
+from vibrafeed.core.plots.matplotlib_parts import colour_grid, heading_of
+from vibrafeed.core.plots.picture import NotebookFigure
 
 RGB = tuple[float, float, float]
 SMALL = 0.8  # text of a small picture over that of a normal one

@@ -16,14 +16,14 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 )
 from numpy.typing import NDArray
 
-from core.plots.contour import draw_contour
-from core.plots.parts import add_colour_bar
-from core.plots.regimes import Look, luminance, swatch
-from core.plots.scale import Scale, scale_of
-from core.plots.selection import Selection, thin
-from core.plots.sliced import fits_as, renderer_of
-from core.plots.style import RGB, Style, mix
-from core.plots.text import short_label
+from vibrafeed.core.plots.contour import draw_contour
+from vibrafeed.core.plots.parts import add_colour_bar
+from vibrafeed.core.plots.regimes import Look, luminance, swatch
+from vibrafeed.core.plots.scale import Scale, scale_of
+from vibrafeed.core.plots.selection import Selection, thin
+from vibrafeed.core.plots.sliced import fits_as, renderer_of
+from vibrafeed.core.plots.style import RGB, Style, mix
+from vibrafeed.core.plots.text import short_label
 
 MAX_POINTS = 91  # of an axis: every face is a shape in an SVG
 GREYED = 0.8  # share of grey in the colour of a face that is not valid

@@ -9,11 +9,11 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from core.plots.problem import PlotError
-from core.quantities import QUANTITIES
-from core.quantities.quantity import in_sentence
-from core.study.shown import Shown, ShownUnits, read_shown
-from core.study.units import UnitError
+from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities.quantity import in_sentence
+from vibrafeed.core.study.shown import Shown, ShownUnits, read_shown
+from vibrafeed.core.study.units import UnitError
 
 GREEK = (
     "Gamma", "Lambda", "alpha", "beta", "gamma", "delta", "zeta", "theta", "kappa", "lambda", "mu",

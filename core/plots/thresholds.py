@@ -14,15 +14,15 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from core.plots.heading import finish, source_of, text_width
-from core.plots.line import draw_line
-from core.plots.options import Options
-from core.plots.problem import PlotError
-from core.plots.regimes import looks_of
-from core.plots.selection import Selection, select
-from core.plots.sliced import check_result
-from core.plots.style import Style
-from core.plots.text import long_name, number, with_unit, words
+from vibrafeed.core.plots.heading import finish, source_of, text_width
+from vibrafeed.core.plots.line import draw_line
+from vibrafeed.core.plots.options import Options
+from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.regimes import looks_of
+from vibrafeed.core.plots.selection import Selection, select
+from vibrafeed.core.plots.sliced import check_result
+from vibrafeed.core.plots.style import Style
+from vibrafeed.core.plots.text import long_name, number, with_unit, words
 
 SPEED = "conveying_velocity"
 MULTIPLE = "period_multiple"

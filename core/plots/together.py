@@ -12,16 +12,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from core.plots.heading import finish
-from core.plots.options import Options
-from core.plots.parts import padded, set_log
-from core.plots.problem import PlotError
-from core.plots.regimes import looks_of
-from core.plots.scale import value_range
-from core.plots.selection import Selection, outputs_of, select
-from core.plots.style import Style
-from core.plots.text import long_name, short_label
-from core.study.shown import ShownUnits
+from vibrafeed.core.plots.heading import finish
+from vibrafeed.core.plots.options import Options
+from vibrafeed.core.plots.parts import padded, set_log
+from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.regimes import looks_of
+from vibrafeed.core.plots.scale import value_range
+from vibrafeed.core.plots.selection import Selection, outputs_of, select
+from vibrafeed.core.plots.style import Style
+from vibrafeed.core.plots.text import long_name, short_label
+from vibrafeed.core.study.shown import ShownUnits
 
 MOST = 7  # datasets of a picture
 Dashes = Literal["solid"] | tuple[float, tuple[float, ...]]

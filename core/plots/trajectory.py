@@ -13,18 +13,18 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from core.dataset.regimes import flags_of
-from core.motion.drives import Shape, shape_of
-from core.motion.waves import ALONG, NORMAL, TURN, Wave, position_at, speed
-from core.plots.parts import padded
-from core.plots.problem import PlotError, unreadable
-from core.plots.regimes import HATCH_WIDTH
-from core.plots.selection import held_fixed
-from core.plots.style import RGB, Style, mix
-from core.plots.text import number, shown_in, with_unit, words
-from core.quantities import QUANTITIES
-from core.quantities.pictures import FILLS
-from core.study.shown import ShownUnits
+from vibrafeed.core.dataset.regimes import flags_of
+from vibrafeed.core.motion.drives import Shape, shape_of
+from vibrafeed.core.motion.waves import ALONG, NORMAL, TURN, Wave, position_at, speed
+from vibrafeed.core.plots.parts import padded
+from vibrafeed.core.plots.problem import PlotError, unreadable
+from vibrafeed.core.plots.regimes import HATCH_WIDTH
+from vibrafeed.core.plots.selection import held_fixed
+from vibrafeed.core.plots.style import RGB, Style, mix
+from vibrafeed.core.plots.text import number, shown_in, with_unit, words
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities.pictures import FILLS
+from vibrafeed.core.study.shown import ShownUnits
 
 TIME = "cycle_time"
 WALL = "distance_from_wall"

@@ -14,13 +14,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from core.plots.parts import padded
-from core.plots.problem import PlotError, unreadable
-from core.plots.selection import held_fixed
-from core.plots.style import Style, mix
-from core.plots.text import number, shown_in, with_unit
-from core.quantities import QUANTITIES
-from core.study.shown import ShownUnits
+from vibrafeed.core.plots.parts import padded
+from vibrafeed.core.plots.problem import PlotError, unreadable
+from vibrafeed.core.plots.selection import held_fixed
+from vibrafeed.core.plots.style import Style, mix
+from vibrafeed.core.plots.text import number, shown_in, with_unit
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.shown import ShownUnits
 
 TIME = "cycle_time"
 NEEDED = ("path_along", "path_height", "path_pitch", "path_gap", "path_corners", "length")

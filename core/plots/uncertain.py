@@ -16,20 +16,20 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from core.dataset.regimes import percent_with_error
-from core.plots.fixed import fixed_positions
-from core.plots.heading import finish, source_of
-from core.plots.options import Options
-from core.plots.problem import PlotError
-from core.plots.selection import held_at, held_fixed
-from core.plots.style import Style, mix
-from core.plots.text import in_brackets, number, with_unit, words
-from core.quantities import QUANTITIES
-from core.quantities.quantity import in_sentence
-from core.sensitivity.variables import LEVEL, QUANTILE, UNCERTAIN
-from core.study.distributions import read_distribution, tolerance
-from core.study.shown import Shown, ShownUnits
-from core.suggestions import suggestion
+from vibrafeed.core.dataset.regimes import percent_with_error
+from vibrafeed.core.plots.fixed import fixed_positions
+from vibrafeed.core.plots.heading import finish, source_of
+from vibrafeed.core.plots.options import Options
+from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.selection import held_at, held_fixed
+from vibrafeed.core.plots.style import Style, mix
+from vibrafeed.core.plots.text import in_brackets, number, with_unit, words
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities.quantity import in_sentence
+from vibrafeed.core.sensitivity.variables import LEVEL, QUANTILE, UNCERTAIN
+from vibrafeed.core.study.distributions import read_distribution, tolerance
+from vibrafeed.core.study.shown import Shown, ShownUnits
+from vibrafeed.core.suggestions import suggestion
 
 NEEDED = {
     "distribution": "distribution",

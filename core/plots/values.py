@@ -7,17 +7,17 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from core.plots.bodies import arrows_in_words, draw_bodies, is_pair, read_bodies, views
-from core.plots.categories import categories_of
-from core.plots.fixed import fixed_positions
-from core.plots.heading import finish, source_of
-from core.plots.options import Options
-from core.plots.problem import PlotError
-from core.plots.selection import held_at, held_fixed
-from core.plots.sliced import check_result
-from core.plots.style import Style
-from core.plots.text import axis_label, number, scaled, shown_in, with_unit, words
-from core.study.shown import ShownUnits
+from vibrafeed.core.plots.bodies import arrows_in_words, draw_bodies, is_pair, read_bodies, views
+from vibrafeed.core.plots.categories import categories_of
+from vibrafeed.core.plots.fixed import fixed_positions
+from vibrafeed.core.plots.heading import finish, source_of
+from vibrafeed.core.plots.options import Options
+from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.selection import held_at, held_fixed
+from vibrafeed.core.plots.sliced import check_result
+from vibrafeed.core.plots.style import Style
+from vibrafeed.core.plots.text import axis_label, number, scaled, shown_in, with_unit, words
+from vibrafeed.core.study.shown import ShownUnits
 
 MAX_ROWS = 18  # of the table; the file has all
 SKETCH = 0.8  # width of the sketch over that of the values

@@ -9,28 +9,28 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from core.quantities.bowl_track import BOWL_TRACK
-from core.quantities.directions import DIRECTIONS
-from core.quantities.drive import DRIVE
-from core.quantities.drive_unit import DRIVE_UNIT
-from core.quantities.flags import (
+from vibrafeed.core.quantities.bowl_track import BOWL_TRACK
+from vibrafeed.core.quantities.directions import DIRECTIONS
+from vibrafeed.core.quantities.drive import DRIVE
+from vibrafeed.core.quantities.drive_unit import DRIVE_UNIT
+from vibrafeed.core.quantities.flags import (
     MOTION_MODES,
     MOTION_STATUSES,
     OPTIMUM_STATUSES,
     REGIMES,
     Flag,
 )
-from core.quantities.impacts import IMPACTS
-from core.quantities.isolated import ISOLATED
-from core.quantities.motion import MOTION
-from core.quantities.optimum import OPTIMUM
-from core.quantities.orienting import ORIENTING
-from core.quantities.quantity import Quantity
-from core.quantities.resting import RESTING
-from core.quantities.rolling import ROLLING
-from core.quantities.round_parts import ROUND_PARTS
-from core.quantities.row import ROW
-from core.quantities.track import TRACK
+from vibrafeed.core.quantities.impacts import IMPACTS
+from vibrafeed.core.quantities.isolated import ISOLATED
+from vibrafeed.core.quantities.motion import MOTION
+from vibrafeed.core.quantities.optimum import OPTIMUM
+from vibrafeed.core.quantities.orienting import ORIENTING
+from vibrafeed.core.quantities.quantity import Quantity
+from vibrafeed.core.quantities.resting import RESTING
+from vibrafeed.core.quantities.rolling import ROLLING
+from vibrafeed.core.quantities.round_parts import ROUND_PARTS
+from vibrafeed.core.quantities.row import ROW
+from vibrafeed.core.quantities.track import TRACK
 
 __all__ = [
     "DIRECTIONS",

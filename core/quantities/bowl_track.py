@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.quantities.quantity import Quantity, angle, friction, length, velocity
+from vibrafeed.core.quantities.quantity import Quantity, angle, friction, length, velocity
 
 MAX_STRETCHES = 6
 """Stretches of a track: the inner turns, a lined part, a steeper one, the exit, and two more."""

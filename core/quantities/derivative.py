@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.quantities.flags import Flag
+from vibrafeed.core.quantities.flags import Flag
 
 DERIVATIVE_STATUSES: dict[str, Flag] = {
     "exact": Flag(0, "exact up to rounding"),

@@ -1,11 +1,11 @@
 """The direction in which a part travels, in words.
 
-A file of its own: cached code of kernels hangs on the text of `core.quantities.flags`.
+A file of its own: cached code of kernels hangs on the text of `vibrafeed.core.quantities.flags`.
 """
 
 from __future__ import annotations
 
-from core.quantities.flags import Flag
+from vibrafeed.core.quantities.flags import Flag
 
 DIRECTIONS: dict[str, Flag] = {
     "rests": Flag(0, "the part does not travel: it is held, or moves to and fro on the spot"),

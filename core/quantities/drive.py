@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.quantities.quantity import Quantity, angle
+from vibrafeed.core.quantities.quantity import Quantity, angle
 
 AXES = ("along", "across", "normal")
 """Of the track: +x in transport direction, +y off the wall, +z off the floor."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.quantities.quantity import Quantity, angle, length, number
+from vibrafeed.core.quantities.quantity import Quantity, angle, length, number
 
 
 def _input(

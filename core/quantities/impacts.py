@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.quantities.quantity import Quantity, velocity
+from vibrafeed.core.quantities.quantity import Quantity, velocity
 
 
 def _quantities_of_body(body: str) -> dict[str, Quantity]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.quantities.quantity import Quantity, acceleration, angle, force, velocity
+from vibrafeed.core.quantities.quantity import Quantity, acceleration, angle, force, velocity
 
 ISOLATED: dict[str, Quantity] = {
     # --- parameters

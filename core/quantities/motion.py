@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from core.quantities.directions import DIRECTIONS
-from core.quantities.flags import MOTION_STATUSES
-from core.quantities.quantity import Quantity, acceleration, flag, number, velocity
+from vibrafeed.core.quantities.directions import DIRECTIONS
+from vibrafeed.core.quantities.flags import MOTION_STATUSES
+from vibrafeed.core.quantities.quantity import Quantity, acceleration, flag, number, velocity
 
 
 def _fraction(label: str, description: str) -> Quantity:

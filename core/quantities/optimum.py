@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from core.quantities.flags import OPTIMUM_STATUSES
-from core.quantities.quantity import Quantity, flag, number
+from vibrafeed.core.quantities.flags import OPTIMUM_STATUSES
+from vibrafeed.core.quantities.quantity import Quantity, flag, number
 
 OPTIMUM: dict[str, Quantity] = {
     "front": number(

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from core.quantities.quantity import Quantity, length, number
-from core.quantities.resting import ASPECTS
+from vibrafeed.core.quantities.quantity import Quantity, length, number
+from vibrafeed.core.quantities.resting import ASPECTS
 
 MAX_DEVICES = 6
 """Places of a line."""

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from core.quantities.flags import Flag
+from vibrafeed.core.quantities.flags import Flag
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.quantities.quantity import Quantity, length, number
+from vibrafeed.core.quantities.quantity import Quantity, length, number
 
 ASPECTS = {
     "flat": ("flat", "on a face of length by width"),

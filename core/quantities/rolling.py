@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.quantities.quantity import Quantity, acceleration, angle, force
+from vibrafeed.core.quantities.quantity import Quantity, acceleration, angle, force
 
 
 def _screw(name: str, label: str, what: str) -> dict[str, Quantity]:

@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from core.quantities.quantity import Quantity, acceleration, force, length, number, velocity
+from vibrafeed.core.quantities.quantity import (
+    Quantity,
+    acceleration,
+    force,
+    length,
+    number,
+    velocity,
+)
 
 ROUND_PARTS: dict[str, Quantity] = {
     "inner_diameter": Quantity(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.quantities.quantity import Quantity, length, number, velocity
+from vibrafeed.core.quantities.quantity import Quantity, length, number, velocity
 
 MAX_NUMBERED = 10
 """Parts that have numbers of their own: as many parameters each as a study has keys to spare."""

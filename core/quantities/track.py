@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from core.quantities.flags import REGIMES
-from core.quantities.quantity import (
+from vibrafeed.core.quantities.flags import REGIMES
+from vibrafeed.core.quantities.quantity import (
     Quantity,
     acceleration,
     angle,

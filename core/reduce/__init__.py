@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from core.lazy import lazily
+from vibrafeed.core.lazy import lazily
 
 __all__ = ["arrays", "run"]
 
 if TYPE_CHECKING:
-    from core.reduce import arrays, run
+    from vibrafeed.core.reduce import arrays, run
 else:  # they load numba
     __getattr__ = lazily(__name__, {}, {"arrays": "arrays", "run": "run"})

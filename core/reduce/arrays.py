@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.plan.grid import Grid
-from core.quantities import REGIMES
-from core.reduce.boxes import Boxes, values_of
-from core.reduce.kernels.others import BINS, SHIFT
-from core.reduce.run import Units
-from core.reduce.state import State
-from core.reduce.sums import means
-from core.study.reduction import QUANTILE, Reduction
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.reduce.boxes import Boxes, values_of
+from vibrafeed.core.reduce.kernels.others import BINS, SHIFT
+from vibrafeed.core.reduce.run import Units
+from vibrafeed.core.reduce.state import State
+from vibrafeed.core.reduce.sums import means
+from vibrafeed.core.study.reduction import QUANTILE, Reduction
 
 Arrays = dict[str, NDArray[Any]]
 _BY_VALUE = {flag.value: name for name, flag in REGIMES.items()}

@@ -12,19 +12,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import StoppedError
-from core.plan.evaluate import evaluate, evaluate_at_once, repays
-from core.plan.grid import Grid
-from core.plan.loops.lanes import LONGEST_AXIS, TILE_CELLS, LaneOrder
-from core.plan.loops.source import LONGEST_ROW
-from core.plan.plan import Plan
-from core.quantities import QUANTITIES, REGIMES
-from core.reduce.cutting import Box, Cutting, Rows
-from core.reduce.kernels import others
-from core.reduce.kernels.bits import MAGNITUDE
-from core.reduce.lanes import GATHERED, BoxLanes, Totals
-from core.reduce.loop import FieldLoop, field_loop
-from core.reduce.questions import (
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.plan.evaluate import evaluate, evaluate_at_once, repays
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.loops.lanes import LONGEST_AXIS, TILE_CELLS, LaneOrder
+from vibrafeed.core.plan.loops.source import LONGEST_ROW
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.quantities import QUANTITIES, REGIMES
+from vibrafeed.core.reduce.cutting import Box, Cutting, Rows
+from vibrafeed.core.reduce.kernels import others
+from vibrafeed.core.reduce.kernels.bits import MAGNITUDE
+from vibrafeed.core.reduce.lanes import GATHERED, BoxLanes, Totals
+from vibrafeed.core.reduce.loop import FieldLoop, field_loop
+from vibrafeed.core.reduce.questions import (
     EVERY_REGIME,
     EXACT_CELLS,
     VALID_REGIMES,
@@ -32,9 +32,9 @@ from core.reduce.questions import (
     judge_of,
     takes_long,
 )
-from core.reduce.state import STOPPED, State
-from core.study.reduction import Reduction, ShareCondition
-from core.watch import Watch
+from vibrafeed.core.reduce.state import STOPPED, State
+from vibrafeed.core.study.reduction import Reduction, ShareCondition
+from vibrafeed.core.watch import Watch
 
 LONG_TILE_CELLS = 1 << 13
 """Most cells of a tile of simulated motion: boxes hold whole tiles, and a computation can be

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 
-from core.errors import Problem
-from core.plan.grid import Grid
-from core.plan.plan import Plan
-from core.quantities import FLAGS
-from core.study.reduction import Reduction
-from core.study.values import Fixed, Values
-from core.suggestions import Suggestions
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.quantities import FLAGS
+from vibrafeed.core.study.reduction import Reduction
+from vibrafeed.core.study.values import Fixed, Values
+from vibrafeed.core.suggestions import Suggestions
 
 
 def problems_of_names(

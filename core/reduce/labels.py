@@ -6,8 +6,8 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
-from core.quantities import QUANTITIES, REGIMES
-from core.study.reduction import LevelSet, Reduction
+from vibrafeed.core.quantities import QUANTITIES, REGIMES
+from vibrafeed.core.study.reduction import LevelSet, Reduction
 
 METHODS = {"max": "maximum", "min": "minimum", "mean": "mean"}
 _WORDS = {"max": "Largest", "min": "Least", "mean": "Mean of"}

@@ -11,13 +11,13 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from core.aligned import aligned
-from core.plan.loops.lanes import LaneOrder
-from core.reduce.cutting import Box
-from core.reduce.kernels import folding
-from core.reduce.kernels.bits import LEAST, MOST
-from core.reduce.state import State
-from core.reduce.sums import LEVELS, propagate_carries
+from vibrafeed.core.aligned import aligned
+from vibrafeed.core.plan.loops.lanes import LaneOrder
+from vibrafeed.core.reduce.cutting import Box
+from vibrafeed.core.reduce.kernels import folding
+from vibrafeed.core.reduce.kernels.bits import LEAST, MOST
+from vibrafeed.core.reduce.state import State
+from vibrafeed.core.reduce.sums import LEVELS, propagate_carries
 
 Shape = tuple[tuple[str, int], ...]
 Integers = NDArray[np.int64]

@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from core.plan.grid import Grid
-from core.plan.loops.lanes import LARGE_TILE_CELLS, TILE_CELLS, LaneLoop, LaneOrder
-from core.plan.loops.trace import Traced, TracedPlan, traced_plan
-from core.plan.verdicts import Verdict
-from core.quantities import QUANTITIES, REGIMES
-from core.reduce.cutting import Box
-from core.reduce.kernels.folding import COUNT_BITS, COUNTS
-from core.reduce.lanes import Array, BoxLanes, Totals
-from core.reduce.questions import ReducedField, judge_of
-from core.study.reduction import Reduction, ShareCondition
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.loops.lanes import LARGE_TILE_CELLS, TILE_CELLS, LaneLoop, LaneOrder
+from vibrafeed.core.plan.loops.trace import Traced, TracedPlan, traced_plan
+from vibrafeed.core.plan.verdicts import Verdict
+from vibrafeed.core.quantities import QUANTITIES, REGIMES
+from vibrafeed.core.reduce.cutting import Box
+from vibrafeed.core.reduce.kernels.folding import COUNT_BITS, COUNTS
+from vibrafeed.core.reduce.lanes import Array, BoxLanes, Totals
+from vibrafeed.core.reduce.questions import ReducedField, judge_of
+from vibrafeed.core.study.reduction import Reduction, ShareCondition
 
 COMPARISONS = {
     "<": np.less,
@@ -37,7 +37,7 @@ class Gathering:
     Attributes
     ----------
     update : str
-        A name of `core.plan.loops.source.UPDATES`.
+        A name of `vibrafeed.core.plan.loops.source.UPDATES`.
     output : str
         The output; empty of counts.
     counters : tuple of int

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
-from core.plan.grid import Grid
-from core.plan.plan import Plan
-from core.plan.verdicts import Verdict
-from core.quantities import FLAGS, REGIMES
-from core.study.reduction import LevelSet, Reduction, ShareCondition
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.verdicts import Verdict
+from vibrafeed.core.quantities import FLAGS, REGIMES
+from vibrafeed.core.study.reduction import LevelSet, Reduction, ShareCondition
 
 EVERY_REGIME = (1 << 63) - 1  # a bit for each number of a regime
 EXACT_CELLS = 1 << 22

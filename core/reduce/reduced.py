@@ -1,6 +1,7 @@
 """A study of which answers are told in place of its cells: states of all boxes, answers, labels.
 
-What its cells are, each kind says: closed forms (`core.sweep`) or motion (`core.motion`).
+What its cells are, each kind says: closed forms (`vibrafeed.core.sweep`) or motion
+(`vibrafeed.core.motion`).
 """
 
 from __future__ import annotations
@@ -15,24 +16,24 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from core import reduce  # whose modules load numba when they are needed
-from core.dataset.netcdf import write_netcdf
-from core.dataset.table import Table, TableVariable, quantity_attributes
-from core.errors import Problem
-from core.plan.labels import coordinates_of
-from core.plan.pieces import Computed, price
-from core.plan.prepared import Prepared
-from core.plan.price import in_words
-from core.plan.shares import ARRAYS, Shares
-from core.reduce.labels import attributes_of, unit_of
-from core.reduce.state import State, merge_states
-from core.study.reduction import QUANTILE, Reduction
-from core.study.simulate_study import SimulateStudy
-from core.study.sweep_study import SweepStudy
-from core.watch import Watch
+from vibrafeed.core import reduce  # whose modules load numba when they are needed
+from vibrafeed.core.dataset.netcdf import write_netcdf
+from vibrafeed.core.dataset.table import Table, TableVariable, quantity_attributes
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.plan.labels import coordinates_of
+from vibrafeed.core.plan.pieces import Computed, price
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.plan.price import in_words
+from vibrafeed.core.plan.shares import ARRAYS, Shares
+from vibrafeed.core.reduce.labels import attributes_of, unit_of
+from vibrafeed.core.reduce.state import State, merge_states
+from vibrafeed.core.study.reduction import QUANTILE, Reduction
+from vibrafeed.core.study.simulate_study import SimulateStudy
+from vibrafeed.core.study.sweep_study import SweepStudy
+from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:
-    from core.reduce.run import Units
+    from vibrafeed.core.reduce.run import Units
 
 
 class Reduced(Prepared):

@@ -10,16 +10,16 @@ from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
-from core.errors import StoppedError
-from core.plan.grid import Grid
-from core.plan.plan import Plan
-from core.reduce import cutting
-from core.reduce.boxes import Boxes
-from core.reduce.cutting import Box
-from core.reduce.questions import fields_of
-from core.reduce.state import STOPPED, State, merge_states
-from core.study.reduction import Reduction
-from core.watch import Watch
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.reduce import cutting
+from vibrafeed.core.reduce.boxes import Boxes
+from vibrafeed.core.reduce.cutting import Box
+from vibrafeed.core.reduce.questions import fields_of
+from vibrafeed.core.reduce.state import STOPPED, State, merge_states
+from vibrafeed.core.study.reduction import Reduction
+from vibrafeed.core.watch import Watch
 
 TRIED = 3
 """Boxes for each thread that are computed to estimate the time of all, and the fewest trials of

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.reduce.sums import add_sums
+from vibrafeed.core.reduce.sums import add_sums
 
 STOPPED = "it was stopped before all cells were evaluated, so there is no result"
 """Message of a stopped reduction: statistics of some of the cells are no result."""
@@ -17,7 +17,7 @@ State = dict[str, NDArray[Any]]
 """By name: what it is of, a full stop, and one of
 
 - ``ends``, shape (5, slots): key and number of the largest, the same of the least, and how many;
-- ``low`` and ``digits``: a sum by level, as in `core.reduce.sums`, and ``beyond``, shape
+- ``low`` and ``digits``: a sum by level, as in `vibrafeed.core.reduce.sums`, and ``beyond``, shape
   (slots,): the sum of what is not finite;
 - ``bins`` and ``filled``: a histogram, where it is not empty;
 - ``quantiles``, shape (quantiles, slots): final, where all cells were seen at once;

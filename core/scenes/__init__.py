@@ -1,6 +1,6 @@
 """The systems that can be computed, one file each."""
 
-from core.scenes import (
+from vibrafeed.core.scenes import (
     bowl_drive_unit,
     cone_on_plane,
     cylinder_isolated,
@@ -20,8 +20,8 @@ from core.scenes import (
     soft_contact,
     sphere_on_plane,
 )
-from core.scenes.aliases import ALIASES
-from core.scenes.scene import EXACT, Condition, Constraint, Equation, Scene
+from vibrafeed.core.scenes.aliases import ALIASES
+from vibrafeed.core.scenes.scene import EXACT, Condition, Constraint, Equation, Scene
 
 SCENES: dict[str, Scene] = {
     "rectangle-isolated": rectangle_isolated.SCENE,

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.drive_unit import magnet_force, unbalance_force
-from core.mechanics.friction import friction_kinetic, friction_static
-from core.mechanics.orienting import rate_by_pitch
-from core.mechanics.vibration import (
+from vibrafeed.core.mechanics.drive_unit import magnet_force, unbalance_force
+from vibrafeed.core.mechanics.friction import friction_kinetic, friction_static
+from vibrafeed.core.mechanics.orienting import rate_by_pitch
+from vibrafeed.core.mechanics.vibration import (
     amplitude,
     amplitude_of_vertical,
     amplitude_of_vertical_stroke,
 )
-from core.scenes.scene import Constraint, Equation
+from vibrafeed.core.scenes.scene import Constraint, Equation
 
 VERTICAL = ("vertical_amplitude", "vertical_peak_to_peak")
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from core.mechanics import bowl_drive_unit
-from core.scenes.drive_units import DEFAULTS, LIMITS, MEASURED, SHARED, SPRINGS, tuning
-from core.scenes.scene import Equation, Scene
+from vibrafeed.core.mechanics import bowl_drive_unit
+from vibrafeed.core.scenes.drive_units import DEFAULTS, LIMITS, MEASURED, SHARED, SPRINGS, tuning
+from vibrafeed.core.scenes.scene import Equation, Scene
 
 BOWL = (
     *SHARED,

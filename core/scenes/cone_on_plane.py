@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics import resting, round_parts, toppling, vibration
-from core.scenes.planar import FLOOR, PLANE, PLANE_DEFAULTS, UNILATERAL
-from core.scenes.roller_on_plane import AXIS, SOURCE
-from core.scenes.scene import Condition, Equation, Scene
+from vibrafeed.core.mechanics import resting, round_parts, toppling, vibration
+from vibrafeed.core.scenes.planar import FLOOR, PLANE, PLANE_DEFAULTS, UNILATERAL
+from vibrafeed.core.scenes.roller_on_plane import AXIS, SOURCE
+from vibrafeed.core.scenes.scene import Condition, Equation, Scene
 
 PHYSICAL = (
     *(e for e in PLANE if not e.gives.startswith("rotated")),

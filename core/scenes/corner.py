@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from core.mechanics import corner, vibration
-from core.scenes.scene import STANDARD_GRAVITY, Condition, Equation
+from vibrafeed.core.mechanics import corner, vibration
+from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation
 
 CORNER = (
     Equation("diagonal_angle", corner.diagonal_angle, "theory 2.1"),

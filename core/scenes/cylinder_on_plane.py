@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from core.mechanics import rolling, vibration
-from core.scenes.planar import (
+from vibrafeed.core.mechanics import rolling, vibration
+from vibrafeed.core.scenes.planar import (
     ACCELERATIONS,
     FLOOR,
     PER_AXIS,
@@ -11,7 +11,7 @@ from core.scenes.planar import (
     PLANE_DEFAULTS,
     UNILATERAL,
 )
-from core.scenes.scene import Condition, Equation, Scene
+from vibrafeed.core.scenes.scene import Condition, Equation, Scene
 
 MOTION = ACCELERATIONS - {"sliding_fraction"} | {"angular_acceleration"}
 

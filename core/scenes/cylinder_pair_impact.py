@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from core.mechanics import cylinder_impact, cylinder_outcome
-from core.mechanics.cylinder_contact import cylinder_contact
-from core.scenes.scene import Condition, Equation, Scene, fields
+from vibrafeed.core.mechanics import cylinder_impact, cylinder_outcome
+from vibrafeed.core.mechanics.cylinder_contact import cylinder_contact
+from vibrafeed.core.scenes.scene import Condition, Equation, Scene, fields
 
 # What the impact leaves of both bodies, with the way to it.
 VELOCITIES: dict[str, Any] = {

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from core.mechanics import vibration, yawing
-from core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene, fields
+from vibrafeed.core.mechanics import vibration, yawing
+from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene, fields
 
 AXES = (
     *fields(

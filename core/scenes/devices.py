@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from core.mechanics import orienting
-from core.mechanics.arrays import Array
-from core.mechanics.orienting import Matrix, PassedShares
-from core.scenes.scene import Function, keywords, taking
+from vibrafeed.core.mechanics import orienting
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.orienting import Matrix, PassedShares
+from vibrafeed.core.scenes.scene import Function, keywords, taking
 
 
 @dataclass(frozen=True)

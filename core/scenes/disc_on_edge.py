@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from core.mechanics import edge_disc, round_parts, vibration, wall, yawing
-from core.scenes.cylinder_rolling import AXES, FORCE_AXIS
-from core.scenes.planar import DRIVE, FLOOR, UNILATERAL
-from core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
+from vibrafeed.core.mechanics import edge_disc, round_parts, vibration, wall, yawing
+from vibrafeed.core.scenes.cylinder_rolling import AXES, FORCE_AXIS
+from vibrafeed.core.scenes.planar import DRIVE, FLOOR, UNILATERAL
+from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
 
 SOURCE = "theory 18.1"
 PHYSICAL = (

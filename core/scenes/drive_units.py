@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from core.mechanics import drive_unit
-from core.scenes.scene import Condition, Equation
+from vibrafeed.core.mechanics import drive_unit
+from vibrafeed.core.scenes.scene import Condition, Equation
 
 SPRINGS = (Equation("spring_stiffness", drive_unit.leaf_stiffness, "theory 15.1", "springs"),)
 MEASURED = (Equation("spring_stiffness", drive_unit.tuned_stiffness, "theory 15.1", "measured"),)

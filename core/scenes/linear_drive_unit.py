@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from core.mechanics import drive_unit, linear_drive_unit, turning_drive_unit
-from core.scenes.drive_units import DEFAULTS, LIMITS, MEASURED, SHARED, SPRINGS, tuning
-from core.scenes.scene import Condition, Equation, Scene
+from vibrafeed.core.mechanics import drive_unit, linear_drive_unit, turning_drive_unit
+from vibrafeed.core.scenes.drive_units import DEFAULTS, LIMITS, MEASURED, SHARED, SPRINGS, tuning
+from vibrafeed.core.scenes.scene import Condition, Equation, Scene
 
 LINEAR = (
     *SHARED,

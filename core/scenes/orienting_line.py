@@ -13,11 +13,11 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
-from core.mechanics import drop_test, orienting
-from core.quantities.orienting import DEVICES, MAX_DEVICES, PAIRS
-from core.scenes.devices import AnyOf, Counts, Device, DeviceLine, EndOf
-from core.scenes.scene import Condition, Constraint, Equation, Field, Function, Scene
-from core.scenes.shapes import ASPECTS, SHAPES, WORDS, shares_of
+from vibrafeed.core.mechanics import drop_test, orienting
+from vibrafeed.core.quantities.orienting import DEVICES, MAX_DEVICES, PAIRS
+from vibrafeed.core.scenes.devices import AnyOf, Counts, Device, DeviceLine, EndOf
+from vibrafeed.core.scenes.scene import Condition, Constraint, Equation, Field, Function, Scene
+from vibrafeed.core.scenes.shapes import ASPECTS, SHAPES, WORDS, shares_of
 
 LINE, TEST = "theory 16.3", "theory 16.4"
 SIZES: dict[str, Function] = {

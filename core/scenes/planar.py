@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from core.mechanics import friction, vibration
-from core.scenes.scene import STANDARD_GRAVITY, Equation
+from vibrafeed.core.mechanics import friction, vibration
+from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Equation
 
 DRIVE = (
     Equation("vibration_acceleration", vibration.vibration_acceleration, "theory 0.2"),

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics import corner
-from core.mechanics.arrays import Array, hypot
-from core.mechanics.corner import Direction
-from core.scenes.corner import CONDITIONS, CORNER, CORNER_DEFAULTS, DERIVED, VALIDITY
-from core.scenes.scene import Equation, Scene
+from vibrafeed.core.mechanics import corner
+from vibrafeed.core.mechanics.arrays import Array, hypot
+from vibrafeed.core.mechanics.corner import Direction
+from vibrafeed.core.scenes.corner import CONDITIONS, CORNER, CORNER_DEFAULTS, DERIVED, VALIDITY
+from vibrafeed.core.scenes.scene import Equation, Scene
 
 
 def corner_angle(*, height: Array, length: Array) -> Array:

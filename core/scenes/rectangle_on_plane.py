@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from core.mechanics import friction, vibration
-from core.scenes.planar import (
+from vibrafeed.core.mechanics import friction, vibration
+from vibrafeed.core.scenes.planar import (
     ACCELERATIONS,
     FLOOR,
     PER_AXIS,
@@ -11,7 +11,7 @@ from core.scenes.planar import (
     PLANE_DEFAULTS,
     UNILATERAL,
 )
-from core.scenes.scene import Condition, Equation, Scene
+from vibrafeed.core.scenes.scene import Condition, Equation, Scene
 
 OFFSETS = frozenset(("pressure_offset_x", "pressure_offset_y"))
 

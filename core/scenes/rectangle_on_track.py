@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from core.mechanics import friction, travel, vibration, wall
-from core.scenes.planar import DRIVE
-from core.scenes.scene import (
+from vibrafeed.core.mechanics import friction, travel, vibration, wall
+from vibrafeed.core.scenes.planar import DRIVE
+from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
     STATIC_ABOVE_KINETIC,
     Condition,

@@ -8,9 +8,9 @@ What the source prints, (3.24), drives the bodies into each other and is not off
 
 from __future__ import annotations
 
-from core.mechanics import rectangle_impact, rectangle_outcome
-from core.mechanics.rectangle_contact import rectangle_contact
-from core.scenes.scene import Condition, Equation, Scene, fields
+from vibrafeed.core.mechanics import rectangle_impact, rectangle_outcome
+from vibrafeed.core.mechanics.rectangle_contact import rectangle_contact
+from vibrafeed.core.scenes.scene import Condition, Equation, Scene, fields
 
 CONTACT_STATE = (
     Equation("rectangle_1", rectangle_impact.rectangle_1, "theory 5.1"),

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from core.mechanics import resting, toppling
-from core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
-from core.scenes.shapes import ASPECTS, SHAPES, SHARES, SOURCE, lying, shares_of
+from vibrafeed.core.mechanics import resting, toppling
+from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
+from vibrafeed.core.scenes.shapes import ASPECTS, SHAPES, SHARES, SOURCE, lying, shares_of
 
 SECTION = "theory 16.2"
 _ROUND = (Equation("standing_base", toppling.round_base, SECTION),)

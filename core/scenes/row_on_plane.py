@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from core.mechanics import row, vibration, yawing
-from core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
+from vibrafeed.core.mechanics import row, vibration, yawing
+from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
 
 SOURCE = "theory 17.5"
 LANE = (

@@ -10,9 +10,9 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
-from core.errors import SceneError
-from core.quantities import QUANTITIES, REGIMES
-from core.scenes.graph import CycleError, behind
+from vibrafeed.core.errors import SceneError
+from vibrafeed.core.quantities import QUANTITIES, REGIMES
+from vibrafeed.core.scenes.graph import CycleError, behind
 
 Function = Callable[..., Any]
 

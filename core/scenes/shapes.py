@@ -5,8 +5,8 @@ A shape lists its aspects, the ways in which it may lie, in the order of their n
 
 from __future__ import annotations
 
-from core.mechanics import resting
-from core.scenes.scene import Condition, Equation, Field
+from vibrafeed.core.mechanics import resting
+from vibrafeed.core.scenes.scene import Condition, Equation, Field
 
 ASPECTS: dict[str, tuple[str, ...]] = {
     "box": ("flat", "on_side", "on_end"),

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from core.mechanics import soft_contact
-from core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
+from vibrafeed.core.mechanics import soft_contact
+from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
 
 SOURCE = "theory 18.3"
 EQUATIONS = (

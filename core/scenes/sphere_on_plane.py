@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from core.mechanics import round_parts, vibration
-from core.scenes.planar import ACCELERATIONS, FLOOR, PLANE, PLANE_DEFAULTS, UNILATERAL
-from core.scenes.scene import Condition, Equation, Scene
+from vibrafeed.core.mechanics import round_parts, vibration
+from vibrafeed.core.scenes.planar import ACCELERATIONS, FLOOR, PLANE, PLANE_DEFAULTS, UNILATERAL
+from vibrafeed.core.scenes.scene import Condition, Equation, Scene
 
 SOURCE = "theory 18.1"
 PHYSICAL = (

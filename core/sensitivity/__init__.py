@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from core.lazy import lazily
+from vibrafeed.core.lazy import lazily
 
 __all__ = [
     "KIND",
@@ -12,8 +12,8 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from core.sensitivity.kind import KIND
-    from core.sensitivity.prepare import Sensitivity
+    from vibrafeed.core.sensitivity.kind import KIND
+    from vibrafeed.core.sensitivity.prepare import Sensitivity
 else:
     __getattr__ = lazily(
         __name__,

@@ -15,10 +15,10 @@ from itertools import product
 
 import numpy as np
 
-from core.mechanics.arrays import Array
-from core.plan.draws import points
-from core.plan.grid import parameter_to_si
-from core.study.distributions import Distribution, deviation, nominal, tolerance
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.draws import points
+from vibrafeed.core.plan.grid import parameter_to_si
+from vibrafeed.core.study.distributions import Distribution, deviation, nominal, tolerance
 
 NEAR = 0.01
 """Step of the differences to either side, as a share of half the tolerance; a second one is half

@@ -19,9 +19,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.mechanics.arrays import Array
-from core.plan.draws import points
-from core.plan.replicates import REPLICATES, jackknife
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.draws import points
+from vibrafeed.core.plan.replicates import REPLICATES, jackknife
 
 MAX_INPUTS = 40  # uncertain parameters: evaluations grow with their number
 FLAT = 1e-14
@@ -147,7 +147,7 @@ def sobol_indices(
 
     Examples
     --------
-    >>> from core.sensitivity.indices import sobol_indices
+    >>> from vibrafeed.core.sensitivity.indices import sobol_indices
     >>> found = sobol_indices(lambda x: x[0] + 2 * x[1], inputs=2, samples=1024)
     >>> found.first.round(3).tolist()
     [0.2, 0.8]

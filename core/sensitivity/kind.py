@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Final
 
-from core.motion.systems import SYSTEMS
-from core.plan.kind import Kind
-from core.scenes import SCENES
-from core.sensitivity.labels import label
-from core.sensitivity.prepare import choose, prepare
-from core.sensitivity.run import compute
-from core.study.sensitivity_study import SensitivityStudy
+from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.plan.kind import Kind
+from vibrafeed.core.scenes import SCENES
+from vibrafeed.core.sensitivity.labels import label
+from vibrafeed.core.sensitivity.prepare import choose, prepare
+from vibrafeed.core.sensitivity.run import compute
+from vibrafeed.core.study.sensitivity_study import SensitivityStudy
 
 KIND: Final = Kind(
     name="sensitivity",

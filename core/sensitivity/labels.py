@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from core.dataset.table import Table, TableVariable
-from core.plan.labels import coordinates_of, global_attributes, verdict_variables
-from core.plan.pieces import Computed
-from core.plan.replicates import REPLICATES
-from core.plan.statistics import LEVELS
-from core.quantities import QUANTITIES
-from core.sensitivity.prepare import Sensitivity
-from core.sensitivity.variables import LEVEL, QUANTILE, UNCERTAIN
-from core.watch import Watch
+from vibrafeed.core.dataset.table import Table, TableVariable
+from vibrafeed.core.plan.labels import coordinates_of, global_attributes, verdict_variables
+from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.plan.replicates import REPLICATES
+from vibrafeed.core.plan.statistics import LEVELS
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.sensitivity.prepare import Sensitivity
+from vibrafeed.core.sensitivity.variables import LEVEL, QUANTILE, UNCERTAIN
+from vibrafeed.core.watch import Watch
 
 
 def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.arrays import Array
 
 LEVELS = 4
 """Levels of each input, in the middles of quarters of its distribution: none at an end, which may

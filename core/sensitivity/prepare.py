@@ -10,32 +10,32 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import Problem, StudyError
-from core.motion.method import Method
-from core.motion.prepare import choose_system, price_of, tried_price
-from core.motion.systems import CONTACTS, methods_of
-from core.optimise.prepare import choose_problem_scene
-from core.plan.grid import Grid, to_si
-from core.plan.plan import Plan
-from core.plan.prepared import Chosen, Prepared, locate_problem, plan_study
-from core.plan.price import pace
-from core.plan.sketch import Sketch
-from core.plan.statistics import LEVELS
-from core.quantities import FLAGS, REGIMES
-from core.sensitivity.budget import Budget
-from core.sensitivity.indices import MAX_INPUTS
-from core.sensitivity.variables import (
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.motion.method import Method
+from vibrafeed.core.motion.prepare import choose_system, price_of, tried_price
+from vibrafeed.core.motion.systems import CONTACTS, methods_of
+from vibrafeed.core.optimise.prepare import choose_problem_scene
+from vibrafeed.core.plan.grid import Grid, to_si
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.prepared import Chosen, Prepared, locate_problem, plan_study
+from vibrafeed.core.plan.price import pace
+from vibrafeed.core.plan.sketch import Sketch
+from vibrafeed.core.plan.statistics import LEVELS
+from vibrafeed.core.quantities import FLAGS, REGIMES
+from vibrafeed.core.sensitivity.budget import Budget
+from vibrafeed.core.sensitivity.indices import MAX_INPUTS
+from vibrafeed.core.sensitivity.variables import (
     LEVEL,
     QUANTILE,
     UNCERTAIN,
     ResultVariable,
     result_variables,
 )
-from core.study.distributions import Distribution, nominal, tolerance
-from core.study.drive import only_the_plain_sine
-from core.study.sensitivity_study import Demand, SensitivityStudy
-from core.study.values import Fixed, Span, Values
-from core.suggestions import suggestion
+from vibrafeed.core.study.distributions import Distribution, nominal, tolerance
+from vibrafeed.core.study.drive import only_the_plain_sine
+from vibrafeed.core.study.sensitivity_study import Demand, SensitivityStudy
+from vibrafeed.core.study.values import Fixed, Span, Values
+from vibrafeed.core.suggestions import suggestion
 
 PATH_SAMPLES = 64
 """Samples of a study for each path of Morris's screening."""

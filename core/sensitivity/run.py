@@ -10,21 +10,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.regimes import is_valid
-from core.errors import StoppedError
-from core.mechanics.arrays import Array, Mask
-from core.plan import statistics
-from core.plan.draws import values_at
-from core.plan.equations import regimes, run_equations
-from core.plan.grid import from_si
-from core.plan.pieces import Computed
-from core.plan.replicates import REPLICATES
-from core.quantities import REGIMES
-from core.sensitivity.indices import design, indices_of
-from core.sensitivity.morris import effects_of, paths
-from core.sensitivity.prepare import Sensitivity
-from core.study.sensitivity_study import Demand
-from core.watch import Watch
+from vibrafeed.core.dataset.regimes import is_valid
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.plan import statistics
+from vibrafeed.core.plan.draws import values_at
+from vibrafeed.core.plan.equations import regimes, run_equations
+from vibrafeed.core.plan.grid import from_si
+from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.plan.replicates import REPLICATES
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.sensitivity.indices import design, indices_of
+from vibrafeed.core.sensitivity.morris import effects_of, paths
+from vibrafeed.core.sensitivity.prepare import Sensitivity
+from vibrafeed.core.study.sensitivity_study import Demand
+from vibrafeed.core.watch import Watch
 
 BLOCK = 1 << 18
 """Evaluations at a time: a bound on memory, and often enough to report progress."""

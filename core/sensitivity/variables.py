@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from core.plan.replicates import INTERVAL
-from core.quantities import QUANTITIES
-from core.quantities.quantity import in_sentence
-from core.study.sensitivity_study import Demand, SensitivityStudy
+from vibrafeed.core.plan.replicates import INTERVAL
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities.quantity import in_sentence
+from vibrafeed.core.study.sensitivity_study import Demand, SensitivityStudy
 
 UNCERTAIN = "uncertain"
 """The dimension of the uncertain parameters."""

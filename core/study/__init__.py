@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from core.lazy import lazily
+from vibrafeed.core.lazy import lazily
 
 __all__ = [
     "CalibrateStudy",
@@ -20,13 +20,13 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from core.study.calibrate_study import CalibrateStudy
-    from core.study.grid_study import Study
-    from core.study.optimise_study import OptimiseStudy
-    from core.study.sensitivity_study import SensitivityStudy
-    from core.study.simulate_study import SimulateStudy
-    from core.study.sweep_study import SweepStudy
-    from core.study.values import Fixed, Points, Span, Values
+    from vibrafeed.core.study.calibrate_study import CalibrateStudy
+    from vibrafeed.core.study.grid_study import Study
+    from vibrafeed.core.study.optimise_study import OptimiseStudy
+    from vibrafeed.core.study.sensitivity_study import SensitivityStudy
+    from vibrafeed.core.study.simulate_study import SimulateStudy
+    from vibrafeed.core.study.sweep_study import SweepStudy
+    from vibrafeed.core.study.values import Fixed, Points, Span, Values
 else:
     __getattr__ = lazily(
         __name__,

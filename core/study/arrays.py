@@ -29,7 +29,7 @@ def apart(value: Any) -> tuple[Any, str]:
     numbers : object
         An array or scalar of numpy where the value was one, or had a method `to_numpy`.
     unit : str
-        In words that `core.study.units` reads; empty where the value carries none.
+        In words that `vibrafeed.core.study.units` reads; empty where the value carries none.
     """
     unit = ""
     if hasattr(value, "to_numpy"):

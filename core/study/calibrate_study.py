@@ -16,14 +16,14 @@ from pydantic import (
     create_model,
 )
 
-from core.quantities import QUANTITIES, Quantity
-from core.study.distributions import Normal, read_distribution
-from core.study.grid_study import PARAMETERS, Frozen, Parameters
-from core.study.levels import refusal
-from core.study.observations import ROWS_SCHEMA, Run, parameters_of, spread_rows
-from core.study.simulate_study import FollowedStudy, MotionSettings
-from core.study.units import UnitError
-from core.study.values import Between, Values
+from vibrafeed.core.quantities import QUANTITIES, Quantity
+from vibrafeed.core.study.distributions import Normal, read_distribution
+from vibrafeed.core.study.grid_study import PARAMETERS, Frozen, Parameters
+from vibrafeed.core.study.levels import refusal
+from vibrafeed.core.study.observations import ROWS_SCHEMA, Run, parameters_of, spread_rows
+from vibrafeed.core.study.simulate_study import FollowedStudy, MotionSettings
+from vibrafeed.core.study.units import UnitError
+from vibrafeed.core.study.values import Between, Values
 
 STEMS = {"unknowns": "", "offsets": "offset_", "factors": "factor_"}
 """The tables of a study that hold unknowns, and the prefix of their names in results."""

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from core.quantities import QUANTITIES, Quantity
-from core.study.units import UnitError, read_number, share_of
-from core.study.values import Between, as_difference, read_between
-from core.suggestions import suggestion
+from vibrafeed.core.quantities import QUANTITIES, Quantity
+from vibrafeed.core.study.units import UnitError, read_number, share_of
+from vibrafeed.core.study.values import Between, as_difference, read_between
+from vibrafeed.core.suggestions import suggestion
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

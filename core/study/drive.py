@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
-from core.errors import Problem
+from vibrafeed.core.errors import Problem
 
 _TEXT = {"type": "string", "maxLength": 200}
 _NUMBER = {"anyOf": [{"type": "number"}, _TEXT]}

@@ -18,12 +18,12 @@ from pydantic import (
     create_model,
 )
 
-from core.quantities import QUANTITIES, Quantity
-from core.study.drive import Drive
-from core.study.levels import at_most, refusal
-from core.study.shown import read_shown
-from core.study.units import UnitError
-from core.study.values import Between, Values, read_between, read_values
+from vibrafeed.core.quantities import QUANTITIES, Quantity
+from vibrafeed.core.study.drive import Drive
+from vibrafeed.core.study.levels import at_most, refusal
+from vibrafeed.core.study.shown import read_shown
+from vibrafeed.core.study.units import UnitError
+from vibrafeed.core.study.values import Between, Values, read_between, read_values
 
 PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.parameter)
 

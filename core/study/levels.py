@@ -8,8 +8,8 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
-from core.quantities import QUANTITIES, Quantity
-from core.study.units import UnitError, read_number
+from vibrafeed.core.quantities import QUANTITIES, Quantity
+from vibrafeed.core.study.units import UnitError, read_number
 
 
 def refusal(message: str, fix: str | Callable[[], str]) -> PydanticCustomError:

@@ -17,10 +17,10 @@ from pydantic import (
     create_model,
 )
 
-from core.quantities import QUANTITIES, Quantity
-from core.study.levels import read_level, refusal
-from core.study.units import UnitError, read_number, share_of
-from core.suggestions import suggestion
+from vibrafeed.core.quantities import QUANTITIES, Quantity
+from vibrafeed.core.study.levels import read_level, refusal
+from vibrafeed.core.study.units import UnitError, read_number, share_of
+from vibrafeed.core.suggestions import suggestion
 
 MAX_RUNS = 1_000  # runs of a study
 OBSERVED = ("conveying_velocity", "feed_rate")

@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from core.study.distributions import Distribution
-from core.study.grid_study import (
+from vibrafeed.core.study.distributions import Distribution
+from vibrafeed.core.study.grid_study import (
     MAX_OUTPUTS,
     PARAMETERS,
     DrivenStudy,
@@ -17,9 +17,9 @@ from core.study.grid_study import (
     OutputNames,
     Variables,
 )
-from core.study.levels import Level, OpenLevel, at_most
-from core.study.uncertain import Uncertain, distributions_of
-from core.study.values import Between
+from vibrafeed.core.study.levels import Level, OpenLevel, at_most
+from vibrafeed.core.study.uncertain import Uncertain, distributions_of
+from vibrafeed.core.study.values import Between
 
 
 class _TwoOutputs(Frozen):

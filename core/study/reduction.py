@@ -18,11 +18,11 @@ from pydantic import (
     WithJsonSchema,
 )
 
-from core.quantities import QUANTITIES, REGIMES
-from core.quantities.flags import is_regime
-from core.study.levels import Level, at_most, read_level, refusal
-from core.study.units import UnitError
-from core.suggestions import suggestion
+from vibrafeed.core.quantities import QUANTITIES, REGIMES
+from vibrafeed.core.quantities.flags import is_regime
+from vibrafeed.core.study.levels import Level, at_most, read_level, refusal
+from vibrafeed.core.study.units import UnitError
+from vibrafeed.core.suggestions import suggestion
 
 STATISTICS = ("max", "min", "mean", "argmax", "argmin")
 """Statistics of an output over the cells that are reduced."""

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import Field, PlainValidator, WithJsonSchema
 
-from core.study.levels import refusal
+from vibrafeed.core.study.levels import refusal
 
 MAX_PARAMETERS = 30
 

@@ -7,10 +7,16 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from core.study.distributions import Distribution
-from core.study.grid_study import MAX_OUTPUTS, DrivenStudy, Frozen, OutputName, OutputNames
-from core.study.levels import OpenLevel, at_most, refusal
-from core.study.uncertain import Uncertain, distributions_of
+from vibrafeed.core.study.distributions import Distribution
+from vibrafeed.core.study.grid_study import (
+    MAX_OUTPUTS,
+    DrivenStudy,
+    Frozen,
+    OutputName,
+    OutputNames,
+)
+from vibrafeed.core.study.levels import OpenLevel, at_most, refusal
+from vibrafeed.core.study.uncertain import Uncertain, distributions_of
 
 FEWEST_SAMPLES, MAX_SAMPLES = 256, 1 << 20
 MAX_DEMANDS = 20

@@ -1,6 +1,6 @@
 """Units in which a person reads values: those of the trade, SI, or those that were asked for.
 
-Files and replies hold the units of `core.quantities`; screens and pictures show these.
+Files and replies hold the units of `vibrafeed.core.quantities`; screens and pictures show these.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final
 
-from core.quantities import QUANTITIES, Quantity
-from core.study.units import UnitError, unit_factor
+from vibrafeed.core.quantities import QUANTITIES, Quantity
+from vibrafeed.core.study.units import UnitError, unit_factor
 
 SYSTEMS: Final = ("trade", "si")
 

@@ -10,9 +10,9 @@ from typing import Annotated, Literal
 from pydantic import AliasChoices, Field, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
-from core.study.grid_study import MAX_OUTPUTS, DrivenStudy, Frozen, OutputNames
-from core.study.reduction import Reduction
-from core.study.sensitivities import Sensitivities
+from vibrafeed.core.study.grid_study import MAX_OUTPUTS, DrivenStudy, Frozen, OutputNames
+from vibrafeed.core.study.reduction import Reduction
+from vibrafeed.core.study.sensitivities import Sensitivities
 
 MAX_SAMPLES = 100_000
 LATEST = 1e6  # s, latest time of a trajectory: eleven days, to which floats resolve a microsecond

@@ -6,9 +6,9 @@ from typing import Literal
 
 from pydantic import Field, field_validator
 
-from core.study.grid_study import MAX_OUTPUTS, OutputNames, Study
-from core.study.reduction import Reduction
-from core.study.sensitivities import Sensitivities
+from vibrafeed.core.study.grid_study import MAX_OUTPUTS, OutputNames, Study
+from vibrafeed.core.study.reduction import Reduction
+from vibrafeed.core.study.sensitivities import Sensitivities
 
 
 class SweepStudy(Study):

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import PlainSerializer, PlainValidator, WithJsonSchema, create_model
 
-from core.quantities import QUANTITIES, Quantity
-from core.study.distributions import (
+from vibrafeed.core.quantities import QUANTITIES, Quantity
+from vibrafeed.core.study.distributions import (
     FORMS,
     MAX_TABULATED,
     Distribution,
     read_distribution,
 )
-from core.study.grid_study import PARAMETERS, Frozen
-from core.study.levels import refusal
-from core.study.units import UnitError
+from vibrafeed.core.study.grid_study import PARAMETERS, Frozen
+from vibrafeed.core.study.levels import refusal
+from vibrafeed.core.study.units import UnitError
 
 
 def _schema(quantity: Quantity) -> dict[str, Any]:

@@ -12,13 +12,13 @@ from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from core.errors import Problem
-from core.study.arrays import apart, as_typed
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.study.arrays import apart, as_typed
 
 if TYPE_CHECKING:
     import pint
 
-    from core.quantities import Quantity
+    from vibrafeed.core.quantities import Quantity
 
 PERCENT = "%"
 MAX_LETTERS = 200  # characters of a value with its unit

@@ -1,7 +1,7 @@
 """Numbers that are allowed and hardly meant: half a metre of amplitude, radians for degrees.
 
-One table of usual values, that of `core.quantities`, judges what is typed, what stands in a table
-of observations, and what was fitted to a recording.
+One table of usual values, that of `vibrafeed.core.quantities`, judges what is typed, what stands in
+a table of observations, and what was fitted to a recording.
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
-from core.quantities import QUANTITIES, Quantity
-from core.study.shown import ShownUnits
-from core.study.units import UnitError, read_number, read_numbers
+from vibrafeed.core.quantities import QUANTITIES, Quantity
+from vibrafeed.core.study.shown import ShownUnits
+from vibrafeed.core.study.units import UnitError, read_number, read_numbers
 
 SLIPS: Final[Mapping[str, str]] = {
     "m": "mm",

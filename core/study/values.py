@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from core.quantities import QUANTITIES, Quantity
-from core.study.shown import Shown, ShownUnits
-from core.study.spacing import as_typed, evenly, geometrically
-from core.study.units import UnitError, read_number, read_numbers
-from core.suggestions import suggestion
+from vibrafeed.core.quantities import QUANTITIES, Quantity
+from vibrafeed.core.study.shown import Shown, ShownUnits
+from vibrafeed.core.study.spacing import as_typed, evenly, geometrically
+from vibrafeed.core.study.units import UnitError, read_number, read_numbers
+from vibrafeed.core.suggestions import suggestion
 
 if TYPE_CHECKING:
     import numpy as np
@@ -73,7 +73,8 @@ class Span:
     def array(self, start: int = 0, stop: int | None = None) -> NDArray[np.float64]:
         """Return the values from index `start` to before `stop`; all by default.
 
-        A part has the bits of the whole. Linear values are as typed: see `core.study.spacing`.
+        A part has the bits of the whole. Linear values are as typed: see
+        `vibrafeed.core.study.spacing`.
         """
         spaced = geometrically if self.spacing == "log" else evenly
         return spaced(self.start, self.stop, self.size, start, stop)
@@ -163,8 +164,8 @@ def position_on_axis(
     """Return the index of a value on an axis, with a tolerance for texts such as 33.33333333.
 
     It may be missed by 1e-9 of the value or of the gap to its neighbour. `values` are those of the
-    axis; `system` says in which units of `core.study.shown` the error speaks. `wanted` is the
-    value, in the unit of studies as the axis; `name` is the parameter.
+    axis; `system` says in which units of `vibrafeed.core.study.shown` the error speaks. `wanted` is
+    the value, in the unit of studies as the axis; `name` is the parameter.
 
     Raises
     ------

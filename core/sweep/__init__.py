@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from core.lazy import lazily
+from vibrafeed.core.lazy import lazily
 
 __all__ = [
     "KIND",
@@ -13,9 +13,9 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from core.sweep.kind import KIND
-    from core.sweep.plain import Sweep
-    from core.sweep.reduced import ReducedSweep
+    from vibrafeed.core.sweep.kind import KIND
+    from vibrafeed.core.sweep.plain import Sweep
+    from vibrafeed.core.sweep.reduced import ReducedSweep
 else:
     __getattr__ = lazily(
         __name__,

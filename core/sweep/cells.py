@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from core.dataset.table import Table
-from core.mechanics.arrays import Array
-from core.plan.derivatives import derivatives
-from core.plan.derived import cells_of
-from core.plan.evaluate import evaluate
-from core.plan.labels import coordinates_of, global_attributes, outputs_of, verdict_variables
-from core.plan.pieces import Computed
-from core.plan.prepared import Prepared
-from core.plan.sample import Sample
-from core.sweep.verify import accuracy, verified
-from core.watch import Watch
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.derivatives import derivatives
+from vibrafeed.core.plan.derived import cells_of
+from vibrafeed.core.plan.evaluate import evaluate
+from vibrafeed.core.plan.labels import (
+    coordinates_of,
+    global_attributes,
+    outputs_of,
+    verdict_variables,
+)
+from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.plan.sample import Sample
+from vibrafeed.core.sweep.verify import accuracy, verified
+from vibrafeed.core.watch import Watch
 
 
 def compute(prepared: Prepared, watch: Watch) -> Computed:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from core.dataset.layout import chunk_shape
-from core.errors import Problem, StudyError
-from core.suggestions import Suggestions
+from vibrafeed.core.dataset.layout import chunk_shape
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.suggestions import Suggestions
 
 Wishes = Mapping[str, int | None]
 """Values of a chunk along some axes; None for as many as may be."""

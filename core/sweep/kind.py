@@ -5,12 +5,12 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import Final
 
-from core.plan.kind import Kind
-from core.plan.plan import choose_scene
-from core.scenes import SCENES
-from core.study.sweep_study import SweepStudy
-from core.sweep.prepare import prepare
-from core.sweep.run import compute, label
+from vibrafeed.core.plan.kind import Kind
+from vibrafeed.core.plan.plan import choose_scene
+from vibrafeed.core.scenes import SCENES
+from vibrafeed.core.study.sweep_study import SweepStudy
+from vibrafeed.core.sweep.prepare import prepare
+from vibrafeed.core.sweep.run import compute, label
 
 _DRIVE: Final = {
     "frequency": [40, 50],

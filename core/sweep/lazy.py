@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from core.errors import VibrafeedError
-from core.extras import installing
-from core.plan.prepared import Prepared
-from core.sweep.zarr_view import ZarrView
+from vibrafeed.core.errors import VibrafeedError
+from vibrafeed.core.extras import installing
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.sweep.zarr_view import ZarrView
 
 if TYPE_CHECKING:
     import xarray
@@ -25,7 +25,7 @@ def open_lazily(sweep: Prepared) -> xarray.Dataset:
     """
     sweep.check_lazy("Leave it out, or carry out the study")
     try:
-        from core.sweep.zarr_store import ViewStore  # loads zarr, which few need
+        from vibrafeed.core.sweep.zarr_store import ViewStore  # loads zarr, which few need
     except ModuleNotFoundError as error:
         raise VibrafeedError(
             f"Reading cells of a sweep without storing it needs {error.name}, which is missing: "

@@ -8,18 +8,18 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.table import Table
-from core.errors import Problem
-from core.plan.derived import Asked, asked_of
-from core.plan.pieces import Computed
-from core.plan.prepared import Prepared
-from core.plan.price import evaluation_seconds, pace
-from core.plan.shares import SHARDS
-from core.plan.tiles import Tiled
-from core.study.sweep_study import SweepStudy
-from core.sweep.cells import compute, label
-from core.sweep.shares import Shards, seconds_in_shards
-from core.watch import Watch
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.errors import Problem
+from vibrafeed.core.plan.derived import Asked, asked_of
+from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.plan.price import evaluation_seconds, pace
+from vibrafeed.core.plan.shares import SHARDS
+from vibrafeed.core.plan.tiles import Tiled
+from vibrafeed.core.study.sweep_study import SweepStudy
+from vibrafeed.core.sweep.cells import compute, label
+from vibrafeed.core.sweep.shares import Shards, seconds_in_shards
+from vibrafeed.core.watch import Watch
 
 
 class Sweep(Prepared):

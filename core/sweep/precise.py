@@ -18,11 +18,11 @@ import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import NDArray
 
-from core.errors import VibrafeedError
-from core.mechanics.arrays import Array
-from core.plan.operations import OPERATIONS, Operation
-from core.plan.plan import Plan
-from core.watch import Watch
+from vibrafeed.core.errors import VibrafeedError
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.operations import OPERATIONS, Operation
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.watch import Watch
 
 DIGITS = 50
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from core.errors import Problem, StudyError
-from core.plan.plan import choose_scene
-from core.plan.prepared import plan_study
-from core.reduce.checks import problems_of, problems_of_names
-from core.study.sweep_study import SweepStudy
-from core.sweep.plain import DerivedSweep, Sweep
-from core.sweep.reduced import ReducedSweep
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.plan.plan import choose_scene
+from vibrafeed.core.plan.prepared import plan_study
+from vibrafeed.core.reduce.checks import problems_of, problems_of_names
+from vibrafeed.core.study.sweep_study import SweepStudy
+from vibrafeed.core.sweep.plain import DerivedSweep, Sweep
+from vibrafeed.core.sweep.reduced import ReducedSweep
 
 
 def prepare(study: SweepStudy) -> Sweep | DerivedSweep | ReducedSweep:

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from functools import cached_property
 
-from core.mechanics.arrays import Array
-from core.plan.price import evaluation_seconds, pace
-from core.plan.sample import Sample
-from core.plan.tiles import Tiled
-from core.reduce.reduced import Reduced
-from core.study.sweep_study import SweepStudy
-from core.sweep.cells import attributes_of
-from core.sweep.plain import Sweep
-from core.sweep.verify import verified
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.price import evaluation_seconds, pace
+from vibrafeed.core.plan.sample import Sample
+from vibrafeed.core.plan.tiles import Tiled
+from vibrafeed.core.reduce.reduced import Reduced
+from vibrafeed.core.study.sweep_study import SweepStudy
+from vibrafeed.core.sweep.cells import attributes_of
+from vibrafeed.core.sweep.plain import Sweep
+from vibrafeed.core.sweep.verify import verified
+from vibrafeed.core.watch import Watch
 
 SEEN_SECONDS = 0.5e-9
 """Seconds that reducing takes for a cell, beside evaluating it."""

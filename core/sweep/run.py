@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from core.dataset.table import Table
-from core.plan.pieces import Computed
-from core.sweep.plain import DerivedSweep, Sweep
-from core.sweep.reduced import ReducedSweep
-from core.watch import Watch
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.sweep.plain import DerivedSweep, Sweep
+from vibrafeed.core.sweep.reduced import ReducedSweep
+from vibrafeed.core.watch import Watch
 
 AnySweep = Sweep | DerivedSweep | ReducedSweep
 

@@ -9,16 +9,16 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from core.dataset.records import Record
-from core.dataset.shards import GrowingZarr
-from core.dataset.table import Table
-from core.errors import StoppedError
-from core.plan.pieces import price
-from core.plan.prepared import Prepared
-from core.plan.shares import Shares, identity
-from core.plan.tiles import Tiled
-from core.sweep.stream import outline_table, stream
-from core.watch import Watch
+from vibrafeed.core.dataset.records import Record
+from vibrafeed.core.dataset.shards import GrowingZarr
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.plan.pieces import price
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.plan.shares import Shares, identity
+from vibrafeed.core.plan.tiles import Tiled
+from vibrafeed.core.sweep.stream import outline_table, stream
+from vibrafeed.core.watch import Watch
 
 TRIED = 3  # tiles that are computed to estimate the time of all
 

@@ -6,10 +6,10 @@ import random
 
 import numpy as np
 
-from core.dataset.chunks import DEFLATED, encoder
-from core.dataset.layout import Tile
-from core.plan.prepared import Prepared
-from core.plan.tiles import Tiled
+from vibrafeed.core.dataset.chunks import DEFLATED, encoder
+from vibrafeed.core.dataset.layout import Tile
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.plan.tiles import Tiled
 
 CHUNKS = 12  # chunks that are packed for the estimate
 

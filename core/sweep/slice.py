@@ -8,19 +8,24 @@ from typing import Any
 
 import numpy as np
 
-from core.dataset.table import Table, TableVariable, quantity_attributes, regime_attributes
-from core.errors import LimitError, Problem, StudyError
-from core.plan.evaluate import evaluate
-from core.plan.grid import Grid, from_si
-from core.plan.labels import link_to_verdict
-from core.plan.plan import Plan
-from core.plan.prepared import Prepared
-from core.quantities import QUANTITIES, REGIMES
-from core.quantities.flags import REGIME
-from core.study.units import UnitError, problem, read_number
-from core.study.values import position_on_axis
-from core.suggestions import Suggestions
-from core.sweep.cells import attributes_of
+from vibrafeed.core.dataset.table import (
+    Table,
+    TableVariable,
+    quantity_attributes,
+    regime_attributes,
+)
+from vibrafeed.core.errors import LimitError, Problem, StudyError
+from vibrafeed.core.plan.evaluate import evaluate
+from vibrafeed.core.plan.grid import Grid, from_si
+from vibrafeed.core.plan.labels import link_to_verdict
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.quantities import QUANTITIES, REGIMES
+from vibrafeed.core.quantities.flags import REGIME
+from vibrafeed.core.study.units import UnitError, problem, read_number
+from vibrafeed.core.study.values import position_on_axis
+from vibrafeed.core.suggestions import Suggestions
+from vibrafeed.core.sweep.cells import attributes_of
 
 MAX_AXES = 2  # free axes: a picture has no more
 

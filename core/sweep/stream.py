@@ -17,20 +17,20 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.layout import Tile
-from core.dataset.regimes import is_valid
-from core.dataset.table import Table
-from core.errors import VibrafeedError
-from core.mechanics.arrays import Array
-from core.plan.labels import coordinates_of
-from core.plan.pieces import carry_out, price
-from core.plan.prepared import Prepared
-from core.plan.sample import Sample, sample_of
-from core.plan.tiles import Tiled
-from core.quantities import REGIMES
-from core.sweep.cells import attributes_of, compute, label
-from core.sweep.verify import verified
-from core.watch import Watch
+from vibrafeed.core.dataset.layout import Tile
+from vibrafeed.core.dataset.regimes import is_valid
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.errors import VibrafeedError
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.labels import coordinates_of
+from vibrafeed.core.plan.pieces import carry_out, price
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.plan.sample import Sample, sample_of
+from vibrafeed.core.plan.tiles import Tiled
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.sweep.cells import attributes_of, compute, label
+from vibrafeed.core.sweep.verify import verified
+from vibrafeed.core.watch import Watch
 
 AHEAD = 1  # tiles that wait to be written while one is written
 

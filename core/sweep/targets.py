@@ -6,15 +6,15 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-import core
-from core.dataset.growing import GrowingNetcdf
-from core.dataset.netcdf import define
-from core.dataset.read import attributes_of_file
-from core.dataset.shards import GrowingZarr, attributes_at
-from core.dataset.table import Table
-from core.plan.prepared import Prepared
-from core.plan.shares import identity
-from core.plan.tiles import Tiled
+from vibrafeed import core
+from vibrafeed.core.dataset.growing import GrowingNetcdf
+from vibrafeed.core.dataset.netcdf import define
+from vibrafeed.core.dataset.read import attributes_of_file
+from vibrafeed.core.dataset.shards import GrowingZarr, attributes_at
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.plan.shares import identity
+from vibrafeed.core.plan.tiles import Tiled
 
 
 def is_zarr(where: str) -> bool:

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.plan.plan import Plan
-from core.plan.prepared import Prepared
-from core.plan.sample import Sample, sample_of
-from core.quantities import QUANTITIES
-from core.scenes import Scene
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.plan.sample import Sample, sample_of
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.scenes import Scene
+from vibrafeed.core.watch import Watch
 
 AGAINST = "the same equations with 50 digits"
 PIECE = 8  # cells that are verified before a stop is looked for
@@ -205,7 +205,7 @@ def _judged(
         The value with the largest error over its condition number; the largest float whose exact
         value is 0; the names of outputs that cannot be computed to 50 digits.
     """
-    from core.sweep.precise import VANISHES, exact_values  # mpmath, for those who verify
+    from vibrafeed.core.sweep.precise import VANISHES, exact_values  # mpmath, for those who verify
 
     if watch.stopped():
         return None
@@ -247,7 +247,7 @@ def _worst(
     worst : Value or None
         The worst of earlier cells and outputs, which is returned if none here is worse.
     """
-    from core.sweep.precise import CONTEXT, errors_of, sensitivities
+    from vibrafeed.core.sweep.precise import CONTEXT, errors_of, sensitivities
 
     (name,) = plan.outputs
     nothing = np.full(piece.size, CONTEXT.zero)

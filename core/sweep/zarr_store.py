@@ -15,7 +15,7 @@ from zarr.abc.store import (
 )
 from zarr.core.buffer import Buffer, BufferPrototype, default_buffer_prototype
 
-from core.sweep.zarr_view import ZarrView
+from vibrafeed.core.sweep.zarr_view import ZarrView
 
 
 class ViewStore(Store):

@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.layout import CHUNK_CELLS
-from core.dataset.zarr_metadata import FILL, array_document, group_document
-from core.plan.evaluate import evaluate
-from core.plan.pieces import carry_out
-from core.plan.plan import Plan
-from core.plan.prepared import Prepared
-from core.sweep.cells import compute, label
-from core.sweep.chunk_wishes import Wishes, read_wishes, wished_shape
+from vibrafeed.core.dataset.layout import CHUNK_CELLS
+from vibrafeed.core.dataset.zarr_metadata import FILL, array_document, group_document
+from vibrafeed.core.plan.evaluate import evaluate
+from vibrafeed.core.plan.pieces import carry_out
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.sweep.cells import compute, label
+from vibrafeed.core.sweep.chunk_wishes import Wishes, read_wishes, wished_shape
 
 _CHUNK = re.compile(r"c((?:/(?:0|[1-9][0-9]{0,17}))*)")
 

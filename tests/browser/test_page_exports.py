@@ -18,10 +18,10 @@ import xarray
 from PIL import Image
 from playwright.sync_api import Page, expect
 
-from app.jobs.keys import new_key
 from night import first_by_day
 from services import ROOT, Service, services
 from tools import tool
+from vibrafeed.app.jobs.keys import new_key
 
 KEY, HASH = new_key()
 PLANE = "kind=simulate&scene=rectangle-on-plane&output=conveying_velocity&p.friction=0.4"
@@ -118,7 +118,7 @@ def test_ten_views_are_taken_away_in_every_form(
     study, program = saved("Study (TOML)"), saved("Python")
     if has_keys:  # neither asks a service
         return
-    run = "from app.cli import main; main()"
+    run = "from vibrafeed.app.cli import main; main()"
     carried_out([sys.executable, "-c", run, "run", str(study), "-o", "result.nc"], tmp_path)
     with xarray.open_dataset(tmp_path / "result.nc") as again:
         np.testing.assert_allclose(again[output].values, values, rtol=1e-9, atol=1e-12)

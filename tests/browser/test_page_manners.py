@@ -9,8 +9,8 @@ import urllib.request
 import pytest
 from playwright.sync_api import Route, expect
 
-from app.jobs.keys import new_key
 from services import services
+from vibrafeed.app.jobs.keys import new_key
 from waiting import PATIENCE, wait_for
 
 KEY, HASH = new_key()

@@ -28,6 +28,6 @@ def test_every_package_of_the_contracts_is_drawn_once():
 
 def test_contracts_that_forbid_more_stand_at_their_packages():
     rooms = {room.name: room.rules for layer in layers(contracts()) for room in layer}
-    assert "the physics knows arrays only" in rooms["core.mechanics"]
-    assert "jobs know no HTTP and no console" in rooms["app.jobs"]
-    assert rooms["core.plots"] == ()
+    assert "the physics knows arrays only" in rooms["vibrafeed.core.mechanics"]
+    assert "jobs know no HTTP and no console" in rooms["vibrafeed.app.jobs"]
+    assert rooms["vibrafeed.core.plots"] == ()

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.errors import StudyError
-from core.intake import parse_study, prepare_content
-from core.kinds import run_study
-from core.quantities import MOTION_STATUSES
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import parse_study, prepare_content
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.quantities import MOTION_STATUSES
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "drives.md").read_text(encoding="utf-8")

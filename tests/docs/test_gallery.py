@@ -11,10 +11,10 @@ import xarray
 
 import vibrafeed
 from benchmarks.gallery import GALLERY, LARGEST, PAGE, PICTURES, STUDIES, Picture, page
-from core.intake import load_study
-from core.plots.film import read_film
-from core.study.shown import ShownUnits
 from layout import judge
+from vibrafeed.core.intake import load_study
+from vibrafeed.core.plots.film import read_film
+from vibrafeed.core.study.shown import ShownUnits
 
 CARRY_OUT = {
     "sweep": vibrafeed.sweep, "simulate": vibrafeed.simulate, "optimise": vibrafeed.optimise,

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from core.kernel_cache import root
+from vibrafeed.core.kernel_cache import root
 
 ROOT = Path(__file__).parents[2]
 GUIDES = sorted((ROOT / "docs").glob("adding-a*.md"))
@@ -94,9 +94,9 @@ def test_adding_a_scene(tree: Path) -> None:
     run(
         tree,
         "-c",
-        "from core.quantities import REGIMES\n"
-        "from core.intake import parse_study\n"
-        "from core.kinds import run_study\n"
+        "from vibrafeed.core.quantities import REGIMES\n"
+        "from vibrafeed.core.intake import parse_study\n"
+        "from vibrafeed.core.kinds import run_study\n"
         "found = run_study(parse_study({'kind': 'sweep', 'scene': 'ball-on-plane',\n"
         "    'outputs': ['acceleration_x'],\n"
         "    'parameters': {'frequency': 50, 'amplitude': '0.1 mm', 'beta': 0}}))\n"
@@ -104,7 +104,7 @@ def test_adding_a_scene(tree: Path) -> None:
         "assert abs(float(found.acceleration_x) - exact) <= 1e-14 * exact\n"
         "assert int(found.regime) == REGIMES['roll'].value\n"
         "from typer.testing import CliRunner\n"
-        "from app.cli import app\n"
+        "from vibrafeed.app.cli import app\n"
         "command = ['run', 'configs/ball-on-plane.toml', '--dry-run']\n"
         "assert '41' in CliRunner().invoke(app, command).output\n"
         "assert 'ball-on-plane' in CliRunner().invoke(app, ['scenes']).output\n",
@@ -123,10 +123,10 @@ def test_adding_a_method(tree: Path) -> None:
     run(
         tree,
         "-c",
-        "from core.catalogue import describe, describe_all\n"
-        "from core.errors import StudyError\n"
-        "from core.intake import prepare_content\n"
-        "from core.motion.methods.midpoint import MIDPOINT\n"
+        "from vibrafeed.core.catalogue import describe, describe_all\n"
+        "from vibrafeed.core.errors import StudyError\n"
+        "from vibrafeed.core.intake import prepare_content\n"
+        "from vibrafeed.core.motion.methods.midpoint import MIDPOINT\n"
         "methods = {line['name']: line['methods'] for line in describe_all()}\n"
         "assert {name for name in methods if 'midpoint' in methods[name]} == {\n"
         "    'rectangle-on-plane', 'cylinder-on-plane'}\n"
@@ -135,7 +135,7 @@ def test_adding_a_method(tree: Path) -> None:
         "study = {'kind': 'simulate', 'scene': 'rectangle-on-plane', 'parameters': given}\n"
         "assert prepare_content(study).plan.variant == 'events'\n"
         "prepared = prepare_content({**study, 'method': 'midpoint', 'verify': 2})\n"
-        "from core.plan.price import pace\n"
+        "from vibrafeed.core.plan.price import pace\n"
         "assert prepared.seconds_a_cell == MIDPOINT.seconds_a_cell * pace()\n"
         "assert prepared.verified_by == 'the method ' + MIDPOINT.checked_by[0]\n"
         "given['alpha'] = 1\n"
@@ -164,7 +164,7 @@ def test_adding_a_kind(tree: Path, tmp_path: Path) -> None:
         tree,
         "-c",
         "from typer.testing import CliRunner\n"
-        "from app.cli import app\n"
+        "from vibrafeed.app.cli import app\n"
         "def said(*words):\n"
         "    result = CliRunner().invoke(app, words)\n"
         "    assert result.exit_code == 0, result.output\n"
@@ -183,9 +183,9 @@ def test_adding_a_kind(tree: Path, tmp_path: Path) -> None:
         "import vibrafeed\n"
         "assert float(vibrafeed.mean({!r}, beta=0).throw_number) == 0\n"
         "from fastapi.testclient import TestClient\n"
-        "from app.main import create_app\n"
-        "from app.settings import Settings\n"
-        "from core.kinds import KINDS\n"
+        "from vibrafeed.app.main import create_app\n"
+        "from vibrafeed.app.settings import Settings\n"
+        "from vibrafeed.core.kinds import KINDS\n"
         "service = create_app(Settings(data_directory={!r}))\n"
         "with TestClient(service, base_url='http://127.0.0.1') as client:\n"
         "    known = [one['id'] for one in client.get('/processes').json()['processes']]\n"
@@ -221,10 +221,10 @@ def test_adding_an_output(tree: Path) -> None:
         tree,
         "-c",
         "import vibrafeed\n"
-        "from core.catalogue import describe\n"
-        "from core.schema import study_schema\n"
-        "from core.errors import StudyError\n"
-        "from core.quantities import FLAGS\n"
+        "from vibrafeed.core.catalogue import describe\n"
+        "from vibrafeed.core.schema import study_schema\n"
+        "from vibrafeed.core.errors import StudyError\n"
+        "from vibrafeed.core.quantities import FLAGS\n"
         f"found = vibrafeed.simulate({str(study)!r})\n"
         "assert found.gait.values.tolist() == [0, 1, 2] and found.gait.dtype == 'int8'\n"
         "assert found.gait.attrs['flag_meanings'] == 'rests slides hops unknown'\n"
@@ -258,7 +258,7 @@ def test_adding_a_picture(tree: Path) -> None:
         tree,
         "-c",
         "import vibrafeed\n"
-        "from core.plots import PlotError\n"
+        "from vibrafeed.core.plots import PlotError\n"
         "dataset = vibrafeed.sweep(scene='rectangle-on-plane', outputs='acceleration_x',\n"
         "    frequency=50, amplitude='0.1 mm', beta=range(0, 41), friction=0.3)\n"
         "figure = vibrafeed.plot(dataset, kind='histogram')\n"

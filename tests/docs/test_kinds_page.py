@@ -7,8 +7,8 @@ import re
 import pytest
 
 from benchmarks.kinds_page import PAGE, page
-from core.intake import prepare_content, read_toml
-from core.kinds import KINDS, tabulate
+from vibrafeed.core.intake import prepare_content, read_toml
+from vibrafeed.core.kinds import KINDS, tabulate
 
 EXAMPLES = re.findall(r"^```toml\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.M | re.S)
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from app.cli import app
 from newcomer import WIDTH, Differs, look, play, steady, unprinted
+from vibrafeed.app.cli import app
 
 ROOT = Path(__file__).parents[2]
 PAGES = [

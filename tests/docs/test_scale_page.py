@@ -16,9 +16,9 @@ import pytest
 import xarray
 import yaml
 
-from core.intake import parse_study, prepare_content
-from core.kinds import tabulate
 from tools import tool
+from vibrafeed.core.intake import parse_study, prepare_content
+from vibrafeed.core.kinds import tabulate
 
 ROOT = Path(__file__).parents[2]
 SCALE = (ROOT / "docs" / "scale.md").read_text(encoding="utf-8")

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from core.reduce.arrays import reduced_arrays
-from core.reduce.run import Units
-from core.watch import Watch
+from vibrafeed.core.reduce.arrays import reduced_arrays
+from vibrafeed.core.reduce.run import Units
+from vibrafeed.core.watch import Watch
 
 
 def assert_same_bits(prepared: Any, ways: Iterable[tuple[int, int]]) -> None:

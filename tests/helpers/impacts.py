@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.plan.equations import regimes_of
-from core.plan.plan import make_plan
-from core.plan.verdicts import Verdict
-from core.quantities import REGIMES
-from core.scenes import SCENES
 from night import count
+from vibrafeed.core.plan.equations import regimes_of
+from vibrafeed.core.plan.plan import make_plan
+from vibrafeed.core.plan.verdicts import Verdict
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.scenes import SCENES
 
 IMPACTS = count(20_000, 100_000)
 BLOCK = 8_192  # points at a time, which stay in the processor's cache

@@ -12,8 +12,8 @@ from matplotlib.path import Path
 from matplotlib.text import Text
 from matplotlib.transforms import Affine2D, Bbox
 
-from core.plots.regimes import ON_FILL
 from pictures import subtitle
+from vibrafeed.core.plots.regimes import ON_FILL
 
 MEET = 1.0  # dots
 

@@ -7,7 +7,7 @@ from typing import Any
 from fastapi import FastAPI
 from fastapi.testclient import TestClient
 
-from app.jobs.process_pool import ProcessPool
+from vibrafeed.app.jobs.process_pool import ProcessPool
 from waiting import wait_for
 
 HERE = "http://127.0.0.1"

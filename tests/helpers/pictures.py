@@ -6,7 +6,7 @@ import pytest
 import xarray
 from matplotlib.figure import Figure
 
-from core.plots import PlotError, draw
+from vibrafeed.core.plots import PlotError, draw
 
 SPACE = "\N{NO-BREAK SPACE}"
 

@@ -6,7 +6,7 @@ import sys
 from types import FunctionType
 from typing import Any
 
-from core.linking import Choice
+from vibrafeed.core.linking import Choice
 
 
 def plain(module: Any, known: dict[str, dict[str, Any]] | None = None) -> dict[str, Any]:

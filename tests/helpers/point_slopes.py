@@ -8,12 +8,12 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from core.errors import StudyError
-from core.motion.derivatives import derivatives_at
-from core.motion.prepare import choose_system
-from core.plan.derivatives import DERIVATIVE_STATUS, Derived, derivatives, values_of
-from core.plan.plan import make_plan, plan_scene
-from core.quantities.derivative import DERIVATIVE_STATUSES
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.motion.derivatives import derivatives_at
+from vibrafeed.core.motion.prepare import choose_system
+from vibrafeed.core.plan.derivatives import DERIVATIVE_STATUS, Derived, derivatives, values_of
+from vibrafeed.core.plan.plan import make_plan, plan_scene
+from vibrafeed.core.quantities.derivative import DERIVATIVE_STATUSES
 
 NAMES = {value: name for name, value in DERIVATIVE_STATUS.items()}
 

@@ -22,15 +22,15 @@ from typing import Any
 
 import numpy as np
 
-from app.settings import Settings
 from benchmarks.serving import Served, served
-from core.catalogue import describe
-from core.errors import StudyError, VibrafeedError
-from core.intake import prepare_content
-from core.motion.systems import SYSTEMS
-from core.optimise.methods import METHODS
-from core.quantities import QUANTITIES
-from core.scenes import SCENES
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.catalogue import describe
+from vibrafeed.core.errors import StudyError, VibrafeedError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.optimise.methods import METHODS
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.scenes import SCENES
 from waiting import PATIENCE
 
 FOLLOWED = 25

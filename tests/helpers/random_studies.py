@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from core.intake import load_study
-from core.study import Study
+from vibrafeed.core.intake import load_study
+from vibrafeed.core.study import Study
 
 ROOT = Path(__file__).parents[2]
 KINDS = ("sweep", "simulate", "optimise", "sensitivity")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.motion import waves
-from core.motion.groups import Groups
-from core.motion.waves import Wave
+from vibrafeed.core.motion import waves
+from vibrafeed.core.motion.groups import Groups
+from vibrafeed.core.motion.waves import Wave
 
 
 def parts(pick: np.random.Generator, wave: Wave, *, rebounds: bool = False) -> Groups:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from core.measured import Signal
+from vibrafeed.core.measured import Signal
 
 Orders = Sequence[tuple[float, float]]  # amplitude [m] and phase [rad] of the orders 1, 2, ...
 

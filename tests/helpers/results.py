@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from core.dataset.formats import FORMATS, write_result
-from core.dataset.frame import Frame, heading
-from core.dataset.table import Table
-from core.intake import prepare_content
-from core.kinds import tabulate
+from vibrafeed.core.dataset.formats import FORMATS, write_result
+from vibrafeed.core.dataset.frame import Frame, heading
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
 
 MOTION = {
     "kind": "simulate",

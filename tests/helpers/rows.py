@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.motion.kernels.rows import (
+from vibrafeed.core.motion.kernels.rows import (
     ROW_COLUMNS,
     path_of_row,
     path_of_waved_row,
@@ -12,9 +12,9 @@ from core.motion.kernels.rows import (
     stepped_rows,
     waved_row_cells,
 )
-from core.motion.kernels.rows.tables import COLUMN, HEAD, NO_STOP
-from core.motion.result import STATUS
-from core.motion.waves import Wave
+from vibrafeed.core.motion.kernels.rows.tables import COLUMN, HEAD, NO_STOP
+from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.waves import Wave
 
 TURN = 2 * np.pi
 
@@ -23,7 +23,7 @@ def cell(px, pz, friction, *, kinetic=None, mass=None, gap=None, gs=0.0, gn=1.0,
          steps=(), wave=None, stop=NO_STOP, stop_gap=0.0):  # fmt: skip
     """Return the row of the kernel for parts from the rear on, in the units g/w.
 
-    `steps` are ends and levels along the track; a `wave` is one of `core.motion.waves`.
+    `steps` are ends and levels along the track; a `wave` is one of `vibrafeed.core.motion.waves`.
     """
     n = len(friction)
     kinetic, mass = friction if kinetic is None else kinetic, [1.0] * n if mass is None else mass

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from core.schema import study_schema
 from once import made_once
+from vibrafeed.core.schema import study_schema
 
 
 def whole_schema(factory: pytest.TempPathFactory) -> dict[str, Any]:

@@ -38,7 +38,7 @@ class Service:
 
     def launch(self) -> None:
         """Start it, and do not wait for it."""
-        serve = "from app.cli import main; main()"  # as `vibrafeed` does, from this source tree
+        serve = "from vibrafeed.app.cli import main; main()"  # as `vibrafeed` does, from here
         command = [sys.executable, "-c", serve, "serve", "--port", str(self.port)]
         with self.log.open("ab") as file:
             self.process = subprocess.Popen(

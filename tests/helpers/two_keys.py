@@ -20,9 +20,9 @@ from statistics import median
 from typing import Any
 from urllib.parse import urlsplit
 
-from app.jobs.keys import Key, Keys
-from app.jobs.ledger import Ledger
 from benchmarks.serving import served
+from vibrafeed.app.jobs.keys import Key, Keys
+from vibrafeed.app.jobs.ledger import Ledger
 from waiting import PATIENCE
 
 STRICT, LIMITED = "strict", "limited"

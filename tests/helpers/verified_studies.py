@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import re
 
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.scenes import SCENES
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.scenes import SCENES
 
 BOUND = SCENES["rectangle-on-track"].rounding_bound
 

@@ -14,10 +14,10 @@ from benchmarks.motion import SETTINGS
 from benchmarks.motion import groups as grid
 from benchmarks.motions import planar_motion
 from benchmarks.waves import as_harmonic
-from core.motion.groups import Groups as Part
-from core.motion.methods import events
-from core.motion.result import STATUS, Motion
 from tests.helpers import night
+from vibrafeed.core.motion.groups import Groups as Part
+from vibrafeed.core.motion.methods import events
+from vibrafeed.core.motion.result import STATUS, Motion
 
 SEED = 47
 CELLS = 1_700  # random, of which a fifth do not repeat

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.mechanics import travel
-from core.plan.equations import regimes_of
-from core.plan.plan import make_plan
-from core.plan.verdicts import Verdict
-from core.quantities import REGIMES
+from vibrafeed.core.mechanics import travel
+from vibrafeed.core.plan.equations import regimes_of
+from vibrafeed.core.plan.plan import make_plan
+from vibrafeed.core.plan.verdicts import Verdict
+from vibrafeed.core.quantities import REGIMES
 
 RANDOM = np.random.default_rng(20041)
 POINTS = 20_000

@@ -10,8 +10,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from core.mechanics import complementarity, corner
-from core.mechanics.complementarity import (
+from vibrafeed.core.mechanics import complementarity, corner
+from vibrafeed.core.mechanics.complementarity import (
     NO_SOLUTION,
     SEPARATION,
     SLIDING,

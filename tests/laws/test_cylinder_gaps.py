@@ -10,17 +10,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.intake import parse_study
-from core.kinds import run_study
-from core.mechanics.cylinder_contact import cylinder_contact
-from core.mechanics.cylinder_impact import is_apart
-from core.mechanics.cylinders import Cylinder
-from core.quantities import REGIMES
 from night import count
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.mechanics.cylinder_contact import cylinder_contact
+from vibrafeed.core.mechanics.cylinder_impact import is_apart
+from vibrafeed.core.mechanics.cylinders import Cylinder
+from vibrafeed.core.quantities import REGIMES
 
 PAIRS = count(day=100, night=200)
 STEPS = 1000
-# A contact that rises by less counts as a line or a face: `core.mechanics.rectangle_contact.ALIKE`.
+# A contact that rises by less counts as a line or a face:
+# `vibrafeed.core.mechanics.rectangle_contact.ALIKE`.
 ALIKE = 1e-9
 
 WASHER, ROD, BLOCK = (10e-3, 0.5e-3), (1e-3, 10e-3), (5e-3, 5e-3)  # radius, half length [m]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from core.mechanics import friction, rolling, travel, vibration, wall
+from vibrafeed.core.mechanics import friction, rolling, travel, vibration, wall
 
 RANDOM = np.random.default_rng(3)
 POINTS = 200

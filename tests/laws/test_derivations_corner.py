@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from core.mechanics import corner
+from vibrafeed.core.mechanics import corner
 
 RANDOM = np.random.default_rng(5)
 POINTS = 200

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from core.mechanics import yawing
-from core.mechanics.screws import Wrench
+from vibrafeed.core.mechanics import yawing
+from vibrafeed.core.mechanics.screws import Wrench
 
 RANDOM = np.random.default_rng(4)
 POINTS = 200

@@ -13,8 +13,10 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from core.motion.kernels.planar import derive, flow, sine_flight, slopes
-from core.motion.kernels.planar.slope_tables import (
+from night import first_by_day
+from plain_kernels import plain
+from vibrafeed.core.motion.kernels.planar import derive, flow, sine_flight, slopes
+from vibrafeed.core.motion.kernels.planar.slope_tables import (
     BY,
     DERIVED,
     DERIVED_BY,
@@ -22,10 +24,8 @@ from core.motion.kernels.planar.slope_tables import (
     ROW,
     SUMMED,
 )
-from core.motion.kernels.results import COLUMN, RESULTS
-from core.motion.kernels.statuses import MODE
-from night import first_by_day
-from plain_kernels import plain
+from vibrafeed.core.motion.kernels.results import COLUMN, RESULTS
+from vibrafeed.core.motion.kernels.statuses import MODE
 
 SLOPES, DERIVE = plain(slopes), plain(derive)
 RANDOM = np.random.default_rng(1316)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from core.mechanics.rotations import body_to_reference
-from core.mechanics.screws import (
+from vibrafeed.core.mechanics.rotations import body_to_reference
+from vibrafeed.core.mechanics.screws import (
     MomentumScrew,
     Twist,
     Wrench,
@@ -16,7 +16,7 @@ from core.mechanics.screws import (
     power,
     vector,
 )
-from core.plan.plan import make_plan
+from vibrafeed.core.plan.plan import make_plan
 
 RANDOM = np.random.default_rng(214)
 POINTS = 20_000

@@ -13,18 +13,18 @@ import pytest
 
 from benchmarks import waves as drives
 from benchmarks.every_status import FAMILIES, ROUNDING, Judged, course_of, judged
-from core.intake import parse_study
-from core.kinds import run_study
-from core.motion.groups import Contacts, Groups, cells_of
-from core.motion.kernels.cells import Cell
-from core.motion.kernels.results import COLUMN
-from core.motion.methods.events import motion_by_events, planar_motion
-from core.motion.methods.spatial_events import spatial_motion, spatial_path
-from core.motion.result import STATUS
-from core.motion.systems import CONTACTS
-from core.motion.waves import Wave, bound
-from core.quantities import REGIMES
 from night import count
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
+from vibrafeed.core.motion.kernels.cells import Cell
+from vibrafeed.core.motion.kernels.results import COLUMN
+from vibrafeed.core.motion.methods.events import motion_by_events, planar_motion
+from vibrafeed.core.motion.methods.spatial_events import spatial_motion, spatial_path
+from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.systems import CONTACTS
+from vibrafeed.core.motion.waves import Wave, bound
+from vibrafeed.core.quantities import REGIMES
 
 CELLS = count(16, 17_000)
 """Of each of the six families: 10^5 by night."""

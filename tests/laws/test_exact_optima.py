@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from core.mechanics import friction, rolling, wall
-from core.optimise.codes import ACTIVE, STATUS
-from core.optimise.families.cylinder_physical import cylinder_physical_fastest
-from core.optimise.families.plane_physical import plane_physical_fastest
-from core.optimise.families.plane_thesis import (
+from vibrafeed.core.mechanics import friction, rolling, wall
+from vibrafeed.core.optimise.codes import ACTIVE, STATUS
+from vibrafeed.core.optimise.families.cylinder_physical import cylinder_physical_fastest
+from vibrafeed.core.optimise.families.plane_physical import plane_physical_fastest
+from vibrafeed.core.optimise.families.plane_thesis import (
     plane_thesis_limited,
     plane_thesis_pareto,
     plane_thesis_weighted,
 )
-from core.optimise.families.track_physical import track_physical_fastest
-from core.optimise.families.track_printed import track_fastest
-from core.quantities import OPTIMUM_STATUSES
+from vibrafeed.core.optimise.families.track_physical import track_physical_fastest
+from vibrafeed.core.optimise.families.track_printed import track_fastest
+from vibrafeed.core.quantities import OPTIMUM_STATUSES
 
 RANDOM = np.random.default_rng(1204)
 DESIGNS = 1000

@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 
 from benchmarks.worked_values import MEAN_VELOCITIES
-from core.assurance.case import Case, CaseValues, Truth
-from core.assurance.hard_cases import HARD_CASES
-from core.assurance.hard_cases.studies import WORKED
-from core.assurance.judge import judge, results_of, run_case, run_cases, summaries
-from core.assurance.tables import hard_cases_markdown, hard_cases_table
-from core.assurance.textbook import exact
-from core.motion import cells
-from core.watch import Watch
+from vibrafeed.core.assurance.case import Case, CaseValues, Truth
+from vibrafeed.core.assurance.hard_cases import HARD_CASES
+from vibrafeed.core.assurance.hard_cases.studies import WORKED
+from vibrafeed.core.assurance.judge import judge, results_of, run_case, run_cases, summaries
+from vibrafeed.core.assurance.tables import hard_cases_markdown, hard_cases_table
+from vibrafeed.core.assurance.textbook import exact
+from vibrafeed.core.motion import cells
+from vibrafeed.core.watch import Watch
 
 BY_NAME = {case.id: case for case in HARD_CASES}
 EASY = BY_NAME["every axis of one value"]
@@ -149,7 +149,7 @@ def test_a_warning_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
         warnings.warn("digits are lost", RuntimeWarning, stacklevel=1)
         return content
 
-    monkeypatch.setattr("core.assurance.judge.prepare_content", noisy)
+    monkeypatch.setattr("vibrafeed.core.assurance.judge.prepare_content", noisy)
     outcome, _ = run_case(EASY)
     assert (outcome.status, outcome.passed) == ("warning", False)
     assert "digits are lost" in outcome.note
@@ -164,7 +164,7 @@ def test_what_is_not_finite_needs_a_reason() -> None:
     table = results_of(EASY.terms[0].study)
     table.variables["throw_number"].values[...] = np.nan
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("core.assurance.judge.results_of", lambda _: table)
+        patch.setattr("vibrafeed.core.assurance.judge.results_of", lambda _: table)
         outcome, _ = run_case(unexplained)
     assert (outcome.passed, outcome.note) == (False, "not finite, and nothing says why")
 

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 import vibrafeed
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.quantities import MOTION_STATUSES, REGIMES
-from core.watch import Watch
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.quantities import MOTION_STATUSES, REGIMES
+from vibrafeed.core.watch import Watch
 
 LEVEL = {"scene": "rectangle-on-plane", "frequency": 50, "friction": 0.5}
 MEAN = ["conveying_velocity", "conveying_velocity_error", "period_multiple"]

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from core.errors import StudyError
-from core.intake import parse_study, prepare_content
-from core.kinds import run_study
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import parse_study, prepare_content
+from vibrafeed.core.kinds import run_study
 
 SINE = {"frequency": 50, "amplitude": "0.3 mm", "beta": 30, "friction": 0.4, "gravity": 9.8}
 RAIL = {"frequency": 20, "gravity": 9.81, "gamma": 90, "friction_static": 0.44,

@@ -17,7 +17,7 @@ from benchmarks.honest_estimates import (
     rated,
 )
 from benchmarks.motions import planar_motion
-from core.motion.result import STATUS
+from vibrafeed.core.motion.result import STATUS
 
 STUDIES = {"stepping": 800, "spatial": 800, "events": 800, "chaos": 300}
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.intake import parse_study
-from core.kinds import run_study
-from core.optimise.codes import STATUS
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.optimise.codes import STATUS
 from work import calls
 
 RANDOM = np.random.default_rng(512)

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from benchmarks.motions import planar_motion, planar_path
-from core.motion.result import Motion
-from core.quantities import MOTION_STATUSES
+from vibrafeed.core.motion.result import Motion
+from vibrafeed.core.quantities import MOTION_STATUSES
 
 STATUS = {name: flag.value for name, flag in MOTION_STATUSES.items()}
 FINITE = [STATUS[name] for name in ("periodic", "at_rest", "aperiodic", "neutral")]
@@ -185,7 +185,7 @@ def test_two_callers_at_a_time(sample):
 
 
 def test_equal_cells_are_computed_once(monkeypatch):
-    from core.motion import planar
+    from vibrafeed.core.motion import planar
 
     seen: list[int] = []
     kernel = planar.solve_cells

@@ -12,25 +12,25 @@ import numpy as np
 import pytest
 
 from benchmarks.waves import PLANAR, as_harmonic, bouncing
-from core.compiled import compiled
-from core.intake import parse_study
-from core.kinds import run_study
-from core.motion.groups import Groups, cells_of
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.cells import Cell, cell_of
-from core.motion.kernels.planar.cycle import one_hop
-from core.motion.kernels.planar.drive import Drive, fly, lift_off, lifts, to_lift_off
-from core.motion.kernels.planar.flow import NO_WAVES, TURN, upright
-from core.motion.kernels.planar.rebound import Restitution, restitution_of
-from core.motion.kernels.planar.slide import after_hops, contact
-from core.motion.kernels.planar.stays import rests
-from core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS
-from core.motion.kernels.planar.wave import wave_of
-from core.motion.kernels.rebounds import SETTLED_EXACTLY
-from core.motion.methods.events import planar_motion
-from core.motion.planar import waves_of
-from core.motion.result import STATUS, Motion
 from night import count
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.motion.groups import Groups, cells_of
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.cells import Cell, cell_of
+from vibrafeed.core.motion.kernels.planar.cycle import one_hop
+from vibrafeed.core.motion.kernels.planar.drive import Drive, fly, lift_off, lifts, to_lift_off
+from vibrafeed.core.motion.kernels.planar.flow import NO_WAVES, TURN, upright
+from vibrafeed.core.motion.kernels.planar.rebound import Restitution, restitution_of
+from vibrafeed.core.motion.kernels.planar.slide import after_hops, contact
+from vibrafeed.core.motion.kernels.planar.stays import rests
+from vibrafeed.core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS
+from vibrafeed.core.motion.kernels.planar.wave import wave_of
+from vibrafeed.core.motion.kernels.rebounds import SETTLED_EXACTLY
+from vibrafeed.core.motion.methods.events import planar_motion
+from vibrafeed.core.motion.planar import waves_of
+from vibrafeed.core.motion.result import STATUS, Motion
 
 CELLS = count(day=150, night=10_000)
 DECIDED_BY_ROUNDING = [STATUS["aperiodic"], STATUS["sensitive"]]

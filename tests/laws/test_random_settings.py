@@ -8,13 +8,13 @@ import time
 import numpy as np
 import pytest
 
-from core.errors import VibrafeedError
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.motion.methods import regularised
-from core.motion.systems import CONTACTS, SYSTEMS
-from core.watch import Watch
 from night import count
+from vibrafeed.core.errors import VibrafeedError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.motion.methods import regularised
+from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS
+from vibrafeed.core.watch import Watch
 
 CASES = count(25, 5000, "VIBRAFEED_FUZZ_CASES")
 # Bounds of the schema; floats are drawn evenly in their logarithm.

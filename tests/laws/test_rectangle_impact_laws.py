@@ -7,8 +7,8 @@ import functools
 import numpy as np
 import pytest
 
-from core.mechanics import impact
 from impacts import CLOSE, IMPACTS, LAWS, evaluate, mirrored, swapped, where
+from vibrafeed.core.mechanics import impact
 
 pytestmark = pytest.mark.slow  # the first test computes the impacts of all
 

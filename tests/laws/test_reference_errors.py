@@ -11,8 +11,8 @@ import pytest
 from benchmarks.honest_estimates import by_events, random_groups
 from benchmarks.motions import reference_motion, reference_path
 from benchmarks.worked_values import GRAVITY, MEAN_VELOCITIES
-from core.motion.methods.reference.polynomials import TERMS, crossings, first_fall
-from core.motion.result import STATUS
+from vibrafeed.core.motion.methods.reference.polynomials import TERMS, crossings, first_fall
+from vibrafeed.core.motion.result import STATUS
 
 REPEATS = (STATUS["periodic"], STATUS["at_rest"])
 

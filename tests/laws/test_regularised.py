@@ -11,8 +11,9 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.motions import regularised_motion
 from benchmarks.worked_values import HOPS, MEAN_VELOCITIES
-from core.motion.methods import regularised
-from core.motion.methods.regularised import (
+from night import first_by_day
+from vibrafeed.core.motion.methods import regularised
+from vibrafeed.core.motion.methods.regularised import (
     COARSER,
     SAFETY,
     SOFTER,
@@ -20,9 +21,8 @@ from core.motion.methods.regularised import (
     TWICE_COARSER,
     follow_run,
 )
-from core.motion.methods.regularised.laws import PEAK, Cell, laws
-from core.motion.result import STATUS
-from night import first_by_day
+from vibrafeed.core.motion.methods.regularised.laws import PEAK, Cell, laws
+from vibrafeed.core.motion.result import STATUS
 
 RANDOM = np.random.default_rng(139)
 GROUPS = {name: case.groups() for name, case in MEAN_VELOCITIES.items()}

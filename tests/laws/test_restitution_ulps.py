@@ -8,11 +8,11 @@ import pytest
 import vibrafeed
 from benchmarks.restitution_ulps import changes, followed, moved, random_cells
 from benchmarks.waves import SPATIAL, harmonics, lifting, steps
-from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups
-from core.motion.methods.spatial_events import spatial_motion
-from core.motion.result import STATUS
-from core.motion.waves import ENDS, Wave
 from night import count
+from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups
+from vibrafeed.core.motion.methods.spatial_events import spatial_motion
+from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.waves import ENDS, Wave
 
 # 50 Hz, 0.23 mm, restitution 0.9: two motions lie beside each other, and a plain run from rest ends
 # in the one or the other from one floating number to the next.

@@ -8,18 +8,18 @@ import warnings
 import numpy as np
 import pytest
 
-from core.intake import parse_study
-from core.kinds import run_study
-from core.mechanics.angles import cosine, radians, sine
-from core.mechanics.vibration import vibration_acceleration
-from core.motion import scales
-from core.plan.duals import Dual
-from core.plan.grid import Grid
-from core.plan.plan import make_plan, scene_parameters
-from core.quantities import QUANTITIES, REGIMES
-from core.scenes import SCENES
-from core.scenes.aliases import instead_of
-from core.sweep.precise import CONTEXT, exact_values
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.mechanics.angles import cosine, radians, sine
+from vibrafeed.core.mechanics.vibration import vibration_acceleration
+from vibrafeed.core.motion import scales
+from vibrafeed.core.plan.duals import Dual
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.plan import make_plan, scene_parameters
+from vibrafeed.core.quantities import QUANTITIES, REGIMES
+from vibrafeed.core.scenes import SCENES
+from vibrafeed.core.scenes.aliases import instead_of
+from vibrafeed.core.sweep.precise import CONTEXT, exact_values
 
 TURNS = range(-8, 9)
 COSINES, SINES = (1.0, 0.0, -1.0, 0.0), (0.0, 1.0, 0.0, -1.0)

@@ -8,9 +8,9 @@ against the sizes of its terms.
 import numpy as np
 import pytest
 
-from core.plan.plan import make_plan
-from core.scenes import SCENES
 from many_digits import mp, mpf
+from vibrafeed.core.plan.plan import make_plan
+from vibrafeed.core.scenes import SCENES
 
 POINTS = 150
 EPS = np.finfo(float).eps

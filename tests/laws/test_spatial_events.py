@@ -7,15 +7,15 @@ import math
 import numpy as np
 import pytest
 
-from core.intake import parse_study
-from core.kinds import run_study
-from core.motion.groups import Contacts, Groups, each
-from core.motion.kernels.statuses import MODE
-from core.motion.kernels.track.polynomials import NEVER, first_fall
-from core.motion.methods.events import motion_by_events
-from core.motion.methods.reference import reference_motion
-from core.motion.methods.spatial_events import spatial_motion, spatial_path
-from core.motion.result import STATUS, Motion
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.motion.groups import Contacts, Groups, each
+from vibrafeed.core.motion.kernels.statuses import MODE
+from vibrafeed.core.motion.kernels.track.polynomials import NEVER, first_fall
+from vibrafeed.core.motion.methods.events import motion_by_events
+from vibrafeed.core.motion.methods.reference import reference_motion
+from vibrafeed.core.motion.methods.spatial_events import spatial_motion, spatial_path
+from vibrafeed.core.motion.result import STATUS, Motion
 
 SETTINGS = {"tolerance": 1e-12, "max_periods": 300}
 PLANE, TRACK, CYLINDER = Contacts(), Contacts(wall=True), Contacts(rolling=2.0)

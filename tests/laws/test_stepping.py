@@ -18,7 +18,7 @@ from benchmarks.motions import (
     stepped_path,
 )
 from benchmarks.worked_values import MEAN_VELOCITIES
-from core.motion.result import STATUS
+from vibrafeed.core.motion.result import STATUS
 
 GRAVITY = 9.8
 NO_DRIVE: dict[str, Any] = {
@@ -328,6 +328,6 @@ def test_what_is_refused() -> None:
 
 
 def test_the_module_loads_no_compiler() -> None:
-    code = "import sys, core.motion.methods.stepping; print('numba' in sys.modules)"
+    code = "import sys, vibrafeed.core.motion.methods.stepping; print('numba' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"

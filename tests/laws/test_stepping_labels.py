@@ -10,11 +10,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.motion.methods.stepping import without_landing_steps
-from core.motion.result import COLUMNS, SHARES, STATUS, motion_of
-from core.quantities import REGIMES
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.motion.methods.stepping import without_landing_steps
+from vibrafeed.core.motion.result import COLUMNS, SHARES, STATUS, motion_of
+from vibrafeed.core.quantities import REGIMES
 
 STUDY = {
     "kind": "simulate",

@@ -10,13 +10,13 @@ import pytest
 
 from benchmarks.motions import tumbling_motion, tumbling_path
 from benchmarks.worked_values import MEAN_VELOCITIES
-from core.mechanics import impact
-from core.motion.bodies import Ball, TumblingCylinder, TumblingRectangle
-from core.motion.kernels.tumbling.geometry import corner_at, speed_scale
-from core.motion.kernels.tumbling.impact import strike
-from core.motion.kernels.tumbling.tables import SLOW, STATE, cell_of
-from core.motion.methods import tumbling
-from core.motion.result import STATUS
+from vibrafeed.core.mechanics import impact
+from vibrafeed.core.motion.bodies import Ball, TumblingCylinder, TumblingRectangle
+from vibrafeed.core.motion.kernels.tumbling.geometry import corner_at, speed_scale
+from vibrafeed.core.motion.kernels.tumbling.impact import strike
+from vibrafeed.core.motion.kernels.tumbling.tables import SLOW, STATE, cell_of
+from vibrafeed.core.motion.methods import tumbling
+from vibrafeed.core.motion.result import STATUS
 
 GRAVITY = 9.81
 LAWS = ["pfeiffer_glocker", "moreau"]
@@ -452,5 +452,5 @@ def test_arguments_broadcast():
 
 
 def test_the_public_module_loads_without_the_compiler():
-    code = "import sys, core.motion.methods.tumbling; sys.exit('numba' in sys.modules)"
+    code = "import sys, vibrafeed.core.motion.methods.tumbling; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from benchmarks.waves import harmonics, steps
-from core.intake import parse_study
-from core.kinds import run_study
-from core.motion import waves
-from core.motion.groups import Contacts, Groups
-from core.motion.kernels.waves import SineSum, passages
-from core.motion.methods.events import planar_motion
-from core.motion.methods.spatial_events import spatial_motion
-from core.motion.result import STATUS
-from core.motion.waves import ALONG, NORMAL, TURN, Wave
 from random_waves import parts, shifted
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.motion import waves
+from vibrafeed.core.motion.groups import Contacts, Groups
+from vibrafeed.core.motion.kernels.waves import SineSum, passages
+from vibrafeed.core.motion.methods.events import planar_motion
+from vibrafeed.core.motion.methods.spatial_events import spatial_motion
+from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.waves import ALONG, NORMAL, TURN, Wave
 
 G = 9.81
 PLANAR = {"tolerance": 1e-12, "max_periods": 1000.0}

@@ -12,19 +12,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.intake import parse_study
-from core.kinds import run_study
-from core.mechanics.arrays import Array
-from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups
-from core.motion.kernels.stepping.tables import Drive
-from core.motion.methods.reference import reference_motion, reference_path
-from core.motion.methods.regularised import regularised_motion
-from core.motion.methods.stepping import stepped_motion, stepped_path
-from core.motion.pieces import pieces
-from core.motion.result import STATUS, Motion
-from core.motion.steps import drives_of
-from core.motion.waves import ALONG, ENDS, NORMAL, TURN, Wave, bound, push, speed
 from night import count, first_by_day
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups
+from vibrafeed.core.motion.kernels.stepping.tables import Drive
+from vibrafeed.core.motion.methods.reference import reference_motion, reference_path
+from vibrafeed.core.motion.methods.regularised import regularised_motion
+from vibrafeed.core.motion.methods.stepping import stepped_motion, stepped_path
+from vibrafeed.core.motion.pieces import pieces
+from vibrafeed.core.motion.result import STATUS, Motion
+from vibrafeed.core.motion.steps import drives_of
+from vibrafeed.core.motion.waves import ALONG, ENDS, NORMAL, TURN, Wave, bound, push, speed
 
 GRAVITY = 9.81
 G = f"{GRAVITY} m/s^2"

@@ -9,9 +9,9 @@ import pytest
 
 import vibrafeed
 from benchmarks import keywords
-from core.kinds import KINDS
-from core.quantities import QUANTITIES
-from core.study.grid_study import PARAMETERS
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.grid_study import PARAMETERS
 
 POINT = {
     "scene": "rectangle-on-plane", "frequency": "50 Hz", "amplitude": "0.25 mm", "beta": 30,

@@ -8,8 +8,8 @@ import matplotlib.pyplot as plt
 import pytest
 
 import vibrafeed
-from core.errors import StudyError
 from vibrafeed import _functions
+from vibrafeed.core.errors import StudyError
 
 SWEEP = {"scene": "rectangle-on-plane", "outputs": ["throw_number"], "frequency": 50, "beta": 20}
 

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 import xarray
 
-from app.jobs.keys import new_key
-from core.intake import prepare_content
-from core.kinds import tabulate
+from vibrafeed.app.jobs.keys import new_key
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
 from waiting import PATIENCE
 
 TOOL = Path(__file__).parents[2] / "examples" / "design_tool.py"

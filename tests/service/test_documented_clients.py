@@ -133,8 +133,8 @@ def test_the_three_calls_answer_what_the_page_says(curl, server):
 
 
 def test_the_line_that_convert_writes(curl, server, folder):
-    from core.intake import study_of
-    from core.intake.forms import to_curl
+    from vibrafeed.core.intake import study_of
+    from vibrafeed.core.intake.forms import to_curl
 
     content = {
         "kind": "sweep",

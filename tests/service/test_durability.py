@@ -23,12 +23,12 @@ import netCDF4
 import pytest
 
 from benchmarks.serving import free_port
-from core.dataset.netcdf import write_netcdf
-from core.intake import prepare_content
-from core.kinds import tabulate
 from night import count
 from postgres import PASSWORD
 from services import QUICK, Server
+from vibrafeed.core.dataset.netcdf import write_netcdf
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
 from waiting import PATIENCE, wait_for
 
 KILLS = count(2, 20, "KILLS")

@@ -10,14 +10,14 @@ import pytest
 import xarray
 from typer.testing import CliRunner
 
-from app.cli import app
-from app.main import create_app
-from app.settings import Settings
-from core.intake import parse_study
-from core.kinds import KINDS, run_study
-from core.motion import SYSTEMS
-from core.scenes import SCENES
 from local_client import local_client
+from vibrafeed.app.cli import app
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import KINDS, run_study
+from vibrafeed.core.motion import SYSTEMS
+from vibrafeed.core.scenes import SCENES
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 EXAMPLES: dict[str, dict[str, Path]] = {kind: {} for kind in KINDS}

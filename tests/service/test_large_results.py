@@ -18,10 +18,10 @@ import xarray
 from obstore.store import HTTPStore
 from zarr.storage import ObjectStore
 
-from core.intake import prepare_content
-from core.kinds import tabulate
 from night import count
 from services import QUICK, Server
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
 
 KILLS = count(1, 4, "KILLS")
 FREQUENCIES = 110 if KILLS == 1 else 320  # the last kill is to meet work

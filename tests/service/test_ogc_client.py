@@ -17,8 +17,8 @@ import xarray
 from owslib import ogcapi
 from owslib.ogcapi.processes import Processes
 
-from core.intake import parse_study
-from core.kinds import run_study
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
 from waiting import PATIENCE, SELDOM, wait_for
 
 OGC = "http://www.opengis.net/def/rel/ogc/1.0/"

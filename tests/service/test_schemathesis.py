@@ -18,9 +18,9 @@ from typing import Any
 
 import pytest
 
-from app.jobs.keys import new_key
 from benchmarks import serving
 from night import NIGHT, count
+from vibrafeed.app.jobs.keys import new_key
 from waiting import PATIENCE, wait_for
 
 CASES = count(2, 500, "VIBRAFEED_FUZZ_CASES")

@@ -14,9 +14,9 @@ from pathlib import Path
 
 import pytest
 
-from core.dataset.netcdf import write_netcdf
-from core.intake import prepare_content
-from core.kinds import tabulate
+from vibrafeed.core.dataset.netcdf import write_netcdf
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
 from waiting import PATIENCE, SELDOM, wait_for
 
 IN_ALL = 10.0  # s, what containers give
@@ -141,11 +141,11 @@ def is_stopping(service):
 
 STUCK = """
 import asyncio, sys
-from app import logs
-from app.jobs.runner import Runner
-from app.main import create_app
-from app.settings import Settings
-from app.web import server
+from vibrafeed.app import logs
+from vibrafeed.app.jobs.runner import Runner
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web import server
 
 async def stop(self):
     await asyncio.sleep(3600)

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.sweep.zarr_view import ZarrView
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.sweep.zarr_view import ZarrView
 from waiting import PATIENCE, wait_for
 
 ENDS = {"frequency": (20, 120), "amplitude": (1e-4, 1e-3), "alpha": (0, 90), "beta": (0, 90)}

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from app.cli.serve import _tell_of_older_data
-from app.folders import cache_folder, data_folder
-from app.settings import Settings
+from vibrafeed.app.cli.serve import _tell_of_older_data
+from vibrafeed.app.folders import cache_folder, data_folder
+from vibrafeed.app.settings import Settings
 
 
 @pytest.mark.parametrize(

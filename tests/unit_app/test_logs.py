@@ -19,11 +19,11 @@ from fastapi.testclient import TestClient
 from starlette.requests import ClientDisconnect
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from app import logs
-from app.main import create_app
-from app.settings import Settings
-from app.web import observe
 from local_client import local_client
+from vibrafeed.app import logs
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web import observe
 
 Lines = Callable[[], list[dict[str, Any]]]
 

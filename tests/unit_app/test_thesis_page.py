@@ -10,7 +10,7 @@ import pytest
 from benchmarks.figures.judgement import VERDICTS, Judgement
 from benchmarks.figures.page import FIGURES, PAGE, page
 from benchmarks.figures.studies import picture_of
-from core.scenes import SCENES
+from vibrafeed.core.scenes import SCENES
 
 ROOT = Path(__file__).parents[2]
 TEXT = PAGE.read_text(encoding="utf-8")

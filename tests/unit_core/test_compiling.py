@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import vibrafeed
-from core import kinds
-from core.compiling import ONCE, announced, stopwatch
+from vibrafeed.core import kinds
+from vibrafeed.core.compiling import ONCE, announced, stopwatch
 
 STUDY = {
     "kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["throw_number"],

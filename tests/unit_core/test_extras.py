@@ -12,11 +12,11 @@ from pathlib import Path
 
 import pytest
 
-from core import extras
-from core.extras import ROOT, installing
+from vibrafeed.core import extras
+from vibrafeed.core.extras import ROOT, installing
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-OURS = {"core", "app", "vibrafeed"}
+OURS = {"vibrafeed"}
 
 
 def normal(name: str) -> str:
@@ -34,7 +34,8 @@ EXTRAS = {extra: names(found) for extra, found in PROJECT["optional-dependencies
 @functools.cache
 def sources() -> dict[Path, str]:
     """Return the text of each file of the program."""
-    return {file: file.read_text() for room in OURS for file in (ROOT / room).rglob("*.py")}
+    rooms = [ROOT / name for name in ("core", "app", "vibrafeed")]
+    return {file: file.read_text() for room in rooms for file in room.rglob("*.py")}
 
 
 def imported() -> dict[str, set[str]]:

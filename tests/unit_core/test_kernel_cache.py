@@ -12,33 +12,33 @@ from typing import Any
 
 import pytest
 
-from core import kernel_cache
-from core.kernel_cache import COMPILERS, CORE, KEPT, NEUTRAL, imported, packages, sources
-from core.warm import STUDIES
 from night import first_by_day
+from vibrafeed.core import kernel_cache
+from vibrafeed.core.kernel_cache import COMPILERS, CORE, KEPT, NEUTRAL, imported, packages, sources
+from vibrafeed.core.warm import STUDIES
 from waiting import PATIENCE
 
 ROOT = CORE.parent
 FROZEN = ("quantities/flags.py", "optimise/codes.py")
 """What kernels may import besides kernels; the values are frozen into the code."""
 CALLEE = """
-from core.compiled import compiled
+from vibrafeed.core.compiled import compiled
 
 @compiled
 def inner(x):
     return x + {added}
 """
 CALLER = """
-from core.compiled import compiled
-from core.toy.kernels.callee import inner
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.toy.kernels.callee import inner
 
 @compiled
 def outer(x):
     return 2.0 * inner(x)
 """
 OTHER = """
-from core.compiled import compiled
-from core.quantities.flags import FLAG
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.quantities.flags import FLAG
 
 @compiled
 def outer(x):
@@ -62,14 +62,15 @@ def small_package(where: Path) -> Path:
 
     One has a kernel that calls into another file, the other one that knows a flag.
     """
-    kernels, others = where / "core/toy/kernels", where / "core/other/kernels"
-    for folder in (kernels, others, where / "core/quantities"):
+    core = where / "vibrafeed/core"
+    kernels, others = core / "toy/kernels", core / "other/kernels"
+    for folder in (kernels, others, core / "quantities"):
         folder.mkdir(parents=True)
         for inside in (folder, folder.parent):
             (inside / "__init__.py").touch()
     for name in (*COMPILERS, *NEUTRAL):
-        shutil.copy(CORE / name, where / "core" / name)
-    (where / "core/quantities/flags.py").write_text("FLAG = 1.0\n")
+        shutil.copy(CORE / name, core / name)
+    (core / "quantities/flags.py").write_text("FLAG = 1.0\n")
     (kernels / "callee.py").write_text(CALLEE.format(added="1.0"))
     (kernels / "caller.py").write_text(CALLER)
     (others / "lone.py").write_text(OTHER)
@@ -85,7 +86,7 @@ def start(
     if cache is not None:
         variables["NUMBA_CACHE_DIR"] = str(cache)
     return subprocess.Popen(
-        [sys.executable, "-c", ASK, f"core.{asked}"], cwd=package, env=variables,
+        [sys.executable, "-c", ASK, f"vibrafeed.core.{asked}"], cwd=package, env=variables,
         stdout=subprocess.PIPE, text=True,
     )  # fmt: skip
 
@@ -104,7 +105,7 @@ def ask(*arguments: Any, **environment: str) -> tuple[float, int]:
 
 
 def edit_callee(package: Path) -> None:
-    (package / "core/toy/kernels/callee.py").write_text(CALLEE.format(added="5.0"))
+    (package / "vibrafeed/core/toy/kernels/callee.py").write_text(CALLEE.format(added="5.0"))
 
 
 def kernel_folders(cache: Path) -> list[Path]:
@@ -143,7 +144,7 @@ def test_an_edited_callee_is_seen_and_a_touch_is_not(compiled_package, tmp_path)
 def test_numbas_own_cache_keeps_the_old_callee(tmp_path):
     """The judge of the test above: if numba follows callees one day, our cache can go."""
     package, cache = small_package(tmp_path / "a"), tmp_path / "cache"
-    (package / "core/compiled.py").write_text(NUMBAS_OWN)
+    (package / "vibrafeed/core/compiled.py").write_text(NUMBAS_OWN)
     assert ask(package, cache) == (4.0, 0)
     edit_callee(package)
     assert ask(package, cache) == (4.0, 1)
@@ -164,7 +165,7 @@ def test_a_flag_with_another_value_is_seen_where_it_is_known(tmp_path):
     package, cache = small_package(tmp_path / "a"), tmp_path / "cache"
     ask(package, cache)
     assert ask(package, cache, "other.kernels.lone") == (0.0, 0)
-    (package / "core/quantities/flags.py").write_text("FLAG = 3.0\n")
+    (package / "vibrafeed/core/quantities/flags.py").write_text("FLAG = 3.0\n")
     assert ask(package, cache, "other.kernels.lone") == (-2.0, 0)
     assert ask(package, cache) == (4.0, 1)
 
@@ -172,7 +173,7 @@ def test_a_flag_with_another_value_is_seen_where_it_is_known(tmp_path):
 @pytest.mark.parametrize("name", first_by_day(COMPILERS))
 def test_another_way_to_compile_opens_new_folders(compiled_package, name):
     package, cache = compiled_package
-    with (package / "core" / name).open("a") as file:
+    with (package / "vibrafeed/core" / name).open("a") as file:
         file.write("NEW = 1\n")
     assert ask(package, cache) == (4.0, 0)
 
@@ -180,7 +181,7 @@ def test_another_way_to_compile_opens_new_folders(compiled_package, name):
 @pytest.mark.parametrize("name", first_by_day(NEUTRAL))
 def test_how_code_is_kept_opens_none(compiled_package, name):
     package, cache = compiled_package
-    with (package / "core" / name).open("a") as file:
+    with (package / "vibrafeed/core" / name).open("a") as file:
         file.write("NEW = 1\n")
     assert ask(package, cache) == (4.0, 1)
 
@@ -277,15 +278,16 @@ def test_a_package_does_not_hang_on_the_others():
 def tree(tmp_path: Path) -> Path:
     """Return a copy of the program."""
     for name in ("core", "app", "vibrafeed"):
-        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+        ignore = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / name, tmp_path / name, symlinks=True, ignore=ignore)
     return tmp_path
 
 
 PLANAR = """
-from core.compiling import stopwatch
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.warm import STUDIES, carry_out
+from vibrafeed.core.compiling import stopwatch
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.warm import STUDIES, carry_out
 carry_out("motion-planar", slice(1))
 print(stopwatch.spent)
 """
@@ -294,7 +296,7 @@ print(stopwatch.spent)
 @pytest.mark.night
 def test_after_an_edit_of_a_tumbling_kernel_a_planar_simulation_compiles_nothing(tree):
     """Nor does it in another clone."""
-    from core.warm import FIRST, carry_out
+    from vibrafeed.core.warm import FIRST, carry_out
 
     carry_out("motion-planar", FIRST)
     environment = {
@@ -320,10 +322,10 @@ def test_after_warming_every_kernel_file_has_taken_part_and_no_study_waits_for_t
     """Methods, drives and outputs of all kinds find what `vibrafeed warm` has compiled."""
     code = """
 import sys
-from core.compiling import stopwatch
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.warm import STUDIES, carry_out
+from vibrafeed.core.compiling import stopwatch
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.warm import STUDIES, carry_out
 [carry_out(package) for package in STUDIES]
 print(*(module for module in sys.modules if ".kernels" in module))
 spent = stopwatch.spent
@@ -377,8 +379,9 @@ def parsed_imports(file: Path) -> set[Path]:
         elif isinstance(node, ast.Import):
             names = [one.name for one in node.names]
         for name in names:
-            assert not name.startswith((".", "app", "vibrafeed")), f"{file}: {name}"
-            path = CORE.parent.joinpath(*name.split("."))
-            if name.split(".")[0] == "core":
+            assert not name.startswith((".", "vibrafeed.app")), f"{file}: {name}"
+            top, *below = name.split(".")
+            path = CORE.parent.joinpath(*below)
+            if top == "vibrafeed":
                 found |= {path.with_suffix(".py"), path / "__init__.py"}
     return {path for path in found if path.is_file()}

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numba.core.codegen import CPUCodeLibrary
 
-from core.compiled import borrowing, by_type, compiled
+from vibrafeed.core.compiled import borrowing, by_type, compiled
 
 
 class Line(NamedTuple):

@@ -8,15 +8,15 @@ import pytest
 from fastapi.testclient import TestClient
 from typer.testing import CliRunner
 
-import core.materials
 import vibrafeed
-from app.cli import app
-from app.main import create_app
-from app.settings import Settings
+import vibrafeed.core.materials
 from benchmarks.friction_page import PAGE, page
-from core.materials import friction, leaf_springs, shown
-from core.quantities import QUANTITIES
-from core.scenes import SCENES
+from vibrafeed.app.cli import app
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.materials import friction, leaf_springs, shown
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.scenes import SCENES
 
 ALL = friction()
 
@@ -27,7 +27,7 @@ def rows():
 
 def test_every_row_has_values_and_a_source() -> None:
     for row in rows():
-        ranges = {name: row.get(name) for name in core.materials.VALUES if row.get(name)}
+        ranges = {name: row.get(name) for name in vibrafeed.core.materials.VALUES if row.get(name)}
         assert ranges, row
         assert not ("coefficient" in ranges and len(ranges) > 1), row
         for name, (least, largest) in ranges.items():
@@ -36,7 +36,7 @@ def test_every_row_has_values_and_a_source() -> None:
         assert row["part"], row
         assert row["track"], row
         assert ALL["sources"][row["source"]]["address"].startswith("http"), row
-    declared = core.materials._data("friction.toml")["sources"]
+    declared = vibrafeed.core.materials._data("friction.toml")["sources"]
     assert set(declared) == {row["source"] for row in rows()}  # none that nobody quotes
 
 
@@ -108,7 +108,7 @@ def test_every_material_of_leaves_has_a_modulus_and_a_source() -> None:
         assert 5 < row["elastic_modulus"][0] <= row["elastic_modulus"][1] < 250, row
         assert row["density"] is None or 1500 < row["density"][0] <= row["density"][1] < 8000, row
         assert found["sources"][row["source"]]["address"].startswith("http"), row
-    declared = core.materials._data("leaf_springs.toml")["sources"]
+    declared = vibrafeed.core.materials._data("leaf_springs.toml")["sources"]
     assert set(declared) == {row["source"] for row in found["materials"]}
 
 
@@ -136,6 +136,6 @@ def test_the_command_line_prints_leaf_springs() -> None:
 
 
 def test_its_examples_do_what_they_say() -> None:
-    done = doctest.testmod(core.materials, extraglobs={"vibrafeed": vibrafeed})
+    done = doctest.testmod(vibrafeed.core.materials, extraglobs={"vibrafeed": vibrafeed})
     assert done.attempted
     assert not done.failed

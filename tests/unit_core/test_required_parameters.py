@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from core.catalogue import describe, describe_all
-from core.intake import prepare_content
+from vibrafeed.core.catalogue import describe, describe_all
+from vibrafeed.core.intake import prepare_content
 
 SCENES = {scene["name"]: scene["methods"] for scene in describe_all()}
 KINDS = [(name, "sweep") for name in SCENES]

@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from core.kinds import KINDS
-from core.quantities import QUANTITIES
-from core.schema import by_reference
 from schemas import expanded, whole_schema
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.schema import by_reference
 
 MOST = 300_000  # bytes as `vibrafeed schema` prints it; it was 4.8 million
 NAMED = ("scene", "outputs", "variant", "method")

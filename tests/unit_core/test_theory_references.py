@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from core.scenes import ALIASES, SCENES
+from vibrafeed.core.scenes import ALIASES, SCENES
 
 ROOT = Path(__file__).parents[2]
 THEORY = ROOT / "docs" / "theory.md"

@@ -7,11 +7,11 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
-from app.web.calculations import convert_study
-from app.web.dependencies import BaseOf, Body, SettingsOf, refuse_repeated
-from app.web.execution import PROCESSES, AnyStudy
-from app.web.replies import component, problems
-from app.web.shares import calculate_in_process, hold_slot
+from vibrafeed.app.web.calculations import convert_study
+from vibrafeed.app.web.dependencies import BaseOf, Body, SettingsOf, refuse_repeated
+from vibrafeed.app.web.execution import PROCESSES, AnyStudy
+from vibrafeed.app.web.replies import component, problems
+from vibrafeed.app.web.shares import calculate_in_process, hold_slot
 
 router = APIRouter(tags=["processes"])
 

@@ -10,9 +10,9 @@ from fastapi import APIRouter
 from fastapi.responses import Response
 from pydantic import BaseModel, Field
 
-import core
-from app.web.replies import json_reply
-from core.intake import load_study
+from vibrafeed import core
+from vibrafeed.app.web.replies import json_reply
+from vibrafeed.core.intake import load_study
 
 router = APIRouter(tags=["scenes"])
 

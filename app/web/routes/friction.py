@@ -8,8 +8,8 @@ from fastapi import APIRouter, Query
 from fastapi.responses import Response
 from pydantic import BaseModel
 
-from app.web.replies import json_reply, problems
-from core.materials import friction
+from vibrafeed.app.web.replies import json_reply, problems
+from vibrafeed.core.materials import friction
 
 router = APIRouter(tags=["scenes"])
 

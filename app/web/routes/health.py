@@ -12,10 +12,10 @@ from fastapi.responses import PlainTextResponse, Response
 from prometheus_client.exposition import CONTENT_TYPE_LATEST
 from pydantic import BaseModel, Field
 
-import core
-from app.web.dependencies import SettingsOf
-from app.web.replies import json_reply, problem_document, problems
-from core.errors import Problem
+from vibrafeed import core
+from vibrafeed.app.web.dependencies import SettingsOf
+from vibrafeed.app.web.replies import json_reply, problem_document, problems
+from vibrafeed.core.errors import Problem
 
 logger = logging.getLogger("vibrafeed")
 

@@ -14,20 +14,20 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response, StreamingResponse
 from pydantic import AfterValidator
 
-from app.jobs.admission import Admission, is_readable
-from app.jobs.keys import NOBODY, Key, Keys
-from app.jobs.ledger import ACTIVE, STATES, Wanted
-from app.web.dependencies import AdmissionOf, BaseOf, Body, Number, WhoOf, refuse_repeated
-from app.web.documents import (
+from vibrafeed.app.jobs.admission import Admission, is_readable
+from vibrafeed.app.jobs.keys import NOBODY, Key, Keys
+from vibrafeed.app.jobs.ledger import ACTIVE, STATES, Wanted
+from vibrafeed.app.web.dependencies import AdmissionOf, BaseOf, Body, Number, WhoOf, refuse_repeated
+from vibrafeed.app.web.documents import (
     JobList,
     StatusInfo,
     status_info,
 )
-from app.web.execution import PROCESSES
-from app.web.outcomes import find_job, no_such_job
-from app.web.replies import json_reply, problems
-from app.web.shares import hold_slot
-from app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
+from vibrafeed.app.web.execution import PROCESSES
+from vibrafeed.app.web.outcomes import find_job, no_such_job
+from vibrafeed.app.web.replies import json_reply, problems
+from vibrafeed.app.web.shares import hold_slot
+from vibrafeed.app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
 

@@ -16,14 +16,14 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 from starlette.requests import ClientDisconnect
 
-from app.jobs.admission import Admission
-from app.jobs.keys import Key
-from app.jobs.ledger import ACTIVE, Job
-from app.settings import Settings
-from app.web.accept import preferred
-from app.web.calculations import check_study, execute_at_once, read_study
-from app.web.dependencies import AdmissionOf, BaseOf, Body, SettingsOf, WhoOf, base_of
-from app.web.documents import (
+from vibrafeed.app.jobs.admission import Admission
+from vibrafeed.app.jobs.keys import Key
+from vibrafeed.app.jobs.ledger import ACTIVE, Job
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web.accept import preferred
+from vibrafeed.app.web.calculations import check_study, execute_at_once, read_study
+from vibrafeed.app.web.dependencies import AdmissionOf, BaseOf, Body, SettingsOf, WhoOf, base_of
+from vibrafeed.app.web.documents import (
     CONFORMANCE,
     Conformance,
     LandingPage,
@@ -34,15 +34,15 @@ from app.web.documents import (
     process_list,
     status_info,
 )
-from app.web.execution import ACCURACY, PROCESSES, Process
-from app.web.made_once import MadeOnce
-from app.web.outcomes import results_reply
-from app.web.prefer import Preferences, preferences
-from app.web.problems import NoSuchProcessError
-from app.web.replies import component, execution_name, json_reply, problems
-from app.web.routes import page
-from app.web.shares import calculate_in_process, slot_of, threads_of
-from core.errors import StoppedError
+from vibrafeed.app.web.execution import ACCURACY, PROCESSES, Process
+from vibrafeed.app.web.made_once import MadeOnce
+from vibrafeed.app.web.outcomes import results_reply
+from vibrafeed.app.web.prefer import Preferences, preferences
+from vibrafeed.app.web.problems import NoSuchProcessError
+from vibrafeed.app.web.replies import component, execution_name, json_reply, problems
+from vibrafeed.app.web.routes import page
+from vibrafeed.app.web.shares import calculate_in_process, slot_of, threads_of
+from vibrafeed.core.errors import StoppedError
 
 router = APIRouter(tags=["processes"])
 

@@ -12,17 +12,23 @@ from fastapi import APIRouter, Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
-from app.jobs.admission import Admission
-from app.jobs.errors import NotFoundError
-from app.jobs.manifest import JSON, NETCDF, ZARR
-from app.web.accept import form_for
-from app.web.dependencies import AdmissionOf, BaseOf, Number, SettingsOf
-from app.web.documents import NETCDF_TYPE, Results, media_type_of
-from app.web.downloads import ASK_AGAIN, etag_of, file_reply, not_modified
-from app.web.outcomes import check_of, error_for_missing_file, find_job, manifest_of, results_reply
-from app.web.replies import BINARY, OBJECT, cached_replies, problems, without_length
-from app.web.routes.zarr import ZarrKey
-from app.web.tables import (
+from vibrafeed.app.jobs.admission import Admission
+from vibrafeed.app.jobs.errors import NotFoundError
+from vibrafeed.app.jobs.manifest import JSON, NETCDF, ZARR
+from vibrafeed.app.web.accept import form_for
+from vibrafeed.app.web.dependencies import AdmissionOf, BaseOf, Number, SettingsOf
+from vibrafeed.app.web.documents import NETCDF_TYPE, Results, media_type_of
+from vibrafeed.app.web.downloads import ASK_AGAIN, etag_of, file_reply, not_modified
+from vibrafeed.app.web.outcomes import (
+    check_of,
+    error_for_missing_file,
+    find_job,
+    manifest_of,
+    results_reply,
+)
+from vibrafeed.app.web.replies import BINARY, OBJECT, cached_replies, problems, without_length
+from vibrafeed.app.web.routes.zarr import ZarrKey
+from vibrafeed.app.web.tables import (
     TABLES,
     ResultForm,
     missing_packages,
@@ -31,8 +37,8 @@ from app.web.tables import (
     tables_there,
     writer_version,
 )
-from core.dataset.frame import Frame
-from core.dataset.read import read_netcdf
+from vibrafeed.core.dataset.frame import Frame
+from vibrafeed.core.dataset.read import read_netcdf
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
 

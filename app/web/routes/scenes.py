@@ -9,12 +9,12 @@ from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import Response
 from pydantic import BaseModel
 
-from app.jobs.errors import NotFoundError
-from app.kept_texts import study_schema_text
-from app.web.made_once import made_once
-from app.web.replies import OBJECT, cached_replies, json_reply, problems
-from core.catalogue import describe, describe_all
-from core.scenes import SCENES
+from vibrafeed.app.jobs.errors import NotFoundError
+from vibrafeed.app.kept_texts import study_schema_text
+from vibrafeed.app.web.made_once import made_once
+from vibrafeed.app.web.replies import OBJECT, cached_replies, json_reply, problems
+from vibrafeed.core.catalogue import describe, describe_all
+from vibrafeed.core.scenes import SCENES
 
 router = APIRouter(tags=["scenes"])
 

@@ -14,13 +14,13 @@ from fastapi import APIRouter, Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
-from app.jobs.admission import Admission
-from app.jobs.keys import Key
-from app.jobs.manifest import NETCDF
-from app.settings import Settings
-from app.web.accept import form_for
-from app.web.calculations import encode_slice, encode_slice_of
-from app.web.dependencies import (
+from vibrafeed.app.jobs.admission import Admission
+from vibrafeed.app.jobs.keys import Key
+from vibrafeed.app.jobs.manifest import NETCDF
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web.accept import form_for
+from vibrafeed.app.web.calculations import encode_slice, encode_slice_of
+from vibrafeed.app.web.dependencies import (
     AdmissionOf,
     Body,
     SettingsOf,
@@ -32,12 +32,19 @@ from app.web.dependencies import (
     settings_of,
     store_of,
 )
-from app.web.documents import NETCDF_TYPE
-from app.web.downloads import ASK_AGAIN, FOR_EVER, etag_of, file_reply, not_modified
-from app.web.execution import PROCESSES
-from app.web.outgoing import reserve_bytes
-from app.web.replies import BINARY, cached_replies, component, json_reply, problems, without_length
-from app.web.shares import (
+from vibrafeed.app.web.documents import NETCDF_TYPE
+from vibrafeed.app.web.downloads import ASK_AGAIN, FOR_EVER, etag_of, file_reply, not_modified
+from vibrafeed.app.web.execution import PROCESSES
+from vibrafeed.app.web.outgoing import reserve_bytes
+from vibrafeed.app.web.replies import (
+    BINARY,
+    cached_replies,
+    component,
+    json_reply,
+    problems,
+    without_length,
+)
+from vibrafeed.app.web.shares import (
     calculate_in_process,
     hold_slot,
     large_slot_of,
@@ -45,9 +52,9 @@ from app.web.shares import (
     slot_of,
     threads_of,
 )
-from app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
-from app.web.sweep_document import SweepDescription, description
-from app.web.tables import (
+from vibrafeed.app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
+from vibrafeed.app.web.sweep_document import SweepDescription, description
+from vibrafeed.app.web.tables import (
     TABLES,
     SliceForm,
     missing_packages,
@@ -56,13 +63,13 @@ from app.web.tables import (
     tables_there,
     writer_version,
 )
-from core.dataset.frame import Frame
-from core.errors import LimitError
-from core.intake import prepare_content, read_json
-from core.plan.prepared import Prepared
-from core.study import SweepStudy
-from core.study.grid_study import PARAMETERS
-from core.sweep.slice import SliceCut, compute_slice, prepare_cut, table_of
+from vibrafeed.core.dataset.frame import Frame
+from vibrafeed.core.errors import LimitError
+from vibrafeed.core.intake import prepare_content, read_json
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.study import SweepStudy
+from vibrafeed.core.study.grid_study import PARAMETERS
+from vibrafeed.core.sweep.slice import SliceCut, compute_slice, prepare_cut, table_of
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
 

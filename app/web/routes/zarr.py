@@ -10,13 +10,13 @@ from fastapi import APIRouter, Path, Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import RedirectResponse, Response
 
-from app.jobs.errors import NotFoundError
-from app.web.dependencies import SweepKey, ViewsOf
-from app.web.downloads import FOR_EVER, content_reply, etag_of, not_modified
-from app.web.outgoing import reserve_bytes
-from app.web.replies import BINARY, OBJECT, cached_replies, problems
-from app.web.shares import slot_of
-from app.web.zarr_views import ZarrViews
+from vibrafeed.app.jobs.errors import NotFoundError
+from vibrafeed.app.web.dependencies import SweepKey, ViewsOf
+from vibrafeed.app.web.downloads import FOR_EVER, content_reply, etag_of, not_modified
+from vibrafeed.app.web.outgoing import reserve_bytes
+from vibrafeed.app.web.replies import BINARY, OBJECT, cached_replies, problems
+from vibrafeed.app.web.shares import slot_of
+from vibrafeed.app.web.zarr_views import ZarrViews
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
 

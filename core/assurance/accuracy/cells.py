@@ -6,8 +6,8 @@ import statistics
 import time
 from collections.abc import Callable, Iterable
 
-from core.mechanics.arrays import Array
-from core.plan.grid import Grid, random_positions
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.grid import Grid, random_positions
 
 SEED = 2004
 REPEATS = 5

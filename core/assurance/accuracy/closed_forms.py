@@ -9,15 +9,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.assurance.accuracy.cells import REPEATS, median_seconds, random_cells, sample_size
-from core.assurance.accuracy.curves import Curve, Measured, Point
-from core.mechanics.arrays import Array
-from core.plan.blocks import BLOCK_CELLS
-from core.plan.equations import run_equations
-from core.plan.plan import Plan
-from core.sweep.plain import Sweep
-from core.sweep.precise import Errors, errors_of, exact_values, sensitivities
-from core.watch import Watch
+from vibrafeed.core.assurance.accuracy.cells import (
+    REPEATS,
+    median_seconds,
+    random_cells,
+    sample_size,
+)
+from vibrafeed.core.assurance.accuracy.curves import Curve, Measured, Point
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.blocks import BLOCK_CELLS
+from vibrafeed.core.plan.equations import run_equations
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.sweep.plain import Sweep
+from vibrafeed.core.sweep.precise import Errors, errors_of, exact_values, sensitivities
+from vibrafeed.core.watch import Watch
 
 CELLS = 200
 PIECE = 20  # cells at a time, between two looks at the watch

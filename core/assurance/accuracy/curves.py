@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.table import Table, TableVariable
-from core.mechanics.arrays import Array
+from vibrafeed.core.dataset.table import Table, TableVariable
+from vibrafeed.core.mechanics.arrays import Array
 
 FAMILIES: dict[str, str] = {
     "closed_forms": "closed forms in floats, against their own equations to 50 digits",

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from core.assurance.accuracy.curves import FAMILIES
-from core.errors import Problem, StudyError
-from core.kinds import KINDS
-from core.plan.prepared import Prepared
+from vibrafeed.core.assurance.accuracy.curves import FAMILIES
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.plan.prepared import Prepared
 
 SECONDS = 60.0
 """Of one family; what is fast takes less."""

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.assurance.accuracy.curves import Curve, Measured, Point
-from core.dataset.table import TableVariable
-from core.plan.pieces import Computed
+from vibrafeed.core.assurance.accuracy.curves import Curve, Measured, Point
+from vibrafeed.core.dataset.table import TableVariable
+from vibrafeed.core.plan.pieces import Computed
 
 MEASURED, MACHINE = "measured", "machine"  # among the notes
 OF = ":"  # between a variable and its attribute that is an array

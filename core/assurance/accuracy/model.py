@@ -7,22 +7,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.assurance.accuracy.cells import random_cells, sample_size
-from core.assurance.accuracy.curves import Curve, Measured, Point, single
-from core.assurance.accuracy.motion import is_point_part
-from core.errors import StudyError
-from core.intake import parse_study
-from core.mechanics.arrays import Array
-from core.motion.prepare import Simulation, prepare
-from core.motion.result import ANSWERED, STATUS
-from core.motion.systems import SYSTEMS
-from core.plan.equations import regimes, run_equations
-from core.plan.plan import plan_scene, scene_parameters
-from core.quantities import QUANTITIES, REGIMES
-from core.quantities.flags import REGIME
-from core.study.simulate_study import SimulateStudy
-from core.sweep.plain import Sweep
-from core.watch import Watch
+from vibrafeed.core.assurance.accuracy.cells import random_cells, sample_size
+from vibrafeed.core.assurance.accuracy.curves import Curve, Measured, Point, single
+from vibrafeed.core.assurance.accuracy.motion import is_point_part
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.prepare import Simulation, prepare
+from vibrafeed.core.motion.result import ANSWERED, STATUS
+from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.plan.equations import regimes, run_equations
+from vibrafeed.core.plan.plan import plan_scene, scene_parameters
+from vibrafeed.core.quantities import QUANTITIES, REGIMES
+from vibrafeed.core.quantities.flags import REGIME
+from vibrafeed.core.study.simulate_study import SimulateStudy
+from vibrafeed.core.sweep.plain import Sweep
+from vibrafeed.core.watch import Watch
 
 CELLS = 2000
 VELOCITY = "m s-1"

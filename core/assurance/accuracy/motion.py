@@ -9,15 +9,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.assurance.accuracy.cells import random_cells
-from core.assurance.accuracy.curves import STEEP, Curve, Measured, Point
-from core.mechanics.arrays import Array
-from core.motion.prepare import Simulation
-from core.motion.result import STATUS
-from core.plan.equations import run_equations
-from core.plan.plan import plan_scene, scene_parameters
-from core.scenes import Scene
-from core.watch import Watch
+from vibrafeed.core.assurance.accuracy.cells import random_cells
+from vibrafeed.core.assurance.accuracy.curves import STEEP, Curve, Measured, Point
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.prepare import Simulation
+from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.plan.equations import run_equations
+from vibrafeed.core.plan.plan import plan_scene, scene_parameters
+from vibrafeed.core.scenes import Scene
+from vibrafeed.core.watch import Watch
 
 CELLS = 24
 STIFF_CELLS = 2

@@ -12,17 +12,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.assurance.accuracy.cells import SEED, random_cells, sample_size
-from core.assurance.accuracy.curves import Curve, Measured, Point
-from core.mechanics.arrays import Array
-from core.optimise.codes import STATUS
-from core.optimise.known_optima import is_closed, is_compiled
-from core.optimise.methods import METHODS, refusal
-from core.optimise.optimisation import Optimisation
-from core.optimise.problem import LIMIT, OptimisationProblem, cells_of, chosen_cells
-from core.optimise.run import with_limit
-from core.study.optimise_study import Pareto
-from core.watch import Watch
+from vibrafeed.core.assurance.accuracy.cells import SEED, random_cells, sample_size
+from vibrafeed.core.assurance.accuracy.curves import Curve, Measured, Point
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise.codes import STATUS
+from vibrafeed.core.optimise.known_optima import is_closed, is_compiled
+from vibrafeed.core.optimise.methods import METHODS, refusal
+from vibrafeed.core.optimise.optimisation import Optimisation
+from vibrafeed.core.optimise.problem import LIMIT, OptimisationProblem, cells_of, chosen_cells
+from vibrafeed.core.optimise.run import with_limit
+from vibrafeed.core.study.optimise_study import Pareto
+from vibrafeed.core.watch import Watch
 
 DESIGNS = 20
 DESIGNS_MOTION = 4

@@ -9,10 +9,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
-from core.assurance.accuracy.curves import FAMILIES, STEEP, Curve, Measured, Point, numbers_of
-from core.assurance.accuracy.families import SECONDS
-from core.assurance.accuracy.report import ReportPart
-from core.dataset.markdown import markdown_table
+from vibrafeed.core.assurance.accuracy.curves import (
+    FAMILIES,
+    STEEP,
+    Curve,
+    Measured,
+    Point,
+    numbers_of,
+)
+from vibrafeed.core.assurance.accuracy.families import SECONDS
+from vibrafeed.core.assurance.accuracy.report import ReportPart
+from vibrafeed.core.dataset.markdown import markdown_table
 
 TITLES = {
     "closed_forms": "Rounding of the closed forms",

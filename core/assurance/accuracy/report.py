@@ -13,18 +13,18 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import core
-from core.assurance.accuracy import closed_forms, model, motion, optimisers, storage
-from core.assurance.accuracy.curves import Measured, tabulate_curves
-from core.assurance.accuracy.families import SECONDS, families_of
-from core.dataset.table import Table
-from core.kinds import share_left_out, tabulate
-from core.plan.grid import Grid
-from core.plan.labels import global_attributes
-from core.plan.prepared import Prepared
-from core.study.values import Points
-from core.sweep import Sweep
-from core.watch import Watch
+from vibrafeed import core
+from vibrafeed.core.assurance.accuracy import closed_forms, model, motion, optimisers, storage
+from vibrafeed.core.assurance.accuracy.curves import Measured, tabulate_curves
+from vibrafeed.core.assurance.accuracy.families import SECONDS, families_of
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.kinds import share_left_out, tabulate
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.labels import global_attributes
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.study.values import Points
+from vibrafeed.core.sweep import Sweep
+from vibrafeed.core.watch import Watch
 
 MAX_CELLS = 400_000  # of a result that is stored; a larger grid is thinned
 MAX_CELLS_MOTION = 2_000  # of one whose cells take milliseconds

@@ -13,11 +13,11 @@ import netCDF4
 import numpy as np
 from numpy.typing import NDArray
 
-from core.assurance.accuracy.cells import median_seconds
-from core.assurance.accuracy.curves import Curve, Measured, Point
-from core.dataset.netcdf import write_netcdf
-from core.dataset.table import Table
-from core.watch import Watch
+from vibrafeed.core.assurance.accuracy.cells import median_seconds
+from vibrafeed.core.assurance.accuracy.curves import Curve, Measured, Point
+from vibrafeed.core.dataset.netcdf import write_netcdf
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.watch import Watch
 
 REPEATS = 3
 

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from core.assurance.case import Case, Truth, half_unit
-from core.assurance.forms import best_wave, fast_drives, formulas, laws, resting
-from core.assurance.forms.formulas import Formula
+from vibrafeed.core.assurance.case import Case, Truth, half_unit
+from vibrafeed.core.assurance.forms import best_wave, fast_drives, formulas, laws, resting
+from vibrafeed.core.assurance.forms.formulas import Formula
 
 FORMULAS: Mapping[str, Formula] = {
     **formulas.FORMULAS,

@@ -1,7 +1,7 @@
 """O, the fastest level wave under a largest acceleration: what it reaches, and that none beats it.
 
 The value is that of Umbanhowar and Lynch's three phases; it stands here as it is published, and in
-`core.motion.best_wave` as the program computes it.
+`vibrafeed.core.motion.best_wave` as the program computes it.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ import math
 
 from numpy.random import Generator
 
-from core.assurance.case import Term
-from core.assurance.forms.formulas import GRAVITY, MM, Formula, Inputs, simulation, speed
+from vibrafeed.core.assurance.case import Term
+from vibrafeed.core.assurance.forms.formulas import GRAVITY, MM, Formula, Inputs, simulation, speed
 
 EDGE = 1e-9
 """How much longer than the fastest wave ours carries the part.

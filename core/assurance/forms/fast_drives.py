@@ -11,8 +11,8 @@ import math
 
 from numpy.random import Generator
 
-from core.assurance.case import Term
-from core.assurance.forms.formulas import GRAVITY, Formula, Inputs, sine_cosine, speed
+from vibrafeed.core.assurance.case import Term
+from vibrafeed.core.assurance.forms.formulas import GRAVITY, Formula, Inputs, sine_cosine, speed
 
 FREQUENCY = 50.0  # Hz; the answers are in scales in which it does not count
 CIRCULAR = 2 * math.pi * FREQUENCY

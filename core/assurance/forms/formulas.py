@@ -1,7 +1,7 @@
 """Formulas of the forms: their studies, their values, and random inputs, one class of three each.
 
-They share nothing with `core.motion`: what is expected comes from the formula as it is published.
-Lengths and times are in SI units, accelerations in g, angles in degrees; `GRAVITY` is g.
+They share nothing with `vibrafeed.core.motion`: what is expected comes from the formula as it is
+published. Lengths and times are in SI units, accelerations in g, angles in degrees; `GRAVITY` is g.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from numpy.random import Generator
 
-from core.assurance.case import Content, Term
+from vibrafeed.core.assurance.case import Content, Term
 
 GRAVITY = 9.81  # m s-2
 MM = 1e3  # mm in a metre

@@ -12,8 +12,15 @@ from typing import Any
 
 from numpy.random import Generator
 
-from core.assurance.case import Term
-from core.assurance.forms.formulas import GRAVITY, Formula, Inputs, simulation, sine_cosine, speed
+from vibrafeed.core.assurance.case import Term
+from vibrafeed.core.assurance.forms.formulas import (
+    GRAVITY,
+    Formula,
+    Inputs,
+    simulation,
+    sine_cosine,
+    speed,
+)
 
 SHIFT = 1.234
 """Radian of the first harmonic by which a drive starts later."""

@@ -6,8 +6,8 @@ import math
 
 from numpy.random import Generator
 
-from core.assurance.case import Term
-from core.assurance.forms.formulas import Formula, Inputs
+from vibrafeed.core.assurance.case import Term
+from vibrafeed.core.assurance.forms.formulas import Formula, Inputs
 
 WIDE = 1e12
 """Of a box that stands for a plane rectangle, over its length."""

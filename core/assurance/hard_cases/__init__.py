@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from core.assurance.case import Case
-from core.assurance.hard_cases.borders import painleve, regime_borders
-from core.assurance.hard_cases.drives import angles, slow_and_fast_drives, subnormal_amplitudes
-from core.assurance.hard_cases.friction import (
+from vibrafeed.core.assurance.case import Case
+from vibrafeed.core.assurance.hard_cases.borders import painleve, regime_borders
+from vibrafeed.core.assurance.hard_cases.drives import (
+    angles,
+    slow_and_fast_drives,
+    subnormal_amplitudes,
+)
+from vibrafeed.core.assurance.hard_cases.friction import (
     little_and_much_friction,
     met_thresholds,
     stiff_friction,
 )
-from core.assurance.hard_cases.rebounds import chatter, full_rebound, stiff_floor
-from core.assurance.hard_cases.scales import grids, masses_and_sizes
-from core.assurance.hard_cases.transport import (
+from vibrafeed.core.assurance.hard_cases.rebounds import chatter, full_rebound, stiff_floor
+from vibrafeed.core.assurance.hard_cases.scales import grids, masses_and_sizes
+from vibrafeed.core.assurance.hard_cases.transport import (
     large_and_small_bowls,
     long_and_short_ways,
     start_within_ulps,

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from core.assurance import textbook
-from core.assurance.case import Case, Truth
-from core.assurance.hard_cases.studies import (
+from vibrafeed.core.assurance import textbook
+from vibrafeed.core.assurance.case import Case, Truth
+from vibrafeed.core.assurance.hard_cases.studies import (
     G,
     W,
     corner,
@@ -17,7 +17,7 @@ from core.assurance.hard_cases.studies import (
     near,
     plane,
 )
-from core.assurance.textbook import exact
+from vibrafeed.core.assurance.textbook import exact
 
 
 def regime_borders() -> list[Case]:

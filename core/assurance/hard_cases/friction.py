@@ -7,9 +7,9 @@ import math
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from core.assurance import textbook
-from core.assurance.case import Case, CaseValues, Truth
-from core.assurance.hard_cases.studies import (
+from vibrafeed.core.assurance import textbook
+from vibrafeed.core.assurance.case import Case, CaseValues, Truth
+from vibrafeed.core.assurance.hard_cases.studies import (
     DRIVE,
     WORKED,
     G,
@@ -22,8 +22,8 @@ from core.assurance.hard_cases.studies import (
     sweep,
     track,
 )
-from core.assurance.textbook import EPSILON, exact
-from core.motion.methods.regularised.laws import Cell, laws
+from vibrafeed.core.assurance.textbook import EPSILON, exact
+from vibrafeed.core.motion.methods.regularised.laws import Cell, laws
 
 
 def little_and_much_friction() -> list[Case]:

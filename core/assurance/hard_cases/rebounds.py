@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from core.assurance.case import Case, Truth
-from core.assurance.hard_cases.studies import (
+from vibrafeed.core.assurance.case import Case, Truth
+from vibrafeed.core.assurance.hard_cases.studies import (
     WORKED,
     Content,
     G,
@@ -17,8 +17,8 @@ from core.assurance.hard_cases.studies import (
     motion,
     sweep,
 )
-from core.assurance.judge import results_of
-from core.assurance.textbook import EPSILON
+from vibrafeed.core.assurance.judge import results_of
+from vibrafeed.core.assurance.textbook import EPSILON
 
 
 def full_rebound() -> list[Case]:

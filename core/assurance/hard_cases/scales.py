@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from core.assurance import textbook
-from core.assurance.case import Case, Truth
-from core.assurance.hard_cases.studies import (
+from vibrafeed.core.assurance import textbook
+from vibrafeed.core.assurance.case import Case, Truth
+from vibrafeed.core.assurance.hard_cases.studies import (
     DRIVE,
     Content,
     G,
@@ -20,7 +20,7 @@ from core.assurance.hard_cases.studies import (
     motion,
     sweep,
 )
-from core.assurance.textbook import EPSILON, exact
+from vibrafeed.core.assurance.textbook import EPSILON, exact
 
 
 def masses_and_sizes() -> list[Case]:

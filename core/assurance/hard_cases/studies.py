@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from core.assurance import textbook
-from core.assurance.case import Case, Term, Truth
-from core.assurance.judge import results_of
-from core.assurance.textbook import exact
+from vibrafeed.core.assurance import textbook
+from vibrafeed.core.assurance.case import Case, Term, Truth
+from vibrafeed.core.assurance.judge import results_of
+from vibrafeed.core.assurance.textbook import exact
 
 Content = dict[str, Any]
 

@@ -8,9 +8,9 @@ from typing import Any
 
 from mpmath import mp
 
-from core.assurance import textbook
-from core.assurance.case import Case, Truth
-from core.assurance.hard_cases.studies import (
+from vibrafeed.core.assurance import textbook
+from vibrafeed.core.assurance.case import Case, Truth
+from vibrafeed.core.assurance.hard_cases.studies import (
     K_INPUTS,
     TRACK,
     W,
@@ -21,7 +21,7 @@ from core.assurance.hard_cases.studies import (
     sweep,
     track,
 )
-from core.assurance.textbook import EPSILON, exact, exact_of_floats
+from vibrafeed.core.assurance.textbook import EPSILON, exact, exact_of_floats
 
 
 def large_and_small_bowls() -> list[Case]:

@@ -11,9 +11,9 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 
-import core
-from core.assurance.case import Case, Term, Truth
-from core.assurance.forms.formulas import GRAVITY, two_levels_terms
+from vibrafeed import core
+from vibrafeed.core.assurance.case import Case, Term, Truth
+from vibrafeed.core.assurance.forms.formulas import GRAVITY, two_levels_terms
 
 FILE = Path(core.__file__).resolve().parent.parent / "configs" / "rail-of-cast-iron.csv"
 KAPPA = 0.558  # per kg

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from core.assurance.case import Case, Term, Truth
+from vibrafeed.core.assurance.case import Case, Term, Truth
 
 WITHIN = 0.03
 """A measured share lies within this of the bracket of both shares, of most dice."""

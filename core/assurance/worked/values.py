@@ -11,9 +11,9 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from core.assurance.case import Case, Term, Truth
-from core.assurance.hard_cases import HARD_CASES
-from core.quantities import QUANTITIES
+from vibrafeed.core.assurance.case import Case, Term, Truth
+from vibrafeed.core.assurance.hard_cases import HARD_CASES
+from vibrafeed.core.quantities import QUANTITIES
 
 WORKED_GRAVITY, SPEED_GRAVITY = 9.8, 9.81  # m s-2, of the tables
 EXACT = 1e-13
@@ -26,7 +26,7 @@ INPUTS = ("frequency", "amplitude", "beta", "gamma", "friction_static", "frictio
 @cache
 def worked_values() -> Mapping[str, Any]:
     """Return the tables of worked values."""
-    text = (files("core.assurance.worked") / "values.toml").read_text(encoding="utf-8")
+    text = (files("vibrafeed.core.assurance.worked") / "values.toml").read_text(encoding="utf-8")
     return tomllib.loads(text)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import compiled
+from vibrafeed.core.compiled import compiled
 
 Floats = NDArray[np.float64]
 Statuses = NDArray[np.int8]

@@ -6,8 +6,8 @@ from collections import namedtuple
 
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.arrays import Floats
 
 Cell = namedtuple(
     "Cell",
@@ -15,7 +15,7 @@ Cell = namedtuple(
     "friction_static friction_kinetic restitution drive_number_across gravity_number_across "
     "curvature_number wall_friction wall_restitution impact_damping tolerance max_periods",
 )
-"""The numbers of `core.motion.groups.Groups`, in its order, and the settings of a method."""
+"""The numbers of `vibrafeed.core.motion.groups.Groups`, in its order, and a method's settings."""
 
 GROUPS = len(Cell._fields)  # number of columns of a cell, before those of its wave
 

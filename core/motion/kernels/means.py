@@ -12,11 +12,11 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.cells import Cell
-from core.motion.kernels.results import COLUMN, TALLY
-from core.motion.kernels.statuses import MODES, STATUS
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.cells import Cell
+from vibrafeed.core.motion.kernels.results import COLUMN, TALLY
+from vibrafeed.core.motion.kernels.statuses import MODES, STATUS
 
 BATCHES = 16  # successive batches of periods whose means give the error of a mean
 SETTLING = 0.25

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from core.quantities.flags import MOTION_MODES, MOTION_STATUSES
+from vibrafeed.core.quantities.flags import MOTION_MODES, MOTION_STATUSES
 
 Status = namedtuple(
     "Status",

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.compiled import borrowing
-from core.motion.kernels.arrays import Floats
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.motion.kernels.arrays import Floats
 
 TURN = 2.0 * math.pi
 FINEST = 1e-11
@@ -30,7 +30,7 @@ MAX_ITERATIONS = 80
 
 
 class WaveColumns(NamedTuple):
-    """Columns of a wave's numbers in a row, as `core.motion.waves.Wave.columns` writes them.
+    """Columns of a wave's numbers in a row: `vibrafeed.core.motion.waves.Wave.columns` writes them.
 
     `along` and `normal` are the first columns of the sines of each order, of which the cosines
     follow; `levels` and `normal_levels` those of the steps, and `ends` that of the phases at which

@@ -1,12 +1,12 @@
 """Every method of motion: one file each, and one line here."""
 
-from core.motion.method import Method
-from core.motion.methods import rows, tumbling
-from core.motion.methods.events import EVENTS
-from core.motion.methods.reference import REFERENCE
-from core.motion.methods.regularised import BDF, LSODA, RADAU
-from core.motion.methods.rolling import rolled
-from core.motion.methods.stepping import TIME_STEPPING
+from vibrafeed.core.motion.method import Method
+from vibrafeed.core.motion.methods import rows, tumbling
+from vibrafeed.core.motion.methods.events import EVENTS
+from vibrafeed.core.motion.methods.reference import REFERENCE
+from vibrafeed.core.motion.methods.regularised import BDF, LSODA, RADAU
+from vibrafeed.core.motion.methods.rolling import rolled
+from vibrafeed.core.motion.methods.stepping import TIME_STEPPING
 
 METHODS: dict[str, dict[str, Method]] = {
     "conveying": {

@@ -16,17 +16,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.mechanics.arrays import Array
-from core.motion import compiled, planar
-from core.motion.cells import run_cells
-from core.motion.course import TrajectoryRequest, TrajectoryValues
-from core.motion.groups import Contacts, Groups, cells_of, groups_of, in_plane
-from core.motion.method import Follow, FollowCourse, Method
-from core.motion.methods.spatial_events import spatial_motion, spatial_trajectory
-from core.motion.price import Price, Priced
-from core.motion.result import STATUS, Energy, Motion, motion_of
-from core.quantities import MOTION_MODES
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion import compiled, planar
+from vibrafeed.core.motion.cells import run_cells
+from vibrafeed.core.motion.course import TrajectoryRequest, TrajectoryValues
+from vibrafeed.core.motion.groups import Contacts, Groups, cells_of, groups_of, in_plane
+from vibrafeed.core.motion.method import Follow, FollowCourse, Method
+from vibrafeed.core.motion.methods.spatial_events import spatial_motion, spatial_trajectory
+from vibrafeed.core.motion.price import Price, Priced
+from vibrafeed.core.motion.result import STATUS, Energy, Motion, motion_of
+from vibrafeed.core.quantities import MOTION_MODES
+from vibrafeed.core.watch import Watch
 
 
 class EventPath(NamedTuple):

@@ -12,17 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from core.mechanics.arrays import Array, Mask
-from core.mechanics.rolling_motion import RollingContact
-from core.motion import planar
-from core.motion.groups import Contacts, Groups, cells_of
-from core.motion.kernels.planar.tables import PIECE
-from core.motion.method import Follow, Method
-from core.motion.methods.events import planar_motion
-from core.motion.result import ANSWERED, STATUS, Motion
-from core.quantities import MOTION_MODES
-from core.scenes.scene import taking
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics.rolling_motion import RollingContact
+from vibrafeed.core.motion import planar
+from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
+from vibrafeed.core.motion.kernels.planar.tables import PIECE
+from vibrafeed.core.motion.method import Follow, Method
+from vibrafeed.core.motion.methods.events import planar_motion
+from vibrafeed.core.motion.result import ANSWERED, STATUS, Motion
+from vibrafeed.core.quantities import MOTION_MODES
+from vibrafeed.core.scenes.scene import taking
+from vibrafeed.core.watch import Watch
 
 WAYS = {MOTION_MODES["forward"].value: 1.0, MOTION_MODES["backward"].value: -1.0}
 """Sign of the velocity by motion mode."""

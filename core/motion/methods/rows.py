@@ -12,20 +12,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.motion import compiled
-from core.motion.cells import Kernel, run_cells
-from core.motion.course import TrajectoryRequest, TrajectoryValues
-from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, table
-from core.motion.method import Follow, FollowCourse, Method
-from core.motion.methods import events
-from core.motion.methods.events import motion_by_events
-from core.motion.price import Price, Priced
-from core.motion.result import ANSWERED, STATUS
-from core.motion.waves import NORMAL, of_columns
-from core.quantities.row import MAX_NUMBERED
-from core.scenes import Constraint
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion import compiled
+from vibrafeed.core.motion.cells import Kernel, run_cells
+from vibrafeed.core.motion.course import TrajectoryRequest, TrajectoryValues
+from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, table
+from vibrafeed.core.motion.method import Follow, FollowCourse, Method
+from vibrafeed.core.motion.methods import events
+from vibrafeed.core.motion.methods.events import motion_by_events
+from vibrafeed.core.motion.price import Price, Priced
+from vibrafeed.core.motion.result import ANSWERED, STATUS
+from vibrafeed.core.motion.waves import NORMAL, of_columns
+from vibrafeed.core.quantities.row import MAX_NUMBERED
+from vibrafeed.core.scenes import Constraint
+from vibrafeed.core.watch import Watch
 
 PERIODS = 400.0
 """Most periods by default: a row that repeats does so within some tens; half of them give the mean

@@ -10,14 +10,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.mechanics.arrays import Array
-from core.motion import compiled
-from core.motion.cells import run_cells
-from core.motion.course import TrajectoryRequest, TrajectoryValues
-from core.motion.groups import Contacts, Groups, cells_of
-from core.motion.path import Path
-from core.motion.result import Motion, motion_of
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion import compiled
+from vibrafeed.core.motion.cells import run_cells
+from vibrafeed.core.motion.course import TrajectoryRequest, TrajectoryValues
+from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
+from vibrafeed.core.motion.path import Path
+from vibrafeed.core.motion.result import Motion, motion_of
+from vibrafeed.core.watch import Watch
 
 MAX_TURNS = 100_000
 """Periods of the drive that a trajectory may show, as many as a study may follow a part."""

@@ -20,19 +20,19 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.mechanics.arrays import Array
-from core.motion import compiled
-from core.motion.cells import run_cells
-from core.motion.course import TrajectoryRequest, TrajectoryValues
-from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, cells_of
-from core.motion.method import Follow, FollowCourse, Method
-from core.motion.path import Path
-from core.motion.price import Price, Priced
-from core.motion.result import SHARES, Motion, motion_of, with_whole_shares
-from core.motion.steps import drives_of, sines_at
-from core.motion.waves import TURN, of_columns
-from core.quantities import MOTION_MODES
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion import compiled
+from vibrafeed.core.motion.cells import run_cells
+from vibrafeed.core.motion.course import TrajectoryRequest, TrajectoryValues
+from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, cells_of
+from vibrafeed.core.motion.method import Follow, FollowCourse, Method
+from vibrafeed.core.motion.path import Path
+from vibrafeed.core.motion.price import Price, Priced
+from vibrafeed.core.motion.result import SHARES, Motion, motion_of, with_whole_shares
+from vibrafeed.core.motion.steps import drives_of, sines_at
+from vibrafeed.core.motion.waves import TURN, of_columns
+from vibrafeed.core.quantities import MOTION_MODES
+from vibrafeed.core.watch import Watch
 
 FEWEST = 8  # steps of a period, and periods
 MAX_STEPS = 100_000_000

@@ -29,18 +29,18 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.mechanics.angles import cosine, sine
-from core.mechanics.arrays import Array, Mask
-from core.motion import compiled
-from core.motion.bodies import Part
-from core.motion.cells import run_cells
-from core.motion.course import TrajectoryRequest, TrajectoryValues
-from core.motion.groups import Contacts, table
-from core.motion.method import Follow, FollowCourse, Method
-from core.motion.price import Price, Priced, Pricing
-from core.motion.result import STATUS
-from core.scenes.scene import STANDARD_GRAVITY
-from core.watch import Watch
+from vibrafeed.core.mechanics.angles import cosine, sine
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.motion import compiled
+from vibrafeed.core.motion.bodies import Part
+from vibrafeed.core.motion.cells import run_cells
+from vibrafeed.core.motion.course import TrajectoryRequest, TrajectoryValues
+from vibrafeed.core.motion.groups import Contacts, table
+from vibrafeed.core.motion.method import Follow, FollowCourse, Method
+from vibrafeed.core.motion.price import Price, Priced, Pricing
+from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.scenes.scene import STANDARD_GRAVITY
+from vibrafeed.core.watch import Watch
 
 Law = Literal["pfeiffer_glocker", "moreau"]
 Way = Literal["events", "stepping"]

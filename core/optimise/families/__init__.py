@@ -1,26 +1,27 @@
 """Families of problems whose best angles of the drive are known: "a_x high, |a_y| low" (theory 12).
 
 A file a family: its closed forms, and the record that says what it answers. Compiled functions of
-the same families stand in `core.optimise.kernels`, a file each.
+the same families stand in `vibrafeed.core.optimise.kernels`, a file each.
 
 The forms hold for 0 <= alpha, beta <= 90 deg, any climb with `gravity_normal` >= 0, and a part at
-rest. With other bounds use `core.optimise.newton`. All of the source's formulas are linear in the
-drive direction d = (cb ca, cb sa, sb): what is sought is the highest point of a piece of the unit
-sphere that planes cut out, so that even the root of the limit problem has a closed form.
+rest. With other bounds use `vibrafeed.core.optimise.newton`. All of the source's formulas are
+linear in the drive direction d = (cb ca, cb sa, sb): what is sought is the highest point of a piece
+of the unit sphere that planes cut out, so that even the root of the limit problem has a closed
+form.
 
 Arguments broadcast; float64, SI units, radians. `gravity_along` is g sin(gamma), `gravity_normal`
 g cos(gamma) (times cos(delta) on the track), `gravity_across` g cos(gamma) sin(delta). Inside,
 everything is divided by the drive acceleration P.
 """
 
-from core.optimise.families import (
+from vibrafeed.core.optimise.families import (
     cylinder_physical,
     plane_physical,
     plane_thesis,
     track_physical,
     track_printed,
 )
-from core.optimise.families.family import Family
+from vibrafeed.core.optimise.families.family import Family
 
 FAMILIES: dict[str, Family] = {
     family.name: family

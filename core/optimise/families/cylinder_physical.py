@@ -7,12 +7,12 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.mechanics import rolling
-from core.mechanics.arrays import Array
-from core.optimise.families.family import Family
-from core.optimise.families.friction_disc import Candidate, fastest_slide
-from core.optimise.families.optimum import Optimum
-from core.study.optimise_study import Maximise
+from vibrafeed.core.mechanics import rolling
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise.families.family import Family
+from vibrafeed.core.optimise.families.friction_disc import Candidate, fastest_slide
+from vibrafeed.core.optimise.families.optimum import Optimum
+from vibrafeed.core.study.optimise_study import Maximise
 
 # Friction directions at which the value is sampled before its root is bisected.
 DIRECTIONS = 129

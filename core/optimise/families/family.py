@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from core.optimise.families.optimum import Optimum, ParetoSet
-from core.optimise.kernels.columns import Kept
-from core.study.optimise_study import Criterion
+from vibrafeed.core.optimise.families.optimum import Optimum, ParetoSet
+from vibrafeed.core.optimise.kernels.columns import Kept
+from vibrafeed.core.study.optimise_study import Criterion
 
 Closed = Callable[..., Optimum | ParetoSet]
 """A closed form; its arguments are what it needs of a design."""

@@ -10,9 +10,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from core.mechanics.arrays import Array, Mask
-from core.optimise.codes import ACTIVE, STATUS
-from core.optimise.families.optimum import (
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.optimise.codes import ACTIVE, STATUS
+from vibrafeed.core.optimise.families.optimum import (
     Optimum,
     bounds_active,
     broadcast,

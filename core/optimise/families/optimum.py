@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from core.mechanics.arrays import Array, Mask
-from core.optimise.codes import ACTIVE, STATUS, TIGHT, Flags, Statuses
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.optimise.codes import ACTIVE, STATUS, TIGHT, Flags, Statuses
 
 
 class Optimum(NamedTuple):

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from core.mechanics.arrays import Array, ratio
-from core.optimise.families.family import Family
-from core.optimise.families.friction_disc import Candidate, fastest_slide
-from core.optimise.families.optimum import Optimum
-from core.optimise.kernels.columns import PlanePhysical
-from core.study.optimise_study import Limited, Maximise
+from vibrafeed.core.mechanics.arrays import Array, ratio
+from vibrafeed.core.optimise.families.family import Family
+from vibrafeed.core.optimise.families.friction_disc import Candidate, fastest_slide
+from vibrafeed.core.optimise.families.optimum import Optimum
+from vibrafeed.core.optimise.kernels.columns import PlanePhysical
+from vibrafeed.core.study.optimise_study import Limited, Maximise
 
 # Newton's steps for the tilted optimum; more are needed only where two roots all but meet.
 MAX_STEPS = 60

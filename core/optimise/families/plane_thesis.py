@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from core.mechanics.arrays import Array, ratio
-from core.optimise.codes import ACTIVE
-from core.optimise.families.family import Family
-from core.optimise.families.optimum import (
+from vibrafeed.core.mechanics.arrays import Array, ratio
+from vibrafeed.core.optimise.codes import ACTIVE
+from vibrafeed.core.optimise.families.family import Family
+from vibrafeed.core.optimise.families.optimum import (
     Optimum,
     ParetoSet,
     bounds_active,
@@ -18,9 +18,9 @@ from core.optimise.families.optimum import (
     tight,
     valid_inputs,
 )
-from core.optimise.kernels.columns import PlaneThesis
-from core.study.optimise_study import Limited, Maximise, Pareto, Weighted
-from core.study.spacing import evenly
+from vibrafeed.core.optimise.kernels.columns import PlaneThesis
+from vibrafeed.core.study.optimise_study import Limited, Maximise, Pareto, Weighted
+from vibrafeed.core.study.spacing import evenly
 
 
 def plane_thesis_limited(

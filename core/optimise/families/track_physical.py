@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from core.mechanics.arrays import Array
-from core.optimise.codes import ACTIVE, STATUS
-from core.optimise.families.family import Family
-from core.optimise.families.optimum import (
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise.codes import ACTIVE, STATUS
+from vibrafeed.core.optimise.families.family import Family
+from vibrafeed.core.optimise.families.optimum import (
     Optimum,
     bounds_active,
     broadcast,
@@ -17,8 +17,8 @@ from core.optimise.families.optimum import (
     tight,
     valid_inputs,
 )
-from core.optimise.kernels.columns import TrackPhysical
-from core.study.optimise_study import Maximise
+from vibrafeed.core.optimise.kernels.columns import TrackPhysical
+from vibrafeed.core.study.optimise_study import Maximise
 
 
 def track_physical_fastest(

@@ -11,9 +11,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from core.optimise.codes import ACTIVE
-from core.optimise.families.family import Family
-from core.optimise.families.optimum import (
+from vibrafeed.core.optimise.codes import ACTIVE
+from vibrafeed.core.optimise.families.family import Family
+from vibrafeed.core.optimise.families.optimum import (
     Optimum,
     bounds_active,
     broadcast,
@@ -22,8 +22,8 @@ from core.optimise.families.optimum import (
     tight,
     valid_inputs,
 )
-from core.optimise.kernels.columns import TrackPrinted
-from core.study.optimise_study import Maximise
+from vibrafeed.core.optimise.kernels.columns import TrackPrinted
+from vibrafeed.core.study.optimise_study import Maximise
 
 
 def track_fastest(

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.optimise.codes import ACTIVE, STATUS
+from vibrafeed.core.optimise.codes import ACTIVE, STATUS
 
 Numbers = NDArray[np.float64]
 

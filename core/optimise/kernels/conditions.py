@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import compiled
-from core.optimise.kernels.columns import (
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.optimise.kernels.columns import (
     ACROSS_LOWER,
     ACROSS_UPPER,
     ALPHA_HI,

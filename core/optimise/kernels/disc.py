@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from core.compiled import compiled
-from core.optimise.codes import TIGHT
-from core.optimise.kernels.columns import (
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.optimise.codes import TIGHT
+from vibrafeed.core.optimise.kernels.columns import (
     ALONG,
     ALPHA_HI,
     ALPHA_LO,

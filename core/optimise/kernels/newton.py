@@ -1,4 +1,4 @@
-"""Compiled batch solver of the drive angles; see `core.optimise.newton`.
+"""Compiled batch solver of the drive angles; see `vibrafeed.core.optimise.newton`.
 
 Everything is divided by the drive acceleration P. A family has three functions, in a file of its
 own: what holds without drive, the best angles, and the gradients there. Which one is meant the
@@ -12,10 +12,15 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import by_type, compiled
-from core.optimise.codes import TIGHT
-from core.optimise.kernels import plane_physical, plane_thesis, track_physical, track_printed
-from core.optimise.kernels.columns import (
+from vibrafeed.core.compiled import by_type, compiled
+from vibrafeed.core.optimise.codes import TIGHT
+from vibrafeed.core.optimise.kernels import (
+    plane_physical,
+    plane_thesis,
+    track_physical,
+    track_printed,
+)
+from vibrafeed.core.optimise.kernels.columns import (
     ACROSS,
     ACROSS_LOWER,
     ACROSS_UPPER,
@@ -58,9 +63,9 @@ from core.optimise.kernels.columns import (
     TrackPrinted,
     Work,
 )
-from core.optimise.kernels.conditions import least_prices
-from core.optimise.kernels.disc import RIGHT, SAMPLES
-from core.optimise.kernels.sphere import ROWS
+from vibrafeed.core.optimise.kernels.conditions import least_prices
+from vibrafeed.core.optimise.kernels.disc import RIGHT, SAMPLES
+from vibrafeed.core.optimise.kernels.sphere import ROWS
 
 
 @by_type(

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
-from core.optimise.kernels.columns import (
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.optimise.kernels.columns import (
     ALONG,
     INFEASIBLE,
     MU_K,
@@ -24,8 +24,8 @@ from core.optimise.kernels.columns import (
     PlanePhysical,
     Work,
 )
-from core.optimise.kernels.conditions import across, bounds
-from core.optimise.kernels.disc import best_along
+from vibrafeed.core.optimise.kernels.conditions import across, bounds
+from vibrafeed.core.optimise.kernels.disc import best_along
 
 
 @compiled

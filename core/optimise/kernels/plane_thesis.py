@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
-from core.optimise.kernels.columns import (
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.optimise.kernels.columns import (
     ALONG,
     LIMIT,
     MU_K,
@@ -21,8 +21,8 @@ from core.optimise.kernels.columns import (
     PlaneThesis,
     Work,
 )
-from core.optimise.kernels.conditions import across, bounds
-from core.optimise.kernels.sphere import angles_within, highest, plane
+from vibrafeed.core.optimise.kernels.conditions import across, bounds
+from vibrafeed.core.optimise.kernels.sphere import angles_within, highest, plane
 
 
 @compiled

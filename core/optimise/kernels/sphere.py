@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
-from core.optimise.kernels.columns import (
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.optimise.kernels.columns import (
     ALPHA_HI,
     ALPHA_LO,
     BETA_HI,

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
-from core.optimise.codes import TIGHT
-from core.optimise.kernels.columns import (
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.optimise.codes import TIGHT
+from vibrafeed.core.optimise.kernels.columns import (
     ACROSS,
     ALONG,
     INFEASIBLE,
@@ -28,8 +28,8 @@ from core.optimise.kernels.columns import (
     TrackPhysical,
     Work,
 )
-from core.optimise.kernels.conditions import bounds
-from core.optimise.kernels.sphere import angles_of, angles_within, plane, top_of_pieces
+from vibrafeed.core.optimise.kernels.conditions import bounds
+from vibrafeed.core.optimise.kernels.sphere import angles_of, angles_within, plane, top_of_pieces
 
 
 @compiled

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
-from core.optimise.kernels.columns import (
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.optimise.kernels.columns import (
     ACROSS,
     ALONG,
     MU_K,
@@ -20,8 +20,8 @@ from core.optimise.kernels.columns import (
     TrackPrinted,
     Work,
 )
-from core.optimise.kernels.conditions import bounds
-from core.optimise.kernels.sphere import angles_within, highest, plane
+from vibrafeed.core.optimise.kernels.conditions import bounds
+from vibrafeed.core.optimise.kernels.sphere import angles_within, highest, plane
 
 
 @compiled

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.plan.grid import Grid
-from core.plan.loops.order import Order
-from core.plan.loops.program import FEW_CELLS, Program, edge_of, program_of
-from core.plan.loops.source import LONGEST_ROW, Loop
-from core.plan.loops.trace import Node, Traced
-from core.plan.plan import Plan
-from core.threads import share_out
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.loops.order import Order
+from vibrafeed.core.plan.loops.program import FEW_CELLS, Program, edge_of, program_of
+from vibrafeed.core.plan.loops.source import LONGEST_ROW, Loop
+from vibrafeed.core.plan.loops.trace import Node, Traced
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.threads import share_out
 
 TASK_CELLS = 1 << 20
 """Most cells of one call of a loop, which then takes some hundred microseconds."""
@@ -226,7 +226,7 @@ def _bind_loop(
     the arrays to be filled.
     """
     # Importing numba takes a second: only runs that gain from it pay for it.
-    from core.compiled import compiled_source  # numba, for those whom it repays
+    from vibrafeed.core.compiled import compiled_source  # numba, for those whom it repays
 
     function = compiled_source(loop.source)
     inputs = [operands[node.number] for node in loop.arrays]

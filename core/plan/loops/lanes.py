@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from core.aligned import aligned
-from core.plan.grid import Grid
-from core.plan.loops.fused import (
+from vibrafeed.core.aligned import aligned
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.loops.fused import (
     Runner,
     Values,
     bind_stages,
@@ -26,10 +26,10 @@ from core.plan.loops.fused import (
     mark_compiled,
     missing,
 )
-from core.plan.loops.program import MAX_VALUES, edge_of, program_of
-from core.plan.loops.source import LONGEST_ROW
-from core.plan.loops.trace import Traced
-from core.plan.plan import Plan
+from vibrafeed.core.plan.loops.program import MAX_VALUES, edge_of, program_of
+from vibrafeed.core.plan.loops.source import LONGEST_ROW
+from vibrafeed.core.plan.loops.trace import Traced
+from vibrafeed.core.plan.plan import Plan
 
 DEPTH = 240
 """Most cells that a lane gathers: few enough that their sum is accurate, and that counts fit in 8
@@ -217,7 +217,7 @@ class LaneLoop:
         The grid over the axes of the field alone.
     updates : sequence of (str, str)
         Names of results, each with what lanes do with it: a key of
-        `core.plan.loops.source.UPDATES`.
+        `vibrafeed.core.plan.loops.source.UPDATES`.
     over : collection of str
         The axes that are reduced.
     most : int

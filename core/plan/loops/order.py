@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from core.plan.loops.trace import Node
+from vibrafeed.core.plan.loops.trace import Node
 
 LEAST_ROW = 64
 """Fewest cells of a row, unless all axes are joined."""

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from core.plan.loops.order import Order, order_of, work_of
-from core.plan.loops.source import LONGEST_ROW, Lanes, Loop, write_loop
-from core.plan.loops.trace import Graph, Node, Traced
-from core.plan.operations import IN_LOOPS
+from vibrafeed.core.plan.loops.order import Order, order_of, work_of
+from vibrafeed.core.plan.loops.source import LONGEST_ROW, Lanes, Loop, write_loop
+from vibrafeed.core.plan.loops.trace import Graph, Node, Traced
+from vibrafeed.core.plan.operations import IN_LOOPS
 
 FEW_CELLS = 4096
 """Values that numpy computes in some microseconds: so few are not computed in a loop."""

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from core.plan.loops.order import Order
-from core.plan.loops.trace import Node
-from core.plan.operations import IN_LOOPS
+from vibrafeed.core.plan.loops.order import Order
+from vibrafeed.core.plan.loops.trace import Node
+from vibrafeed.core.plan.operations import IN_LOOPS
 
 LONGEST_ROW = 1024
 """Most cells of a row that a loop takes at once: the rows that it keeps stay in the first and

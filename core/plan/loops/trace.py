@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from core.errors import VibrafeedError
-from core.mechanics.elementwise import Elementwise
-from core.plan.equations import regimes_of, run
-from core.plan.operations import IN_LOOPS
-from core.plan.plan import Plan
-from core.plan.verdicts import Verdict
-from core.scenes import Equation
+from vibrafeed.core.errors import VibrafeedError
+from vibrafeed.core.mechanics.elementwise import Elementwise
+from vibrafeed.core.plan.equations import regimes_of, run
+from vibrafeed.core.plan.operations import IN_LOOPS
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.verdicts import Verdict
+from vibrafeed.core.scenes import Equation
 
 Function = Callable[..., Any]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.compiled import bits, borrowing
+from vibrafeed.core.compiled import bits, borrowing
 
 LEAST, MOST = -(2**63), 2**63 - 1
 MAGNITUDE = 2**63 - 1

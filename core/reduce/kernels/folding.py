@@ -10,8 +10,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import borrowing, disjoint
-from core.reduce.kernels.bits import bits, key
+from vibrafeed.core.compiled import borrowing, disjoint
+from vibrafeed.core.reduce.kernels.bits import bits, key
 
 COUNT_BITS = 8
 """Bits of a count in a lane, which gathers fewer than 2^8 cells."""

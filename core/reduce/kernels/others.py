@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import borrowing
-from core.reduce.kernels.bits import counted, key
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.reduce.kernels.bits import counted, key
 
 SHIFT = 43
 """Low bits of a float that its bin leaves out: 9 bits of the fraction are left, so that a bin is

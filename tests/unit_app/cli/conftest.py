@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from core import kinds
+from vibrafeed.core import kinds
 
 
 @pytest.fixture

@@ -11,12 +11,12 @@ import pytest
 import xarray
 from typer.testing import CliRunner
 
-from app.cli import app
-from app.cli.accuracy import write_report
-from core.assurance.accuracy.curves import FAMILIES
-from core.assurance.accuracy.report import families_of
-from core.assurance.case import Truth
-from core.intake import prepare_content, read_content
+from vibrafeed.app.cli import app
+from vibrafeed.app.cli.accuracy import write_report
+from vibrafeed.core.assurance.accuracy.curves import FAMILIES
+from vibrafeed.core.assurance.accuracy.report import families_of
+from vibrafeed.core.assurance.case import Truth
+from vibrafeed.core.intake import prepare_content, read_content
 
 ROOT = Path(__file__).parents[3]
 
@@ -118,7 +118,7 @@ def test_two_studies_of_one_name_are_refused(study, tmp_path):
 
 
 def test_what_fails_after_a_study_leaves_its_page(study, tmp_path, monkeypatch):
-    from app.cli import accuracy
+    from vibrafeed.app.cli import accuracy
 
     def broken(*_: object) -> None:
         raise RuntimeError("broken")
@@ -172,13 +172,13 @@ def test_a_folder_that_cannot_be_made_is_told(study):
 @pytest.fixture
 def few_extremes(monkeypatch):
     """Let the catalogue and the scenes be two cases and one scene."""
-    from core.assurance import leaving_out
-    from core.assurance.hard_cases import HARD_CASES
+    from vibrafeed.core.assurance import leaving_out
+    from vibrafeed.core.assurance.hard_cases import HARD_CASES
 
     easy = next(case for case in HARD_CASES if case.id == "every axis of one value")
     wrong = replace(easy, id="wrong", known=Truth(-1.0, 1e-9, "made up"))
     cases = [easy, wrong]
-    monkeypatch.setattr("app.cli.accuracy.HARD_CASES", cases)
+    monkeypatch.setattr("vibrafeed.app.cli.accuracy.HARD_CASES", cases)
     monkeypatch.setattr(leaving_out, "SCENES", {"part": leaving_out.SCENES["rectangle-isolated"]})
     monkeypatch.setattr(leaving_out, "SYSTEMS", {})
     return cases

@@ -8,7 +8,7 @@ import pytest
 import xarray
 from typer.testing import CliRunner
 
-from app.cli import app
+from vibrafeed.app.cli import app
 
 PART = ("frequency=50 Hz", "amplitude=0.4 mm", "beta=25", "friction=0.3")
 

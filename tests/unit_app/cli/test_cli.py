@@ -16,8 +16,8 @@ import pytest
 import xarray
 from typer.testing import CliRunner
 
-from app.cli import app
 from schemas import expanded
+from vibrafeed.app.cli import app
 from waiting import PATIENCE, wait_for
 
 STUDY = """
@@ -54,7 +54,7 @@ def run(*arguments: object):
 LOADED = """
 import json, sys
 from typer.testing import CliRunner
-from app.cli import app
+from vibrafeed.app.cli import app
 heavy, *commands = json.loads(sys.argv[1])
 for command in commands:
     assert CliRunner().invoke(app, command).exit_code == 0, command
@@ -103,7 +103,7 @@ friction = 0.4
 
 
 def test_an_interrupt_after_one_study_leaves_the_others_and_says_so(tmp_path, monkeypatch):
-    from core import kinds
+    from vibrafeed.core import kinds
 
     plain = kinds.tabulate
 
@@ -212,7 +212,9 @@ def test_schema_is_json_that_accepts_the_example():
 
 def test_the_schema_is_kept_until_a_source_changes(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr("core.schema.study_schema", lambda: {"title": "made", "oneOf": []})
+    monkeypatch.setattr(
+        "vibrafeed.core.schema.study_schema", lambda: {"title": "made", "oneOf": []}
+    )
     printed = run("schema").output
     (kept,) = (tmp_path / "vibrafeed").glob("schema-*.json")
     assert kept.read_text() == printed.rstrip("\n")
@@ -220,8 +222,10 @@ def test_the_schema_is_kept_until_a_source_changes(tmp_path, monkeypatch):
     kept.write_text("{}")
     assert run("schema").output == "{}\n"  # it is not made again
     for number in range(10):
-        monkeypatch.setattr("app.kept_texts._digest", lambda number=number: f"other{number}")
-        monkeypatch.setattr("core.schema.study_schema", lambda: {"other": True})
+        monkeypatch.setattr(
+            "vibrafeed.app.kept_texts._digest", lambda number=number: f"other{number}"
+        )
+        monkeypatch.setattr("vibrafeed.core.schema.study_schema", lambda: {"other": True})
         assert json.loads(run("schema").output) == {"other": True}
     assert len(list((tmp_path / "vibrafeed").iterdir())) == 8
     (tmp_path / "file").touch()
@@ -281,7 +285,7 @@ def test_who_starts_it_by_hand_reads_which_address_to_open(tmp_path):
         port = free.getsockname()[1]
     ours, theirs = pty.openpty()
     process = subprocess.Popen(
-        [sys.executable, "-c", "from app.cli import main; main()", "serve", "--port", str(port)],
+        [sys.executable, "-m", "vibrafeed", "serve", "--port", str(port)],
         env={**os.environ, "VIBRAFEED_DATA_DIRECTORY": str(tmp_path)},
         stdout=theirs, stderr=subprocess.DEVNULL,
     )  # fmt: skip
@@ -374,8 +378,8 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path):
     begun = tmp_path / "begun"
     code = f"""
 import pathlib
-from app.cli import main
-from core.watch import Watch
+from vibrafeed.app.cli import main
+from vibrafeed.core.watch import Watch
 advance = Watch.advance
 def told(watch, share):
     advance(watch, share)

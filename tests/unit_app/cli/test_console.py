@@ -14,10 +14,10 @@ import xarray
 from rich.console import Console
 from typer.testing import CliRunner
 
-from app.cli import app, console
-from app.cli.layout import block_lines, plain_lines
-from app.cli.units import format_number, shown_range
-from core.study.shown import ShownUnits, read_shown
+from vibrafeed.app.cli import app, console
+from vibrafeed.app.cli.layout import block_lines, plain_lines
+from vibrafeed.app.cli.units import format_number, shown_range
+from vibrafeed.core.study.shown import ShownUnits, read_shown
 
 STUDY = """
 kind = "sweep"
@@ -123,8 +123,8 @@ def test_units_come_from_the_option_or_else_from_the_study(study):
 
 
 def test_the_console_and_the_map_tell_the_same_shares(tmp_path):
-    from core.plots import draw
     from pictures import legend
+    from vibrafeed.core.plots import draw
 
     study = tmp_path / "study.toml"
     study.write_text(STUDY.replace('"0.5 mm"', '["0.02 mm", "0.05 mm", "0.5 mm", "1 mm"]'))
@@ -190,7 +190,10 @@ def test_help_and_version_have_their_usual_names():
 
 
 def test_the_commands_themselves_load_nothing_that_draws_or_computes():
-    code = "import app.cli, sys; print(*{'rich', 'numpy', 'pydantic', 'pint'} & sys.modules.keys())"
+    code = (
+        "import sys, vibrafeed.app.cli; "
+        "print(*{'rich', 'numpy', 'pydantic', 'pint'}.intersection(sys.modules))"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == []
 
@@ -346,7 +349,7 @@ def test_what_cannot_go_to_standard_output_is_refused(study, tmp_path, monkeypat
         assert refused.exit_code == 2
         assert told in refused.output
     terminal = SimpleNamespace(stdout=SimpleNamespace(isatty=lambda: True))
-    monkeypatch.setattr("app.cli.pipes.sys", terminal)
+    monkeypatch.setattr("vibrafeed.app.cli.pipes.sys", terminal)
     refused = run("run", study, "-o", "-.nc")
     assert refused.exit_code == 2
     assert "a terminal cannot show .nc. Write -o - for CSV" in refused.output

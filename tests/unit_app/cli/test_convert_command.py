@@ -10,7 +10,7 @@ import pytest
 import xarray
 from typer.testing import CliRunner
 
-from app.cli import app
+from vibrafeed.app.cli import app
 
 STUDY = """\
 kind = "simulate"

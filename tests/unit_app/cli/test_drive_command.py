@@ -9,10 +9,10 @@ import pytest
 import xarray
 from typer.testing import CliRunner
 
-from app.cli import app
-from core.intake import parse_study
-from core.measured import Recording, fit_drive
 from recordings import csv_of, signal_of
+from vibrafeed.app.cli import app
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.measured import Recording, fit_drive
 
 RECORDING = Path(__file__).parents[3] / "examples" / "accelerometer.csv"
 AXES = ("--sensor", "ax,ay,az", "--line-frequency", "50 Hz")

@@ -12,8 +12,8 @@ import scipy.io
 import xarray
 from typer.testing import CliRunner
 
-from app.cli import app
-from core.extras import installing
+from vibrafeed.app.cli import app
+from vibrafeed.core.extras import installing
 
 FIXED = {"frequency": "50 Hz", "friction": 0.4}
 STUDIES = {
@@ -143,7 +143,7 @@ def test_one_file_is_of_one_study(tmp_path):
 
 
 def test_what_a_format_cannot_hold_is_told_before_it_is_computed(tmp_path, monkeypatch):
-    monkeypatch.setattr("core.kinds.tabulate", None)
+    monkeypatch.setattr("vibrafeed.core.kinds.tabulate", None)
     content = {"kind": "sweep", **STUDIES["sweep"]}
     span = {"start": 10, "stop": 60, "num": 600_000}
     content["parameters"] = {**STUDIES["sweep"]["parameters"], "frequency": span}
@@ -151,7 +151,7 @@ def test_what_a_format_cannot_hold_is_told_before_it_is_computed(tmp_path, monke
     result = run("run", study, "-o", tmp_path / "x.xlsx")
     assert result.exit_code == 2
     assert "3,600,000 rows in a sheet of Excel, the limit is 1,048,575" in result.output
-    monkeypatch.setattr("core.dataset.matlab.MAX_BYTES", 1000)
+    monkeypatch.setattr("vibrafeed.core.dataset.matlab.MAX_BYTES", 1000)
     result = run("run", study, "-o", tmp_path / "x.mat")
     assert result.exit_code == 2
     assert "bytes in a MAT file" in result.output

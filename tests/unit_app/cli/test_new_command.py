@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from app.cli import app
-from app.cli.new import new
-from app.cli.questions import QUESTIONS
-from app.cli.starter import STARTERS, starter_study
-from core.intake import load_study, prepare_content, read_toml
-from core.study.unusual import questions
+from vibrafeed.app.cli import app
+from vibrafeed.app.cli.new import new
+from vibrafeed.app.cli.questions import QUESTIONS
+from vibrafeed.app.cli.starter import STARTERS, starter_study
+from vibrafeed.core.intake import load_study, prepare_content, read_toml
+from vibrafeed.core.study.unusual import questions
 
 KINDS = ("rectangle", "straight"), ("rectangle", "bowl"), ("cylinder", "")
 
@@ -27,7 +27,7 @@ def command(*arguments: object, **more):
 @pytest.fixture
 def terminal(monkeypatch):
     """Let the command believe that somebody answers."""
-    monkeypatch.setattr("app.cli.new.is_terminal", lambda: True)
+    monkeypatch.setattr("vibrafeed.app.cli.new.is_terminal", lambda: True)
 
 
 @pytest.mark.parametrize(("question", "kind"), [*itertools.product(STARTERS, KINDS)])

@@ -10,9 +10,9 @@ import xarray
 from typer.testing import CliRunner
 
 import vibrafeed.accessor  # noqa: F401 - gives datasets their `.vf`
-from app.cli import app
-from core.intake import load_study
-from core.study.shown import SYSTEMS
+from vibrafeed.app.cli import app
+from vibrafeed.core.intake import load_study
+from vibrafeed.core.study.shown import SYSTEMS
 
 MOTION = """\
 kind = "simulate"

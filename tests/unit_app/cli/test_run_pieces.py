@@ -9,9 +9,9 @@ import pytest
 import xarray
 from typer.testing import CliRunner
 
-from app.cli import app as commands
-from app.cli import pieces
-from core.dataset.files import partial
+from vibrafeed.app.cli import app as commands
+from vibrafeed.app.cli import pieces
+from vibrafeed.core.dataset.files import partial
 
 MOTION = """
 kind = "simulate"

@@ -19,8 +19,8 @@ import pytest
 import xarray
 from typer.testing import CliRunner
 
-from app.cli import app
 from night import NIGHT
+from vibrafeed.app.cli import app
 from waiting import PATIENCE
 
 KILLS = 2 if NIGHT else 1
@@ -44,23 +44,23 @@ distance = "0.2 mm"
 # The command with small tiles, each taking a while, so that there is time to kill it.
 SLOW = """
 import sys, time
-from core.dataset import layout
-from core.plan.tiles import Tiled
+from vibrafeed.core.dataset import layout
+from vibrafeed.core.plan.tiles import Tiled
 layout.TILE_CELLS, layout.CHUNK_CELLS = 10_000, 1_000
 plain = Tiled.values
 def slow(self, tile):
     time.sleep(float(sys.argv[1]))
     return plain(self, tile)
 Tiled.values = slow
-from app.cli import app
+from vibrafeed.app.cli import app
 app(sys.argv[2:])
 """
 
 
 @pytest.fixture
 def study(tmp_path: Path, monkeypatch) -> Path:
-    monkeypatch.setattr("core.dataset.layout.TILE_CELLS", 10_000)
-    monkeypatch.setattr("core.dataset.layout.CHUNK_CELLS", 1_000)
+    monkeypatch.setattr("vibrafeed.core.dataset.layout.TILE_CELLS", 10_000)
+    monkeypatch.setattr("vibrafeed.core.dataset.layout.CHUNK_CELLS", 1_000)
     path = tmp_path / "study.toml"
     path.write_text(STUDY)
     return path
@@ -187,15 +187,15 @@ def test_a_disk_that_fills_up_is_told_and_what_is_there_is_kept(study, tmp_path,
             raise OSError(28, "No space left on device")
         return plain(descriptor, data, offset)
 
-    monkeypatch.setattr("core.dataset.chunks.os.pwrite", full)
+    monkeypatch.setattr("vibrafeed.core.dataset.chunks.os.pwrite", full)
     result = run(study, "-o", tmp_path / "a.nc")
     assert result.exit_code == 1
     assert f"{tmp_path / 'a.nc'} cannot be written: No space left on device." in words(
         result.output
     )
     monkeypatch.undo()
-    monkeypatch.setattr("core.dataset.layout.TILE_CELLS", 10_000)
-    monkeypatch.setattr("core.dataset.layout.CHUNK_CELLS", 1_000)
+    monkeypatch.setattr("vibrafeed.core.dataset.layout.TILE_CELLS", 10_000)
+    monkeypatch.setattr("vibrafeed.core.dataset.layout.CHUNK_CELLS", 1_000)
     assert run(study, "-o", tmp_path / "a.nc", "--resume").exit_code == 0
 
 

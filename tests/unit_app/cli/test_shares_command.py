@@ -16,10 +16,10 @@ import pytest
 import xarray
 from typer.testing import CliRunner
 
-from app.cli import app
-from core.intake import prepare_content
-from core.plan.shares import SharesMissingError, ranges
 from night import first_by_day
+from vibrafeed.app.cli import app
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.plan.shares import SharesMissingError, ranges
 from waiting import PATIENCE, wait_for
 
 SWEEP: dict[str, Any] = {
@@ -55,10 +55,10 @@ SOME = {**SWEEP, "reduce": {**ASKED, "over": ["frequency", "beta"]}}
 # What `vibrafeed run --share` does, for many shares in one process, each taking a while.
 WORKER = """
 import json, sys, time
-from core.dataset import layout
-from core.reduce import cutting
+from vibrafeed.core.dataset import layout
+from vibrafeed.core.reduce import cutting
 layout.TILE_CELLS, layout.CHUNK_CELLS, cutting.BOX_CELLS = 4_000, 500, 2_000
-from core.intake import prepare_content
+from vibrafeed.core.intake import prepare_content
 content, where, count, numbers, wait = json.loads(sys.argv[1])
 shares = prepare_content(content).shares(where, count)
 for number in numbers:
@@ -71,9 +71,9 @@ for number in numbers:
 
 @pytest.fixture(autouse=True)
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("core.dataset.layout.TILE_CELLS", 4_000)
-    monkeypatch.setattr("core.dataset.layout.CHUNK_CELLS", 500)
-    monkeypatch.setattr("core.reduce.cutting.BOX_CELLS", 2_000)
+    monkeypatch.setattr("vibrafeed.core.dataset.layout.TILE_CELLS", 4_000)
+    monkeypatch.setattr("vibrafeed.core.dataset.layout.CHUNK_CELLS", 500)
+    monkeypatch.setattr("vibrafeed.core.reduce.cutting.BOX_CELLS", 2_000)
 
 
 def worker(content: Any, where: Path, count: int, numbers: list[int], wait: float = 0.0):
@@ -130,10 +130,10 @@ def test_64_shares_of_four_processes_two_of_them_killed(content, ending, tmp_pat
 
 def of_one_run(content: Any, where: Path) -> Path:
     """Return the result of a study that is in no shares, without what its run cost."""
-    from core.dataset.netcdf import write_netcdf
-    from core.kinds import tabulate
-    from core.sweep.stream import outline_table, stream
-    from core.sweep.targets import open_target
+    from vibrafeed.core.dataset.netcdf import write_netcdf
+    from vibrafeed.core.kinds import tabulate
+    from vibrafeed.core.sweep.stream import outline_table, stream
+    from vibrafeed.core.sweep.targets import open_target
 
     prepared = prepare_content(content)
     if where.suffix == ".nc":

@@ -12,7 +12,7 @@ import pytest
 import xarray
 from typer.testing import CliRunner
 
-from app.cli import app
+from vibrafeed.app.cli import app
 from waiting import PATIENCE
 
 STUDY = """
@@ -72,7 +72,7 @@ def test_a_run_without_a_cell_writes_nothing(study, stopped_after):
 def test_ctrl_c_ends_a_run_that_compiles(study, tmp_path):
     study.write_text(STUDY.replace("reference", "events"))
     process = subprocess.Popen(
-        [sys.executable, "-c", "from app.cli import main; main()", "run", str(study), "--force"],
+        [sys.executable, "-m", "vibrafeed", "run", str(study), "--force"],
         env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache")},
         stderr=subprocess.PIPE, text=True,
     )  # fmt: skip

@@ -5,7 +5,7 @@ import json
 import pytest
 from typer.testing import CliRunner
 
-from app.cli import app
+from vibrafeed.app.cli import app
 
 STUDY = """
 kind = "sweep"

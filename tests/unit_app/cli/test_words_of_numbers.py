@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.dataset.regimes import percent_with_error
-from core.intake import prepare_content
-from core.plan.price import in_words
+from vibrafeed.core.dataset.regimes import percent_with_error
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.plan.price import in_words
 
 
 @pytest.mark.parametrize(

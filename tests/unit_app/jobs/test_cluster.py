@@ -11,8 +11,8 @@ from collections.abc import Awaitable, Callable
 import distributed
 import pytest
 
-from app.jobs import cluster as clusters
-from app.jobs.cluster import POLITE, Cluster
+from vibrafeed.app.jobs import cluster as clusters
+from vibrafeed.app.jobs.cluster import POLITE, Cluster
 from waiting import PATIENCE
 
 

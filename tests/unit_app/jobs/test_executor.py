@@ -7,9 +7,9 @@ import contextlib
 import os
 import time
 
-from app.jobs.cluster import Cluster
-from app.jobs.executor import Executor
-from app.jobs.fair_queue import FairQueue
+from vibrafeed.app.jobs.cluster import Cluster
+from vibrafeed.app.jobs.executor import Executor
+from vibrafeed.app.jobs.fair_queue import FairQueue
 
 
 async def nothing() -> None:

@@ -6,14 +6,14 @@ import asyncio
 from pathlib import Path
 from typing import Any
 
-from app.jobs import priority_classes as module
-from app.jobs.database import Database
-from app.jobs.fair_queue import FairQueue
-from app.jobs.ledger import Work
-from app.jobs.priority_classes import PriorityClasses
-from app.jobs.store import Store
-from app.settings import Settings
-from core.intake import prepare_content
+from vibrafeed.app.jobs import priority_classes as module
+from vibrafeed.app.jobs.database import Database
+from vibrafeed.app.jobs.fair_queue import FairQueue
+from vibrafeed.app.jobs.ledger import Work
+from vibrafeed.app.jobs.priority_classes import PriorityClasses
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.intake import prepare_content
 
 
 async def turned() -> None:

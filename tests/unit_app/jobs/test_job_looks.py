@@ -6,8 +6,8 @@ import asyncio
 
 import pytest
 
-from app.jobs.job_looks import JobLooks
-from app.jobs.ledger import Ledger
+from vibrafeed.app.jobs.job_looks import JobLooks
+from vibrafeed.app.jobs.ledger import Ledger
 
 
 @pytest.fixture

@@ -8,10 +8,10 @@ import time
 import pytest
 from typer.testing import CliRunner
 
-from app.cli import app as commands
-from app.jobs import audit, keys
-from app.jobs.database import Database
-from app.jobs.keys import InvalidKeyError, Key, Keys, NoSuchKeyError, hash_of
+from vibrafeed.app.cli import app as commands
+from vibrafeed.app.jobs import audit, keys
+from vibrafeed.app.jobs.database import Database
+from vibrafeed.app.jobs.keys import InvalidKeyError, Key, Keys, NoSuchKeyError, hash_of
 
 
 @pytest.fixture

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 
-from app.jobs import learned
-from app.jobs.database import Database
-from app.jobs.entries import Work
-from app.jobs.priority_classes import PriorityClasses
-from app.jobs.store import Store
-from app.settings import Settings
-from core.intake import prepare_content
+from vibrafeed.app.jobs import learned
+from vibrafeed.app.jobs.database import Database
+from vibrafeed.app.jobs.entries import Work
+from vibrafeed.app.jobs.priority_classes import PriorityClasses
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.intake import prepare_content
 
 HOP = {"frequency": 50, "amplitude": "2.1 mm", "beta": 41, "friction": 0.4, "restitution": 0.6}
 FORMULA = 2.0  # s

@@ -9,9 +9,9 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from sqlalchemy.exc import ProgrammingError
 
-from app.jobs.errors import LostLedgerError, QueueFullError
-from app.jobs.ledger import ACTIVE, Ledger, Wanted
 from postgres import PASSWORD
+from vibrafeed.app.jobs.errors import LostLedgerError, QueueFullError
+from vibrafeed.app.jobs.ledger import ACTIVE, Ledger, Wanted
 from waiting import PATIENCE
 
 LEASE = 60.0
@@ -86,7 +86,7 @@ def test_the_pace_outlives_a_clock_that_is_set(ledgers, monkeypatch):
     work = here.claim("a", LEASE)
     here.advance(work, done=0, seconds=0.0)
     now = time.time()
-    monkeypatch.setattr("app.jobs.ledger.time.time", lambda: now + 86_400)
+    monkeypatch.setattr("vibrafeed.app.jobs.ledger.time.time", lambda: now + 86_400)
     here.advance(work, done=5, seconds=10.0, elapsed=10.0)
     assert here.job(job.id).began == pytest.approx(now + 86_400 - 10)
 

@@ -7,12 +7,12 @@ import pytest
 from pydantic import ValidationError
 from sqlalchemy import inspect
 
-from app.jobs import database
-from app.jobs.database import Database
-from app.jobs.errors import LaterLedgerError
-from app.jobs.ledger import Ledger
-from app.jobs.tables import TABLES, UPGRADES
-from app.settings import Settings
+from vibrafeed.app.jobs import database
+from vibrafeed.app.jobs.database import Database
+from vibrafeed.app.jobs.errors import LaterLedgerError
+from vibrafeed.app.jobs.ledger import Ledger
+from vibrafeed.app.jobs.tables import TABLES, UPGRADES
+from vibrafeed.app.settings import Settings
 
 # The tables as they were before versions of them were kept.
 OLD = """

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from app.jobs.process_pool import CALLS, ENVIRONMENT, SHARED, EndedError, ProcessPool
-from core.errors import LimitError, Problem, StoppedError, StudyError
+from vibrafeed.app.jobs.process_pool import CALLS, ENVIRONMENT, SHARED, EndedError, ProcessPool
+from vibrafeed.core.errors import LimitError, Problem, StoppedError, StudyError
 from waiting import wait_for
 
 
@@ -117,7 +117,7 @@ def test_processes_have_one_thread_each_and_give_memory_back():
     # In a process of its own: here others may have started the server that all are forked from.
     code = (
         "import asyncio\n"
-        "from app.jobs.process_pool import ProcessPool\n"
+        "from vibrafeed.app.jobs.process_pool import ProcessPool\n"
         "from test_process_pool import environment\n"
         "pool = ProcessPool(1, ())\n"
         "pool.open()\n"

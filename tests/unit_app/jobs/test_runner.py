@@ -11,15 +11,15 @@ from collections.abc import Callable, Coroutine
 from pathlib import Path
 from typing import Any
 
-from app.jobs import work
-from app.jobs.admission import Admission
-from app.jobs.dispatcher import MAX_TORN
-from app.jobs.errors import OtherVersionError, TornBlockError
-from app.jobs.ledger import ACTIVE, Job, Ledger
-from app.jobs.runner import Runner
-from app.jobs.store import Store
-from app.settings import Settings
-from core.intake import prepare_content
+from vibrafeed.app.jobs import work
+from vibrafeed.app.jobs.admission import Admission
+from vibrafeed.app.jobs.dispatcher import MAX_TORN
+from vibrafeed.app.jobs.errors import OtherVersionError, TornBlockError
+from vibrafeed.app.jobs.ledger import ACTIVE, Job, Ledger
+from vibrafeed.app.jobs.runner import Runner
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.intake import prepare_content
 from waiting import PATIENCE, awaited
 
 STUDY = {
@@ -127,7 +127,7 @@ def test_work_is_carried_out(tmp_path):
 
 
 def test_blocks_much_shorter_than_priced_share_calls(tmp_path, monkeypatch):
-    monkeypatch.setattr("app.jobs.work.cells_of_piece", lambda prepared, seconds: 1)
+    monkeypatch.setattr("vibrafeed.app.jobs.work.cells_of_piece", lambda prepared, seconds: 1)
     amplitude = {"start": "0.1 mm", "stop": "0.4 mm", "num": 400}
     monkeypatch.setitem(STUDY["parameters"], "amplitude", amplitude)
 
@@ -143,7 +143,7 @@ def test_blocks_much_shorter_than_priced_share_calls(tmp_path, monkeypatch):
 
 def test_blocks_that_turn_out_long_are_given_back(tmp_path, monkeypatch):
     """After a block's time a call begins with no other, and the rest is computed by others."""
-    monkeypatch.setattr("app.jobs.work.cells_of_piece", lambda prepared, seconds: 1)
+    monkeypatch.setattr("vibrafeed.app.jobs.work.cells_of_piece", lambda prepared, seconds: 1)
     amplitude = {"start": "0.1 mm", "stop": "0.4 mm", "num": 60}
     monkeypatch.setitem(STUDY["parameters"], "amplitude", amplitude)
     asked: list[int] = []
@@ -181,7 +181,7 @@ def test_time_runs_out_while_a_block_runs(tmp_path):
 
 
 def test_time_does_not_run_out_while_a_job_waits_and_it_says_for_what(tmp_path, monkeypatch):
-    monkeypatch.setattr("app.jobs.executor.LOOK_AT_WORKERS", 0.1)
+    monkeypatch.setattr("vibrafeed.app.jobs.executor.LOOK_AT_WORKERS", 0.1)
     workers = Workers(0)
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
@@ -250,7 +250,7 @@ def test_a_worker_without_the_shared_files_is_told(tmp_path):
 
 
 def test_that_there_are_no_workers_is_told_while_work_waits_for_them(tmp_path, monkeypatch):
-    monkeypatch.setattr("app.jobs.executor.LOOK_AT_WORKERS", 0.1)
+    monkeypatch.setattr("vibrafeed.app.jobs.executor.LOOK_AT_WORKERS", 0.1)
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
         assert runner.fault() is None
@@ -262,7 +262,7 @@ def test_that_there_are_no_workers_is_told_while_work_waits_for_them(tmp_path, m
 
 
 def test_workers_that_go_and_come_again_are_noticed(tmp_path, monkeypatch):
-    monkeypatch.setattr("app.jobs.executor.LOOK_AT_WORKERS", 0.1)
+    monkeypatch.setattr("vibrafeed.app.jobs.executor.LOOK_AT_WORKERS", 0.1)
     go_on = threading.Event()
     workers = Workers(1, compute_blocks=lambda *_: go_on.wait(PATIENCE))
 
@@ -279,7 +279,7 @@ def test_workers_that_go_and_come_again_are_noticed(tmp_path, monkeypatch):
 
 
 def test_a_scheduler_that_goes_away_is_no_failure_of_the_job(tmp_path, monkeypatch):
-    monkeypatch.setattr("app.jobs.runner.RETRY", 0.1)
+    monkeypatch.setattr("vibrafeed.app.jobs.runner.RETRY", 0.1)
     workers = Workers()
     count, asked = workers.workers, []
 
@@ -370,7 +370,7 @@ def test_many_damaged_blocks_are_computed_again(tmp_path):
 
 
 def test_too_many_open_files_fail_no_job(tmp_path, monkeypatch):
-    monkeypatch.setattr("app.jobs.runner.RETRY", 0.1)
+    monkeypatch.setattr("vibrafeed.app.jobs.runner.RETRY", 0.1)
     open_files = [OSError(errno.EMFILE, "Too many open files")]
 
     def full(*arguments: Any) -> list[float]:

@@ -8,15 +8,15 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from app.cli import app
-from app.jobs.admission import Admission
-from app.jobs.ledger import Ledger
-from app.jobs.manifest import MANIFEST, NETCDF
-from app.jobs.scrub import BROKEN, ORPHANED, WAITING, WHOLE, damages
-from app.jobs.store import Store
-from app.settings import Settings
-from core.intake import prepare_content
-from core.kinds import tabulate
+from vibrafeed.app.cli import app
+from vibrafeed.app.jobs.admission import Admission
+from vibrafeed.app.jobs.ledger import Ledger
+from vibrafeed.app.jobs.manifest import MANIFEST, NETCDF
+from vibrafeed.app.jobs.scrub import BROKEN, ORPHANED, WAITING, WHOLE, damages
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
 
 SWEEP = {
     "kind": "sweep",
@@ -96,7 +96,7 @@ def test_the_command_prints_what_is_broken_and_repairs(store, tmp_path):
 
 def test_a_service_looks_at_some_each_turn_and_at_all_in_the_end(store, tmp_path, monkeypatch):
     keys = sorted(finished(store, 0.1 * k) for k in range(1, 5))
-    monkeypatch.setattr("app.jobs.admission.SCRUBBED", 1)
+    monkeypatch.setattr("vibrafeed.app.jobs.admission.SCRUBBED", 1)
     ledger = Ledger(tmp_path / "jobs.sqlite3")
     admission = Admission(ledger, store, Settings(data_directory=tmp_path), lambda: None)
     for key in keys:

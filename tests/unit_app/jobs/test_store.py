@@ -11,26 +11,26 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.jobs import work
-from app.jobs.admission import Admission
-from app.jobs.errors import (
+from vibrafeed.app.jobs import work
+from vibrafeed.app.jobs.admission import Admission
+from vibrafeed.app.jobs.errors import (
     NoRoomError,
     NotFoundError,
     OtherVersionError,
     QueueFullError,
     TornBlockError,
 )
-from app.jobs.ledger import Ledger
-from app.jobs.manifest import NETCDF
-from app.jobs.store import Store
-from app.jobs.studies import identifier
-from app.settings import Settings
-from app.web.zarr_views import ZarrViews
-from core.dataset.netcdf import write_netcdf
-from core.errors import StoppedError
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.plan.pieces import Computed, Cut
+from vibrafeed.app.jobs.ledger import Ledger
+from vibrafeed.app.jobs.manifest import NETCDF
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.jobs.studies import identifier
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web.zarr_views import ZarrViews
+from vibrafeed.core.dataset.netcdf import write_netcdf
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.plan.pieces import Computed, Cut
 from waiting import PATIENCE
 
 SWEEP = {
@@ -65,7 +65,7 @@ def carried_out(store, content, *, cells=10):
 
 
 def test_studies_asked_for_last_stay_prepared_unless_they_are_gone(store, monkeypatch):
-    monkeypatch.setattr("app.jobs.studies.MAX_KNOWN", 2)
+    monkeypatch.setattr("vibrafeed.app.jobs.studies.MAX_KNOWN", 2)
     long = {**SWEEP["parameters"], "friction": [number / 10_000 for number in range(5000)]}
     studies = [SWEEP, SIMULATION, {**SWEEP, "parameters": long}]
     short, other, longer = (store.add(prepare_content(study).study)[0] for study in studies)
@@ -90,12 +90,12 @@ def test_long_studies_stay_prepared_within_a_number_of_bytes(store, monkeypatch)
         study = {**SWEEP, "parameters": {**SWEEP["parameters"], "friction": values}}
         keys.append(store.add(prepare_content(study).study)[0])
     sizes = [(store.folder(key) / "study.json").stat().st_size for key in keys]
-    monkeypatch.setattr("app.jobs.studies.MAX_KNOWN_BYTES", sizes[1] + sizes[2])
+    monkeypatch.setattr("vibrafeed.app.jobs.studies.MAX_KNOWN_BYTES", sizes[1] + sizes[2])
     first, second, third = (store.get(key) for key in keys)
     assert store.get(keys[1]) is second
     assert store.get(keys[2]) is third
     assert store.get(keys[0]) is not first
-    monkeypatch.setattr("app.jobs.studies.MAX_KNOWN_BYTES", 0)
+    monkeypatch.setattr("vibrafeed.app.jobs.studies.MAX_KNOWN_BYTES", 0)
     assert store.get(keys[1]) is not store.get(keys[1])  # a study beyond the bound is not kept
 
 
@@ -385,7 +385,7 @@ class TestDesk:
             service.post(prepare_content(other), "simulate")
         # What has been written of a promise is owed no more.
         (store.folder(key) / "blocks").write_bytes(bytes(needed))
-        monkeypatch.setattr("app.jobs.quota.RIGHT_FOR", 0.0)
+        monkeypatch.setattr("vibrafeed.app.jobs.quota.RIGHT_FOR", 0.0)
         assert service.post(prepare_content(other), "simulate").state == "accepted"
 
     def test_what_is_promised_to_work_is_not_promised_again(self, admission, store):

@@ -17,17 +17,17 @@ OTHERS = (
     "structlog",
     "sqlalchemy",
 )
-ROOMS = ("app.cli", "app.main", "app.web")
+ROOMS = ("vibrafeed.app.cli", "vibrafeed.app.main", "vibrafeed.app.web")
 
 # As on a worker: the library that starts it, then functions found by their names, and run.
 WORK = """
 import importlib, pathlib, sys
 import distributed.worker, distributed.nanny
 directory = pathlib.Path(sys.argv[1])
-run = importlib.import_module("app.jobs.work")
-from app.jobs.store import Store
-from core.intake import prepare_content
-from core.plan.pieces import cells_of_piece
+run = importlib.import_module("vibrafeed.app.jobs.work")
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.plan.pieces import cells_of_piece
 study = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["throw_number"],
          "parameters": {"frequency": 50, "amplitude": 0.001, "beta": [0, 30, 60]}}
 store = Store(directory)
@@ -37,7 +37,7 @@ cells = cells_of_piece(prepared, 1.0)
 run.compute_block(str(directory), key, "sweep", cells, 0)
 run.write_result(str(directory), key, "sweep", cells, 0.0)
 assert store.manifest(key) is not None
-import app.jobs.accuracy  # what it loads for a report of accuracy
+import vibrafeed.app.jobs.accuracy  # what it loads for a report of accuracy
 print(*sorted(sys.modules))
 """
 
@@ -52,17 +52,17 @@ def loaded(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
 
 @pytest.mark.parametrize("name", OTHERS)
 def test_a_worker_loads_no_console_and_no_server(loaded: set[str], name: str) -> None:
-    assert "app.jobs.work" in loaded
+    assert "vibrafeed.app.jobs.work" in loaded
     assert name not in loaded
 
 
 def test_a_worker_loads_no_other_room(loaded: set[str]) -> None:
     rooms = {name for name in loaded if name.startswith(ROOMS)}
-    assert "app.jobs.store" in loaded
+    assert "vibrafeed.app.jobs.store" in loaded
     assert not rooms
 
 
 def test_the_check_would_see_them() -> None:
-    code = "import app.web.problems, app.cli, sys; print(*sys.modules)"
+    code = "import vibrafeed.app.web.problems, vibrafeed.app.cli, sys; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert {"fastapi", "typer", "app.cli"} <= set(done.stdout.split())
+    assert {"fastapi", "typer", "vibrafeed.app.cli"} <= set(done.stdout.split())

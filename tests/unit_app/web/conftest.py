@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from fastapi.testclient import TestClient
 
-from app.main import create_app
-from app.settings import Settings
 from local_client import local_client
 from posted_sweeps import STUDY
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
 
 
 @pytest.fixture
@@ -25,7 +25,7 @@ def client(tmp_path: Path):
 @pytest.fixture
 def without_studies(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the OpenAPI document be without the models of studies, which take it some seconds."""
-    monkeypatch.setattr("app.web.openapi._components", dict)
+    monkeypatch.setattr("vibrafeed.app.web.openapi._components", dict)
 
 
 @pytest.fixture

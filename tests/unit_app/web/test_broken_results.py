@@ -12,11 +12,11 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from app.jobs.manifest import JSON, NETCDF, ZARR
-from app.main import create_app
-from app.settings import Settings
 from local_client import ended, local_client
 from posted_sweeps import STUDY, problem, with_axes
+from vibrafeed.app.jobs.manifest import JSON, NETCDF, ZARR
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
 from waiting import PATIENCE
 
 WAIT = {"Prefer": "respond-async, wait=300"}
@@ -189,8 +189,8 @@ class TestSound:
         client.get(f"/sweeps/{key}/netcdf")  # it may be written for this request
         whole = client.get(f"/sweeps/{key}/netcdf")
         read: list[object] = []
-        digest = "app.jobs.integrity._digest"
-        from app.jobs import integrity
+        digest = "vibrafeed.app.jobs.integrity._digest"
+        from vibrafeed.app.jobs import integrity
 
         plain = integrity._digest
         monkeypatch.setattr(digest, lambda file: read.append(file) or plain(file))
@@ -210,7 +210,7 @@ class TestSound:
             assert client.get(f"/sweeps/{one}/netcdf").status_code == 200
         store = client.app.state.store
         looking, go_on = threading.Event(), threading.Event()
-        from app.jobs import integrity
+        from vibrafeed.app.jobs import integrity
 
         plain, held = integrity._digest, (store.folder(key) / NETCDF).stat()
 
@@ -220,8 +220,8 @@ class TestSound:
                 assert go_on.wait(PATIENCE)
             return plain(file)
 
-        monkeypatch.setattr("app.jobs.integrity._digest", slow)
-        monkeypatch.setattr("app.jobs.integrity.LARGE", held.st_size - 1)
+        monkeypatch.setattr("vibrafeed.app.jobs.integrity._digest", slow)
+        monkeypatch.setattr("vibrafeed.app.jobs.integrity.LARGE", held.st_size - 1)
         os.utime(store.folder(key) / NETCDF)
         os.utime(store.folder(other) / NETCDF)
         replies: list[Any] = []

@@ -14,7 +14,7 @@ import h11
 import pytest
 import uvicorn
 
-from app.web.connections import SPARE, UPLOADS, Connection, ThriftyParser
+from vibrafeed.app.web.connections import SPARE, UPLOADS, Connection, ThriftyParser
 from waiting import PATIENCE, wait_for
 
 LONGEST = 1_000_000  # bytes of a body

@@ -7,10 +7,10 @@ import tomllib
 
 import pytest
 
-from app.main import create_app
-from app.settings import Settings
-from core.intake.forms import FORMS, to_toml
 from local_client import local_client
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.intake.forms import FORMS, to_toml
 
 STUDY = {
     "kind": "simulate",

@@ -6,12 +6,12 @@ import re
 import tomllib
 from pathlib import Path
 
-from app.main import create_app
-from app.settings import Settings
 from benchmarks.quantities_page import PAGE, page
-from core.intake import parse_study, prepare_content
-from core.kinds import run_study
-from core.quantities import DIRECTIONS, MOTION_STATUSES
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.intake import parse_study, prepare_content
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.quantities import DIRECTIONS, MOTION_STATUSES
 
 ROOT = Path(__file__).parents[3]
 

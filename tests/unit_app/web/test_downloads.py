@@ -13,9 +13,9 @@ import pytest
 from fastapi import Request
 from fastapi.testclient import TestClient
 
-from app.jobs.manifest import NETCDF
-from app.web.downloads import PIECE, etag_of, file_reply
 from posted_sweeps import STUDY, TRILLION, problem, with_axes
+from vibrafeed.app.jobs.manifest import NETCDF
+from vibrafeed.app.web.downloads import PIECE, etag_of, file_reply
 
 
 def result_of(client: TestClient, address: str) -> Path:
@@ -110,7 +110,7 @@ class TestFile:
         assert client.head(f"{address}/netcdf", headers={"Range": "bytes=0-1"}).status_code == 200
 
     def test_it_is_sent_in_pieces(self, client, monkeypatch):
-        monkeypatch.setattr("app.web.downloads.PIECE", 1000)
+        monkeypatch.setattr("vibrafeed.app.web.downloads.PIECE", 1000)
         key = client.post("/sweeps", json=STUDY).json()["id"]
         with client.stream("GET", f"/sweeps/{key}/netcdf") as response:
             content = response.read()
@@ -123,7 +123,7 @@ class TestFile:
             path.unlink()
             return reply
 
-        monkeypatch.setattr("app.web.routes.sweeps.file_reply", removed)
+        monkeypatch.setattr("vibrafeed.app.web.routes.sweeps.file_reply", removed)
         document = problem(client.get(f"{address}/netcdf"), 404)
         assert document["type"] == "urn:vibrafeed:problem:not-found"
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 import vibrafeed
-from core.intake.recorded import MAX_ROWS_SENT
 from recordings import DRIVE, csv_of, signal_of
+from vibrafeed.core.intake.recorded import MAX_ROWS_SENT
 
 PATH = "/processes/simulate/execution"
 TEXT = csv_of(signal_of(DRIVE))

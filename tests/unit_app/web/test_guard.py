@@ -17,13 +17,13 @@ from fastapi.testclient import TestClient
 from pydantic import ValidationError
 from typer.testing import CliRunner
 
-from app.cli import app as commands
-from app.jobs.keys import NOBODY, new_key
-from app.main import create_app
-from app.settings import TEST_SWITCHES, Settings, unknown_variables
-from app.web import guard
-from app.web.guard import SAFE, is_loopback
 from local_client import local_client
+from vibrafeed.app.cli import app as commands
+from vibrafeed.app.jobs.keys import NOBODY, new_key
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import TEST_SWITCHES, Settings, unknown_variables
+from vibrafeed.app.web import guard
+from vibrafeed.app.web.guard import SAFE, is_loopback
 from waiting import PATIENCE
 
 ROOT = Path(__file__).parents[3]

@@ -12,11 +12,11 @@ import xarray
 from fastapi import Request
 from fastapi.testclient import TestClient
 
-from app.main import create_app
-from app.settings import Settings
-from core.intake import parse_study
-from core.kinds import run_study
 from local_client import ended, local_client
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
 
 pytestmark = pytest.mark.service  # a server with workers of its own
 
@@ -345,7 +345,7 @@ class TestQueue:
 class TestEvents:
     def test_they_end_with_the_job(self, client, monkeypatch):
         # However long the workers take to start, no sign of life stands among the events.
-        monkeypatch.setattr("app.web.routes.jobs.SIGN_OF_LIFE", float("inf"))
+        monkeypatch.setattr("vibrafeed.app.web.routes.jobs.SIGN_OF_LIFE", float("inf"))
         job = client.post(PATH, json=study(beta=33), headers=ASYNC).json()
         reply = client.get(link(job, "monitor"))
         assert reply.headers["content-type"].startswith("text/event-stream")

@@ -7,7 +7,7 @@ import threading
 
 import pytest
 
-from app.web.made_once import MadeOnce
+from vibrafeed.app.web.made_once import MadeOnce
 
 
 def test_who_asks_while_it_is_made_waits_and_it_is_made_once():

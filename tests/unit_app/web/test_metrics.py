@@ -15,13 +15,13 @@ import pytest
 from fastapi.testclient import TestClient
 from prometheus_client.parser import text_string_to_metric_families
 
-import core
-from app.jobs.ledger import Work
-from app.jobs.work_progress import WorkProgress
-from app.main import create_app
-from app.settings import Settings
 from local_client import local_client
 from posted_sweeps import STUDY
+from vibrafeed import core
+from vibrafeed.app.jobs.ledger import Work
+from vibrafeed.app.jobs.work_progress import WorkProgress
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
 from waiting import PATIENCE
 
 

@@ -13,16 +13,16 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from app.jobs import object_store
-from app.jobs.errors import LostStoreError
-from app.jobs.manifest import MANIFEST, NETCDF, ZARR
-from app.jobs.store import Store
-from app.main import create_app
-from app.settings import Settings
-from core.intake import prepare_content
-from core.kinds import tabulate
 from local_client import local_client
 from posted_sweeps import STUDY, problem, with_axes
+from vibrafeed.app.jobs import object_store
+from vibrafeed.app.jobs.errors import LostStoreError
+from vibrafeed.app.jobs.manifest import MANIFEST, NETCDF, ZARR
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
 
 pytestmark = pytest.mark.service
 URL = "s3://results/some/where"
@@ -114,8 +114,8 @@ def finished(store: Store) -> str:
 KILLED = """
 import os, sys
 from pathlib import Path
-from app.jobs import object_store
-from app.jobs.store import Store
+from vibrafeed.app.jobs import object_store
+from vibrafeed.app.jobs.store import Store
 plain = object_store._names
 def names(folder, manifest):
     for name in plain(folder, manifest):

@@ -7,10 +7,10 @@ import sys
 
 import pytest
 
-from app.main import create_app
-from app.settings import Settings
-from app.web.execution import PROCESSES
 from local_client import local_client
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web.execution import PROCESSES
 
 
 @pytest.mark.parametrize("root", ["", "/vibrafeed"])
@@ -32,9 +32,9 @@ def test_the_document_comes_from_memory_with_an_etag(tmp_path, root, monkeypatch
 @pytest.mark.parametrize(
     ("path", "maker"),
     [
-        ("/processes/sweep", "app.web.routes.processes.orjson"),
-        ("/scenes/rectangle-on-plane?variant=thesis", "app.web.routes.scenes.describe"),
-        ("/scenes/rectangle-on-plane?method=events", "app.web.routes.scenes.describe"),
+        ("/processes/sweep", "vibrafeed.app.web.routes.processes.orjson"),
+        ("/scenes/rectangle-on-plane?variant=thesis", "vibrafeed.app.web.routes.scenes.describe"),
+        ("/scenes/rectangle-on-plane?method=events", "vibrafeed.app.web.routes.scenes.describe"),
     ],
 )
 def test_what_is_described_comes_from_memory(tmp_path, path, maker, monkeypatch):
@@ -56,8 +56,8 @@ def test_a_description_has_the_schema_of_its_studies(tmp_path):
 def test_a_start_builds_no_schema_of_all_studies():
     # They are as much work as all else of a start, and only the document shows them.
     code = (
-        "import app.main\n"
-        "from app.web.execution import AnyStudy, MeasuredStudy\n"
+        "import vibrafeed.app.main\n"
+        "from vibrafeed.app.web.execution import AnyStudy, MeasuredStudy\n"
         "print(AnyStudy.__pydantic_complete__, MeasuredStudy.__pydantic_complete__)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

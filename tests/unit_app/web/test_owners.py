@@ -12,14 +12,14 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from app.jobs import audit
-from app.jobs.keys import Key
-from app.main import create_app
-from app.settings import Settings
-from app.web import refused_keys
 from local_client import local_client
 from posted_sweeps import problem
 from two_keys import ASYNC, SLICE, study
+from vibrafeed.app.jobs import audit
+from vibrafeed.app.jobs.keys import Key
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web import refused_keys
 from waiting import wait_for
 
 EXECUTION = "/processes/sweep/execution"

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from app.main import create_app
-from app.settings import Settings
-from core.quantities.pictures import INKS, colour_of
 from local_client import local_client
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.quantities.pictures import INKS, colour_of
 
 PAGE = Path(__file__).parents[3] / "app" / "page"
 BROWSER = {"Accept": "text/html,application/xhtml+xml,*/*;q=0.8"}

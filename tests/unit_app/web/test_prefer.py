@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.web.prefer import Preferences, preferences
+from vibrafeed.app.web.prefer import Preferences, preferences
 
 NOTHING = Preferences()
 ASYNC = Preferences(respond_async=True)

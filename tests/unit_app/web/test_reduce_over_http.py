@@ -10,11 +10,11 @@ import pytest
 import xarray
 from fastapi.testclient import TestClient
 
-from app.main import create_app
-from app.settings import Settings
-from core.intake import prepare_content
-from core.kinds import tabulate
 from local_client import ended, local_client
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
 
 pytestmark = pytest.mark.service  # a server with workers of its own
 

@@ -22,14 +22,14 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-import core
-from app.cli import app as commands
-from app.jobs.keys import new_key
-from app.jobs.manifest import NETCDF, Manifest
-from app.main import create_app
-from app.settings import Settings
 from benchmarks.serving import free_port
 from local_client import local_client
+from vibrafeed import core
+from vibrafeed.app.cli import app as commands
+from vibrafeed.app.jobs.keys import new_key
+from vibrafeed.app.jobs.manifest import NETCDF, Manifest
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
 from waiting import PATIENCE, SELDOM, wait_for
 
 ROOT = Path(__file__).parents[3]
@@ -56,7 +56,7 @@ def problem(response: Any, status: int, kind: str) -> dict[str, Any]:
 FAULTS = """
 import resource, threading
 import numpy as np
-from app.web.server import keep_memory
+from vibrafeed.app.web.server import keep_memory
 
 keep_memory()
 
@@ -87,7 +87,7 @@ def test_memory_of_one_reply_serves_the_next():
     assert int(done.stdout) < pages / 100
 
 
-SERVE = "from app.cli import main; main()"  # as `vibrafeed` does, from this source tree
+SERVE = "from vibrafeed.app.cli import main; main()"  # as `vibrafeed` does, from this source tree
 
 
 @contextmanager
@@ -247,10 +247,10 @@ def test_a_download_that_nobody_reads_does_not_hold_the_server_for_ever(tmp_path
 ENDLESS = """
 import asyncio, sys
 from fastapi.responses import StreamingResponse
-from app import logs
-from app.main import create_app
-from app.web.server import serve_until_stopped
-from app.settings import Settings
+from vibrafeed.app import logs
+from vibrafeed.app.main import create_app
+from vibrafeed.app.web.server import serve_until_stopped
+from vibrafeed.app.settings import Settings
 
 settings = Settings(shutdown_seconds=3600)
 app = create_app(settings)
@@ -284,7 +284,7 @@ def test_a_stream_without_end_comes_piece_by_piece_and_ends_when_the_service_sto
 def test_a_signal_tells_the_app_before_connections_are_waited_for(tmp_path):
     import uvicorn
 
-    from app.web.server import Server
+    from vibrafeed.app.web.server import Server
 
     app = create_app(Settings(data_directory=tmp_path))
     server = Server(uvicorn.Config(app, log_config=None))

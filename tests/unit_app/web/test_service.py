@@ -13,15 +13,15 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from app.main import create_app
-from app.settings import Settings
-from app.web.calculations import check_study
-from app.web.routes import processes
-from core.intake import parse_study
-from core.kinds import run_study
-from core.scenes import SCENES
 from local_client import local_client
 from posted_sweeps import STUDY
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web.calculations import check_study
+from vibrafeed.app.web.routes import processes
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.scenes import SCENES
 
 
 @pytest.fixture
@@ -61,7 +61,9 @@ def test_health(client):
 def test_the_schema_is_made_once_and_sent_to_whom_has_it_not(client, monkeypatch):
     first = client.get("/schema")
     assert len(first.content) <= 300_000
-    monkeypatch.setattr("app.web.routes.scenes.study_schema_text", None)  # it is not made again
+    monkeypatch.setattr(
+        "vibrafeed.app.web.routes.scenes.study_schema_text", None
+    )  # it is not made again
     again = client.get("/schema", headers={"If-None-Match": first.headers["etag"]})
     assert (again.status_code, again.content) == (304, b"")
     other = client.get("/schema", headers={"If-None-Match": '"another"'})
@@ -266,7 +268,7 @@ def test_unknown_routes_and_methods_get_problem_documents(client):
 
 
 def test_importing_the_app_builds_nothing(tmp_path):
-    code = "import app.main, os; print(os.listdir())"
+    code = "import vibrafeed.app.main, os; print(os.listdir())"
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
     )

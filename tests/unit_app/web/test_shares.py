@@ -6,12 +6,12 @@ import asyncio
 import threading
 from types import SimpleNamespace
 
-from app.main import create_app
-from app.settings import Settings
-from app.web.shares import Shares, large_slot_of, slot_of
-from core.sweep.zarr_view import ZarrView
 from local_client import local_client
 from posted_sweeps import STUDY
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web.shares import Shares, large_slot_of, slot_of
+from vibrafeed.core.sweep.zarr_view import ZarrView
 from waiting import PATIENCE, wait_for
 
 
@@ -51,7 +51,7 @@ def test_a_large_body_lets_small_ones_pass_but_not_for_ever():
 
 
 def test_those_who_compute_share_the_cores(monkeypatch):
-    monkeypatch.setattr("app.web.shares.CORES", 5)
+    monkeypatch.setattr("vibrafeed.app.web.shares.CORES", 5)
 
     async def run() -> list[int]:
         shares, found = Shares(9, 9), []

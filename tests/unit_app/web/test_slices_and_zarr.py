@@ -10,17 +10,17 @@ import numpy as np
 import orjson
 import pytest
 
-from app.jobs.errors import NotFoundError
-from app.main import create_app
-from app.settings import Settings
-from app.web.accept import preferred
-from app.web.calculations import encode_json
-from app.web.zarr_views import ZarrViews
-from core.intake import parse_study, prepare_content
-from core.kinds import run_study
-from core.sweep.zarr_view import ZarrView
 from local_client import local_client
 from posted_sweeps import STUDY, TRILLION, problem
+from vibrafeed.app.jobs.errors import NotFoundError
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web.accept import preferred
+from vibrafeed.app.web.calculations import encode_json
+from vibrafeed.app.web.zarr_views import ZarrViews
+from vibrafeed.core.intake import parse_study, prepare_content
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.sweep.zarr_view import ZarrView
 
 
 def unpack(content: bytes) -> tuple[dict, dict[str, np.ndarray]]:

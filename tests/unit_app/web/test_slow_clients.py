@@ -15,14 +15,14 @@ import pytest
 import uvicorn
 from fastapi import FastAPI, Response
 
-from app.main import create_app
-from app.settings import Settings
-from app.web import connections
-from app.web.connections import BODY_RATE, HEAD_SECONDS, SEND_SECONDS, Connection
-from app.web.outgoing import PIECE, Outgoing, Unsent
-from app.web.problems import BusyError
 from local_client import local_client
 from posted_sweeps import STUDY, problem
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web import connections
+from vibrafeed.app.web.connections import BODY_RATE, HEAD_SECONDS, SEND_SECONDS, Connection
+from vibrafeed.app.web.outgoing import PIECE, Outgoing, Unsent
+from vibrafeed.app.web.problems import BusyError
 
 HEAD = b"POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 500000\r\n\r\n"
 
@@ -225,7 +225,7 @@ def test_the_soft_limit_of_open_files_is_raised():
     code = (
         "import resource as r; h = r.getrlimit(r.RLIMIT_NOFILE)[1];"
         "r.setrlimit(r.RLIMIT_NOFILE, (64, h));"
-        "from app.web.connections import raise_open_files as f;"
+        "from vibrafeed.app.web.connections import raise_open_files as f;"
         "print(f() == h == r.getrlimit(r.RLIMIT_NOFILE)[0])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -352,7 +352,7 @@ def test_a_slice_is_refused_before_it_is_computed(tmp_path, monkeypatch):
         path += "&frequency=20 Hz"
         client.app.state.unsent.take(900_000)
         with monkeypatch.context() as patch:
-            for module in ("app.web.routes.sweeps", "app.web.calculations"):
+            for module in ("vibrafeed.app.web.routes.sweeps", "vibrafeed.app.web.calculations"):
                 patch.setattr(f"{module}.compute_slice", lambda *_, **__: pytest.fail("computed"))
             problem(client.get(path), 503)
             problem(client.get(f"/sweeps/{key}/zarr/acceleration_x/c/0/0/0/0"), 503)

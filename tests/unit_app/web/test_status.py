@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from app.jobs.ledger import Job
-from app.web.documents import status_info
+from vibrafeed.app.jobs.ledger import Job
+from vibrafeed.app.web.documents import status_info
 
 NOW = 1.8e9
 RUNNING = Job(
@@ -29,7 +29,7 @@ RUNNING = Job(
 
 @pytest.fixture(autouse=True)
 def clock(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("app.web.documents.time.time", lambda: NOW)
+    monkeypatch.setattr("vibrafeed.app.web.documents.time.time", lambda: NOW)
 
 
 def test_the_time_left_follows_from_the_pace():

@@ -10,15 +10,15 @@ import pandas
 import pyarrow.parquet
 import pytest
 
-from app.main import create_app
-from app.settings import Settings
-from app.web.accept import takes_gzip
-from core.extras import installing
-from core.intake import parse_study
-from core.kinds import run_study
-from core.quantities import REGIMES
 from local_client import local_client
 from posted_sweeps import STUDY, problem, with_axes
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web.accept import takes_gzip
+from vibrafeed.core.extras import installing
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.quantities import REGIMES
 
 CUT = {
     "output": "transport_velocity",
@@ -98,7 +98,7 @@ class TestSlices:
         assert XLSX in told
 
     def test_without_pyarrow_there_is_csv(self, client, address, monkeypatch):
-        monkeypatch.setattr("app.web.tables.find_spec", lambda name: None)
+        monkeypatch.setattr("vibrafeed.app.web.tables.find_spec", lambda name: None)
         monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
         ask = {"Accept": f"{PARQUET}, text/csv;q=0.1"}
         reply = client.get(f"{address}/slice", params=CUT, headers=ask)
@@ -113,7 +113,7 @@ class TestSlices:
 
     def test_head_computes_nothing(self, client, address, monkeypatch):
         etag = client.get(f"{address}/slice", params=CUT, headers=PLAIN).headers["etag"]
-        for module in ("app.web.routes.sweeps", "app.web.calculations"):
+        for module in ("vibrafeed.app.web.routes.sweeps", "vibrafeed.app.web.calculations"):
             monkeypatch.setattr(f"{module}.compute_slice", None)
         reply = client.head(f"{address}/slice", params=CUT)
         assert (reply.status_code, reply.content) == (200, b"")

@@ -11,10 +11,10 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 import pytest
 from opentelemetry.proto.collector.trace.v1.trace_service_pb2 import ExportTraceServiceRequest
 
-from app import traces
-from app.main import create_app
-from app.settings import Settings
 from local_client import local_client
+from vibrafeed.app import traces
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
 from waiting import PATIENCE, wait_for
 
 TRACE = "0af7651916cd43dd8448eb211c80319c"
@@ -84,7 +84,8 @@ def test_request_job_and_blocks_share_a_trace(receiver, tmp_path):
 
 def test_nothing_is_imported_unless_it_is_asked_for():
     code = (
-        "import sys; from app.main import create_app; from app.settings import Settings; "
+        "import sys; from vibrafeed.app.main import create_app; "
+        "from vibrafeed.app.settings import Settings; "
         "create_app(Settings()); parts = ('opentelemetry.sdk', 'opentelemetry.exporter'); "
         "print([name for name in sys.modules if name.startswith(parts)])"
     )

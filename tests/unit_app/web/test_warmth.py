@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from app.web import warmth
+from vibrafeed.app.web import warmth
 
 
 @pytest.mark.parametrize(

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import xarray
 
-from core.assurance.accuracy import closed_forms, model, motion, optimisers, storage
-from core.assurance.accuracy.cells import random_cells
-from core.assurance.accuracy.curves import (
+from vibrafeed.core.assurance.accuracy import closed_forms, model, motion, optimisers, storage
+from vibrafeed.core.assurance.accuracy.cells import random_cells
+from vibrafeed.core.assurance.accuracy.curves import (
     STEEP,
     Curve,
     Measured,
@@ -19,16 +19,16 @@ from core.assurance.accuracy.curves import (
     fitted_slope,
     tabulate_curves,
 )
-from core.assurance.accuracy.families import families_of
-from core.assurance.accuracy.page import PageSection, head_of, sections_of, write_page
-from core.assurance.accuracy.report import measure_study, thinned
-from core.dataset.netcdf import write_netcdf
-from core.dataset.table import Table, TableVariable
-from core.errors import StudyError
-from core.intake import prepare_content
-from core.plan.grid import Grid
-from core.study.values import Points, Span
-from core.watch import Watch
+from vibrafeed.core.assurance.accuracy.families import families_of
+from vibrafeed.core.assurance.accuracy.page import PageSection, head_of, sections_of, write_page
+from vibrafeed.core.assurance.accuracy.report import measure_study, thinned
+from vibrafeed.core.dataset.netcdf import write_netcdf
+from vibrafeed.core.dataset.table import Table, TableVariable
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.study.values import Points, Span
+from vibrafeed.core.watch import Watch
 
 PLANE = {
     "kind": "sweep",

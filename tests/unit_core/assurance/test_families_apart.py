@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.assurance.accuracy.curves import Curve, Measured, Point, single
-from core.assurance.accuracy.kept import keep, kept
+from vibrafeed.core.assurance.accuracy.curves import Curve, Measured, Point, single
+from vibrafeed.core.assurance.accuracy.kept import keep, kept
 
 
 def test_what_is_kept_comes_back():

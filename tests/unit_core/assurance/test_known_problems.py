@@ -8,16 +8,16 @@ from dataclasses import replace
 
 import pytest
 
-from core.assurance.answers import answers_of, read_answers
-from core.assurance.case import EVIDENCE, RELATIONS, Case, half_unit
-from core.assurance.catalogue import FAMILIES, cases, document, families_of
-from core.assurance.forms import FORMULAS, forms
-from core.assurance.hard_cases import HARD_CASES
-from core.assurance.judge import Outcome, judge_results, outputs_of, run_cases, summaries
-from core.assurance.tables import expected, markdown, number, rows, sentence, verdict
-from core.assurance.worked import rail
-from core.assurance.worked.values import of_hard_case
-from core.errors import StudyError
+from vibrafeed.core.assurance.answers import answers_of, read_answers
+from vibrafeed.core.assurance.case import EVIDENCE, RELATIONS, Case, half_unit
+from vibrafeed.core.assurance.catalogue import FAMILIES, cases, document, families_of
+from vibrafeed.core.assurance.forms import FORMULAS, forms
+from vibrafeed.core.assurance.hard_cases import HARD_CASES
+from vibrafeed.core.assurance.judge import Outcome, judge_results, outputs_of, run_cases, summaries
+from vibrafeed.core.assurance.tables import expected, markdown, number, rows, sentence, verdict
+from vibrafeed.core.assurance.worked import rail
+from vibrafeed.core.assurance.worked.values import of_hard_case
+from vibrafeed.core.errors import StudyError
 
 # Hard cases are tested for themselves, in tests/laws/test_hard_cases.py.
 LETTERS = [letter for letter in FAMILIES if letter != "H"]

@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core import kinds
-from core.assurance import leaving_out
-from core.assurance.leaving_out import (
+from vibrafeed.core import kinds
+from vibrafeed.core.assurance import leaving_out
+from vibrafeed.core.assurance.leaving_out import (
     HEAVY,
     SETTINGS,
     carried,
@@ -23,10 +23,10 @@ from core.assurance.leaving_out import (
     to_markdown,
     to_table,
 )
-from core.intake import prepare_content
-from core.motion.methods import stepping
-from core.motion.systems import SYSTEMS
-from core.scenes import ALIASES, SCENES
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.motion.methods import stepping
+from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.scenes import ALIASES, SCENES
 
 CLOSED = [(scene, variant) for scene in SCENES.values() for variant in scene.variants]
 # Motion itself costs seconds with the reference and regularised methods, and is counted alike.
@@ -165,7 +165,7 @@ def test_nothing_across_is_carried_where_nothing_drives_across(monkeypatch):
 
 
 def test_states_are_as_wide_as_what_is_carried():
-    from core.motion.kernels.stepping import FLOOR, PLANAR, WALL, WIDTHS
+    from vibrafeed.core.motion.kernels.stepping import FLOOR, PLANAR, WALL, WIDTHS
 
     # A position (but across without a wall) and a velocity each, spin, and what contacts remember:
     # what static friction spares, whether it presses, and whether it leans.

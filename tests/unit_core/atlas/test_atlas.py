@@ -8,20 +8,20 @@ import pytest
 import xarray
 
 import vibrafeed
-from core.atlas.build import ATLAS_VERSION, build
-from core.atlas.cells import exact, regime_of
-from core.atlas.find import STATUS, find
-from core.atlas.lookup import advice, lookup_grid, lookup_rows
-from core.atlas.numbers import AXES, Numbers, numbers_of, rests
-from core.atlas.practice import practical_numbers
-from core.atlas.read import of_table
-from core.atlas.rows import read_rows
-from core.dataset.netcdf import write_netcdf
-from core.errors import StoppedError, StudyError, VibrafeedError
-from core.motion.groups import Groups
-from core.motion.methods.events import planar_motion
-from core.motion.result import SHARES
-from core.watch import Watch
+from vibrafeed.core.atlas.build import ATLAS_VERSION, build
+from vibrafeed.core.atlas.cells import exact, regime_of
+from vibrafeed.core.atlas.find import STATUS, find
+from vibrafeed.core.atlas.lookup import advice, lookup_grid, lookup_rows
+from vibrafeed.core.atlas.numbers import AXES, Numbers, numbers_of, rests
+from vibrafeed.core.atlas.practice import practical_numbers
+from vibrafeed.core.atlas.read import of_table
+from vibrafeed.core.atlas.rows import read_rows
+from vibrafeed.core.dataset.netcdf import write_netcdf
+from vibrafeed.core.errors import StoppedError, StudyError, VibrafeedError
+from vibrafeed.core.motion.groups import Groups
+from vibrafeed.core.motion.methods.events import planar_motion
+from vibrafeed.core.motion.result import SHARES
+from vibrafeed.core.watch import Watch
 
 PART = {"frequency": "50 Hz", "amplitude": "0.4 mm", "beta": 25, "friction": 0.3}
 

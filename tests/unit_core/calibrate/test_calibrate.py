@@ -13,11 +13,11 @@ from matplotlib.text import Text
 
 import vibrafeed
 from benchmarks.calibrations import covered
-from core.calibrate import candidates, posterior
-from core.errors import StudyError
-from core.intake import load_study, parse_study, prepare_content
-from core.kinds import tabulate
-from core.watch import Watch
+from vibrafeed.core.calibrate import candidates, posterior
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import load_study, parse_study, prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.watch import Watch
 
 ROOT = Path(__file__).parents[3]
 DRIVE = {"frequency": "50 Hz", "beta": 40, "gamma": 2}
@@ -556,7 +556,7 @@ def test_a_file_that_holds_no_observations_is_told(tmp_path, name, text, told):
 
 
 def test_a_study_of_a_file_is_converted_with_it(tmp_path):
-    from core.intake.forms import resolve_files
+    from vibrafeed.core.intake.forms import resolve_files
 
     (tmp_path / "runs.csv").write_text(LINES)
     content = {**study(str(tmp_path / "runs.csv")), "kind": "calibrate"}
@@ -594,7 +594,7 @@ def test_the_old_key_of_the_outlier_probability_still_works():
 
 
 def test_other_pictures_are_not_those_of_a_calibration(rail):
-    from core.plots import PlotError
+    from vibrafeed.core.plots import PlotError
 
     with pytest.raises(PlotError, match="cannot be drawn as kind contour"):
         vibrafeed.plot(rail, kind="contour")

@@ -10,11 +10,11 @@ import netCDF4
 import numpy as np
 import pytest
 
-from core.dataset import layout
-from core.dataset.chunks import ChunkFile
-from core.dataset.layout import Layout
-from core.dataset.netcdf import define, tiles_of
-from core.dataset.table import Table, TableVariable
+from vibrafeed.core.dataset import layout
+from vibrafeed.core.dataset.chunks import ChunkFile
+from vibrafeed.core.dataset.layout import Layout
+from vibrafeed.core.dataset.netcdf import define, tiles_of
+from vibrafeed.core.dataset.table import Table, TableVariable
 
 SHAPE = (300, 90)
 RANDOM = np.random.default_rng(31)
@@ -100,7 +100,7 @@ def test_chunks_that_changed_on_the_disk_are_told_by_their_checksum(tmp_path, ta
 
 
 def test_other_filters_of_hdf5_are_refused():
-    from core.dataset.chunks import encoder
+    from vibrafeed.core.dataset.chunks import encoder
 
     with pytest.raises(NotImplementedError, match="filters"):
         encoder([32015])

@@ -14,13 +14,13 @@ import pytest
 import scipy.io
 import xarray
 
-from core.dataset import matlab, workbook
-from core.dataset.formats import FORMATS, read_result, suffix_of, write_result
-from core.dataset.frame import Frame
-from core.dataset.matlab import names_in_matlab
-from core.dataset.table import Table, TableVariable
-from core.errors import LimitError, MissingPackageError, VibrafeedError
 from results import check_same, rows, table_of_motion, written
+from vibrafeed.core.dataset import matlab, workbook
+from vibrafeed.core.dataset.formats import FORMATS, read_result, suffix_of, write_result
+from vibrafeed.core.dataset.frame import Frame
+from vibrafeed.core.dataset.matlab import names_in_matlab
+from vibrafeed.core.dataset.table import Table, TableVariable
+from vibrafeed.core.errors import LimitError, MissingPackageError, VibrafeedError
 
 FLAGS = {"flag_values": np.array([1, 5], dtype=np.int8), "flag_meanings": "slide flight"}
 STUDY = '{"kind":"sweep"}'
@@ -237,7 +237,7 @@ def test_a_group_is_not_replaced(awkward, places):
 )
 def test_what_is_not_installed_is_named(suffix, package, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, package, None)
-    monkeypatch.setattr("core.dataset.shards.find_spec", lambda name: None)
+    monkeypatch.setattr("vibrafeed.core.dataset.shards.find_spec", lambda name: None)
     with pytest.raises(MissingPackageError, match=r"is not installed: .*pip install .* -e '?\."):
         FORMATS[suffix].needs()
 

@@ -8,14 +8,14 @@ import io
 import numpy as np
 import pytest
 
-from core.dataset.frame import Frame
-from core.dataset.netcdf import write_netcdf
-from core.dataset.read import read_netcdf
-from core.dataset.table import Table, TableVariable
-from core.errors import LimitError
-from core.intake import prepare_content
-from core.kinds import tabulate
 from posted_sweeps import STUDY
+from vibrafeed.core.dataset.frame import Frame
+from vibrafeed.core.dataset.netcdf import write_netcdf
+from vibrafeed.core.dataset.read import read_netcdf
+from vibrafeed.core.dataset.table import Table, TableVariable
+from vibrafeed.core.errors import LimitError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
 
 FLAGS = {"flag_values": np.array([1, 5], dtype=np.int8), "flag_meanings": "slide flight"}
 
@@ -55,7 +55,7 @@ def test_csv(table):
 
 def test_parquet(table, monkeypatch):
     parquet = pytest.importorskip("pyarrow.parquet")
-    monkeypatch.setattr("core.dataset.frame.PARQUET_ROWS", 4)  # two groups
+    monkeypatch.setattr("vibrafeed.core.dataset.frame.PARQUET_ROWS", 4)  # two groups
     content = b"".join(Frame.of(table).parquet())
     found = parquet.read_table(io.BytesIO(content))
     assert parquet.ParquetFile(io.BytesIO(content)).num_row_groups == 2

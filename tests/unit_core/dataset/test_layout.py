@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.dataset.layout import CHUNK_CELLS, TILE_CELLS, Layout, chunk_shape
+from vibrafeed.core.dataset.layout import CHUNK_CELLS, TILE_CELLS, Layout, chunk_shape
 
 SHAPES = [(), (1,), (7,), (200_003,), (6,) * 7, (101, 3, 91, 91), (300, 300, 40), (3,) * 14]
 
@@ -39,7 +39,7 @@ def test_chunks_of_many_short_axes_hold_little_padding(values, axes):
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_tiles_are_whole_chunks_and_hold_every_value_once(shape, monkeypatch):
-    monkeypatch.setattr("core.dataset.layout.TILE_CELLS", 300_000)
+    monkeypatch.setattr("vibrafeed.core.dataset.layout.TILE_CELLS", 300_000)
     layout = Layout.of(shape)
     assert math.prod(layout.tile) <= 300_000
     assert all(t % c == 0 for t, c in zip(layout.tile, layout.chunk, strict=True))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.dataset.regimes import percent, regime_shares, shares_of
-from core.quantities import REGIMES
+from vibrafeed.core.dataset.regimes import percent, regime_shares, shares_of
+from vibrafeed.core.quantities import REGIMES
 
 SLIP, HOPPING = REGIMES["slip"].value, REGIMES["hopping"].value
 

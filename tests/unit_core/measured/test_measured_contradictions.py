@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 
 import vibrafeed
-from core.errors import StudyError
-from core.intake import prepare_content
-from core.intake.observed import read_rows
-from core.measured import Recording, fit_drive
-from core.measured.marks import contradictions
-from core.study.unusual import questions
 from recordings import signal_of
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.intake.observed import read_rows
+from vibrafeed.core.measured import Recording, fit_drive
+from vibrafeed.core.measured.marks import contradictions
+from vibrafeed.core.study.unusual import questions
 
 GRAVITY = 9.80665
 TRUE = {"along": [(3e-4, 0.0)], "normal": [(1e-4, -0.6)]}

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.measured import Recording, fit_drive, fit_signal
-from core.plots.measured import draw_fit
 from recordings import DRIVE, signal_of
+from vibrafeed.core.measured import Recording, fit_drive, fit_signal
+from vibrafeed.core.plots.measured import draw_fit
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 RECORDING = EXAMPLES / "accelerometer.csv"

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from scipy.signal import lfilter
 from scipy.stats import binom
 
-from core.errors import StudyError
-from core.measured import Recording, fit_drive, fit_signal
 from night import count
 from recordings import DRIVE, csv_of, signal_of
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.measured import Recording, fit_drive, fit_signal
 
 NEAR = 1e-9
 AMPLITUDES = np.array([[amplitude for amplitude, _ in orders] for orders in DRIVE.values()])
@@ -358,7 +358,7 @@ def test_channels_at_rest_and_numbers_that_are_none_are_refused():
 
 
 def test_importing_loads_no_picture_and_no_table_library():
-    code = "import core.measured, sys; print(*sorted(sys.modules))"
+    code = "import vibrafeed.core.measured, sys; print(*sorted(sys.modules))"
     loaded = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )

@@ -13,13 +13,13 @@ import pytest
 import vibrafeed
 from benchmarks.measured_errors import CASES, fitted
 from benchmarks.measured_speeds import PARTS, stated, study_of, true_speed
-from core.errors import StudyError
-from core.intake import gather, load_study, parse_json, parse_study, prepare_content
-from core.intake import recorded as measured
-from core.intake import study_of as sound
-from core.motion.drive_error import drive_error
 from night import first_by_day
 from recordings import DRIVE, csv_of, signal_of
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import gather, load_study, parse_json, parse_study, prepare_content
+from vibrafeed.core.intake import recorded as measured
+from vibrafeed.core.intake import study_of as sound
+from vibrafeed.core.motion.drive_error import drive_error
 
 ROOT = Path(__file__).parents[3]
 TEXT = csv_of(signal_of(DRIVE))

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.atlas.rows import read_rows as read_cases
-from core.errors import StudyError
-from core.intake.forms import resolve_files
-from core.intake.observed import read_rows
-from core.measured import Recording, read_signal
+from vibrafeed.core.atlas.rows import read_rows as read_cases
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake.forms import resolve_files
+from vibrafeed.core.intake.observed import read_rows
+from vibrafeed.core.measured import Recording, read_signal
 
 TIMES = np.arange(200) / 2000
 ROWS = [f"{t:.4f},{a:.5f},{1 + a:.5f}" for t, a in zip(TIMES, np.sin(628 * TIMES), strict=True)]

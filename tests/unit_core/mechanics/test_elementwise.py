@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.compiled import compiled_source
-from core.mechanics.elementwise import arc_quotient, arc_series, binade, exponent
-from core.mechanics.rolling import slip_share
-from core.plan.operations import OPERATIONS
-from core.sweep.precise import CONTEXT
+from vibrafeed.core.compiled import compiled_source
+from vibrafeed.core.mechanics.elementwise import arc_quotient, arc_series, binade, exponent
+from vibrafeed.core.mechanics.rolling import slip_share
+from vibrafeed.core.plan.operations import OPERATIONS
+from vibrafeed.core.sweep.precise import CONTEXT
 
 RANDOM = np.random.default_rng(36)
 LOOP = """

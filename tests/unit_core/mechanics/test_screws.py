@@ -3,8 +3,14 @@
 import numpy as np
 import pytest
 
-from core.mechanics.rotations import body_to_reference, rotation_x, rotation_y, rotation_z, turned
-from core.mechanics.screws import (
+from vibrafeed.core.mechanics.rotations import (
+    body_to_reference,
+    rotation_x,
+    rotation_y,
+    rotation_z,
+    turned,
+)
+from vibrafeed.core.mechanics.screws import (
     DualVector,
     MomentumScrew,
     ScrewKind,

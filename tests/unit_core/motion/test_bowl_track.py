@@ -7,10 +7,11 @@ import pytest
 from scipy.integrate import quad
 
 import vibrafeed
-from core.errors import StudyError
-from core.intake import prepare_content
-from core.mechanics.bowl_track import Stretches, radius_at
-from core.motion.bowl_track import (
+from night import NIGHT, count
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.mechanics.bowl_track import Stretches, radius_at
+from vibrafeed.core.motion.bowl_track import (
     AllStretches,
     AlongTrack,
     is_unknown,
@@ -19,9 +20,8 @@ from core.motion.bowl_track import (
     track_length,
     track_of,
 )
-from core.quantities import REGIMES
-from core.scenes.scene import Equation
-from night import NIGHT, count
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.scenes.scene import Equation
 
 BOWL = {
     "moving_mass": 12, "base_mass": 40, "moving_inertia": 0.25, "base_inertia": 0.9,

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.motion import waves
-from core.motion.prepare import choose_system
-from core.plan.equations import run_equations
-from core.plan.plan import plan_scene
+from vibrafeed.core.motion import waves
+from vibrafeed.core.motion.prepare import choose_system
+from vibrafeed.core.plan.equations import run_equations
+from vibrafeed.core.plan.plan import plan_scene
 
 CELLS = 60
 LIMITS = ("largest_acceleration", "stroke", "largest_jerk")

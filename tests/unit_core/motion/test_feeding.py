@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.errors import StudyError
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.motion.feeding import direction, travel_in_words
-from core.motion.result import STATUS, Motion
-from core.quantities import DIRECTIONS
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.motion.feeding import direction, travel_in_words
+from vibrafeed.core.motion.result import STATUS, Motion
+from vibrafeed.core.quantities import DIRECTIONS
 
 FORWARDS, BACKWARDS, RESTS, UNKNOWN = (
     DIRECTIONS[name].value for name in ("forwards", "backwards", "rests", "unknown")

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.motion.groups import Groups, cells_of
-from core.motion.kernels import cells, results, stepping, tumbling
-from core.motion.kernels.stepping import tables as stepping_tables
-from core.motion.kernels.tumbling import tables as tumbling_tables
-from core.motion.methods.tumbling import Tumble, TumblePath
-from core.motion.result import Motion
-from core.quantities import MOTION_MODES
+from vibrafeed.core.motion.groups import Groups, cells_of
+from vibrafeed.core.motion.kernels import cells, results, stepping, tumbling
+from vibrafeed.core.motion.kernels.stepping import tables as stepping_tables
+from vibrafeed.core.motion.kernels.tumbling import tables as tumbling_tables
+from vibrafeed.core.motion.methods.tumbling import Tumble, TumblePath
+from vibrafeed.core.motion.result import Motion
+from vibrafeed.core.quantities import MOTION_MODES
 
 
 def test_columns_of_results_are_the_fields_of_motion():

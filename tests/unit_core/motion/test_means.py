@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from core.motion.kernels import means
+from vibrafeed.core.motion.kernels import means
 
 CELLS, PERIODS = 2000, 1000
 

@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 
 from benchmarks.derivatives import BAR, SURE, derived, errors, random_cells, repeating
-from core.errors import StudyError
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.motion.derivatives import derivatives_at
-from core.motion.groups import Groups, cells_of
-from core.motion.kernels.planar.derive import KINK
-from core.motion.kernels.planar.slope_tables import DERIVED
-from core.motion.prepare import choose_system
-from core.motion.result import STATUS
-from core.plan.derivatives import DERIVATIVE_STATUS
-from core.plan.plan import plan_scene
 from point_slopes import motion_sensitivities
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.motion.derivatives import derivatives_at
+from vibrafeed.core.motion.groups import Groups, cells_of
+from vibrafeed.core.motion.kernels.planar.derive import KINK
+from vibrafeed.core.motion.kernels.planar.slope_tables import DERIVED
+from vibrafeed.core.motion.prepare import choose_system
+from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.plan.derivatives import DERIVATIVE_STATUS
+from vibrafeed.core.plan.plan import plan_scene
 
 PLANE = "rectangle-on-plane"
 POINT = {
@@ -69,8 +69,8 @@ def test_shares_add_up_and_so_do_energies():
 
 def test_energy_of_the_drive_is_the_mean_of_its_push():
     # The kernel takes it from the balance; here each energy is judged by itself.
-    from core.motion.kernels.arrays import NEVER
-    from core.motion.planar import spend_cells
+    from vibrafeed.core.motion.kernels.arrays import NEVER
+    from vibrafeed.core.motion.planar import spend_cells
 
     cells = repeating(random_cells(60, 8))
     found, h = derived(cells), 1e-5
@@ -155,8 +155,8 @@ def test_the_least_restitution_moves_a_mean_as_the_derivative_at_none_says(more,
 
 def test_energies_move_with_the_least_restitution_as_the_derivative_at_none_says():
     """Impacts of small hops take what the floor would rub in their time, to the first order."""
-    from core.motion.kernels.arrays import NEVER
-    from core.motion.planar import spend_cells
+    from vibrafeed.core.motion.kernels.arrays import NEVER
+    from vibrafeed.core.motion.planar import spend_cells
 
     def spent(cells):
         table, status = np.full((len(cells), 3), np.nan), np.zeros(len(cells), np.int8)
@@ -501,7 +501,7 @@ def test_what_a_sweep_cannot_derive_is_told(changes, place):
 
 
 def test_a_sweep_with_derivatives_is_not_read_lazily():
-    from core.sweep.lazy import open_lazily
+    from vibrafeed.core.sweep.lazy import open_lazily
 
     with pytest.raises(StudyError, match="as a whole"):
         open_lazily(prepare_content(SWEEP))

@@ -9,11 +9,11 @@ from scipy.integrate import quad
 from scipy.optimize import fsolve
 
 import vibrafeed
-from core.errors import StudyError
-from core.intake import prepare_content
-from core.mechanics import linear_drive_unit
-from core.quantities import MOTION_STATUSES, REGIMES
 from night import NIGHT, count
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.mechanics import linear_drive_unit
+from vibrafeed.core.quantities import MOTION_STATUSES, REGIMES
 
 UNIT = {
     "moving_mass": 10, "base_mass": 30, "damping_ratio": 0.02, "frequency": 50,

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.motions import planar_motion, planar_path
 from benchmarks.worked_values import HOPS, MEAN_VELOCITIES, REFERENCE_SPEEDS
-from core.quantities import MOTION_STATUSES
+from vibrafeed.core.quantities import MOTION_STATUSES
 
 STATUS = {name: flag.value for name, flag in MOTION_STATUSES.items()}
 SETTINGS = {"tolerance": 1e-12, "max_periods": 1000.0}

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from benchmarks.prices import measured
-from core.intake import prepare_content
-from core.motion.systems import SYSTEMS
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.motion.systems import SYSTEMS
 
 HOPS = {"frequency": 50, "amplitude": "2.1 mm", "beta": 41, "friction": 0.4, "restitution": 0.6}
 SLIDES = {"frequency": 50, "amplitude": "0.1 mm", "beta": 30, "friction": 0.3}

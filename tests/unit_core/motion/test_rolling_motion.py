@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 import vibrafeed
-from core.dataset.regimes import percent
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.mechanics.rolling_motion import RollingContact
-from core.motion.feeding import travel_in_words
-from core.motion.groups import Contacts
-from core.motion.methods.events import motion_by_events, planar_path
-from core.motion.methods.rolling import always_rolls, block_groups
-from core.motion.result import STATUS
-from core.quantities import REGIMES
 from night import count
+from vibrafeed.core.dataset.regimes import percent
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.mechanics.rolling_motion import RollingContact
+from vibrafeed.core.motion.feeding import travel_in_words
+from vibrafeed.core.motion.groups import Contacts
+from vibrafeed.core.motion.methods.events import motion_by_events, planar_path
+from vibrafeed.core.motion.methods.rolling import always_rolls, block_groups
+from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.quantities import REGIMES
 
 TURN = 2 * np.pi
 BALL = {"scene": "sphere-on-plane", "frequency": 50.0, "beta": 20.0}

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.motion.kernels.rows import path_of_row
-from core.motion.kernels.rows.roots import first_contact
 from many_digits import Functions, mpf, root_between
 from night import count
 from rows import TURN, cell, followed
+from vibrafeed.core.motion.kernels.rows import path_of_row
+from vibrafeed.core.motion.kernels.rows.roots import first_contact
 
 mp = Functions()
 DEPTHS = (1e-3, 1e-6, 1e-9, 1e-12)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.motion.kernels.rows import path_of_row
-from core.motion.kernels.rows.roots import flight_time
 from night import count
 from rows import TURN, cell, followed, two_level
+from vibrafeed.core.motion.kernels.rows import path_of_row
+from vibrafeed.core.motion.kernels.rows.roots import flight_time
 
 ROWS = 10_000
 """Rows of a law by night."""

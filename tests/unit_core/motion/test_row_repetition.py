@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import vibrafeed
-from core.motion.kernels.rows.contact import closing
-from core.motion.kernels.rows.tables import IN_SPACE, row_of
 from night import count
 from rows import TURN, cell, followed, path, sines
+from vibrafeed.core.motion.kernels.rows.contact import closing
+from vibrafeed.core.motion.kernels.rows.tables import IN_SPACE, row_of
 
 OUTPUTS = ["conveying_velocity", "conveying_velocity_error", "platoons", "period_multiple"]
 DRIVE = {"frequency": 50, "amplitude": "0.8 mm", "beta": 3.5}

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import vibrafeed
-from core.motion import waves
-from core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK
-from core.motion.waves import Wave
 from night import count
 from rows import TURN, cell, followed, path, sines
+from vibrafeed.core.motion import waves
+from vibrafeed.core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK
+from vibrafeed.core.motion.waves import Wave
 
 ROWS = 1000
 """Rows of a law by night."""

@@ -11,14 +11,14 @@ import pytest
 from scipy.optimize import isotonic_regression
 
 import vibrafeed
-from core.errors import StudyError
-from core.intake import prepare_content
-from core.motion.kernels.rows import path_of_row
-from core.motion.kernels.rows.contact import collide, pooled, start
-from core.motion.kernels.rows.tables import row_of
-from core.quantities import REGIMES
 from night import count
 from rows import TURN, cell
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.motion.kernels.rows import path_of_row
+from vibrafeed.core.motion.kernels.rows.contact import collide, pooled, start
+from vibrafeed.core.motion.kernels.rows.tables import row_of
+from vibrafeed.core.quantities import REGIMES
 
 ROOT = Path(__file__).parents[3]
 
@@ -276,8 +276,8 @@ def test_parts_a_minute_are_those_that_leave_at_either_end():
 
 ONE_PART = """
 import sys
-from core.intake import prepare_content
-from core.kinds import tabulate
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
 study = {
     "kind": "simulate", "scene": "rectangle-on-plane", "outputs": ["conveying_velocity"],
     "parameters": {"frequency": 50, "amplitude": [1e-4, 2e-4], "beta": 20, "friction": 0.3},
@@ -304,5 +304,5 @@ def test_a_study_of_one_part_knows_nothing_of_rows():
     assert not files
     assert "motion" in equations
     assert not {"row", "parts"} & set(equations)
-    assert "core.motion.kernels.planar.solve" in kernels
+    assert "vibrafeed.core.motion.kernels.planar.solve" in kernels
     assert not [name for name in kernels if "rows" in name]

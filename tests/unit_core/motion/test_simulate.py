@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 
 from benchmarks.worked_values import MEAN_VELOCITIES
-from core.errors import StudyError
-from core.intake import load_study, parse_study, prepare_content
-from core.kinds import run_study, tabulate
-from core.motion import SYSTEMS
-from core.motion.rates import effective_distance, parts_per_minute, velocity_for
-from core.motion.systems import CONTACTS
-from core.quantities import MOTION_STATUSES
-from core.watch import Watch
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import load_study, parse_study, prepare_content
+from vibrafeed.core.kinds import run_study, tabulate
+from vibrafeed.core.motion import SYSTEMS
+from vibrafeed.core.motion.rates import effective_distance, parts_per_minute, velocity_for
+from vibrafeed.core.motion.systems import CONTACTS
+from vibrafeed.core.quantities import MOTION_STATUSES
+from vibrafeed.core.watch import Watch
 from waiting import PATIENCE
 
 CONFIGS = Path(__file__).parents[3] / "configs"
@@ -176,7 +176,7 @@ class TestDatasets:
         assert prepared.dims["flight_fraction"] == ()
 
     def test_a_repeated_or_idle_axis_costs_nothing_more(self, monkeypatch):
-        from core.motion import planar
+        from vibrafeed.core.motion import planar
 
         cells: list[int] = []
         kernel = planar.solve_cells
@@ -288,7 +288,7 @@ NOT_BY_STEPS = {"collisions_per_period", "impact_energy", "stop_impulse", "stop_
 
 
 def needed(system, method) -> set[str]:
-    from core.plan.plan import scene_parameters
+    from vibrafeed.core.plan.plan import scene_parameters
 
     return set(scene_parameters(system, method)) - {"friction_static", "friction_kinetic"}
 
@@ -483,7 +483,7 @@ def test_it_runs_where_no_cache_can_be_written():
         "class Nowhere(c.CacheImpl):\n"
         "    _locator_classes = []\n"
         "c.CompileResultCacheImpl._locator_classes = []\n"
-        "from core.compiled import compiled\n"
+        "from vibrafeed.core.compiled import compiled\n"
         "@compiled\n"
         "def double(x):\n"
         "    return 2 * x\n"

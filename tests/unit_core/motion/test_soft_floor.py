@@ -8,18 +8,18 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import vibrafeed
-from core.compiled import compiled
-from core.errors import StudyError
-from core.intake import prepare_content
-from core.mechanics import soft_contact
-from core.motion.groups import Contacts, Groups, cells_of
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.planar.rebound import Restitution, impulse, rebound
-from core.motion.methods.events import motion_by_events, planar_motion, planar_path
-from core.motion.result import STATUS, Motion
-from core.quantities import REGIMES
-from core.quantities.derivative import DERIVATIVE_STATUSES
 from night import NIGHT
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.mechanics import soft_contact
+from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.planar.rebound import Restitution, impulse, rebound
+from vibrafeed.core.motion.methods.events import motion_by_events, planar_motion, planar_path
+from vibrafeed.core.motion.result import STATUS, Motion
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.quantities.derivative import DERIVATIVE_STATUSES
 
 TURN = 2 * np.pi
 EXACTLY = {"tolerance": 1e-12, "max_periods": 1000.0}

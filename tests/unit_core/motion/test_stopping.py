@@ -5,10 +5,10 @@ import time
 import numpy as np
 import pytest
 
-from core.intake import study_of
-from core.kinds import KINDS, tabulate
-from core.quantities import MOTION_STATUSES
-from core.watch import Watch
+from vibrafeed.core.intake import study_of
+from vibrafeed.core.kinds import KINDS, tabulate
+from vibrafeed.core.quantities import MOTION_STATUSES
+from vibrafeed.core.watch import Watch
 from waiting import wait_for
 
 NOT_COMPUTED = MOTION_STATUSES["not_computed"].value

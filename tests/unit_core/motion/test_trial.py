@@ -5,12 +5,12 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-import core.kernel_cache
-from core.intake import prepare_content
-from core.motion.groups import Contacts
-from core.motion.in_common import Families, families_of
-from core.motion.trial import FIRST, LEAST, MOST, UNFINISHED, Trial, _Followed
-from core.plan.prepared import TRIED_FROM
+import vibrafeed.core.kernel_cache
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.motion.groups import Contacts
+from vibrafeed.core.motion.in_common import Families, families_of
+from vibrafeed.core.motion.trial import FIRST, LEAST, MOST, UNFINISHED, Trial, _Followed
+from vibrafeed.core.plan.prepared import TRIED_FROM
 
 CALL = 2e-3  # s of a call, besides its cells
 LANDINGS, OWN = 9e-3, 1e-3  # s of a cell: what it has in common with others, and its own
@@ -137,14 +137,14 @@ def study(**more):
 
 
 def test_without_compiled_code_the_price_is_that_by_formula(monkeypatch):
-    monkeypatch.setattr(core.kernel_cache, "are_kept", lambda names: not [*names])
+    monkeypatch.setattr(vibrafeed.core.kernel_cache, "are_kept", lambda names: not [*names])
     prepared = prepare_content(study())
     assert prepared.tried_seconds == prepared.seconds
 
 
 def test_an_axis_that_no_motion_depends_on_makes_no_more_motions(monkeypatch):
     asked = []
-    monkeypatch.setattr(core.kernel_cache, "are_kept", lambda names: True)
+    monkeypatch.setattr(vibrafeed.core.kernel_cache, "are_kept", lambda names: True)
 
     def seconds(self, cells):
         asked.append(cells)
@@ -160,7 +160,7 @@ def test_an_axis_that_no_motion_depends_on_makes_no_more_motions(monkeypatch):
 
 
 def test_only_a_study_that_is_worth_it_is_tried(monkeypatch):
-    monkeypatch.setattr(core.kernel_cache, "are_kept", lambda names: True)
+    monkeypatch.setattr(vibrafeed.core.kernel_cache, "are_kept", lambda names: True)
     monkeypatch.setattr(Trial, "seconds_a_cell", lambda self, cells: 1.0)
     short = prepare_content(study())
     assert short.stated_seconds == short.seconds < TRIED_FROM

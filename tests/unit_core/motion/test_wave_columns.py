@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from core.motion.kernels.waves import wave_columns
-from core.motion.waves import ALONG, ENDS, NORMAL, Wave
+from vibrafeed.core.motion.kernels.waves import wave_columns
+from vibrafeed.core.motion.waves import ALONG, ENDS, NORMAL, Wave
 
 
 @pytest.mark.parametrize(("orders", "steps"), [(3, 0), (0, 4), (2, 3), (1, 1)])

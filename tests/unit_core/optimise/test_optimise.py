@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 
 import vibrafeed
-from core.errors import StudyError
-from core.intake import load_study, parse_study, prepare_content
-from core.kinds import run_study, tabulate
-from core.optimise import METHODS
-from core.optimise.codes import STATUS
-from core.optimise.front import knee
-from core.optimise.labels import BINDS
-from core.plots import PlotError, front, landscape
-from core.plots.options import Options
-from core.quantities import OPTIMUM_STATUSES, REGIMES
-from core.watch import Watch
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import load_study, parse_study, prepare_content
+from vibrafeed.core.kinds import run_study, tabulate
+from vibrafeed.core.optimise import METHODS
+from vibrafeed.core.optimise.codes import STATUS
+from vibrafeed.core.optimise.front import knee
+from vibrafeed.core.optimise.labels import BINDS
+from vibrafeed.core.plots import PlotError, front, landscape
+from vibrafeed.core.plots.options import Options
+from vibrafeed.core.quantities import OPTIMUM_STATUSES, REGIMES
+from vibrafeed.core.watch import Watch
 
 CONFIGS = sorted((Path(__file__).parents[3] / "configs").glob("optimise-*.toml"))
 # The data of figure 5.1 of the source, less strong: below lift-off at the best angles.

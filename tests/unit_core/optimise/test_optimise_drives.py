@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from benchmarks.best_wave import harmonics, known_best, motions, steps, study
-from core.errors import StudyError
-from core.intake import load_study, parse_study, prepare_content
-from core.kinds import run_study
-from core.optimise.prepare import prepare
-from core.optimise.run import designs_of
 from point_slopes import motion_sensitivities
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import load_study, parse_study, prepare_content
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.optimise.prepare import prepare
+from vibrafeed.core.optimise.run import designs_of
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 PARAMETERS = study()["parameters"]

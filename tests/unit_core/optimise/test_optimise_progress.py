@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from core.intake import parse_study
-from core.kinds import tabulate
-from core.optimise.prepare import prepare
-from core.watch import Watch
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.optimise.prepare import prepare
+from vibrafeed.core.watch import Watch
 
 STUDY = {
     "kind": "optimise",

@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from app.cli import app
-from app.main import create_app
-from app.settings import Settings
-from core.errors import StudyError
-from core.intake import load_study, parse_json, parse_study, prepare_content
-from core.kinds import KINDS, run_study
-from core.optimise import METHODS
-from core.optimise.codes import STATUS
-from core.quantities import REGIMES
 from local_client import local_client
 from schemas import expanded, whole_schema
+from vibrafeed.app.cli import app
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import load_study, parse_json, parse_study, prepare_content
+from vibrafeed.core.kinds import KINDS, run_study
+from vibrafeed.core.optimise import METHODS
+from vibrafeed.core.optimise.codes import STATUS
+from vibrafeed.core.quantities import REGIMES
 
 CONFIGS = sorted((Path(__file__).parents[3] / "configs").glob("optimise-*.toml"))
 # The data of figure 5.1 of the source, less strong: below lift-off at the best angles.

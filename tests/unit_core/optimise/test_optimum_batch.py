@@ -8,15 +8,15 @@ import sys
 import numpy as np
 import pytest
 
-from core.optimise import newton
-from core.optimise.codes import ACTIVE, STATUS
-from core.optimise.families.plane_physical import plane_physical_fastest
-from core.optimise.families.plane_thesis import plane_thesis_limited
-from core.optimise.families.track_physical import track_physical_fastest
-from core.optimise.families.track_printed import track_fastest
-from core.optimise.kernels import columns as kernel
-from core.optimise.newton import BATCHED, fastest
-from core.quantities import OPTIMUM_STATUSES
+from vibrafeed.core.optimise import newton
+from vibrafeed.core.optimise.codes import ACTIVE, STATUS
+from vibrafeed.core.optimise.families.plane_physical import plane_physical_fastest
+from vibrafeed.core.optimise.families.plane_thesis import plane_thesis_limited
+from vibrafeed.core.optimise.families.track_physical import track_physical_fastest
+from vibrafeed.core.optimise.families.track_printed import track_fastest
+from vibrafeed.core.optimise.kernels import columns as kernel
+from vibrafeed.core.optimise.newton import BATCHED, fastest
+from vibrafeed.core.quantities import OPTIMUM_STATUSES
 
 RANDOM = np.random.default_rng(51)
 DESIGNS = 1000
@@ -304,5 +304,5 @@ def test_the_kernel_numbers_its_columns_as_the_tables_do():
 
 
 def test_importing_the_solver_does_not_load_the_compiler():
-    code = "import sys, core.optimise.newton; sys.exit('numba' in sys.modules)"
+    code = "import sys, vibrafeed.core.optimise.newton; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 import vibrafeed
-from core import optimise
-from core.intake import parse_study, prepare_content
-from core.kinds import tabulate
+from vibrafeed.core import optimise
+from vibrafeed.core.intake import parse_study, prepare_content
+from vibrafeed.core.kinds import tabulate
 
 STUDY = {
     "kind": "optimise", "scene": "rectangle-on-plane",

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.intake import parse_study
-from core.optimise.prepare import prepare
-from core.optimise.problem import OptimisationProblem, chosen_cells
-from core.optimise.reliable import most_reliable
-from core.optimise.run import designs_of
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.optimise.prepare import prepare
+from vibrafeed.core.optimise.problem import OptimisationProblem, chosen_cells
+from vibrafeed.core.optimise.reliable import most_reliable
+from vibrafeed.core.optimise.run import designs_of
 
 NOISE = 0.2
 

@@ -10,12 +10,12 @@ import pytest
 from typer.testing import CliRunner
 
 import vibrafeed
-from app.cli import app
-from app.main import create_app
-from app.settings import Settings
-from core.optimise.robust import NODES, nodes_over, over_nodes, uncertain_of
-from core.study.distributions import read_distribution
 from local_client import local_client
+from vibrafeed.app.cli import app
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.optimise.robust import NODES, nodes_over, over_nodes, uncertain_of
+from vibrafeed.core.study.distributions import read_distribution
 
 
 def robust_value(evaluate, interval, *, how="worst", nodes=NODES):

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from benchmarks.motions import planar_motion
-from core.intake import parse_study
-from core.optimise.codes import STATUS
-from core.optimise.methods import METHODS
-from core.optimise.prepare import prepare
-from core.optimise.problem import chosen_cells
-from core.optimise.run import designs_of
-from core.optimise.search import MESSAGES, search_maximum
-from core.watch import Watch
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.optimise.codes import STATUS
+from vibrafeed.core.optimise.methods import METHODS
+from vibrafeed.core.optimise.prepare import prepare
+from vibrafeed.core.optimise.problem import chosen_cells
+from vibrafeed.core.optimise.run import designs_of
+from vibrafeed.core.optimise.search import MESSAGES, search_maximum
+from vibrafeed.core.watch import Watch
 
 BUDGET = 6000
 

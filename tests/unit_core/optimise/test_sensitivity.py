@@ -8,14 +8,14 @@ import mpmath
 import numpy as np
 import pytest
 
-from core.errors import StudyError
-from core.plan import plan as plans
-from core.scenes import SCENES
-from core.scenes.scene import Equation, Scene
 from exact_planes import FORMULAS, Point
 from many_digits import mp, mpf
 from plane_points import parameters, random_point
 from point_slopes import motion_sensitivities, sensitivities
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.plan import plan as plans
+from vibrafeed.core.scenes import SCENES
+from vibrafeed.core.scenes.scene import Equation, Scene
 
 POINTS, PAIRS = 4, 24  # random points of a variant, and derivatives taken at each
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.plan.duals import Dual, NotDifferentiableError
+from vibrafeed.core.plan.duals import Dual, NotDifferentiableError
 
 SMOOTH = {
     "sqrt": np.sqrt, "square": np.square, "exp": np.exp, "expm1": np.expm1, "log": np.log,

@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 
 from benchmarks.evaluate import grid_of, plan_of, traceable
-from core.plan import evaluate as door
-from core.plan.blocks import evaluate_in_blocks
-from core.plan.evaluate import empty_results, evaluate
-from core.plan.grid import Grid
-from core.plan.loops import fused, program
-from core.plan.loops.fused import Fused
-from core.plan.loops.trace import Graph, UntraceableError, traced
-from core.plan.plan import Plan, make_plan
-from core.scenes import SCENES
-from core.study.values import Fixed, Points
+from vibrafeed.core.plan import evaluate as door
+from vibrafeed.core.plan.blocks import evaluate_in_blocks
+from vibrafeed.core.plan.evaluate import empty_results, evaluate
+from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.loops import fused, program
+from vibrafeed.core.plan.loops.fused import Fused
+from vibrafeed.core.plan.loops.trace import Graph, UntraceableError, traced
+from vibrafeed.core.plan.plan import Plan, make_plan
+from vibrafeed.core.scenes import SCENES
+from vibrafeed.core.study.values import Fixed, Points
 
 UNTRACED = {
     ("rectangle-pair-impact", "frictionless"): "its results stand in stacked vectors",

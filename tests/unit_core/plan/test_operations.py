@@ -9,16 +9,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import core.plan
-from core.mechanics import quotients
-from core.mechanics.elementwise import Elementwise, arc_quotient, arc_series, binade, exponent
-from core.mechanics.rolling import slip_share
-from core.plan.duals import Dual
-from core.plan.operations import IN_LOOPS, OPERATIONS
-from core.quantities import QUANTITIES
-from core.sweep.precise import CONTEXT, Number, Precise
+import vibrafeed.core.plan
+from vibrafeed.core.mechanics import quotients
+from vibrafeed.core.mechanics.elementwise import (
+    Elementwise,
+    arc_quotient,
+    arc_series,
+    binade,
+    exponent,
+)
+from vibrafeed.core.mechanics.rolling import slip_share
+from vibrafeed.core.plan.duals import Dual
+from vibrafeed.core.plan.operations import IN_LOOPS, OPERATIONS
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.sweep.precise import CONTEXT, Number, Precise
 
-ROOT = Path(core.plan.__file__).parent
+ROOT = Path(vibrafeed.core.plan.__file__).parent
 POINTS = {1: [(0.35,), (0.62,)], 2: [(0.35, 0.62), (0.62, 0.35)]}
 OWN_POINTS = {  # of functions of ours, whose arguments belong together
     np.ldexp: [(0.35, 2), (0.62, -3)],

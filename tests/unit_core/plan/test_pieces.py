@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.dataset.netcdf import write_netcdf
-from core.intake import load_study, prepare_content
-from core.kinds import KINDS, prepare, tabulate
-from core.plan.pieces import Cut, join
-from core.watch import Watch
 from night import first_by_day
+from vibrafeed.core.dataset.netcdf import write_netcdf
+from vibrafeed.core.intake import load_study, prepare_content
+from vibrafeed.core.kinds import KINDS, prepare, tabulate
+from vibrafeed.core.plan.pieces import Cut, join
+from vibrafeed.core.watch import Watch
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 STUDIES = {

@@ -9,23 +9,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.catalogue import describe
-from core.errors import LimitError, Problem, SceneError, StudyError
-from core.intake import load_study, parse_study, prepare_content
-from core.kinds import KINDS, run_study
-from core.motion import SYSTEMS
-from core.motion.drives import shape_of
-from core.motion.prepare import choose_system
-from core.plan.plan import make_plan, scene_parameters
-from core.quantities import FAMILIES, QUANTITIES, REGIMES
-from core.quantities.bowl_track import MAX_STRETCHES
-from core.quantities.drive import DRIVE as NUMBERS_OF_DRIVES
-from core.quantities.row import MAX_NUMBERED
-from core.quantities.row import NUMBERS as OF_PARTS
-from core.scenes import ALIASES, SCENES, Condition, Equation
-from core.scenes.scene import Scene
-from core.sweep.prepare import prepare
 from schemas import expanded, whole_schema
+from vibrafeed.core.catalogue import describe
+from vibrafeed.core.errors import LimitError, Problem, SceneError, StudyError
+from vibrafeed.core.intake import load_study, parse_study, prepare_content
+from vibrafeed.core.kinds import KINDS, run_study
+from vibrafeed.core.motion import SYSTEMS
+from vibrafeed.core.motion.drives import shape_of
+from vibrafeed.core.motion.prepare import choose_system
+from vibrafeed.core.plan.plan import make_plan, scene_parameters
+from vibrafeed.core.quantities import FAMILIES, QUANTITIES, REGIMES
+from vibrafeed.core.quantities.bowl_track import MAX_STRETCHES
+from vibrafeed.core.quantities.drive import DRIVE as NUMBERS_OF_DRIVES
+from vibrafeed.core.quantities.row import MAX_NUMBERED
+from vibrafeed.core.quantities.row import NUMBERS as OF_PARTS
+from vibrafeed.core.scenes import ALIASES, SCENES, Condition, Equation
+from vibrafeed.core.scenes.scene import Scene
+from vibrafeed.core.sweep.prepare import prepare
 
 READABLE = re.compile(r"[A-Z][a-z']+,? (?! )[^`\[\]]*(?<! )\.")
 """A description: it begins with a word, and has no marks of code and no units in brackets."""
@@ -189,8 +189,8 @@ def test_an_output_keeps_only_the_dimensions_that_it_depends_on():
 
 
 def test_results_do_not_depend_on_blocks_or_on_the_presence_of_other_axes():
-    from core.plan.blocks import evaluate_in_blocks
-    from core.plan.evaluate import empty_results
+    from vibrafeed.core.plan.blocks import evaluate_in_blocks
+    from vibrafeed.core.plan.evaluate import empty_results
 
     study = parse_study(
         content(

@@ -4,8 +4,8 @@ import tracemalloc
 
 import pytest
 
-from core.intake import prepare_content
-from core.plan import price
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.plan import price
 
 AXES = {
     "frequency": (20, 120), "amplitude": (1e-4, 1e-3), "alpha": (0, 60), "beta": (5, 60),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from core.quantities import FLAGS, QUANTITIES
+from vibrafeed.core.quantities import FLAGS, QUANTITIES
 
 ERRORS = {
     "conveying_velocity_error", "conveying_velocity_spread", "yield_deviation",

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 import vibrafeed
-from core.dataset.formats import read_result, write_result
-from core.dataset.regimes import is_valid
-from core.dataset.table import Table
-from core.motion import SYSTEMS
-from core.plan.verdicts import verdicts_of
-from core.quantities import REGIMES
-from core.scenes import EXACT, SCENES
+from vibrafeed.core.dataset.formats import read_result, write_result
+from vibrafeed.core.dataset.regimes import is_valid
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.motion import SYSTEMS
+from vibrafeed.core.plan.verdicts import verdicts_of
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.scenes import EXACT, SCENES
 
 GRID: dict[str, Any] = {
     "scene": "rectangle-on-track",

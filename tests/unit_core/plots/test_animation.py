@@ -13,13 +13,13 @@ import xarray
 from PIL import Image
 
 import vibrafeed
-from core.errors import VibrafeedError
-from core.extras import installing
-from core.plots import PlotError, draw, draw_file
-from core.plots.animation import COLOURS, draw_frames
-from core.plots.film import FRAMES_PER_SECOND, amplitude_of, read_film
-from core.plots.style import Style, mix
-from core.study.shown import ShownUnits
+from vibrafeed.core.errors import VibrafeedError
+from vibrafeed.core.extras import installing
+from vibrafeed.core.plots import PlotError, draw, draw_file
+from vibrafeed.core.plots.animation import COLOURS, draw_frames
+from vibrafeed.core.plots.film import FRAMES_PER_SECOND, amplitude_of, read_film
+from vibrafeed.core.plots.style import Style, mix
+from vibrafeed.core.study.shown import ShownUnits
 
 ROOT = Path(__file__).parents[3]
 UNITS = ShownUnits()

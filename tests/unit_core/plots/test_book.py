@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import vibrafeed
-from core.errors import StoppedError
-from core.plots.book import FRICTIONS, SLOPES, write_book
-from core.plots.book_intro import Example
-from core.plots.book_page import BETAS, LARGEST, Chart, draw_page, stretches
-from core.quantities import REGIMES
-from core.watch import Watch
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.plots.book import FRICTIONS, SLOPES, write_book
+from vibrafeed.core.plots.book_intro import Example
+from vibrafeed.core.plots.book_page import BETAS, LARGEST, Chart, draw_page, stretches
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.watch import Watch
 
 
 def test_it_has_no_date_and_no_page_that_is_steeper_than_friction(tmp_path):

@@ -10,9 +10,9 @@ import xarray
 from matplotlib.axes import Axes
 
 import vibrafeed
-from core.plots import draw
-from core.plots.categories import categories_of
 from pictures import SPACE, legend, problem, subtitle
+from vibrafeed.core.plots import draw
+from vibrafeed.core.plots.categories import categories_of
 
 ROOT = pathlib.Path(__file__).parents[3]
 

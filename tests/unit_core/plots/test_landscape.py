@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.plots import draw
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.plots import draw
 
 FRICTIONS = (0.25, 0.45)
 ROBUST = {
@@ -40,9 +40,9 @@ def drawn(figure):
 
 @pytest.mark.night
 def test_a_robust_landscape_is_that_of_the_worst_case(picture):
-    from core.optimise.run import designs_of
-    from core.plots.landscape import _computed
-    from core.study.shown import ShownUnits
+    from vibrafeed.core.optimise.run import designs_of
+    from vibrafeed.core.plots.landscape import _computed
+    from vibrafeed.core.study.shown import ShownUnits
 
     dataset, _ = picture
     prepared = prepare_content(ROBUST)
@@ -77,8 +77,8 @@ def test_the_star_stands_at_the_best_of_what_is_drawn(picture):
     dataset, figure = picture
     axes, image = drawn(figure)
     (star,) = (line for line in axes.lines if line.get_marker() == "*")
-    from core.plots.landscape import _computed
-    from core.study.shown import ShownUnits
+    from vibrafeed.core.plots.landscape import _computed
+    from vibrafeed.core.study.shown import ShownUnits
 
     shown = _computed(dataset, prepare_content(ROBUST), {}, ShownUnits())
     allowed = np.where(
@@ -102,8 +102,8 @@ def test_the_star_stands_at_the_best_of_what_is_drawn(picture):
 
 
 def test_a_limit_without_a_value_here_and_there_excludes_and_has_its_edge():
-    from core.plots.landscape import Landscape, _draw_plane, _excluding
-    from core.plots.style import LIGHT
+    from vibrafeed.core.plots.landscape import Landscape, _draw_plane, _excluding
+    from vibrafeed.core.plots.style import LIGHT
 
     side = np.linspace(0.0, 1.0, 21)
     margin = side[:, None] - 0.5 + 0 * side

@@ -9,9 +9,9 @@ import pytest
 import xarray
 
 import vibrafeed
-from core.plots import PlotError
 from layout import boxes, judge
 from night import first_by_day
+from vibrafeed.core.plots import PlotError
 
 LOOKS = ({}, {"dark": True, "small": True})
 ROOT = pathlib.Path(__file__).parents[3]

@@ -9,15 +9,15 @@ import pytest
 from colorspacious import cspace_convert
 from matplotlib.colors import to_rgb
 
-from core.catalogue import describe
-from core.motion.systems import SYSTEMS
-from core.plots.categories import looks_of_categories
-from core.plots.regime_map import share_entries
-from core.plots.regimes import LOOKS, ON_FILL
-from core.plots.style import Style
-from core.quantities import REGIMES
-from core.quantities.pictures import FILLS
-from core.scenes import SCENES
+from vibrafeed.core.catalogue import describe
+from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.plots.categories import looks_of_categories
+from vibrafeed.core.plots.regime_map import share_entries
+from vibrafeed.core.plots.regimes import LOOKS, ON_FILL
+from vibrafeed.core.plots.style import Style
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.quantities.pictures import FILLS
+from vibrafeed.core.scenes import SCENES
 
 
 def test_every_regime_has_a_look():

@@ -7,7 +7,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from core.plots.matplotlib_parts import colour_grid, heading_of
+from vibrafeed.core.plots.matplotlib_parts import colour_grid, heading_of
 
 
 def test_the_heading_is_what_suptitle_wrote():

@@ -10,14 +10,14 @@ import xarray
 from matplotlib.colors import to_hex, to_rgb
 from scipy.ndimage import label
 
-from core.intake import parse_study
-from core.kinds import run_study
-from core.plots import draw, draw_file
-from core.plots.islands import without_specks
-from core.plots.regimes import LOOKS
-from core.quantities import REGIMES
-from core.quantities.pictures import FILLS
 from pictures import legend, problem, subtitle
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.plots import draw, draw_file
+from vibrafeed.core.plots.islands import without_specks
+from vibrafeed.core.plots.regimes import LOOKS
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.quantities.pictures import FILLS
 
 OUTPUTS = ["conveying_velocity", "conveying_velocity_spread"]
 FREQUENCY = 50.0

@@ -8,12 +8,12 @@ import xarray
 from matplotlib.collections import LineCollection
 
 import vibrafeed
-from core.plots import draw
-from core.plots.parallel import MAX_DESIGNS, read_designs
-from core.plots.thresholds import find_thresholds
-from core.study.shown import ShownUnits
 from layout import judge
 from pictures import SPACE, legend, problem
+from vibrafeed.core.plots import draw
+from vibrafeed.core.plots.parallel import MAX_DESIGNS, read_designs
+from vibrafeed.core.plots.thresholds import find_thresholds
+from vibrafeed.core.study.shown import ShownUnits
 
 DRIVE = {"scene": "rectangle-on-plane", "frequency": 50, "beta": 25, "gamma": 2}
 

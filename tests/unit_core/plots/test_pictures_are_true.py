@@ -20,16 +20,16 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 
-from core.errors import StudyError
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.plots import draw
-from core.plots.text import name_in_words, words
-from core.quantities import MOTION_STATUSES, QUANTITIES, REGIMES
-from core.study.distributions import quantiles, read_distribution
 from night import count
 from pictures import subtitle
 from random_studies import KINDS, Content, is_reduced, random_study, shipped
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.plots import draw
+from vibrafeed.core.plots.text import name_in_words, words
+from vibrafeed.core.quantities import MOTION_STATUSES, QUANTITIES, REGIMES
+from vibrafeed.core.study.distributions import quantiles, read_distribution
 
 STUDIES = count(15, 300, "VIBRAFEED_PICTURES")
 POINTS = 3  # that are read off each picture

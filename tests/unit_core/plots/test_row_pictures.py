@@ -10,11 +10,11 @@ import xarray
 from PIL import Image
 
 import vibrafeed
-from core.plots import PlotError, draw
-from core.plots.lane import draw_lane
-from core.plots.positions import PALE, read_row
-from core.plots.style import Style, mix
-from core.study.shown import ShownUnits
+from vibrafeed.core.plots import PlotError, draw
+from vibrafeed.core.plots.lane import draw_lane
+from vibrafeed.core.plots.positions import PALE, read_row
+from vibrafeed.core.plots.style import Style, mix
+from vibrafeed.core.study.shown import ShownUnits
 
 ROOT = Path(__file__).parents[3]
 UNITS = ShownUnits()

@@ -9,8 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 import vibrafeed
-from app.cli import app
-from core.plots.sheet import PAGE, draw_sheet
+from vibrafeed.app.cli import app
+from vibrafeed.core.plots.sheet import PAGE, draw_sheet
 
 STUDIES = {
     "one design": {"amplitude": 3e-4, "beta": 20},

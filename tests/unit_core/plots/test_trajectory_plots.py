@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import xarray
 
-from core.plots import draw, draw_file
-from core.plots.trajectory import read_trajectory
-from core.quantities import REGIMES
-from core.study.shown import read_shown
 from pictures import legend, problem, subtitle
+from vibrafeed.core.plots import draw, draw_file
+from vibrafeed.core.plots.trajectory import read_trajectory
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.study.shown import read_shown
 
 FREQUENCY = 50.0
 GRAVITY = 9.80665

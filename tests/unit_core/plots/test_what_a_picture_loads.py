@@ -11,15 +11,15 @@ import pytest
 from scipy.spatial import ConvexHull
 
 import vibrafeed
-from core.plots.bodies import convex_hull
-from core.plots.pictures import NAMES
-from core.plots.problem import PlotError
+from vibrafeed.core.plots.bodies import convex_hull
+from vibrafeed.core.plots.pictures import NAMES
+from vibrafeed.core.plots.problem import PlotError
 
 CODE = """
 import sys
 import numpy as np
 import xarray
-from core.plots import draw
+from vibrafeed.core.plots import draw
 values = np.arange(144.0).reshape(12, 12)
 dataset = xarray.Dataset(
     {
@@ -38,10 +38,10 @@ def test_a_contour_loads_no_other_picture_and_no_study():
     loaded = subprocess.run(
         [sys.executable, "-c", CODE], capture_output=True, text=True, check=True
     ).stdout.split()
-    assert "core.plots.contour" in loaded
+    assert "vibrafeed.core.plots.contour" in loaded
     others = ("calibration", "uncertain", "front", "positions", "motion", "movie", "landscape")
-    assert not {f"core.plots.{name}" for name in others} & set(loaded)
-    assert not {"core.plan", "numba", "scipy.spatial", "scipy.optimize"} & set(loaded)
+    assert not {f"vibrafeed.core.plots.{name}" for name in others} & set(loaded)
+    assert not {"vibrafeed.core.plan", "numba", "scipy.spatial", "scipy.optimize"} & set(loaded)
 
 
 @pytest.mark.parametrize("count", [3, 4, 5, 96])

@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-from core.errors import LimitError, StoppedError, StudyError
-from core.intake import parse_study, prepare_content
-from core.kinds import tabulate
-from core.sweep.lazy import open_lazily
-from core.watch import Watch
+from vibrafeed.core.errors import LimitError, StoppedError, StudyError
+from vibrafeed.core.intake import parse_study, prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.sweep.lazy import open_lazily
+from vibrafeed.core.watch import Watch
 
 STUDY = {
     "kind": "sweep",

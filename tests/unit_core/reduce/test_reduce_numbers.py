@@ -12,15 +12,15 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from core.plan.loops.lanes import DEPTH, TILE_CELLS, LaneOrder
-from core.plan.loops.source import UPDATES
-from core.reduce.arrays import binned_quantiles
-from core.reduce.boxes import exact_quantiles, values_of
-from core.reduce.kernels import others
-from core.reduce.kernels.folding import COUNT_BITS, fold_counts
-from core.reduce.lanes import GATHERED, BoxLanes, Totals
-from core.reduce.state import State, merge_states
-from core.reduce.sums import means
+from vibrafeed.core.plan.loops.lanes import DEPTH, TILE_CELLS, LaneOrder
+from vibrafeed.core.plan.loops.source import UPDATES
+from vibrafeed.core.reduce.arrays import binned_quantiles
+from vibrafeed.core.reduce.boxes import exact_quantiles, values_of
+from vibrafeed.core.reduce.kernels import others
+from vibrafeed.core.reduce.kernels.folding import COUNT_BITS, fold_counts
+from vibrafeed.core.reduce.lanes import GATHERED, BoxLanes, Totals
+from vibrafeed.core.reduce.state import State, merge_states
+from vibrafeed.core.reduce.sums import means
 
 CHANCE = np.random.default_rng(16)
 HARD = {

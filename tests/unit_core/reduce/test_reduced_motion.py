@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from boxes import assert_same_bits
-from core.errors import StoppedError, StudyError
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.quantities import FLAGS, REGIMES
-from core.watch import Watch
+from vibrafeed.core.errors import StoppedError, StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.quantities import FLAGS, REGIMES
+from vibrafeed.core.watch import Watch
 
 AXES: dict[str, Any] = {
     "frequency": [40, 50],

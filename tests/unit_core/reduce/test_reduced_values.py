@@ -14,14 +14,14 @@ import numpy as np
 import pytest
 
 from boxes import assert_same_bits
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.plan.loops.lanes import DEPTH, LARGE_TILE_CELLS, MAX_LANES, TILE_CELLS
-from core.plan.loops.program import program_of
-from core.quantities import REGIMES
-from core.reduce.arrays import reduced_arrays
-from core.reduce.run import Units
-from core.watch import Watch
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.plan.loops.lanes import DEPTH, LARGE_TILE_CELLS, MAX_LANES, TILE_CELLS
+from vibrafeed.core.plan.loops.program import program_of
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.reduce.arrays import reduced_arrays
+from vibrafeed.core.reduce.run import Units
+from vibrafeed.core.watch import Watch
 
 AXES = {
     "frequency": {"start": 20, "stop": 120, "num": 7},
@@ -143,7 +143,7 @@ def test_so_has_one_with_functions_of_numpy_between_its_loops(monkeypatch) -> No
 @pytest.mark.parametrize("over", [("frequency", "alpha"), ("amplitude", "beta")], ids="-".join)
 def test_rows_taken_in_pairs_have_the_bits_of_stored_cells(over, monkeypatch) -> None:
     """Rows in the same lanes are paired, and an odd one is left; those in their own are not."""
-    monkeypatch.setattr("core.plan.loops.program.PAIRED_CELLS", 1)
+    monkeypatch.setattr("vibrafeed.core.plan.loops.program.PAIRED_CELLS", 1)
     program_of.cache_clear()
     axes = {name: {**AXES[name], "num": num} for name, num in PAIRED.items()}
     asked = {**ASKED, "over": list(over), "quantiles": [], "shares": {}}
@@ -195,7 +195,7 @@ PAIRED = {"frequency": 14, "amplitude": 15, "alpha": 20, "beta": 20}
 def both_ways(prepared: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     want: dict[str, bytes] = {}
     for is_compiled, cells in ((False, 1 << 22), (True, 1 << 22), (True, 97)):
-        monkeypatch.setattr("core.reduce.boxes.repays", lambda *_, how=is_compiled: how)
+        monkeypatch.setattr("vibrafeed.core.reduce.boxes.repays", lambda *_, how=is_compiled: how)
         units = Units(prepared.plan, prepared.grid, prepared.asked, cells)
         states = units.states(0, len(units), Watch(threads=2))
         got = reduced_arrays(units, prepared.grid, prepared.asked, states)

@@ -15,10 +15,10 @@ import warnings
 import numpy as np
 import pytest
 
-from core.plan.plan import make_plan
-from core.scenes import SCENES
 from many_digits import mp, mpf
 from night import count
+from vibrafeed.core.plan.plan import make_plan
+from vibrafeed.core.scenes import SCENES
 
 BAR = 8
 DIGITS = 50

@@ -24,11 +24,11 @@ import warnings
 import numpy as np
 import pytest
 
-from core.plan.plan import make_plan
-from core.scenes import SCENES
 from exact_planes import EPSILON, FORMULAS, ZERO, Point, digits
 from many_digits import mp, mpf
 from plane_points import make_points, parameters
+from vibrafeed.core.plan.plan import make_plan
+from vibrafeed.core.scenes import SCENES
 
 BAR = 8
 STEP = mpf(10) ** -20  # relative, of central differences

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from benchmarks.worked_values import DRIVE
-from core.errors import StudyError
-from core.intake import parse_study
-from core.kinds import run_study
-from core.plan.blocks import evaluate_in_blocks
-from core.plan.evaluate import empty_results
-from core.quantities import REGIMES
-from core.scenes import SCENES
-from core.sweep.prepare import prepare
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.plan.blocks import evaluate_in_blocks
+from vibrafeed.core.plan.evaluate import empty_results
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.scenes import SCENES
+from vibrafeed.core.sweep.prepare import prepare
 
 SCENE = "cylinder-rolling"
 BASE = {

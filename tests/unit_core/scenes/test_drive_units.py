@@ -14,15 +14,15 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import vibrafeed
-from core.errors import StudyError
-from core.mechanics import (
+from night import count
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.mechanics import (
     bowl_drive_unit,
     drive_unit,
     linear_drive_unit,
     turning_drive_unit,
 )
-from core.quantities import REGIMES
-from night import count
+from vibrafeed.core.quantities import REGIMES
 
 LINEAR = {
     "scene": "linear-drive-unit", "moving_mass": 10, "base_mass": 30, "damping_ratio": 0.02,

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from core.errors import VibrafeedError
-from core.intake import parse_study
-from core.kinds import run_study
-from core.quantities import REGIMES
+from vibrafeed.core.errors import VibrafeedError
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.quantities import REGIMES
 
 DRIVE = {
     "frequency": 60, "amplitude": "1 mm", "alpha": 0, "beta": 2, "delta": 10, "friction": 0.3,

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.plan.duals import Dual
-from core.scenes.scene import fields
+from vibrafeed.core.plan.duals import Dual
+from vibrafeed.core.scenes.scene import fields
 
 
 class Pair(NamedTuple):

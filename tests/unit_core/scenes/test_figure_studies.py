@@ -7,9 +7,9 @@ import pytest
 
 from benchmarks.figures.studies import data as figure
 from benchmarks.figures.studies import path_of
-from core.intake import load_study
-from core.kinds import prepare, run_study, tabulate
-from core.quantities import REGIMES
+from vibrafeed.core.intake import load_study
+from vibrafeed.core.kinds import prepare, run_study, tabulate
+from vibrafeed.core.quantities import REGIMES
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 STUDIES = sorted(CONFIGS.rglob("*.toml"))

@@ -14,8 +14,8 @@ import xarray as xr
 from benchmarks.figures.measures import crossing, slope
 from benchmarks.figures.studies import changed, fine, path_of
 from benchmarks.figures.studies import data as figure
-from core.intake import load_study
-from core.quantities import REGIMES
+from vibrafeed.core.intake import load_study
+from vibrafeed.core.quantities import REGIMES
 
 TRACK = range(22, 30)
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from benchmarks.worked_values import LIMITING_FRICTION
-from core.errors import StudyError
-from core.intake import parse_study
-from core.kinds import run_study
-from core.quantities import REGIMES
-from core.sweep.prepare import prepare
-from core.sweep.slice import cut
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.sweep.prepare import prepare
+from vibrafeed.core.sweep.slice import cut
 
 SQUARE = {"height": 1.0, "length": 1.0}
 OF_A_CYLINDER = LIMITING_FRICTION["least of a cylinder"]

@@ -11,13 +11,13 @@ import scipy
 from scipy import stats
 
 import vibrafeed
-from core.errors import StudyError
-from core.intake import prepare_content
-from core.mechanics import drop_test, orienting
-from core.plan.loops.trace import traced
-from core.plan.plan import make_plan
-from core.quantities import REGIMES
 from night import count
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.mechanics import drop_test, orienting
+from vibrafeed.core.plan.loops.trace import traced
+from vibrafeed.core.plan.plan import make_plan
+from vibrafeed.core.quantities import REGIMES
 
 BOX = {"length": "30 mm", "width": "20 mm", "height": "10 mm"}
 FLAT_ONLY = {"wiper_height_2": "12 mm"}

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from core.intake import parse_study
-from core.kinds import run_study
-from core.quantities import REGIMES
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.quantities import REGIMES
 
 VELOCITIES = [
     f"{name}_{body}_after" for body in "12" for name in ("velocity_x", "velocity_y", "spin")
@@ -376,8 +376,8 @@ def test_cylinders_on_a_floor_are_the_planar_problem():
 
 def test_the_proven_gap_is_the_largest_separation_of_any_direction():
     """Random pairs near each other, against the best of many directions, refined around it."""
-    from core.mechanics import vectors
-    from core.mechanics.cylinder_contact import Cylinder, cylinder_contact, separation
+    from vibrafeed.core.mechanics import vectors
+    from vibrafeed.core.mechanics.cylinder_contact import Cylinder, cylinder_contact, separation
 
     random = np.random.default_rng(82)
     n = 400

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 import vibrafeed
-from core.assurance.worked import throws
-from core.mechanics import resting, toppling
-from core.plan.loops.trace import traced
-from core.plan.plan import make_plan, scene_parameters
-from core.quantities import REGIMES
-from core.scenes import SCENES
-from core.scenes.aliases import instead_of
-from core.scenes.shapes import ASPECTS
 from night import count
+from vibrafeed.core.assurance.worked import throws
+from vibrafeed.core.mechanics import resting, toppling
+from vibrafeed.core.plan.loops.trace import traced
+from vibrafeed.core.plan.plan import make_plan, scene_parameters
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.scenes import SCENES
+from vibrafeed.core.scenes.aliases import instead_of
+from vibrafeed.core.scenes.shapes import ASPECTS
 
 ROUNDING = 1e-14
 """Some ten roundings of numbers up to 1."""

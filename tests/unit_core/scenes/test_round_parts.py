@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import vibrafeed
-from core.mechanics import resting, rolling, round_parts, toppling
-from core.plan.loops.trace import traced
-from core.plan.plan import make_plan, scene_parameters
-from core.quantities import REGIMES
-from core.scenes import SCENES
-from core.scenes.aliases import instead_of
 from night import count
+from vibrafeed.core.mechanics import resting, rolling, round_parts, toppling
+from vibrafeed.core.plan.loops.trace import traced
+from vibrafeed.core.plan.plan import make_plan, scene_parameters
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.scenes import SCENES
+from vibrafeed.core.scenes.aliases import instead_of
 
 ROUNDING = 1e-14
 DRIVE = {"frequency": 50.0, "beta": 15.0, "alpha": 20.0, "gamma": 3.0}

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import vibrafeed
-from core.mechanics.row import HELD_FROM
-from core.quantities import REGIMES
+from vibrafeed.core.mechanics.row import HELD_FROM
+from vibrafeed.core.quantities import REGIMES
 
 G = 9.80665
 

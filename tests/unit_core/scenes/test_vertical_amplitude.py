@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import vibrafeed
-from core.catalogue import asked_parameters, describe, needed_parameters
-from core.errors import StudyError
-from core.motion.systems import SYSTEMS
-from core.plan.equations import run_equations
-from core.plan.plan import plan_scene, scene_parameters
-from core.scenes import SCENES
-from core.study.unusual import questions
+from vibrafeed.core.catalogue import asked_parameters, describe, needed_parameters
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.plan.equations import run_equations
+from vibrafeed.core.plan.plan import plan_scene, scene_parameters
+from vibrafeed.core.scenes import SCENES
+from vibrafeed.core.study.unusual import questions
 
 PLANE = {"scene": "rectangle-on-plane", "frequency": "50 Hz", "gamma": 2, "friction": 0.3}
 ORDINARY = {

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.worked_values import CLOSED_FORMS, Row
-from core.intake import parse_study
-from core.kinds import run_study
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
 
 EXACT = 1e-13
 

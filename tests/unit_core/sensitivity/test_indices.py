@@ -7,8 +7,8 @@ import pytest
 from scipy.stats import sobol_indices as of_scipy
 
 from benchmarks.sobol_indices import FUNCTIONS, coverage
-from core.sensitivity.indices import design, indices_of, sobol_indices
-from core.sensitivity.morris import LEVELS, effects_of, paths
+from vibrafeed.core.sensitivity.indices import design, indices_of, sobol_indices
+from vibrafeed.core.sensitivity.morris import LEVELS, effects_of, paths
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)

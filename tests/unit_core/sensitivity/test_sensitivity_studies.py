@@ -12,17 +12,17 @@ from scipy import stats
 from typer.testing import CliRunner
 
 import vibrafeed
-from app.cli import app
-from app.main import create_app
-from app.settings import Settings
-from core.errors import StoppedError, StudyError
-from core.intake import prepare_content
-from core.kinds import KINDS, tabulate
-from core.plan.pieces import Cut, join
-from core.sensitivity.budget import Budget
-from core.study.distributions import quantiles, read_distribution
-from core.watch import Watch
 from local_client import local_client
+from vibrafeed.app.cli import app
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.errors import StoppedError, StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import KINDS, tabulate
+from vibrafeed.core.plan.pieces import Cut, join
+from vibrafeed.core.sensitivity.budget import Budget
+from vibrafeed.core.study.distributions import quantiles, read_distribution
+from vibrafeed.core.watch import Watch
 
 PLANE = {
     "scene": "rectangle-on-plane",

@@ -9,10 +9,10 @@ import pytest
 import xarray
 
 import vibrafeed
-from core.errors import StudyError
-from core.intake import gather, parse_study
-from core.quantities import QUANTITIES
-from core.study.units import UnitError, read_number
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import gather, parse_study
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.units import UnitError, read_number
 
 SCENE = {"scene": "rectangle-on-plane", "outputs": ["throw_number"], "beta": 20}
 POINT = {"frequency": 50, "amplitude": "0.3 mm"}

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from core.plan.draws import points, values_at
-from core.study.distributions import (
+from vibrafeed.core.plan.draws import points, values_at
+from vibrafeed.core.study.distributions import (
     Distribution,
     Tabulated,
     deviation,
@@ -16,8 +16,8 @@ from core.study.distributions import (
     read_distribution,
     tolerance,
 )
-from core.study.units import UnitError
-from core.study.values import Between
+from vibrafeed.core.study.units import UnitError
+from vibrafeed.core.study.values import Between
 
 SHARES = (np.arange(100_000) + 0.5) / 100_000
 # Of friction, whose bound is 0: mean and deviation by hand or by scipy's truncated law.

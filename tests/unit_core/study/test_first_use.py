@@ -8,7 +8,7 @@ import sys
 AT_ONCE = """
 import sys
 import threading
-from core.intake import parse_study
+from vibrafeed.core.intake import parse_study
 
 sys.setswitchinterval(1e-6)
 point = {"frequency": 50, "amplitude": 1e-4, "friction": 0.3}

@@ -5,9 +5,9 @@ from unittest import mock
 
 import pytest
 
-from core import suggestions
-from core.errors import Problem, StudyError
-from core.intake import prepare_content, read_json
+from vibrafeed.core import suggestions
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.intake import prepare_content, read_json
 from work import calls
 
 PLAIN = {"frequency": 50, "amplitude": "1 mm", "beta": 30}
@@ -102,7 +102,7 @@ def test_the_first_of_many_names_are_searched_for():
 
 
 def test_a_reply_names_a_hundred_problems_and_counts_the_rest():
-    from app.web.replies import problem_document
+    from vibrafeed.app.web.replies import problem_document
 
     problems = [Problem(f"outputs.{k}", "it is wrong", "Fix it") for k in range(1234)]
     told = json.loads(problem_document(422, "study", "Wrong", "1234 problems.", problems).body)

@@ -13,11 +13,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import vibrafeed
-from core.errors import StudyError
-from core.intake import forms, parse_study, read_content, read_json, read_toml
-from core.intake.forms import FORMS, resolve_files, to_curl
-from core.kinds import KINDS
-from core.study.drive import names_recording
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import forms, parse_study, read_content, read_json, read_toml
+from vibrafeed.core.intake.forms import FORMS, resolve_files, to_curl
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.study.drive import names_recording
 
 CONFIGS = sorted((Path(__file__).parents[3] / "configs").rglob("*.toml"))
 PLANE = {

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import xarray
 
-from core.errors import StudyError
-from core.intake import gather, load_study, parse_study
-from core.intake.keywords import KEYS
-from core.study.grid_study import PARAMETERS
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import gather, load_study, parse_study
+from vibrafeed.core.intake.keywords import KEYS
+from vibrafeed.core.study.grid_study import PARAMETERS
 
 POINT = {"frequency": "50 Hz", "amplitude": "0.25 mm", "friction": 0.5}
 WRITTEN = {"kind": "simulate", "scene": "rectangle-on-plane", "parameters": {**POINT, "beta": 30}}

@@ -6,21 +6,21 @@ import json
 
 import pytest
 
-from app.cli.questions import QUESTIONS
-from core.catalogue import describe_all
-from core.errors import StudyError
-from core.intake import load_study, prepare_content, read_content
-from core.intake.keywords import KEYS
-from core.kinds import KINDS
-from core.motion.systems import SYSTEMS
-from core.optimise.methods import METHODS
-from core.quantities import QUANTITIES
-from core.study.grid_study import PARAMETERS
-from core.study.optimise_study import CRITERIA
-from core.study.units import UnitError
-from core.study.unusual import questions
-from core.study.values import position_on_axis
-from core.suggestions import OTHER_NAMES, nearest
+from vibrafeed.app.cli.questions import QUESTIONS
+from vibrafeed.core.catalogue import describe_all
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import load_study, prepare_content, read_content
+from vibrafeed.core.intake.keywords import KEYS
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.optimise.methods import METHODS
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.grid_study import PARAMETERS
+from vibrafeed.core.study.optimise_study import CRITERIA
+from vibrafeed.core.study.units import UnitError
+from vibrafeed.core.study.unusual import questions
+from vibrafeed.core.study.values import position_on_axis
+from vibrafeed.core.suggestions import OTHER_NAMES, nearest
 
 PLANE = {
     "kind": "simulate",

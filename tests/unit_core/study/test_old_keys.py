@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from core.errors import StudyError
-from core.intake import parse_study, prepare_content
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import parse_study, prepare_content
 
 CONTENT = {
     "kind": "simulate",

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from core.errors import StudyError
-from core.intake import prepare_content
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content
 
 PARAMETERS = {"frequency": 50, "amplitude": 3e-4, "beta": 30, "friction": 0.3}
 STUDY = {

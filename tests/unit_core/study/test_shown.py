@@ -6,9 +6,9 @@ import math
 
 import pytest
 
-from core.quantities import QUANTITIES
-from core.study.shown import SI, Shown, ShownUnits, read_shown
-from core.study.units import UnitError
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.shown import SI, Shown, ShownUnits, read_shown
+from vibrafeed.core.study.units import UnitError
 
 
 def test_the_trade_reads_millimetres_and_si_does_not():

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from core.intake import parse_study
-from core.kinds import run_study
-from core.study import spacing
-from core.study.spacing import as_typed, evenly, geometrically
-from core.study.values import read_values
+from vibrafeed.core.intake import parse_study
+from vibrafeed.core.kinds import run_study
+from vibrafeed.core.study import spacing
+from vibrafeed.core.study.spacing import as_typed, evenly, geometrically
+from vibrafeed.core.study.values import read_values
 
 UNITS = {
     "amplitude": {"m": 1, "mm": Fraction(1, 1000), "um": Fraction(1, 10**6)},

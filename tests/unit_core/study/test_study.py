@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from core.errors import Problem, StudyError
-from core.intake import parse_json, parse_study, parse_toml, read_toml
-from core.quantities import QUANTITIES
-from core.study import Fixed
-from core.study.grid_study import PARAMETERS
-from core.study.values import Points, Span, read_values
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.intake import parse_json, parse_study, parse_toml, read_toml
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study import Fixed
+from vibrafeed.core.study.grid_study import PARAMETERS
+from vibrafeed.core.study.values import Points, Span, read_values
 
 PLANE = {
     "kind": "sweep",

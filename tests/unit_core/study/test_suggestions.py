@@ -2,12 +2,12 @@
 
 import pytest
 
-from core import suggestions
-from core.errors import StudyError
-from core.intake import prepare_content, read_json, read_toml
-from core.quantities import QUANTITIES
-from core.study.grid_study import PARAMETERS
-from core.suggestions import nearest, suggestion
+from vibrafeed.core import suggestions
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content, read_json, read_toml
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.grid_study import PARAMETERS
+from vibrafeed.core.suggestions import nearest, suggestion
 
 PLANE = {
     "kind": "sweep",

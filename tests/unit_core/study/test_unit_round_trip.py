@@ -11,12 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import vibrafeed
-from core.dataset.frame import FrameColumn, heading
-from core.dataset.table import TableVariable, quantity_attributes
-from core.measured.read import name_and_unit
-from core.quantities import QUANTITIES, Quantity
-from core.study.shown import SI, SMALLER, TRADE, ShownUnits, read_shown
-from core.study.units import UnitError, read_number, unit_factor, with_unit
+from vibrafeed.core.dataset.frame import FrameColumn, heading
+from vibrafeed.core.dataset.table import TableVariable, quantity_attributes
+from vibrafeed.core.measured.read import name_and_unit
+from vibrafeed.core.quantities import QUANTITIES, Quantity
+from vibrafeed.core.study.shown import SI, SMALLER, TRADE, ShownUnits, read_shown
+from vibrafeed.core.study.units import UnitError, read_number, unit_factor, with_unit
 
 UNITS = sorted({quantity.unit for quantity in QUANTITIES.values()})
 SUPERSCRIPTS = str.maketrans("-123", "⁻¹²³")

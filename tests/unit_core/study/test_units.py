@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from core.errors import StudyError
-from core.intake import parse_study, read_json
-from core.intake.text import read_toml
-from core.quantities import QUANTITIES
-from core.study.units import UnitError, read_number
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import parse_study, read_json
+from vibrafeed.core.intake.text import read_toml
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.units import UnitError, read_number
 
 
 @pytest.mark.timeout(300)

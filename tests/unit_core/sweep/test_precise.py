@@ -9,14 +9,14 @@ import mpmath
 import numpy as np
 import pytest
 
-from core.assurance.accuracy import closed_forms
-from core.assurance.accuracy.cells import random_cells
-from core.intake import prepare_content, read_content
-from core.plan.equations import run_equations
-from core.plan.plan import make_plan, scene_parameters
-from core.scenes import SCENES
-from core.scenes.aliases import instead_of
-from core.sweep.precise import (
+from vibrafeed.core.assurance.accuracy import closed_forms
+from vibrafeed.core.assurance.accuracy.cells import random_cells
+from vibrafeed.core.intake import prepare_content, read_content
+from vibrafeed.core.plan.equations import run_equations
+from vibrafeed.core.plan.plan import make_plan, scene_parameters
+from vibrafeed.core.scenes import SCENES
+from vibrafeed.core.scenes.aliases import instead_of
+from vibrafeed.core.sweep.precise import (
     CONTEXT,
     DIGITS,
     NotPreciseError,
@@ -25,7 +25,7 @@ from core.sweep.precise import (
     exact_values,
     sensitivities,
 )
-from core.watch import Watch
+from vibrafeed.core.watch import Watch
 
 ROOT = Path(__file__).parents[3]
 # Next to lift-off the normal acceleration is a difference of nearly equal numbers.

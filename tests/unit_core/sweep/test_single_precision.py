@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 import xarray
 
-from core.dataset.netcdf import write_netcdf
-from core.errors import StudyError
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.sweep.lazy import open_lazily
-from core.sweep.stream import outline_table, stream
-from core.sweep.targets import open_target
+from vibrafeed.core.dataset.netcdf import write_netcdf
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.sweep.lazy import open_lazily
+from vibrafeed.core.sweep.stream import outline_table, stream
+from vibrafeed.core.sweep.targets import open_target
 
 STUDY = {
     "kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["acceleration_x", "throw_number"],
@@ -43,8 +43,8 @@ def test_values_are_those_in_double_rounded_once(tmp_path):
 @pytest.mark.by_day(1)
 @pytest.mark.parametrize("name", ["tiles.nc", "tiles.zarr"])
 def test_tiles_and_views_have_the_same_values(tmp_path, monkeypatch, name):
-    monkeypatch.setattr("core.dataset.layout.TILE_CELLS", 500)
-    monkeypatch.setattr("core.dataset.layout.CHUNK_CELLS", 100)
+    monkeypatch.setattr("vibrafeed.core.dataset.layout.TILE_CELLS", 500)
+    monkeypatch.setattr("vibrafeed.core.dataset.layout.CHUNK_CELLS", 100)
     sweep = prepare_content(SINGLE, "sweep")
     whole = tabulate(sweep)
     target = open_target(tmp_path / name, sweep, outline_table(sweep))

@@ -12,16 +12,16 @@ import numpy as np
 import pytest
 import xarray
 
-from core.dataset.files import partial
-from core.dataset.netcdf import write_netcdf
-from core.errors import VibrafeedError
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.plan.tiles import Tiled
-from core.sweep.stream import outline_table, stream
-from core.sweep.targets import is_complete, open_target
-from core.watch import Watch
 from tools import tool
+from vibrafeed.core.dataset.files import partial
+from vibrafeed.core.dataset.netcdf import write_netcdf
+from vibrafeed.core.errors import VibrafeedError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.plan.tiles import Tiled
+from vibrafeed.core.sweep.stream import outline_table, stream
+from vibrafeed.core.sweep.targets import is_complete, open_target
+from vibrafeed.core.watch import Watch
 
 STUDY = {
     "kind": "sweep",
@@ -43,8 +43,8 @@ STUDY = {
 
 @pytest.fixture(autouse=True)
 def small_tiles(monkeypatch):
-    monkeypatch.setattr("core.dataset.layout.TILE_CELLS", 20_000)
-    monkeypatch.setattr("core.dataset.layout.CHUNK_CELLS", 2_000)
+    monkeypatch.setattr("vibrafeed.core.dataset.layout.TILE_CELLS", 20_000)
+    monkeypatch.setattr("vibrafeed.core.dataset.layout.CHUNK_CELLS", 2_000)
 
 
 @pytest.fixture
@@ -212,8 +212,8 @@ def test_extremes_are_of_valid_cells_whatever_axes_the_verdict_has(
     monkeypatch, tmp_path, scene, output, more, cells
 ) -> None:
     """Invalid cells were among them where a verdict has other axes than its output."""
-    monkeypatch.setattr("core.dataset.layout.TILE_CELLS", cells)
-    monkeypatch.setattr("core.dataset.layout.CHUNK_CELLS", cells)
+    monkeypatch.setattr("vibrafeed.core.dataset.layout.TILE_CELLS", cells)
+    monkeypatch.setattr("vibrafeed.core.dataset.layout.CHUNK_CELLS", cells)
     content = {"kind": "sweep", "scene": scene, "outputs": [output]}
     if scene == "cylinder-on-plane":
         content["variant"] = "thesis"

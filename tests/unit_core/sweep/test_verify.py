@@ -14,19 +14,19 @@ import numpy as np
 import pytest
 import xarray
 
-from app.jobs.store import Store
-from app.jobs.work import compute_block, write_result
-from core.errors import StudyError
-from core.intake import prepare_content
-from core.kinds import KINDS, tabulate
-from core.motion.methods import METHODS
-from core.plan.pieces import Computed, Cut, carry_out, join
-from core.plan.sample import chosen_positions
-from core.watch import Watch
 from schemas import whole_schema
 from verified_studies import BEST, BOUND, DRIVE, MOTION, PAIR, STUDIES, SWEEP, number, told
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.jobs.work import compute_block, write_result
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import KINDS, tabulate
+from vibrafeed.core.motion.methods import METHODS
+from vibrafeed.core.plan.pieces import Computed, Cut, carry_out, join
+from vibrafeed.core.plan.sample import chosen_positions
+from vibrafeed.core.watch import Watch
 
-motion_prepare = importlib.import_module("core.motion.prepare")  # a function has its name
+motion_prepare = importlib.import_module("vibrafeed.core.motion.prepare")  # a function has its name
 
 
 def test_an_ill_conditioned_cell_is_told_with_its_condition():
@@ -307,7 +307,9 @@ def test_a_job_writes_what_verifying_found(tmp_path):
 
 def test_the_price_is_that_of_computing_alone(monkeypatch):
     now = 0.0
-    monkeypatch.setattr("core.plan.pieces.time", SimpleNamespace(perf_counter=lambda: now))
+    monkeypatch.setattr(
+        "vibrafeed.core.plan.pieces.time", SimpleNamespace(perf_counter=lambda: now)
+    )
 
     def taking(seconds, work):
         def works(*arguments):

@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.intake import prepare_content
-from core.kinds import KINDS, is_whole, tabulate
-from core.optimise.methods import METHODS
-from core.plan.pieces import Computed
-from core.plan.sample import chosen_positions
-from core.sweep.verify import rounding_of
-from core.watch import Watch
 from verified_studies import BEST, MOTION, PAIR, STUDIES, SWEEP
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import KINDS, is_whole, tabulate
+from vibrafeed.core.optimise.methods import METHODS
+from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.plan.sample import chosen_positions
+from vibrafeed.core.sweep.verify import rounding_of
+from vibrafeed.core.watch import Watch
 
 
 class Countdown:
@@ -45,10 +45,10 @@ def test_no_time_is_spent_after_the_deadline(kind, monkeypatch):
         raise AssertionError("it was stopped")
 
     # What verifies is not reached: the words are no claim about a single cell.
-    monkeypatch.setattr("core.sweep.precise.exact_values", never)
-    monkeypatch.setattr("core.motion.verify.run_equations", never)
+    monkeypatch.setattr("vibrafeed.core.sweep.precise.exact_values", never)
+    monkeypatch.setattr("vibrafeed.core.motion.verify.run_equations", never)
     rivals = {name: replace(method, solve=never) for name, method in METHODS.items()}
-    monkeypatch.setattr("core.optimise.verify.METHODS", rivals)
+    monkeypatch.setattr("vibrafeed.core.optimise.verify.METHODS", rivals)
     prepared, done = prepare_content(STUDIES[kind]), []
     share = prepared.computing_share
 
@@ -127,7 +127,7 @@ def test_cells_that_were_not_computed_are_not_verified(content, status, monkeypa
         return changed
 
     followed = []
-    module = importlib.import_module("core.motion.verify")
+    module = importlib.import_module("vibrafeed.core.motion.verify")
     run = module.run_equations
 
     def counted(plan, cells, watch):

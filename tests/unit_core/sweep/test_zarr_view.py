@@ -17,13 +17,13 @@ import numpy as np
 import pytest
 import xarray
 
-from core.errors import VibrafeedError
-from core.intake import prepare_content
-from core.kinds import tabulate
-from core.study.values import Points, Span
-from core.sweep import Sweep
-from core.sweep.lazy import open_lazily
-from core.sweep.zarr_view import ZarrView
+from vibrafeed.core.errors import VibrafeedError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.study.values import Points, Span
+from vibrafeed.core.sweep import Sweep
+from vibrafeed.core.sweep.lazy import open_lazily
+from vibrafeed.core.sweep.zarr_view import ZarrView
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 SWEEPS = {
@@ -218,7 +218,7 @@ def test_only_what_an_output_needs_is_evaluated(monkeypatch):
     view = ZarrView(prepare_content(TRACK))
     ran = []
     monkeypatch.setattr(
-        "core.sweep.zarr_view.evaluate",
+        "vibrafeed.core.sweep.zarr_view.evaluate",
         lambda plan, grid: (
             ran.append(plan) or {"throw_number": np.zeros(tuple(grid.shape.values()))}
         ),
@@ -256,7 +256,7 @@ class TestLazyDataset:
         np.testing.assert_array_equal(piece.values, expected["transport_velocity"].values)
 
     def test_it_cannot_be_written_or_listed(self):
-        from core.sweep.zarr_store import ViewStore
+        from vibrafeed.core.sweep.zarr_store import ViewStore
 
         store = ViewStore(ZarrView(prepare_content(TRACK)))
         assert store.read_only
@@ -266,7 +266,7 @@ class TestLazyDataset:
             store.list()
 
     def test_without_zarr_it_says_what_to_install(self, monkeypatch):
-        monkeypatch.delitem(sys.modules, "core.sweep.zarr_store", raising=False)
+        monkeypatch.delitem(sys.modules, "vibrafeed.core.sweep.zarr_store", raising=False)
         monkeypatch.setitem(sys.modules, "zarr.abc.store", None)
         with pytest.raises(VibrafeedError, match=r"needs zarr.*pip install .*-e \."):
             open_lazily(prepare_content(TRACK))
@@ -274,7 +274,7 @@ class TestLazyDataset:
 
 def test_the_view_itself_loads_neither_zarr_nor_xarray():
     code = (
-        "import sys, core.sweep.zarr_view\n"
+        "import sys, vibrafeed.core.sweep.zarr_view\n"
         "print({'zarr', 'xarray', 'netCDF4', 'numba'} & set(sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

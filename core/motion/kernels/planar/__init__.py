@@ -17,8 +17,8 @@ roundings grow along it; `slide`: the motion along the track over a chain; `sett
 which that repeats; `repeating`: its means; `chaos`: means of motion that does not, `within`, to a
 tolerance, and `landings`, what cells have in common there; `solve`: one cell, and many;
 `unrepeated`: cells without a cycle; `again`: the path of one part, and what friction, impacts and
-the drive do over a cycle. `core.motion.planar` says which of them Python calls. Each is compiled
-for a sine and for other waves, which the type of `waves` tells.
+the drive do over a cycle. `vibrafeed.core.motion.planar` says which of them Python calls. Each is
+compiled for a sine and for other waves, which the type of `waves` tells.
 
 A sine is the wave of one harmonic, and has forms of its own: with them a cell takes 5.0 us where it
 slides and 6.6 us where it hops, as a wave of one harmonic 5.5 and 7.3 us, with rebounds 18 for 21

@@ -10,11 +10,11 @@ from collections import namedtuple
 
 import numpy as np
 
-from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Floats, Statuses, Stop
-from core.motion.kernels.cells import Cell, cell_of
-from core.motion.kernels.planar.cycle import no_chain, normal_cycle
-from core.motion.kernels.planar.drive import (
+from vibrafeed.core.compiled import compiled, raised
+from vibrafeed.core.motion.kernels.arrays import Floats, Statuses, Stop
+from vibrafeed.core.motion.kernels.cells import Cell, cell_of
+from vibrafeed.core.motion.kernels.planar.cycle import no_chain, normal_cycle
+from vibrafeed.core.motion.kernels.planar.drive import (
     Drive,
     Waves,
     drive_of,
@@ -26,15 +26,15 @@ from core.motion.kernels.planar.drive import (
     slide,
     smooth_span,
 )
-from core.motion.kernels.planar.flow import TURN
-from core.motion.kernels.planar.rebound import restitution_of
-from core.motion.kernels.planar.repeating import velocity_at_start
-from core.motion.kernels.planar.slide import follow_cycle, write_piece
-from core.motion.kernels.planar.solve import UNREPEATED, solve_cell
-from core.motion.kernels.planar.tables import MAX_SEGMENTS, PIECE, SEGMENT, SUMS
-from core.motion.kernels.quadrature import NODES, WEIGHTS
-from core.motion.kernels.results import COLUMN, RESULTS, SPENT
-from core.motion.kernels.statuses import MODE, STATUS
+from vibrafeed.core.motion.kernels.planar.flow import TURN
+from vibrafeed.core.motion.kernels.planar.rebound import restitution_of
+from vibrafeed.core.motion.kernels.planar.repeating import velocity_at_start
+from vibrafeed.core.motion.kernels.planar.slide import follow_cycle, write_piece
+from vibrafeed.core.motion.kernels.planar.solve import UNREPEATED, solve_cell
+from vibrafeed.core.motion.kernels.planar.tables import MAX_SEGMENTS, PIECE, SEGMENT, SUMS
+from vibrafeed.core.motion.kernels.quadrature import NODES, WEIGHTS
+from vibrafeed.core.motion.kernels.results import COLUMN, RESULTS, SPENT
+from vibrafeed.core.motion.kernels.statuses import MODE, STATUS
 
 SHOWN_PERIODS = 4  # periods of an aperiodic motion that its path shows
 UNKNOWN = (STATUS.aperiodic, STATUS.sensitive, STATUS.limit_reached)

@@ -7,17 +7,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.compiled import borrowing, compiled, raised
-from core.motion.kernels.arrays import Floats, Stop
-from core.motion.kernels.cells import Cell
-from core.motion.kernels.means import SETTLING, mean_error, scatter
-from core.motion.kernels.planar.cycle import (
+from vibrafeed.core.compiled import borrowing, compiled, raised
+from vibrafeed.core.motion.kernels.arrays import Floats, Stop
+from vibrafeed.core.motion.kernels.cells import Cell
+from vibrafeed.core.motion.kernels.means import SETTLING, mean_error, scatter
+from vibrafeed.core.motion.kernels.planar.cycle import (
     FIRST_LOOK,
     LONGEST_CYCLE,
     find_cycle,
     write_segment,
 )
-from core.motion.kernels.planar.drive import (
+from vibrafeed.core.motion.kernels.planar.drive import (
     Drive,
     fly,
     hop_height,
@@ -28,14 +28,14 @@ from core.motion.kernels.planar.drive import (
     rounded,
     to_lift_off,
 )
-from core.motion.kernels.planar.flow import EPSILON, KEPT_BITS, TURN, kept
-from core.motion.kernels.planar.rebound import Restitution, impulse, rebound
-from core.motion.kernels.planar.repeating import repeating
-from core.motion.kernels.planar.slide import after_hops, contact
-from core.motion.kernels.planar.stays import rests
-from core.motion.kernels.planar.tables import DISTANCE, MAX_SEGMENTS, PIECE, TIMES
-from core.motion.kernels.results import COLUMN, RESULTS
-from core.motion.kernels.statuses import MODE, MODES, STATUS
+from vibrafeed.core.motion.kernels.planar.flow import EPSILON, KEPT_BITS, TURN, kept
+from vibrafeed.core.motion.kernels.planar.rebound import Restitution, impulse, rebound
+from vibrafeed.core.motion.kernels.planar.repeating import repeating
+from vibrafeed.core.motion.kernels.planar.slide import after_hops, contact
+from vibrafeed.core.motion.kernels.planar.stays import rests
+from vibrafeed.core.motion.kernels.planar.tables import DISTANCE, MAX_SEGMENTS, PIECE, TIMES
+from vibrafeed.core.motion.kernels.results import COLUMN, RESULTS
+from vibrafeed.core.motion.kernels.statuses import MODE, MODES, STATUS
 
 PHASES = 8  # runs of a motion that rounding decides, started at as many phases
 SURE = 5.41  # Student's quantile for 99.9 % and eight numbers (7 degrees), in standard errors

@@ -7,9 +7,9 @@ from collections import namedtuple
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.planar.drive import (
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.planar.drive import (
     Drive,
     landing,
     lift_off,
@@ -19,12 +19,12 @@ from core.motion.kernels.planar.drive import (
     rise,
     to_lift_off,
 )
-from core.motion.kernels.planar.flow import EPSILON, TURN
-from core.motion.kernels.planar.growth import CERTAIN, grown, growth
-from core.motion.kernels.planar.rebound import Restitution, impulse, rebound
-from core.motion.kernels.planar.stays import left_out_softly, rests
-from core.motion.kernels.planar.tables import MAX_SEGMENTS, SEGMENT
-from core.motion.kernels.rebounds import SETTLED_EXACTLY
+from vibrafeed.core.motion.kernels.planar.flow import EPSILON, TURN
+from vibrafeed.core.motion.kernels.planar.growth import CERTAIN, grown, growth
+from vibrafeed.core.motion.kernels.planar.rebound import Restitution, impulse, rebound
+from vibrafeed.core.motion.kernels.planar.stays import left_out_softly, rests
+from vibrafeed.core.motion.kernels.planar.tables import MAX_SEGMENTS, SEGMENT
+from vibrafeed.core.motion.kernels.rebounds import SETTLED_EXACTLY
 
 SEARCH_HOPS = 512  # hops without a rest after which a motion counts as aperiodic
 SEARCH_PERIODS = 400  # periods of the drive that must have passed by then, too

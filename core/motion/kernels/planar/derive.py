@@ -6,14 +6,14 @@ import math
 
 import numpy as np
 
-from core.compiled import borrowing, compiled, raised
-from core.motion.kernels.arrays import Floats, Statuses, Stop
-from core.motion.kernels.cells import cell_of
-from core.motion.kernels.planar.cycle import no_chain
-from core.motion.kernels.planar.drive import lifts
-from core.motion.kernels.planar.flow import NO_WAVES, TURN, SineDrive, upright
-from core.motion.kernels.planar.sine_slip import two_sided
-from core.motion.kernels.planar.slope_tables import (
+from vibrafeed.core.compiled import borrowing, compiled, raised
+from vibrafeed.core.motion.kernels.arrays import Floats, Statuses, Stop
+from vibrafeed.core.motion.kernels.cells import cell_of
+from vibrafeed.core.motion.kernels.planar.cycle import no_chain
+from vibrafeed.core.motion.kernels.planar.drive import lifts
+from vibrafeed.core.motion.kernels.planar.flow import NO_WAVES, TURN, SineDrive, upright
+from vibrafeed.core.motion.kernels.planar.sine_slip import two_sided
+from vibrafeed.core.motion.kernels.planar.slope_tables import (
     BY,
     DERIVED,
     DERIVED_BY,
@@ -21,11 +21,19 @@ from core.motion.kernels.planar.slope_tables import (
     ROW,
     SUMMED,
 )
-from core.motion.kernels.planar.slopes import along, copy_row, in_air, lift, on_floor, release, rub
-from core.motion.kernels.planar.solve import solve_cell
-from core.motion.kernels.planar.tables import PIECE, SEGMENT, SUMS
-from core.motion.kernels.results import COLUMN, RESULTS
-from core.motion.kernels.statuses import MODE, STATUS
+from vibrafeed.core.motion.kernels.planar.slopes import (
+    along,
+    copy_row,
+    in_air,
+    lift,
+    on_floor,
+    release,
+    rub,
+)
+from vibrafeed.core.motion.kernels.planar.solve import solve_cell
+from vibrafeed.core.motion.kernels.planar.tables import PIECE, SEGMENT, SUMS
+from vibrafeed.core.motion.kernels.results import COLUMN, RESULTS
+from vibrafeed.core.motion.kernels.statuses import MODE, STATUS
 
 KINK = 1e-9
 """Relative distance from another outcome of an event below which a motion is at a kink or jump:

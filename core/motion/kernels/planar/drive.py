@@ -11,11 +11,17 @@ import math
 from collections.abc import Callable
 from typing import Any, TypeAlias, TypeVar
 
-from core.compiled import borrowing, by_type, compiled
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.cells import Cell
-from core.motion.kernels.planar import sine_flight, sine_slip, wave, wave_flight, wave_slip
-from core.motion.kernels.planar.flow import (
+from vibrafeed.core.compiled import borrowing, by_type, compiled
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.cells import Cell
+from vibrafeed.core.motion.kernels.planar import (
+    sine_flight,
+    sine_slip,
+    wave,
+    wave_flight,
+    wave_slip,
+)
+from vibrafeed.core.motion.kernels.planar.flow import (
     AIR,
     NORMAL,
     STATIC_BACKWARD,
@@ -29,7 +35,7 @@ from core.motion.kernels.planar.flow import (
     sine_rounded,
     upright,
 )
-from core.motion.kernels.planar.wave import WaveDrive
+from vibrafeed.core.motion.kernels.planar.wave import WaveDrive
 
 Drive: TypeAlias = SineDrive | WaveDrive
 Waves: TypeAlias = NoWaves | wave.WaveTable

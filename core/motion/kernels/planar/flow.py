@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.cells import Cell
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.cells import Cell
 
 TURN = 2 * math.pi
 

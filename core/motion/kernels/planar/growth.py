@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
-from core.motion.kernels.planar.drive import Drive, load
-from core.motion.kernels.planar.flow import TURN
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.planar.drive import Drive, load
+from vibrafeed.core.motion.kernels.planar.flow import TURN
 
 ROUNDED = 2.0**-52  # relative rounding of a phase or a speed
 MAX_GROWTH = 1e11

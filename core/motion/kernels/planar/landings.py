@@ -13,9 +13,9 @@ from collections import namedtuple
 
 import numpy as np
 
-from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Floats, Stop
-from core.motion.kernels.planar.chaos import (
+from vibrafeed.core.compiled import compiled, raised
+from vibrafeed.core.motion.kernels.arrays import Floats, Stop
+from vibrafeed.core.motion.kernels.planar.chaos import (
     HOPS_PER_PERIOD,
     MAX_STARTS,
     PHASES,
@@ -24,14 +24,14 @@ from core.motion.kernels.planar.chaos import (
     first_flight,
     jolted,
 )
-from core.motion.kernels.planar.cycle import (
+from vibrafeed.core.motion.kernels.planar.cycle import (
     FIRST_LOOK,
     LONGEST_CYCLE,
     find_cycle,
     is_owned,
     write_segment,
 )
-from core.motion.kernels.planar.drive import (
+from vibrafeed.core.motion.kernels.planar.drive import (
     Drive,
     air_swings,
     hop_height,
@@ -40,10 +40,10 @@ from core.motion.kernels.planar.drive import (
     rise,
     to_lift_off,
 )
-from core.motion.kernels.planar.flow import TURN
-from core.motion.kernels.planar.rebound import Restitution, impulse, rebound
-from core.motion.kernels.planar.stays import rests
-from core.motion.kernels.planar.tables import MAX_SEGMENTS, PIECE, SEGMENT, SUMS
+from vibrafeed.core.motion.kernels.planar.flow import TURN
+from vibrafeed.core.motion.kernels.planar.rebound import Restitution, impulse, rebound
+from vibrafeed.core.motion.kernels.planar.stays import rests
+from vibrafeed.core.motion.kernels.planar.tables import MAX_SEGMENTS, PIECE, SEGMENT, SUMS
 
 APART = 1e6
 """Times the jolt of a lift-off from rest, by which runs start: at once they go different ways.

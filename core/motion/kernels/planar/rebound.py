@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 from collections import namedtuple
 
-from core.compiled import compiled
-from core.motion.kernels.cells import Cell
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.cells import Cell
 
 STEPS = 8  # most steps of Newton's method: two more than twelve orders of magnitude need
 SMALL, TERMS = 0.5, 16  # below this |x| exp(x) - 1 - x is summed as a series of so many terms

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats, Stop, copy
-from core.motion.kernels.cells import Cell
-from core.motion.kernels.planar.cycle import phase_uncertainty
-from core.motion.kernels.planar.drive import (
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.arrays import Floats, Stop, copy
+from vibrafeed.core.motion.kernels.cells import Cell
+from vibrafeed.core.motion.kernels.planar.cycle import phase_uncertainty
+from vibrafeed.core.motion.kernels.planar.drive import (
     Drive,
     first_slip,
     hop_height,
@@ -19,14 +19,14 @@ from core.motion.kernels.planar.drive import (
     to_lift_off,
     track_speed,
 )
-from core.motion.kernels.planar.flow import TURN
-from core.motion.kernels.planar.rebound import restitution_of
-from core.motion.kernels.planar.settle import settle
-from core.motion.kernels.planar.slide import contact, follow_cycle
-from core.motion.kernels.planar.stays import left_out_softly
-from core.motion.kernels.planar.tables import DISTANCE, PIECE, SEGMENT, SUMS, TIMES
-from core.motion.kernels.results import COLUMN
-from core.motion.kernels.statuses import MODE, MODES, STATUS
+from vibrafeed.core.motion.kernels.planar.flow import TURN
+from vibrafeed.core.motion.kernels.planar.rebound import restitution_of
+from vibrafeed.core.motion.kernels.planar.settle import settle
+from vibrafeed.core.motion.kernels.planar.slide import contact, follow_cycle
+from vibrafeed.core.motion.kernels.planar.stays import left_out_softly
+from vibrafeed.core.motion.kernels.planar.tables import DISTANCE, PIECE, SEGMENT, SUMS, TIMES
+from vibrafeed.core.motion.kernels.results import COLUMN
+from vibrafeed.core.motion.kernels.statuses import MODE, MODES, STATUS
 
 ROUNDING = 4e-14  # error of a mean velocity by rounding, over the drive and friction's impulses
 CLOSE = 1e-9

@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Floats, Stop
-from core.motion.kernels.planar.drive import Drive
-from core.motion.kernels.planar.flow import EPSILON, MAX_ITERATIONS
-from core.motion.kernels.planar.slide import follow_cycle
-from core.motion.kernels.planar.tables import TIMES
-from core.motion.kernels.statuses import MODE, STATUS
+from vibrafeed.core.compiled import compiled, raised
+from vibrafeed.core.motion.kernels.arrays import Floats, Stop
+from vibrafeed.core.motion.kernels.planar.drive import Drive
+from vibrafeed.core.motion.kernels.planar.flow import EPSILON, MAX_ITERATIONS
+from vibrafeed.core.motion.kernels.planar.slide import follow_cycle
+from vibrafeed.core.motion.kernels.planar.tables import TIMES
+from vibrafeed.core.motion.kernels.statuses import MODE, STATUS
 
 LONGEST_MULTIPLE = 16  # most cycles after which a motion under two friction coefficients may repeat
 MAX_UNSURE = 1e-3  # over the drive: a velocity that rounding leaves less sure gives no result

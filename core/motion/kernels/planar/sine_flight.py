@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
-from core.motion.kernels.planar.flow import (
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.planar.flow import (
     LAST_STEP,
     MAX_ITERATIONS,
     MAX_PIECES,

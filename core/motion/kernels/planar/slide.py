@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import borrowing
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.planar.drive import (
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.planar.drive import (
     Drive,
     fly,
     hold,
@@ -16,8 +16,8 @@ from core.motion.kernels.planar.drive import (
     slip_acceleration,
     stop_after,
 )
-from core.motion.kernels.planar.tables import DISTANCE, PIECE, SEGMENT, TIMES
-from core.motion.kernels.statuses import MODE
+from vibrafeed.core.motion.kernels.planar.tables import DISTANCE, PIECE, SEGMENT, TIMES
+from vibrafeed.core.motion.kernels.statuses import MODE
 
 MAX_MODES = 1_000
 """Stops and starts in one segment, a period at most: between two of them an acceleration changes

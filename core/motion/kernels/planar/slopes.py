@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from core.compiled import borrowing
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.planar.drive import (
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.planar.drive import (
     fly,
     hold,
     load,
@@ -21,13 +21,13 @@ from core.motion.kernels.planar.drive import (
     slip_acceleration,
     stop_after,
 )
-from core.motion.kernels.planar.flow import TURN, SineDrive, flow, phase_to, swings
-from core.motion.kernels.planar.sine_flight import lowest_at, top_at
-from core.motion.kernels.planar.slide import MAX_MODES, skids
-from core.motion.kernels.planar.slope_tables import BY, ROW
-from core.motion.kernels.planar.tables import SEGMENT
-from core.motion.kernels.quadrature import NODES, WEIGHTS
-from core.motion.kernels.statuses import MODE
+from vibrafeed.core.motion.kernels.planar.flow import TURN, SineDrive, flow, phase_to, swings
+from vibrafeed.core.motion.kernels.planar.sine_flight import lowest_at, top_at
+from vibrafeed.core.motion.kernels.planar.slide import MAX_MODES, skids
+from vibrafeed.core.motion.kernels.planar.slope_tables import BY, ROW
+from vibrafeed.core.motion.kernels.planar.tables import SEGMENT
+from vibrafeed.core.motion.kernels.quadrature import NODES, WEIGHTS
+from vibrafeed.core.motion.kernels.statuses import MODE
 
 SMOOTH = 1.5  # longest phase in rad over which Gauss's rule is used at once
 SMALL_REBOUND = 1e-6  # in g/w: below it the load at a landing decides if the part stays

@@ -6,21 +6,27 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Floats, Statuses, Stop
-from core.motion.kernels.cells import Cell, cell_of
-from core.motion.kernels.planar.cycle import Chain, cycle_in, no_chain
-from core.motion.kernels.planar.drive import Drive, Waves, always_holds, drive_of, two_sided
-from core.motion.kernels.planar.growth import MAX_GROWTH
-from core.motion.kernels.planar.rebound import restitution_of
-from core.motion.kernels.planar.repeating import (
+from vibrafeed.core.compiled import compiled, raised
+from vibrafeed.core.motion.kernels.arrays import Floats, Statuses, Stop
+from vibrafeed.core.motion.kernels.cells import Cell, cell_of
+from vibrafeed.core.motion.kernels.planar.cycle import Chain, cycle_in, no_chain
+from vibrafeed.core.motion.kernels.planar.drive import (
+    Drive,
+    Waves,
+    always_holds,
+    drive_of,
+    two_sided,
+)
+from vibrafeed.core.motion.kernels.planar.growth import MAX_GROWTH
+from vibrafeed.core.motion.kernels.planar.rebound import restitution_of
+from vibrafeed.core.motion.kernels.planar.repeating import (
     ROUNDING,
     repeating,
     velocity_at_start,
 )
-from core.motion.kernels.planar.tables import PIECE, SUMS
-from core.motion.kernels.results import COLUMN
-from core.motion.kernels.statuses import STATUS
+from vibrafeed.core.motion.kernels.planar.tables import PIECE, SUMS
+from vibrafeed.core.motion.kernels.results import COLUMN
+from vibrafeed.core.motion.kernels.statuses import STATUS
 
 UNDECIDED = -1  # no status of results: the cell needs its cycle
 UNREPEATED = -2  # no status of results: no cycle was found, and long runs give the means

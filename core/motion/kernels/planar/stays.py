@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.planar.drive import Drive, load, rise, to_lift_off
-from core.motion.kernels.planar.rebound import Restitution
-from core.motion.kernels.planar.tables import SEGMENT
-from core.motion.kernels.rebounds import (
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.planar.drive import Drive, load, rise, to_lift_off
+from vibrafeed.core.motion.kernels.planar.rebound import Restitution
+from vibrafeed.core.motion.kernels.planar.tables import SEGMENT
+from vibrafeed.core.motion.kernels.rebounds import (
     LEFT_SOFTLY,
     SETTLED_EXACTLY,
     SETTLED_SOFTLY,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from core.motion.kernels.statuses import MODES
+from vibrafeed.core.motion.kernels.statuses import MODES
 
 Segment = namedtuple("Segment", "phase span take_off landing impulse")
 """Columns of the cycle of the motion normal to the floor, a row a segment.

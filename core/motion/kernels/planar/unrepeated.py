@@ -9,24 +9,24 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Floats, Statuses, Stop
-from core.motion.kernels.cells import Cell, cell_of
-from core.motion.kernels.planar.again import spend_over_cycle
-from core.motion.kernels.planar.chaos import from_phases
-from core.motion.kernels.planar.cycle import Chain, cycle_in, no_chain, normal_cycle
-from core.motion.kernels.planar.drive import Drive, Waves, drive_of
-from core.motion.kernels.planar.flow import TURN
-from core.motion.kernels.planar.growth import LAST_DIGIT
-from core.motion.kernels.planar.landings import no_landings
-from core.motion.kernels.planar.rebound import restitution_of
-from core.motion.kernels.planar.repeating import repeating, velocity_at_start
-from core.motion.kernels.planar.slide import follow_cycle
-from core.motion.kernels.planar.solve import UNREPEATED, turn_round
-from core.motion.kernels.planar.tables import MAX_SEGMENTS, PIECE, SEGMENT, SUMS
-from core.motion.kernels.planar.within import LEAST_TOLERANCE, means_within
-from core.motion.kernels.results import COLUMN, RESULTS
-from core.motion.kernels.statuses import STATUS
+from vibrafeed.core.compiled import compiled, raised
+from vibrafeed.core.motion.kernels.arrays import Floats, Statuses, Stop
+from vibrafeed.core.motion.kernels.cells import Cell, cell_of
+from vibrafeed.core.motion.kernels.planar.again import spend_over_cycle
+from vibrafeed.core.motion.kernels.planar.chaos import from_phases
+from vibrafeed.core.motion.kernels.planar.cycle import Chain, cycle_in, no_chain, normal_cycle
+from vibrafeed.core.motion.kernels.planar.drive import Drive, Waves, drive_of
+from vibrafeed.core.motion.kernels.planar.flow import TURN
+from vibrafeed.core.motion.kernels.planar.growth import LAST_DIGIT
+from vibrafeed.core.motion.kernels.planar.landings import no_landings
+from vibrafeed.core.motion.kernels.planar.rebound import restitution_of
+from vibrafeed.core.motion.kernels.planar.repeating import repeating, velocity_at_start
+from vibrafeed.core.motion.kernels.planar.slide import follow_cycle
+from vibrafeed.core.motion.kernels.planar.solve import UNREPEATED, turn_round
+from vibrafeed.core.motion.kernels.planar.tables import MAX_SEGMENTS, PIECE, SEGMENT, SUMS
+from vibrafeed.core.motion.kernels.planar.within import LEAST_TOLERANCE, means_within
+from vibrafeed.core.motion.kernels.results import COLUMN, RESULTS
+from vibrafeed.core.motion.kernels.statuses import STATUS
 
 FELT_PERIODS = 256
 """Periods of the drive over which energies of a motion that does not repeat are averaged; they

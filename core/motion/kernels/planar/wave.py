@@ -13,10 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.compiled import borrowing, compiled
-from core.motion.kernels.arrays import Floats, copy
-from core.motion.kernels.cells import GROUPS, Cell
-from core.motion.kernels.planar.flow import (
+from vibrafeed.core.compiled import borrowing, compiled
+from vibrafeed.core.motion.kernels.arrays import Floats, copy
+from vibrafeed.core.motion.kernels.cells import GROUPS, Cell
+from vibrafeed.core.motion.kernels.planar.flow import (
     AIR,
     BACKWARD,
     FORWARD,
@@ -26,7 +26,7 @@ from core.motion.kernels.planar.flow import (
     TURN,
     arc,
 )
-from core.motion.kernels.waves import (
+from vibrafeed.core.motion.kernels.waves import (
     SineSum,
     halley,
     is_near_root,

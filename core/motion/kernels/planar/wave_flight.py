@@ -4,9 +4,16 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import borrowing
-from core.motion.kernels.planar.flow import AIR, MAX_ITERATIONS, MAX_PIECES, NORMAL, SMOOTH, TURN
-from core.motion.kernels.planar.wave import (
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.motion.kernels.planar.flow import (
+    AIR,
+    MAX_ITERATIONS,
+    MAX_PIECES,
+    NORMAL,
+    SMOOTH,
+    TURN,
+)
+from vibrafeed.core.motion.kernels.planar.wave import (
     ENDS,
     LAST_STEP,
     SLACK,
@@ -22,7 +29,7 @@ from core.motion.kernels.planar.wave import (
     step_at,
     zero_of_velocity,
 )
-from core.motion.kernels.waves import halley, is_near_root
+from vibrafeed.core.motion.kernels.waves import halley, is_near_root
 
 
 @borrowing

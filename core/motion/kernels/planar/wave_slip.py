@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from core.compiled import borrowing
-from core.motion.kernels.planar.flow import (
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.motion.kernels.planar.flow import (
     MAX_PIECES,
     NORMAL,
     STATIC_BACKWARD,
     STATIC_FORWARD,
     kind_of,
 )
-from core.motion.kernels.planar.wave import (
+from vibrafeed.core.motion.kernels.planar.wave import (
     ROOTS,
     WaveDrive,
     acceleration,
@@ -21,7 +21,7 @@ from core.motion.kernels.planar.wave import (
     speed_start,
     zero_of_velocity,
 )
-from core.motion.kernels.waves import value_and_slope
+from vibrafeed.core.motion.kernels.waves import value_and_slope
 
 THRESHOLD = 4e-16  # rounding of the push at which friction is overcome, over its size
 

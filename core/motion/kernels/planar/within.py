@@ -11,10 +11,10 @@ from collections import namedtuple
 
 import numpy as np
 
-from core.compiled import borrowing, compiled
-from core.motion.kernels.arrays import Floats, Stop
-from core.motion.kernels.cells import Cell
-from core.motion.kernels.planar.chaos import (
+from vibrafeed.core.compiled import borrowing, compiled
+from vibrafeed.core.motion.kernels.arrays import Floats, Stop
+from vibrafeed.core.motion.kernels.cells import Cell
+from vibrafeed.core.motion.kernels.planar.chaos import (
     PHASES,
     QUARTERS,
     batch_error,
@@ -23,9 +23,9 @@ from core.motion.kernels.planar.chaos import (
     slowed,
     stay,
 )
-from core.motion.kernels.planar.drive import Drive, rounded, swung_along
-from core.motion.kernels.planar.flow import TURN, kept
-from core.motion.kernels.planar.landings import (
+from vibrafeed.core.motion.kernels.planar.drive import Drive, rounded, swung_along
+from vibrafeed.core.motion.kernels.planar.flow import TURN, kept
+from vibrafeed.core.motion.kernels.planar.landings import (
     LANDING,
     NORMAL,
     Landings,
@@ -33,12 +33,12 @@ from core.motion.kernels.planar.landings import (
     land_until,
     with_room,
 )
-from core.motion.kernels.planar.rebound import Restitution
-from core.motion.kernels.planar.slide import after_hops
-from core.motion.kernels.planar.solve import UNREPEATED
-from core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS, TIMES
-from core.motion.kernels.results import COLUMN
-from core.motion.kernels.statuses import MODE, MODES, STATUS
+from vibrafeed.core.motion.kernels.planar.rebound import Restitution
+from vibrafeed.core.motion.kernels.planar.slide import after_hops
+from vibrafeed.core.motion.kernels.planar.solve import UNREPEATED
+from vibrafeed.core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS, TIMES
+from vibrafeed.core.motion.kernels.results import COLUMN
+from vibrafeed.core.motion.kernels.statuses import MODE, MODES, STATUS
 
 LEAST_TOLERANCE = 1e-3  # from this tolerance on motions that do not repeat end early
 FIRST_STAGE = 2.0  # periods of a run up to the first mark; two marks later they are twice as many

@@ -1,13 +1,13 @@
 """Rows of parts that touch, push and part, from event to event (theory 17)."""
 
-from core.motion.kernels.rows.cells import (
+from vibrafeed.core.motion.kernels.rows.cells import (
     path_of_row,
     path_of_waved_row,
     row_cells,
     waved_row_cells,
 )
-from core.motion.kernels.rows.stepping import stepped_rows
-from core.motion.kernels.rows.tables import AT, HEAD, OWN, ROW_COLUMNS, Head, RowColumns
+from vibrafeed.core.motion.kernels.rows.stepping import stepped_rows
+from vibrafeed.core.motion.kernels.rows.tables import AT, HEAD, OWN, ROW_COLUMNS, Head, RowColumns
 
 __all__ = [
     "AT",

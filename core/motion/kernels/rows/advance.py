@@ -6,9 +6,9 @@ import math
 from collections import namedtuple
 from typing import Any
 
-from core.compiled import borrowing
-from core.motion.kernels.planar.flow import TURN
-from core.motion.kernels.rows.contact import (
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.motion.kernels.planar.flow import TURN
+from vibrafeed.core.motion.kernels.rows.contact import (
     chain_end,
     collide,
     held_from,
@@ -21,7 +21,7 @@ from core.motion.kernels.rows.contact import (
     slide,
     start,
 )
-from core.motion.kernels.rows.drive import (
+from vibrafeed.core.motion.kernels.rows.drive import (
     Driven,
     at_phase,
     carried,
@@ -35,8 +35,8 @@ from core.motion.kernels.rows.drive import (
     stop_until,
     swung,
 )
-from core.motion.kernels.rows.sine import LONGEST_FLIGHT
-from core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Row
+from vibrafeed.core.motion.kernels.rows.sine import LONGEST_FLIGHT
+from vibrafeed.core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Row
 
 Event = namedtuple("Event", "span kind part")
 """The phase until it happens, what it is, and the part, or the contact, that it begins with."""

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from core.compiled import borrowing, compiled, raised
-from core.motion.kernels.arrays import Floats, Statuses, Stop
-from core.motion.kernels.means import BATCHES
-from core.motion.kernels.planar.flow import TURN
-from core.motion.kernels.rows.advance import (
+from vibrafeed.core.compiled import borrowing, compiled, raised
+from vibrafeed.core.motion.kernels.arrays import Floats, Statuses, Stop
+from vibrafeed.core.motion.kernels.means import BATCHES
+from vibrafeed.core.motion.kernels.planar.flow import TURN
+from vibrafeed.core.motion.kernels.rows.advance import (
     HIT,
     NO_EVENT,
     ON_FLOOR,
@@ -21,9 +21,15 @@ from core.motion.kernels.rows.advance import (
     next_event,
     refreshed,
 )
-from core.motion.kernels.rows.contact import closing, held_from, is_held
-from core.motion.kernels.rows.drive import Driven, backward_speed, gap_swept, is_lifted, swept
-from core.motion.kernels.rows.repeat import (
+from vibrafeed.core.motion.kernels.rows.contact import closing, held_from, is_held
+from vibrafeed.core.motion.kernels.rows.drive import (
+    Driven,
+    backward_speed,
+    gap_swept,
+    is_lifted,
+    swept,
+)
+from vibrafeed.core.motion.kernels.rows.repeat import (
     AGREES,
     AGREES_NEARLY,
     MULTIPLES,
@@ -36,8 +42,8 @@ from core.motion.kernels.rows.repeat import (
     remaining,
     shortest,
 )
-from core.motion.kernels.rows.stop import stop_pressed
-from core.motion.kernels.rows.tables import (
+from vibrafeed.core.motion.kernels.rows.stop import stop_pressed
+from vibrafeed.core.motion.kernels.rows.tables import (
     AT,
     COLUMN,
     NO_STOP,
@@ -47,8 +53,8 @@ from core.motion.kernels.rows.tables import (
     drive_of,
     row_at,
 )
-from core.motion.kernels.rows.wave import waved_of
-from core.motion.kernels.statuses import STATUS
+from vibrafeed.core.motion.kernels.rows.wave import waved_of
+from vibrafeed.core.motion.kernels.statuses import STATUS
 
 MAX_EVENTS = 100_000
 """Most events of a period: a row of 64 parts has some hundreds, so that more come from rounding."""

@@ -7,10 +7,10 @@ solution is unique, and pooling neighbours that violate the order gives it in on
 
 from __future__ import annotations
 
-from core.compiled import borrowing
-from core.motion.kernels.rows.drive import Driven, set_flow
-from core.motion.kernels.rows.roots import RESOLVED
-from core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Row
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.motion.kernels.rows.drive import Driven, set_flow
+from vibrafeed.core.motion.kernels.rows.roots import RESOLVED
+from vibrafeed.core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Row
 
 
 @borrowing

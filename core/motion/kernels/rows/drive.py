@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeAlias, TypeVar
 
-from core.compiled import by_type
-from core.motion.kernels.rows import sine, tables, wave
-from core.motion.kernels.rows.tables import Drive, Row
-from core.motion.kernels.rows.wave import RowWave
+from vibrafeed.core.compiled import by_type
+from vibrafeed.core.motion.kernels.rows import sine, tables, wave
+from vibrafeed.core.motion.kernels.rows.tables import Drive, Row
+from vibrafeed.core.motion.kernels.rows.wave import RowWave
 
 Driven: TypeAlias = Drive | RowWave
 """Both have the fields `c` and `s`, largest pushes, `gs`, `gn`, `ends` and `levels`."""

@@ -7,14 +7,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.means import is_steady, mean_error, scatter, successive_means
-from core.motion.kernels.planar.flow import TURN
-from core.motion.kernels.rows.advance import Air
-from core.motion.kernels.rows.contact import sign
-from core.motion.kernels.rows.tables import COLUMN, ROW_COLUMNS, TALLIES, TALLY, Row, Whole
-from core.motion.kernels.statuses import STATUS
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.means import is_steady, mean_error, scatter, successive_means
+from vibrafeed.core.motion.kernels.planar.flow import TURN
+from vibrafeed.core.motion.kernels.rows.advance import Air
+from vibrafeed.core.motion.kernels.rows.contact import sign
+from vibrafeed.core.motion.kernels.rows.tables import (
+    COLUMN,
+    ROW_COLUMNS,
+    TALLIES,
+    TALLY,
+    Row,
+    Whole,
+)
+from vibrafeed.core.motion.kernels.statuses import STATUS
 
 MULTIPLES = 12
 """Periods of the longest cycle that is looked for: 2 and 4 are common, longer ones rare."""

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from core.compiled import borrowing
-from core.motion.kernels.planar.flow import TURN, flow, phase_to
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.motion.kernels.planar.flow import TURN, flow, phase_to
 
 MAX_STEPS = 100
 """Most steps of Newton's iteration in a bracket: bisection alone needs 60 for a turn."""

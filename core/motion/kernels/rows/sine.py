@@ -5,10 +5,15 @@ from __future__ import annotations
 import math
 from collections import namedtuple
 
-from core.compiled import borrowing
-from core.motion.kernels.planar.flow import flow, phase_to, swings
-from core.motion.kernels.rows.roots import first_beyond, first_contact, first_stop, flight_time
-from core.motion.kernels.rows.tables import Drive, Row
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.motion.kernels.planar.flow import flow, phase_to, swings
+from vibrafeed.core.motion.kernels.rows.roots import (
+    first_beyond,
+    first_contact,
+    first_stop,
+    flight_time,
+)
+from vibrafeed.core.motion.kernels.rows.tables import Drive, Row
 
 LONGEST_FLIGHT = 1000
 """Longest flight in turns of the drive: at throw numbers beyond some 3,000 no feeder works."""

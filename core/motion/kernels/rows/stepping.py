@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Floats, Statuses, Stop
-from core.motion.kernels.planar.flow import TURN
-from core.motion.kernels.rows.advance import ON_FLOOR, Air
-from core.motion.kernels.rows.contact import pooled
-from core.motion.kernels.rows.repeat import (
+from vibrafeed.core.compiled import compiled, raised
+from vibrafeed.core.motion.kernels.arrays import Floats, Statuses, Stop
+from vibrafeed.core.motion.kernels.planar.flow import TURN
+from vibrafeed.core.motion.kernels.rows.advance import ON_FLOOR, Air
+from vibrafeed.core.motion.kernels.rows.contact import pooled
+from vibrafeed.core.motion.kernels.rows.repeat import (
     AGREES_NEARLY,
     MULTIPLES,
     Past,
@@ -27,7 +27,7 @@ from core.motion.kernels.rows.repeat import (
     remaining,
     shortest,
 )
-from core.motion.kernels.rows.tables import (
+from vibrafeed.core.motion.kernels.rows.tables import (
     AT,
     COLUMN,
     IN_SPACE,
@@ -37,7 +37,7 @@ from core.motion.kernels.rows.tables import (
     columns_of,
     row_of,
 )
-from core.motion.kernels.statuses import STATUS
+from vibrafeed.core.motion.kernels.statuses import STATUS
 
 SAFETY = 3.0
 """Factor of the difference between two step lengths, which may be small by chance."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from core.compiled import borrowing
-from core.motion.kernels.rows.contact import held_from, pooled
-from core.motion.kernels.rows.drive import Driven, above, highest, sizes
-from core.motion.kernels.rows.tables import ON_TRACK, Row
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.motion.kernels.rows.contact import held_from, pooled
+from vibrafeed.core.motion.kernels.rows.drive import Driven, above, highest, sizes
+from vibrafeed.core.motion.kernels.rows.tables import ON_TRACK, Row
 
 Pressed = namedtuple("Pressed", "impulse peak")
 """The integral of a force over a phase, and its largest value."""

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import borrowing, compiled
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.waves import WaveColumns, wave_columns
+from vibrafeed.core.compiled import borrowing, compiled
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.waves import WaveColumns, wave_columns
 
 Whole = NDArray[np.int64]
 
@@ -24,7 +24,7 @@ Head = namedtuple(
 Own = namedtuple("Own", "static kinetic mass gap")
 """Numbers of each part behind those columns: frictions, mass and the gap in front of it, each with
 room for as many parts as the longest row of a study has. The columns of the wave, if there is one,
-stand at the end (`core.motion.kernels.waves.WaveColumns`)."""
+stand at the end (`vibrafeed.core.motion.kernels.waves.WaveColumns`)."""
 
 AT, OWN = Head(*range(len(Head._fields))), Own(*range(len(Own._fields)))
 HEAD = len(AT)
@@ -37,8 +37,8 @@ RowColumns = namedtuple(
     "velocity spread error platoons slowest fastest contact collisions impact flight multiple "
     "gap stop_force stop_peak stop_impulse stop_contact",
 )
-"""One column a field of `core.motion.methods.rows.RowMotion`, in its order. The velocity of each
-part follows, then the number of its platoon from the rear, each with room as in a cell."""
+"""One column a field of `vibrafeed.core.motion.methods.rows.RowMotion`, in its order. The velocity
+of each part follows, then the number of its platoon from the rear, each with room as in a cell."""
 
 COLUMN = RowColumns(*range(len(RowColumns._fields)))
 ROW_COLUMNS = len(RowColumns._fields)

@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.compiled import borrowing, compiled
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.planar.flow import (
+from vibrafeed.core.compiled import borrowing, compiled
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.planar.flow import (
     AIR,
     BACKWARD,
     FORWARD,
@@ -26,7 +26,7 @@ from core.motion.kernels.planar.flow import (
     STATIC_FORWARD,
     TURN,
 )
-from core.motion.kernels.planar.wave import (
+from vibrafeed.core.motion.kernels.planar.wave import (
     ENDS,
     INVERSE,
     KINDS,
@@ -46,11 +46,11 @@ from core.motion.kernels.planar.wave import (
     step_at,
     zero_of_velocity,
 )
-from core.motion.kernels.planar.wave_flight import landing, landing_root, track_speed
-from core.motion.kernels.planar.wave_slip import stop_after
-from core.motion.kernels.rows.roots import RESOLVED, ROUNDING, SAME
-from core.motion.kernels.rows.tables import AT, Row, columns_of
-from core.motion.kernels.waves import value_and_slope
+from vibrafeed.core.motion.kernels.planar.wave_flight import landing, landing_root, track_speed
+from vibrafeed.core.motion.kernels.planar.wave_slip import stop_after
+from vibrafeed.core.motion.kernels.rows.roots import RESOLVED, ROUNDING, SAME
+from vibrafeed.core.motion.kernels.rows.tables import AT, Row, columns_of
+from vibrafeed.core.motion.kernels.waves import value_and_slope
 
 SLOPE = math.inf
 """A pull that stands for none: the derivative of the push is asked for."""

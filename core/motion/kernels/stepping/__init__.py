@@ -8,9 +8,9 @@ well). All numbers are dimensionless: phase, lengths in g/w^2, velocities in g/w
 many; `paths`: the course of one part.
 """
 
-from core.motion.kernels.cells import GROUPS
-from core.motion.kernels.stepping.cells import step_cells
-from core.motion.kernels.stepping.paths import path
-from core.motion.kernels.stepping.tables import FLOOR, PLANAR, WALL, WIDTHS
+from vibrafeed.core.motion.kernels.cells import GROUPS
+from vibrafeed.core.motion.kernels.stepping.cells import step_cells
+from vibrafeed.core.motion.kernels.stepping.paths import path
+from vibrafeed.core.motion.kernels.stepping.tables import FLOOR, PLANAR, WALL, WIDTHS
 
 __all__ = ["FLOOR", "GROUPS", "PLANAR", "WALL", "WIDTHS", "path", "step_cells"]

@@ -6,15 +6,15 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Floats, Statuses, Stop, copy
-from core.motion.kernels.cells import GROUPS, Cell, cell_of
-from core.motion.kernels.means import fill_means
-from core.motion.kernels.results import COLUMN, RESULTS, TALLY
-from core.motion.kernels.statuses import STATUS
-from core.motion.kernels.stepping.period import planar_period, spatial_period
-from core.motion.kernels.stepping.repeat import repeats, unsettled
-from core.motion.kernels.stepping.tables import DRIVE, PLANAR, STATE, WALL, WIDTHS
+from vibrafeed.core.compiled import compiled, raised
+from vibrafeed.core.motion.kernels.arrays import Floats, Statuses, Stop, copy
+from vibrafeed.core.motion.kernels.cells import GROUPS, Cell, cell_of
+from vibrafeed.core.motion.kernels.means import fill_means
+from vibrafeed.core.motion.kernels.results import COLUMN, RESULTS, TALLY
+from vibrafeed.core.motion.kernels.statuses import STATUS
+from vibrafeed.core.motion.kernels.stepping.period import planar_period, spatial_period
+from vibrafeed.core.motion.kernels.stepping.repeat import repeats, unsettled
+from vibrafeed.core.motion.kernels.stepping.tables import DRIVE, PLANAR, STATE, WALL, WIDTHS
 
 SAFETY = 3.0
 LANDING_SHARE = 0.15

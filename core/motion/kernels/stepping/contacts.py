@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from core.compiled import compiled
-from core.motion.kernels.cells import Cell
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.cells import Cell
 
 MAX_SWEEPS = 200
 """Sweeps of Gauss and Seidel over both contacts, each of which shrinks what is left by mu_s mu_w:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Floats, Stop
-from core.motion.kernels.cells import cell_of
-from core.motion.kernels.stepping.contacts import (
+from vibrafeed.core.compiled import compiled, raised
+from vibrafeed.core.motion.kernels.arrays import Floats, Stop
+from vibrafeed.core.motion.kernels.cells import cell_of
+from vibrafeed.core.motion.kernels.stepping.contacts import (
     BodyState,
     Push,
     Touch,
@@ -16,8 +16,8 @@ from core.motion.kernels.stepping.contacts import (
     floor_laws,
     floor_step,
 )
-from core.motion.kernels.stepping.period import acceleration, after_jump
-from core.motion.kernels.stepping.tables import DRIVE
+from vibrafeed.core.motion.kernels.stepping.period import acceleration, after_jump
+from vibrafeed.core.motion.kernels.stepping.tables import DRIVE
 
 
 @compiled

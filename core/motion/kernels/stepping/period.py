@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.cells import Cell
-from core.motion.kernels.results import TALLY
-from core.motion.kernels.stepping.contacts import (
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.cells import Cell
+from vibrafeed.core.motion.kernels.results import TALLY
+from vibrafeed.core.motion.kernels.stepping.contacts import (
     BodyState,
     Push,
     Touch,
@@ -18,7 +18,7 @@ from core.motion.kernels.stepping.contacts import (
     floor_step,
     planar_step,
 )
-from core.motion.kernels.stepping.tables import DRIVE, STATE
+from vibrafeed.core.motion.kernels.stepping.tables import DRIVE, STATE
 
 
 @compiled

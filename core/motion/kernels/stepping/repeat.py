@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.cells import Cell
-from core.motion.kernels.means import ended, fill_means, mean_velocity, scatter, wall_gap
-from core.motion.kernels.results import COLUMN, TALLY
-from core.motion.kernels.statuses import STATUS
-from core.motion.kernels.stepping.tables import FLOOR, STATE, WALL
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.cells import Cell
+from vibrafeed.core.motion.kernels.means import ended, fill_means, mean_velocity, scatter, wall_gap
+from vibrafeed.core.motion.kernels.results import COLUMN, TALLY
+from vibrafeed.core.motion.kernels.statuses import STATUS
+from vibrafeed.core.motion.kernels.stepping.tables import FLOOR, STATE, WALL
 
 MAX_MULTIPLE = 12
 """Periods of a cycle: it must come back within `WINDOW`, and show more than once there."""

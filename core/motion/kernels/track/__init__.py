@@ -10,7 +10,7 @@ cell, and many; `spend`: what friction and the drive do over a step; `again`: a 
 more, for the course of one part and for its energies.
 """
 
-from core.motion.kernels.track.again import follow, spend_cells
-from core.motion.kernels.track.solve import solve_cells
+from vibrafeed.core.motion.kernels.track.again import follow, spend_cells
+from vibrafeed.core.motion.kernels.track.solve import solve_cells
 
 __all__ = ["follow", "solve_cells", "spend_cells"]

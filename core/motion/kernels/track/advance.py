@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import borrowing
-from core.motion.kernels.arrays import Flags, Floats
-from core.motion.kernels.cells import Cell
-from core.motion.kernels.results import SPENT, TALLY
-from core.motion.kernels.statuses import MODE
-from core.motion.kernels.track import modes
-from core.motion.kernels.track.contacts import begin_slip, change_contacts
-from core.motion.kernels.track.drive import fill_push, jumps, next_jump, to_lift_off
-from core.motion.kernels.track.modes import Begin, StepSettings, fill_multiple, fill_position
-from core.motion.kernels.track.polynomials import first_fall, value
-from core.motion.kernels.track.spend import kinetic, spend
-from core.motion.kernels.track.tables import (
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.motion.kernels.arrays import Flags, Floats
+from vibrafeed.core.motion.kernels.cells import Cell
+from vibrafeed.core.motion.kernels.results import SPENT, TALLY
+from vibrafeed.core.motion.kernels.statuses import MODE
+from vibrafeed.core.motion.kernels.track import modes
+from vibrafeed.core.motion.kernels.track.contacts import begin_slip, change_contacts
+from vibrafeed.core.motion.kernels.track.drive import fill_push, jumps, next_jump, to_lift_off
+from vibrafeed.core.motion.kernels.track.modes import (
+    Begin,
+    StepSettings,
+    fill_multiple,
+    fill_position,
+)
+from vibrafeed.core.motion.kernels.track.polynomials import first_fall, value
+from vibrafeed.core.motion.kernels.track.spend import kinetic, spend
+from vibrafeed.core.motion.kernels.track.tables import (
     BOTH,
     EVENT,
     FLOOR,

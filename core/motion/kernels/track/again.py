@@ -9,16 +9,16 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Floats, Statuses, Stop
-from core.motion.kernels.cells import GROUPS, cell_of
-from core.motion.kernels.results import TALLY
-from core.motion.kernels.statuses import MODE, STATUS
-from core.motion.kernels.track import drive
-from core.motion.kernels.track.advance import advance
-from core.motion.kernels.track.cycle import NO_PHASES, new_history, to_cycle
-from core.motion.kernels.track.solve import FINE
-from core.motion.kernels.track.tables import STATE, TURN, new_work
+from vibrafeed.core.compiled import compiled, raised
+from vibrafeed.core.motion.kernels.arrays import Floats, Statuses, Stop
+from vibrafeed.core.motion.kernels.cells import GROUPS, cell_of
+from vibrafeed.core.motion.kernels.results import TALLY
+from vibrafeed.core.motion.kernels.statuses import MODE, STATUS
+from vibrafeed.core.motion.kernels.track import drive
+from vibrafeed.core.motion.kernels.track.advance import advance
+from vibrafeed.core.motion.kernels.track.cycle import NO_PHASES, new_history, to_cycle
+from vibrafeed.core.motion.kernels.track.solve import FINE
+from vibrafeed.core.motion.kernels.track.tables import STATE, TURN, new_work
 
 SAMPLE = 7
 """Columns of a sample: place (3), velocity (3), mode."""

@@ -4,14 +4,24 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import borrowing
-from core.motion.kernels.arrays import Flags, Floats
-from core.motion.kernels.cells import Cell
-from core.motion.kernels.rebounds import SETTLED_EXACTLY, SETTLED_TIME
-from core.motion.kernels.stepping.contacts import friction_impulse
-from core.motion.kernels.track import drive
-from core.motion.kernels.track.modes import Begin, StepSettings
-from core.motion.kernels.track.tables import BOTH, EVENT, FLOOR, FREE, HOLD, ROW, STATE, WALL, Work
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.motion.kernels.arrays import Flags, Floats
+from vibrafeed.core.motion.kernels.cells import Cell
+from vibrafeed.core.motion.kernels.rebounds import SETTLED_EXACTLY, SETTLED_TIME
+from vibrafeed.core.motion.kernels.stepping.contacts import friction_impulse
+from vibrafeed.core.motion.kernels.track import drive
+from vibrafeed.core.motion.kernels.track.modes import Begin, StepSettings
+from vibrafeed.core.motion.kernels.track.tables import (
+    BOTH,
+    EVENT,
+    FLOOR,
+    FREE,
+    HOLD,
+    ROW,
+    STATE,
+    WALL,
+    Work,
+)
 
 MAX_SWEEPS = 500
 """Of two impacts at once: a sweep shrinks what is left by mu_k mu_w, at 0.93 to 1e-16 after

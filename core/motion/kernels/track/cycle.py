@@ -15,15 +15,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Flags, Floats, Stop, copy
-from core.motion.kernels.cells import Cell, cell_of
-from core.motion.kernels.means import wall_gap
-from core.motion.kernels.results import TALLY
-from core.motion.kernels.statuses import STATUS
-from core.motion.kernels.track import drive
-from core.motion.kernels.track.advance import advance
-from core.motion.kernels.track.tables import HOLD, STATE, Work, at_rest
+from vibrafeed.core.compiled import compiled, raised
+from vibrafeed.core.motion.kernels.arrays import Flags, Floats, Stop, copy
+from vibrafeed.core.motion.kernels.cells import Cell, cell_of
+from vibrafeed.core.motion.kernels.means import wall_gap
+from vibrafeed.core.motion.kernels.results import TALLY
+from vibrafeed.core.motion.kernels.statuses import STATUS
+from vibrafeed.core.motion.kernels.track import drive
+from vibrafeed.core.motion.kernels.track.advance import advance
+from vibrafeed.core.motion.kernels.track.tables import HOLD, STATE, Work, at_rest
 
 MAX_MULTIPLE = 32
 """Periods of a cycle, as many as `reference` and the hops of the plane look for."""

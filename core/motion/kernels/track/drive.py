@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import borrowing
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.cells import GROUPS, Cell
-from core.motion.kernels.track.tables import INVERSE, MAX_ORDER, ROW, TURN, Work
-from core.motion.kernels.waves import SineSum, passages, value_and_slope, wave_columns
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.cells import GROUPS, Cell
+from vibrafeed.core.motion.kernels.track.tables import INVERSE, MAX_ORDER, ROW, TURN, Work
+from vibrafeed.core.motion.kernels.waves import SineSum, passages, value_and_slope, wave_columns
 
 LATE = 1e-13
 """Phase in rad: a lift-off so little behind a part that is on the floor is due now."""

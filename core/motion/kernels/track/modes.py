@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from core.compiled import borrowing
-from core.motion.kernels.arrays import Flags, Floats
-from core.motion.kernels.cells import Cell
-from core.motion.kernels.track.drive import is_wave
-from core.motion.kernels.track.polynomials import first_fall
-from core.motion.kernels.track.slide import (
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.motion.kernels.arrays import Flags, Floats
+from vibrafeed.core.motion.kernels.cells import Cell
+from vibrafeed.core.motion.kernels.track.drive import is_wave
+from vibrafeed.core.motion.kernels.track.polynomials import first_fall
+from vibrafeed.core.motion.kernels.track.slide import (
     Contact,
     asymptotic_span,
     bend,
@@ -26,7 +26,7 @@ from core.motion.kernels.track.slide import (
     square_of,
     stays_in_line,
 )
-from core.motion.kernels.track.tables import (
+from vibrafeed.core.motion.kernels.track.tables import (
     BOTH,
     EVENT,
     FLOOR,

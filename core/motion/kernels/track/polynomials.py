@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import borrowing
-from core.motion.kernels.arrays import Floats
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.motion.kernels.arrays import Floats
 
 MAX_PASSES = 200
 """Most passes of a search: halving alone ends after 53, and a step that gains less is at a root up

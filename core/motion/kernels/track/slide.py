@@ -15,8 +15,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from core.compiled import borrowing
-from core.motion.kernels.track.tables import INVERSE, ROW, Work
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.motion.kernels.track.tables import INVERSE, ROW, Work
 
 NOTHING = 1e-15
 """Share of two forces that cancel, below which what is left is rounding."""

@@ -6,14 +6,20 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Flags, Floats, Statuses, Stop
-from core.motion.kernels.cells import GROUPS, Cell, cell_of
-from core.motion.kernels.means import ended, fill_means, mean_error, mean_velocity, scatter
-from core.motion.kernels.results import COLUMN, TALLY
-from core.motion.kernels.statuses import STATUS
-from core.motion.kernels.track import drive
-from core.motion.kernels.track.cycle import (
+from vibrafeed.core.compiled import compiled, raised
+from vibrafeed.core.motion.kernels.arrays import Flags, Floats, Statuses, Stop
+from vibrafeed.core.motion.kernels.cells import GROUPS, Cell, cell_of
+from vibrafeed.core.motion.kernels.means import (
+    ended,
+    fill_means,
+    mean_error,
+    mean_velocity,
+    scatter,
+)
+from vibrafeed.core.motion.kernels.results import COLUMN, TALLY
+from vibrafeed.core.motion.kernels.statuses import STATUS
+from vibrafeed.core.motion.kernels.track import drive
+from vibrafeed.core.motion.kernels.track.cycle import (
     History,
     Series,
     Settled,
@@ -23,7 +29,7 @@ from core.motion.kernels.track.cycle import (
     settle,
     to_cycle,
 )
-from core.motion.kernels.track.tables import STATE, TURN, Work, at_rest, new_work
+from vibrafeed.core.motion.kernels.track.tables import STATE, TURN, Work, at_rest, new_work
 
 FINE = Series(16, 1e-11)
 """Order and tolerance of the series of the results."""

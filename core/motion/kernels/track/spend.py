@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import borrowing
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.cells import Cell
-from core.motion.kernels.quadrature import NODES, WEIGHTS
-from core.motion.kernels.results import SPENT
-from core.motion.kernels.track.drive import sine_slope
-from core.motion.kernels.track.polynomials import value
-from core.motion.kernels.track.tables import BOTH, FLOOR, FREE, ROW, STATE, Work
+from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.cells import Cell
+from vibrafeed.core.motion.kernels.quadrature import NODES, WEIGHTS
+from vibrafeed.core.motion.kernels.results import SPENT
+from vibrafeed.core.motion.kernels.track.drive import sine_slope
+from vibrafeed.core.motion.kernels.track.polynomials import value
+from vibrafeed.core.motion.kernels.track.tables import BOTH, FLOOR, FREE, ROW, STATE, Work
 
 
 @borrowing

@@ -8,8 +8,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Flags, Floats
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.arrays import Flags, Floats
 
 TURN = 2.0 * math.pi
 MAX_ORDER = 24

@@ -9,13 +9,13 @@ one support; `impact`: impacts; `support`: what carries the part; `run`: what bo
 `events` and `steps`: the two methods; `cells`: many cells, and one path.
 """
 
-from core.motion.kernels.tumbling.cells import (
+from vibrafeed.core.motion.kernels.tumbling.cells import (
     path_events,
     path_steps,
     tumble_events,
     tumble_steps,
 )
-from core.motion.kernels.tumbling.tables import (
+from vibrafeed.core.motion.kernels.tumbling.tables import (
     COLUMN,
     MOREAU,
     PATH,

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.tumbling.forces import corner_force, flat_force, free_acceleration
-from core.motion.kernels.tumbling.geometry import corner_at, side_below, side_shape
-from core.motion.kernels.tumbling.tables import FLAT, FREE, STATE, Cell
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.tumbling.forces import (
+    corner_force,
+    flat_force,
+    free_acceleration,
+)
+from vibrafeed.core.motion.kernels.tumbling.geometry import corner_at, side_below, side_shape
+from vibrafeed.core.motion.kernels.tumbling.tables import FLAT, FREE, STATE, Cell
 
 
 @compiled

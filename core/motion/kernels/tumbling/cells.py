@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Floats, Statuses, Stop
-from core.motion.kernels.tumbling.events import run_events
-from core.motion.kernels.tumbling.run import fill
-from core.motion.kernels.tumbling.steps import run_steps
-from core.motion.kernels.tumbling.tables import PATH_COLUMNS, STATE, cell_of
+from vibrafeed.core.compiled import compiled, raised
+from vibrafeed.core.motion.kernels.arrays import Floats, Statuses, Stop
+from vibrafeed.core.motion.kernels.tumbling.events import run_events
+from vibrafeed.core.motion.kernels.tumbling.run import fill
+from vibrafeed.core.motion.kernels.tumbling.steps import run_steps
+from vibrafeed.core.motion.kernels.tumbling.tables import PATH_COLUMNS, STATE, cell_of
 
 
 @compiled

@@ -6,19 +6,19 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Floats, Stop, copy
-from core.motion.kernels.statuses import STATUS
-from core.motion.kernels.tumbling.carry import carry
-from core.motion.kernels.tumbling.geometry import (
+from vibrafeed.core.compiled import compiled, raised
+from vibrafeed.core.motion.kernels.arrays import Floats, Stop, copy
+from vibrafeed.core.motion.kernels.statuses import STATUS
+from vibrafeed.core.motion.kernels.tumbling.carry import carry
+from vibrafeed.core.motion.kernels.tumbling.geometry import (
     corner_count,
     gap_of,
     gap_rate_of,
     lowest_gap,
     lowest_rate,
 )
-from core.motion.kernels.tumbling.impact import strike
-from core.motion.kernels.tumbling.run import (
+from vibrafeed.core.motion.kernels.tumbling.impact import strike
+from vibrafeed.core.motion.kernels.tumbling.run import (
     MAX_STEPS,
     TumblingRun,
     record_rest,
@@ -26,8 +26,8 @@ from core.motion.kernels.tumbling.run import (
     side_of,
     start_of,
 )
-from core.motion.kernels.tumbling.support import choose, holds, rests_for_ever
-from core.motion.kernels.tumbling.tables import FLAT, FREE, OVERLAP, PARADOX, STATE, Cell
+from vibrafeed.core.motion.kernels.tumbling.support import choose, holds, rests_for_ever
+from vibrafeed.core.motion.kernels.tumbling.tables import FLAT, FREE, OVERLAP, PARADOX, STATE, Cell
 
 EVENTS, EVENTS_A_STEP = 20_000, 20  # most events of a run: so many, and so many more a step
 STEPS_MORE = 50

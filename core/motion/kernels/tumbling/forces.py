@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
-from core.motion.kernels.tumbling.geometry import corner_at, side_shape
-from core.motion.kernels.tumbling.tables import Cell
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.tumbling.geometry import corner_at, side_shape
+from vibrafeed.core.motion.kernels.tumbling.tables import Cell
 
 
 @compiled

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats, copy
-from core.motion.kernels.tumbling.geometry import (
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.arrays import Floats, copy
+from vibrafeed.core.motion.kernels.tumbling.geometry import (
     corner_at,
     corner_count,
     gap_of,
@@ -15,7 +15,7 @@ from core.motion.kernels.tumbling.geometry import (
     slip_of,
     speed_scale,
 )
-from core.motion.kernels.tumbling.tables import MOREAU, SLOW, STATE, TOUCH, Cell
+from vibrafeed.core.motion.kernels.tumbling.tables import MOREAU, SLOW, STATE, TOUCH, Cell
 
 
 @compiled

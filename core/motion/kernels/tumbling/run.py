@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats, copy
-from core.motion.kernels.statuses import STATUS
-from core.motion.kernels.tumbling.geometry import corner_at, corner_count, lowest_gap, side_below
-from core.motion.kernels.tumbling.tables import COLUMN, FLAT, PATH, STATE, Cell
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.arrays import Floats, copy
+from vibrafeed.core.motion.kernels.statuses import STATUS
+from vibrafeed.core.motion.kernels.tumbling.geometry import (
+    corner_at,
+    corner_count,
+    lowest_gap,
+    side_below,
+)
+from vibrafeed.core.motion.kernels.tumbling.tables import COLUMN, FLAT, PATH, STATE, Cell
 
 MAX_STEPS = 20_000_000
 """Of a cell: 400 s of motion at 50 Hz and 1,000 steps a period, where all parts have long

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Flags, Floats, Stop, copy
-from core.motion.kernels.statuses import STATUS
-from core.motion.kernels.tumbling.forces import free_acceleration, response_of
-from core.motion.kernels.tumbling.geometry import (
+from vibrafeed.core.compiled import compiled, raised
+from vibrafeed.core.motion.kernels.arrays import Flags, Floats, Stop, copy
+from vibrafeed.core.motion.kernels.statuses import STATUS
+from vibrafeed.core.motion.kernels.tumbling.forces import free_acceleration, response_of
+from vibrafeed.core.motion.kernels.tumbling.geometry import (
     corner_at,
     corner_count,
     gap_of,
@@ -20,8 +20,8 @@ from core.motion.kernels.tumbling.geometry import (
     slip_of,
     speed_scale,
 )
-from core.motion.kernels.tumbling.impact import arrest, delassus, push
-from core.motion.kernels.tumbling.run import (
+from vibrafeed.core.motion.kernels.tumbling.impact import arrest, delassus, push
+from vibrafeed.core.motion.kernels.tumbling.run import (
     MAX_STEPS,
     TumblingRun,
     record_rest,
@@ -29,8 +29,8 @@ from core.motion.kernels.tumbling.run import (
     side_of,
     start_of,
 )
-from core.motion.kernels.tumbling.support import rests_for_ever
-from core.motion.kernels.tumbling.tables import FLAT, FREE, SLOW, STATE, Cell
+from vibrafeed.core.motion.kernels.tumbling.support import rests_for_ever
+from vibrafeed.core.motion.kernels.tumbling.tables import FLAT, FREE, SLOW, STATE, Cell
 
 MAX_SWEEPS = 500  # over corners that touch at once; what they still change is rounding
 

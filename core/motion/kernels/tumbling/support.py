@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.tumbling.carry import settle_on
-from core.motion.kernels.tumbling.forces import (
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.tumbling.carry import settle_on
+from vibrafeed.core.motion.kernels.tumbling.forces import (
     corner_force,
     flat_force,
     free_corner,
@@ -13,7 +13,7 @@ from core.motion.kernels.tumbling.forces import (
     response_of,
     side_forces,
 )
-from core.motion.kernels.tumbling.geometry import (
+from vibrafeed.core.motion.kernels.tumbling.geometry import (
     corner_at,
     corner_count,
     gap_of,
@@ -24,8 +24,8 @@ from core.motion.kernels.tumbling.geometry import (
     slip_of,
     speed_scale,
 )
-from core.motion.kernels.tumbling.impact import delassus, push
-from core.motion.kernels.tumbling.tables import (
+from vibrafeed.core.motion.kernels.tumbling.impact import delassus, push
+from vibrafeed.core.motion.kernels.tumbling.tables import (
     DEEP,
     FLAT,
     FREE,

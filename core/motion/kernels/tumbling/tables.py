@@ -6,8 +6,8 @@ from collections import namedtuple
 
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
+from vibrafeed.core.compiled import compiled
+from vibrafeed.core.motion.kernels.arrays import Floats
 
 PFEIFFER_GLOCKER, MOREAU = 0, 1  # laws of impact
 

@@ -16,18 +16,18 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from core.errors import StoppedError
-from core.mechanics.arrays import Array
-from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, each
-from core.motion.method import Follow, Method
-from core.motion.methods.reference.laws import UX, UZ, ReferenceLaws, X, Y, Z
-from core.motion.methods.reference.part import FailedError, Part
-from core.motion.methods.reference.repeats import PERIOD, ReferenceRun
-from core.motion.path import Path
-from core.motion.price import Price, Priced
-from core.motion.result import STATUS, Motion, motion_of, with_whole_shares
-from core.scenes import Constraint
-from core.watch import Watch
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, each
+from vibrafeed.core.motion.method import Follow, Method
+from vibrafeed.core.motion.methods.reference.laws import UX, UZ, ReferenceLaws, X, Y, Z
+from vibrafeed.core.motion.methods.reference.part import FailedError, Part
+from vibrafeed.core.motion.methods.reference.repeats import PERIOD, ReferenceRun
+from vibrafeed.core.motion.path import Path
+from vibrafeed.core.motion.price import Price, Priced
+from vibrafeed.core.motion.result import STATUS, Motion, motion_of, with_whole_shares
+from vibrafeed.core.scenes import Constraint
+from vibrafeed.core.watch import Watch
 
 FINDING = 20.0
 """Periods that are followed as a rule until the cycle is found and measured."""

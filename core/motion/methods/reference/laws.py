@@ -18,10 +18,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.mechanics.arrays import Array
-from core.motion.groups import Contacts, Groups, Numbers
-from core.motion.pieces import Piece, Sine, pieces
-from core.motion.waves import TURN
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.groups import Contacts, Groups, Numbers
+from vibrafeed.core.motion.pieces import Piece, Sine, pieces
+from vibrafeed.core.motion.waves import TURN
 
 SOON = 1e-6
 """Phase in rad after which a push that passes through zero has a direction."""

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.mechanics import soft_contact
-from core.mechanics.arrays import Array
-from core.motion.methods.reference.laws import SPIN, UX, UY, UZ, Mode, ReferenceLaws, Y, Z
-from core.motion.methods.reference.polynomials import (
+from vibrafeed.core.mechanics import soft_contact
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.methods.reference.laws import SPIN, UX, UY, UZ, Mode, ReferenceLaws, Y, Z
+from vibrafeed.core.motion.methods.reference.polynomials import (
     AT,
     FROM_NODES,
     MEAN,
@@ -19,8 +19,8 @@ from core.motion.methods.reference.polynomials import (
     first_fall,
     values,
 )
-from core.motion.methods.reference.stretch import Stretch, solve
-from core.watch import Watch
+from vibrafeed.core.motion.methods.reference.stretch import Stretch, solve
+from vibrafeed.core.watch import Watch
 
 STOPPED = 1e-13
 """Slips and speeds off a contact below this, in g/w, are taken as zero."""

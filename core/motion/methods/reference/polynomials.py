@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.polynomial import chebyshev, legendre
 
-from core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.arrays import Array
 
 NODES = 16
 """Gauss's nodes of a stretch, at which the equation of motion is fulfilled."""

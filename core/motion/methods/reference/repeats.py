@@ -13,11 +13,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.mechanics.arrays import Array
-from core.motion.methods.reference.laws import SPIN, UX, UY, UZ, ReferenceLaws, X, Y, Z
-from core.motion.methods.reference.part import FINER, USUAL, Care, FailedError, Part, Tally
-from core.motion.waves import size
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.methods.reference.laws import SPIN, UX, UY, UZ, ReferenceLaws, X, Y, Z
+from vibrafeed.core.motion.methods.reference.part import (
+    FINER,
+    USUAL,
+    Care,
+    FailedError,
+    Part,
+    Tally,
+)
+from vibrafeed.core.motion.waves import size
+from vibrafeed.core.watch import Watch
 
 PERIOD = 2.0 * math.pi
 MAX_MULTIPLE = 32

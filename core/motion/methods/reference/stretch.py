@@ -16,10 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.mechanics.arrays import Array
-from core.motion.groups import Numbers
-from core.motion.methods.reference.laws import SPIN, UX, Mode, ReferenceLaws
-from core.motion.methods.reference.polynomials import (
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.groups import Numbers
+from vibrafeed.core.motion.methods.reference.laws import SPIN, UX, Mode, ReferenceLaws
+from vibrafeed.core.motion.methods.reference.polynomials import (
     AT,
     FROM_NODES,
     INTEGRAL,

@@ -14,21 +14,21 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from core.errors import StoppedError
-from core.mechanics.arrays import Array
-from core.motion.groups import Contacts, Groups, cells_of, one_of
-from core.motion.method import Follow, Method
-from core.motion.methods.regularised.laws import Cell, laws
-from core.motion.methods.regularised.orbit import (
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.groups import Contacts, Groups, cells_of, one_of
+from vibrafeed.core.motion.method import Follow, Method
+from vibrafeed.core.motion.methods.regularised.laws import Cell, laws
+from vibrafeed.core.motion.methods.regularised.orbit import (
     Orbit,
     RegularisedRun,
     SpentError,
     measures_of,
     orbit_of,
 )
-from core.motion.price import Price, Priced, Pricing
-from core.motion.result import STATUS, Motion, with_whole_shares
-from core.watch import Watch
+from vibrafeed.core.motion.price import Price, Priced, Pricing
+from vibrafeed.core.motion.result import STATUS, Motion, with_whole_shares
+from vibrafeed.core.watch import Watch
 
 SOLVERS = ("Radau", "BDF", "LSODA")
 """The implicit integrators of scipy."""

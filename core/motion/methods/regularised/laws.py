@@ -14,10 +14,10 @@ from functools import cached_property
 
 import numpy as np
 
-from core.mechanics.arrays import Array
-from core.mechanics.soft_contact import damping_of_restitution
-from core.motion.pieces import Piece, pieces_of
-from core.motion.waves import Wave, size
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.soft_contact import damping_of_restitution
+from vibrafeed.core.motion.pieces import Piece, pieces_of
+from vibrafeed.core.motion.waves import Wave, size
 
 PEAK = 3.0
 """Speed of the static peak, and the limit of sticking, in slip speeds.

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import scipy
 
-from core.mechanics.arrays import Array
-from core.motion.methods.regularised.laws import PEAK, Cell
-from core.watch import Watch
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.methods.regularised.laws import PEAK, Cell
+from vibrafeed.core.watch import Watch
 
 LARGEST_MULTIPLE = 8
 """Periods of the drive over which the motion may repeat."""
