@@ -6,7 +6,6 @@ keywords of its studies in its signature and in its docstring. It calls the one 
 
 from __future__ import annotations
 
-import os
 import sys
 import time
 import warnings
@@ -389,15 +388,10 @@ def _carry_out(kind: str, base: StudyLike | None, keywords: Mapping[str, Any]) -
     every problem, and `LimitError` if the result exceeds this machine's memory.
     """
     prepared = _prepared(kind, base, keywords)
-    prepared.check_limits(cells=None, bytes_=_memory())
+    prepared.check_limits(cells=None, bytes_=import_module("vibrafeed.core.system").memory())
     _import_accessor()
     with import_module("vibrafeed.core.compiling").announced(_say):
         return import_module("vibrafeed.core.kinds").tabulate(prepared, _watch()).to_xarray()
-
-
-def _memory() -> int:
-    """Return the memory of this machine in bytes."""
-    return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
 
 
 def _watch() -> Watch | None:

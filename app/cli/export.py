@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -19,6 +18,7 @@ from vibrafeed.core.dataset.formats import read_result, suffix_of
 from vibrafeed.core.dataset.shown import in_shown_units
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import LimitError, Problem, VibrafeedError
+from vibrafeed.core.system import memory
 
 FOR_PEOPLE = (".csv", ".xlsx", ".parquet")
 """Formats that may hold other units than those of files."""
@@ -63,9 +63,8 @@ def export(
         message = f"{suffix_of(output)} files keep the units of the result"
         fix = f"Leave it out, or export to {' or '.join(FOR_PEOPLE)}"
         refuse({Path(output): [Problem("--units", message, fix)]})
-    memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     try:
-        table = read_result(file, most_bytes=memory)
+        table = read_result(file, most_bytes=memory())
     except LimitError as error:
         refuse({Path(file): [Problem("file", error.message, error.fix)]})
     except VibrafeedError as error:

@@ -17,6 +17,7 @@ from vibrafeed.app.cli.options import INVALID_INPUT
 from vibrafeed.core import intake
 from vibrafeed.core.compiling import stopwatch
 from vibrafeed.core.errors import LimitError, Problem, StudyError
+from vibrafeed.core.system import memory
 
 if TYPE_CHECKING:
     from vibrafeed.core.plan.prepared import Prepared
@@ -162,7 +163,7 @@ def refuse_beyond_memory(path: Path, prepared: Prepared) -> None:
 
     `path` is the study's file, which the message names.
     """
-    size = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    size = memory()
     if prepared.bytes > size:
         message = f"its {prepared.bytes:,} bytes are held in memory, which has {size:,}"
         problem = Problem("parameters", message, prepared.what_fits(size / prepared.bytes))

@@ -1,0 +1,10 @@
+"""What operating systems do differently: memory."""
+
+from __future__ import annotations
+
+import psutil
+
+
+def memory() -> int:
+    """Return the memory of this machine in bytes."""
+    return int(psutil.virtual_memory().total)
