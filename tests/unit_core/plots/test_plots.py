@@ -246,7 +246,7 @@ def test_falling_and_logarithmic_axes():
     [
         ({"variable": "aceleration_x"}, "variable", "Did you mean 'acceleration_x'?"),
         ({"variable": "regime"}, "variable", "every picture shades the regimes"),
-        ({"axes": ("betta", "alpha")}, "axes", "Did you mean 'beta'?"),
+        ({"axes": ("betta", "alpha")}, "axes", "Did you mean 'beta' (elevation)?"),
         ({"axes": ("beta", "beta")}, "axes", "different axes"),
         ({"axes": ("alpha", "beta", "frequency")}, "axes", "one or two"),
         ({"kind": "countour"}, "kind", "Did you mean 'contour'?"),
