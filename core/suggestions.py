@@ -99,6 +99,7 @@ _SYNONYMS: Final[Mapping[str, str]] = {
     "unknowns": "unknown priors",
     "maximise": "maximize max",
     "minimise": "minimize min",
+    "file": "recording recording_file csv path filename file_name",
     "scene": "system geometry",
     "outputs": "results",
     "parameters": "params",

@@ -15,6 +15,7 @@ from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.optimise.methods import METHODS
 from vibrafeed.core.quantities import QUANTITIES, WORD_OF
+from vibrafeed.core.study.drive import RecordedDrive
 from vibrafeed.core.study.grid_study import PARAMETERS
 from vibrafeed.core.study.optimise_study import CRITERIA
 from vibrafeed.core.study.units import UnitError
@@ -44,7 +45,16 @@ def with_parameters(study=PLANE, **more):
 def test_other_names_stand_for_names_that_there_are():
     variants = {name for system in SYSTEMS.values() for name in system.variants}
     scenes = {scene["name"] for scene in describe_all()}
-    known = {*QUANTITIES, *scenes, *KEYS, *KINDS, *CRITERIA, *METHODS, *variants}
+    known = {
+        *QUANTITIES,
+        *scenes,
+        *KEYS,
+        *RecordedDrive.model_fields,
+        *KINDS,
+        *CRITERIA,
+        *METHODS,
+        *variants,
+    }
     known |= {word for question in QUESTIONS for word in question.choices}
     assert {name for names in OTHER_NAMES.values() for name in names} <= known
     parameters = {name for names in OTHER_NAMES.values() for name in names} & set(PARAMETERS)
