@@ -223,7 +223,7 @@ def _names_by_synonym() -> dict[str, tuple[str, ...]]:
 
     Users who write a synonym are told the name in use here.
     """
-    spoken = {word: (name,) for word, name in WORDS.items()}
+    spoken: dict[str, tuple[str, ...]] = {word: (name,) for word, name in WORDS.items()}
     for name, others in _SYNONYMS.items():
         for other in others.split():
             spoken[other] = (*spoken.get(other, ()), name)

@@ -165,20 +165,20 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
             raise StudyError([Problem("drive.file", message, "Name a CSV")]) from None
         rest = {name: value for name, value in drive.items() if name != "file"}
         return {**content, "drive": {**rest, "data": data}}
-    return {**content, "drive": {**drive, "file": _found_from(file, form, folder)}}
+    return {**content, "drive": {**drive, "file": _path_from(file, form, folder)}}
 
 
 def _observations(content: Mapping[str, Any], form: str, folder: Path) -> Any:
     """Return the file of observations of a study that is moved to another form, or its rows.
 
-    The rows for a request, since a service reads no files; else the path as `_found_from` gives it.
+    The rows for a request, since a service reads no files; else the path as `_path_from` gives it.
     `content` is the study, `form` the form.
     """
     file = Path(content["observations"])
-    return read_rows(file) if form in REQUESTS else _found_from(file, form, folder)
+    return read_rows(file) if form in REQUESTS else _path_from(file, form, folder)
 
 
-def _found_from(file: Path, form: str, folder: Path) -> str:
+def _path_from(file: Path, form: str, folder: Path) -> str:
     """Return the path of a file for a study in another form, with / between its folders.
 
     A program gets it as it is, a study in `folder` the one from there; on another drive of Windows

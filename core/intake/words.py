@@ -20,14 +20,14 @@ def in_letters(content: Any) -> tuple[Any, list[Problem]]:
         return content, []
     letters, problems = dict(content), list[Problem]()
     for key, raw in content.items():
-        found: list[Problem] = []
+        faults: list[Problem] = []
         if key in ("sensitivities", "reduce"):
             letters[key] = _reduction(raw) if isinstance(raw, Mapping) else _names(raw)
         elif key == "observations" and isinstance(raw, Mapping | list | tuple):
-            letters[key], found = _rows([raw] if isinstance(raw, Mapping) else raw)
+            letters[key], faults = _rows([raw] if isinstance(raw, Mapping) else raw)
         elif key in SECTIONS and SECTIONS[key].by_parameter and isinstance(raw, Mapping):
-            letters[key], found = by_letters(raw, f"{key}.")
-        problems += found
+            letters[key], faults = by_letters(raw, f"{key}.")
+        problems += faults
     return letters, problems
 
 
@@ -52,11 +52,11 @@ def _rows(rows: list[Any] | tuple[Any, ...]) -> tuple[list[Any], list[Problem]]:
     """Return rows of observations with letters, and the problems of the first row that has any."""
     letters, problems = list[Any](), list[Problem]()
     for number, row in enumerate(rows, 1):
-        found: list[Problem] = []
+        faults: list[Problem] = []
         if isinstance(row, Mapping) and not WORDS.keys().isdisjoint(row):
-            row, found = by_letters(row, f"observations row {number}, ")
+            row, faults = by_letters(row, f"observations row {number}, ")
         letters.append(row)
-        problems = problems or found
+        problems = problems or faults
     return letters, problems
 
 
