@@ -47,10 +47,9 @@ def read_content(path: Path) -> object:
     if suffix in NO_STUDIES:
         _fail("file", *NO_STUDIES[suffix])
     try:
-        raw = path.read_bytes()
-        text = raw.decode("utf-8-sig")  # editors of Windows begin it with a mark
+        text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin it with a mark
     except UnicodeDecodeError as error:
-        _fail("file", "it is not UTF-8 text", advice_on_encoding(raw), error)
+        _fail("file", "it is not UTF-8 text", _advice_on_encoding(error.object), error)
     except OSError as error:
         _fail("file", f"it cannot be read: {error.strerror}", "Name a TOML or JSON study", error)
     content = _read_text(text, ".json" if suffix == ".json" else ".toml", path.stem)
@@ -61,7 +60,7 @@ def read_content(path: Path) -> object:
     return content
 
 
-def advice_on_encoding(raw: bytes) -> str:
+def _advice_on_encoding(raw: bytes) -> str:
     """Return the advice for a study that is not UTF-8, of its bytes: PowerShell 5 writes UTF-16."""
     is_wide = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     return "Save it as UTF-8" + ("; in PowerShell write it with -o FILE, not >" if is_wide else "")

@@ -23,10 +23,12 @@ def letter_of(name: Any) -> Any:
     return WORDS.get(name, name)
 
 
-def by_letters(given: Mapping[Any, Any], within: str = "") -> tuple[dict[Any, Any], list[Problem]]:
+def by_letters(
+    written: Mapping[Any, Any], within: str = ""
+) -> tuple[dict[Any, Any], list[Problem]]:
     """Return values by parameter, the words for angles replaced by their letters, and problems.
 
-    A problem is a word beside its own letter. `given` has values by the names that a user wrote;
+    A problem is a word beside its own letter. `written` has values by the names that a user wrote;
     `within` is the start of their places, such as ``parameters.``.
     """
     problems = [
@@ -36,6 +38,6 @@ def by_letters(given: Mapping[Any, Any], within: str = "") -> tuple[dict[Any, An
             f"Leave out {word} or {letter}",
         )
         for word, letter in WORDS.items()
-        if word in given and letter in given
+        if word in written and letter in written
     ]
-    return {letter_of(name): value for name, value in given.items()}, problems
+    return {letter_of(name): value for name, value in written.items()}, problems

@@ -108,12 +108,12 @@ def test_a_shell_hands_a_hostile_title_on_and_does_nothing_else(tmp_path):
 
 
 def test_powershell_reads_a_hostile_title_as_plain_text():
-    commands = to_powershell({**PLANE, "title": HOSTILE + "\n'@\n\u2019"}, "http://it's:8000/")
+    commands = to_powershell({**PLANE, "title": HOSTILE + "\n'@\n\u2019"}, "http://lab:9000/it's/")
     assert commands.isascii()  # PowerShell 5 sends other letters as Latin-1
     _, body, last, command, _ = commands.split("\n")  # its text ends at a line '@ alone
     assert last == "'@"
     assert json.loads(body)["title"] == HOSTILE + "\n'@\n\u2019"
-    assert command.endswith(" -Uri 'http://it''s:8000/processes/simulate/execution'")
+    assert command.endswith(" -Uri 'http://lab:9000/it''s/processes/simulate/execution'")
 
 
 def test_units_and_ranges_stay_as_they_were_typed():
