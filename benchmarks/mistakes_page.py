@@ -126,7 +126,7 @@ GROUPS: dict[str, tuple[Mistake, ...]] = {
     "Names": (
         in_study("mu = 0.3", "friction = 0.3"),
         in_study("friction_coefficient = 0.3", "friction = 0.3"),
-        in_study('climb = "3 deg"'),
+        in_study('slope = "3 deg"'),
         in_study('launch_angle = "20 deg"', 'beta = "20 deg"'),
         in_study('stroke = "0.6 mm"', 'amplitude = "0.3 mm"'),
         in_study("freq = 50", 'frequency = "50 Hz"'),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from vibrafeed.core.quantities import MOTION_STATUSES, QUANTITIES, REGIMES, Quantity
+from vibrafeed.core.quantities import MOTION_STATUSES, QUANTITIES, REGIMES, WORD_OF, Quantity
 
 PAGE = Path(__file__).parents[1] / "docs" / "generated" / "quantities.md"
 
@@ -24,9 +24,10 @@ def page() -> str:
     ]
     for name, q in QUANTITIES.items():
         if q.parameter:
+            names = f"`{name}`, `{WORD_OF[name]}`" if name in WORD_OF else f"`{name}`"
             written = ", ".join(f"`{example}`" for example in q.examples)
             lines.append(
-                f"| `{name}` | {_cell(q.symbol)} | {q.unit} | {_bounds(q)} | {written} | "
+                f"| {names} | {_cell(q.symbol)} | {q.unit} | {_bounds(q)} | {written} | "
                 f"{q.description} |"
             )
     lines += [

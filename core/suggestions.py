@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
 from typing import Final
 
-from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities import QUANTITIES, WORD_OF, WORDS, letter_of
 
 _SYNONYMS: Final[Mapping[str, str]] = {
     # --- parameters
@@ -26,13 +26,13 @@ _SYNONYMS: Final[Mapping[str, str]] = {
     "z_amplitude v_amplitude vert_amplitude amplitude_vert",
     "vertical_peak_to_peak": "vertical_stroke stroke_vertical normal_stroke peak_to_peak_vertical "
     "peak_to_peak_normal normal_peak_to_peak vertical_p2p",
-    "alpha": "α azimuth drive_azimuth",  # noqa: RUF001
+    "alpha": "α drive_azimuth",  # noqa: RUF001
     "beta": "β angle launch_angle vibration_angle throw_angle drive_angle drive_elevation "
-    "elevation throwing_angle conveying_angle spring_angle angle_of_attack direction_angle",
-    "gamma": "γ climb climb_angle inclination incline inclination_angle slope slope_angle "  # noqa: RUF001
+    "throwing_angle conveying_angle spring_angle angle_of_attack direction_angle",
+    "gamma": "γ climb_angle inclination incline inclination_angle slope slope_angle "  # noqa: RUF001
     "tilt "
     "track_angle helix_angle pitch_angle ramp",
-    "delta": "δ lean lean_angle bank bank_angle banking track_lean",
+    "delta": "δ lean_angle bank bank_angle banking track_lean",
     "radius": "r bowl_radius track_radius",
     "gravity": "g",
     "mass": "m part_mass",
@@ -99,6 +99,7 @@ _SYNONYMS: Final[Mapping[str, str]] = {
     "unknowns": "unknown priors",
     "maximise": "maximize max",
     "minimise": "minimize min",
+    "file": "recording recording_file csv path filename file_name",
     "scene": "system geometry",
     "outputs": "results",
     "parameters": "params",
@@ -222,7 +223,7 @@ def _names_by_synonym() -> dict[str, tuple[str, ...]]:
 
     Users who write a synonym are told the name in use here.
     """
-    spoken: dict[str, tuple[str, ...]] = {}
+    spoken: dict[str, tuple[str, ...]] = {word: (name,) for word, name in WORDS.items()}
     for name, others in _SYNONYMS.items():
         for other in others.split():
             spoken[other] = (*spoken.get(other, ()), name)
@@ -265,10 +266,16 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
     said = by_synonym(name, choice)
     if said is not None:
         return said
+    choice = [word for word, letter in WORDS.items() if letter in choice] + choice
     longer = [known for known in choice if len(name) >= PREFIX and known.startswith(name)]
     near = longer or difflib.get_close_matches(name, choice, n=3, cutoff=0.6)
     return next(
-        (one for one in near if one not in QUANTITIES or _may_mean(_plain(name), one)), None
+        (
+            letter_of(one)
+            for one in near
+            if letter_of(one) not in QUANTITIES or _may_mean(_plain(name), one)
+        ),
+        None,
     )
 
 
@@ -342,7 +349,7 @@ def suggestion(name: str, known: Iterable[str], listed: Iterable[str] | None = N
         return related[1]
     near = nearest(name, choice)
     if near:
-        return f"Did you mean '{near}'?"
+        return f"Did you mean '{near}'{f' ({WORD_OF[near]})' if near in WORD_OF else ''}?"
     return "Known: " + ", ".join(_in_families(choice if listed is None else sorted(listed)))
 
 

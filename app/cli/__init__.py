@@ -21,7 +21,7 @@ COMMANDS: Final = MappingProxyType(
         "new": "Write a commented study to start from, after a few questions.",
         "run": "Run studies and write one result file each: NetCDF, or the format of the "
         "output's suffix.",
-        "convert": "Convert a study to TOML, JSON, a curl command, or a Python call.",
+        "convert": "Convert a study to TOML, JSON, a command that posts it, or a Python call.",
         "export": "Convert a result to another format, given by the suffix of the output.",
         "join": "Join the shares computed by `vibrafeed run --share` into one result.",
         "plot": "Draw a result: an output with its regimes, a map of regimes, or the motion of "

@@ -7,6 +7,7 @@ from typing import Any
 
 from vibrafeed.app.cli.console import say, table, tell
 from vibrafeed.app.cli.units import DEFAULT_DIGITS, format_number
+from vibrafeed.core.quantities import WORD_OF
 from vibrafeed.core.study.shown import ShownUnits
 
 SCENES = ("scene", "variants", "methods in time", "title")
@@ -73,7 +74,7 @@ def _parameter_row(parameter: Mapping[str, Any], units: ShownUnits) -> tuple[str
     `parameter` is its entry of the catalogue; the cells are name, symbol, unit, bounds, default and
     description.
     """
-    shown = units.of(parameter["unit"], 0.0)
+    name, shown = parameter["name"], units.of(parameter["unit"], 0.0)
     default = ""
     if parameter["default"] is not None:
         default = format_number(shown.factor * parameter["default"], DEFAULT_DIGITS)
@@ -84,6 +85,6 @@ def _parameter_row(parameter: Mapping[str, Any], units: ShownUnits) -> tuple[str
     if parameter["upper"] is not None:
         bounds.append(f"<= {format_number(shown.factor * parameter['upper'])}")
     return (
-        parameter["name"], parameter["symbol"], shown.unit, " ".join(bounds), default,
-        parameter["description"],
+        f"{name}, {WORD_OF[name]}" if name in WORD_OF else name, parameter["symbol"], shown.unit,
+        " ".join(bounds), default, parameter["description"],
     )  # fmt: skip

@@ -11,7 +11,7 @@ from vibrafeed.app.cli.studies import content_of, name_of, refuse, warn
 from vibrafeed.app.cli.texts import refuse_taken, write_text
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.intake.forms import FORMS, SERVICE, resolve_files, to_curl
+from vibrafeed.core.intake.forms import FORMS, SERVICE, resolve_files, write_as
 from vibrafeed.core.suggestions import suggestion
 
 if TYPE_CHECKING:
@@ -28,8 +28,8 @@ def convert(
     to: Annotated[
         str,
         typer.Option(
-            help="Format to convert to: toml, json, curl (a command that posts the study) "
-            "or python (a program that runs it)."
+            help="Format to convert to: toml, json, curl or powershell (commands that post the "
+            "study), or python (a program that runs it)."
         ),
     ],
     output: Annotated[
@@ -43,13 +43,12 @@ def convert(
     service: Annotated[
         str | None,
         typer.Option(
-            help="Base URL of the service that the curl command posts to, as in "
-            "http://localhost:8000."
+            help="Base URL of the service that the command posts to, as in http://localhost:8000."
         ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
-    """Convert a study to TOML, JSON, a curl command, or a Python call.
+    """Convert a study to TOML, JSON, a command that posts it, or a Python call.
 
     Units and ranges stay as they were typed; comments are lost. The study is checked first, and
     all of its forms have the same key: the service computes equal studies once. Exit code 2 means
@@ -70,8 +69,7 @@ def convert(
     content = _read_valid_study(file)
     folder = output.parent if output is not None else Path()
     try:
-        found = resolve_files(content, to, folder)
-        text = to_curl(found, service or SERVICE) if to == "curl" else FORMS[to](found)
+        text = write_as(to, resolve_files(content, to, folder), service or SERVICE)
     except StudyError as error:
         refuse({file: error.problems})
     if output is None:

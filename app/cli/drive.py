@@ -230,5 +230,5 @@ def _problems_of_picture(plot: Path | None) -> list[Problem]:
     try:
         check_format(plot)
     except PlotError as error:
-        return [Problem("plot", error.problem.message, error.problem.fix)]
+        return [Problem("--plot", error.problem.message, error.problem.fix)]
     return []

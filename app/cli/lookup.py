@@ -21,6 +21,7 @@ from vibrafeed.core.atlas.read import MAKE, open_atlas
 from vibrafeed.core.atlas.rows import read_rows
 from vibrafeed.core.dataset.frame import Frame, FrameColumn
 from vibrafeed.core.errors import Problem, StudyError, VibrafeedError
+from vibrafeed.core.quantities import letter_of
 from vibrafeed.core.study.unusual import questions
 
 if TYPE_CHECKING:
@@ -162,11 +163,12 @@ def _parse_assignments(assignments: list[str]) -> tuple[dict[str, str | float], 
     parameters: dict[str, str | float] = {}
     problems = []
     for text in assignments:
-        name, sign, value = (part.strip() for part in text.partition("="))
+        written, sign, value = (part.strip() for part in text.partition("="))
+        name = letter_of(written)
         if not sign:
             problems.append(Problem(text[:60], "it has no value", "Write name=value"))
         elif name in parameters:
-            problems.append(Problem(name[:60], "it is given twice", "Give it once"))
+            problems.append(Problem(written[:60], "it is given twice", "Give it once"))
         else:
             try:
                 parameters[name] = float(value)

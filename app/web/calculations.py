@@ -20,7 +20,7 @@ from vibrafeed.app.web.execution import ACCURACY, Execution, read_execution
 from vibrafeed.core.dataset.document import to_document
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.intake import prepare_content, read_json
-from vibrafeed.core.intake.forms import FORMS, to_curl
+from vibrafeed.core.intake.forms import write_as
 from vibrafeed.core.kinds import is_whole, tabulate
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.sweep.slice import SliceCut, compute_slice, prepare_cut
@@ -37,12 +37,12 @@ than this, a trial decides."""
 def convert_study(body: bytes, to: str, base: str) -> str:
     """Return a study converted to another format.
 
-    `body` is the study as JSON; `to` is the format, or `curl` for a command that posts the study;
-    `base` is the service's address, for that command.
+    `body` is the study as JSON; `to` is the format; `base` is the service's address, for a command
+    that posts the study.
     """
     content = cast(dict[str, Any], read_json(body))
     prepare_content(content)
-    return to_curl(content, base) if to == "curl" else FORMS[to](content)
+    return write_as(to, content, base)
 
 
 def execute_at_once(

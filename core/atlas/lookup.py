@@ -38,7 +38,7 @@ from vibrafeed.core.motion.result import SHARES
 from vibrafeed.core.plan.equations import regimes_of
 from vibrafeed.core.plan.grid import parameter_to_si
 from vibrafeed.core.plan.labels import coordinates_of
-from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities import QUANTITIES, by_letters
 from vibrafeed.core.quantities.flags import REGIME
 from vibrafeed.core.study import SimulateStudy
 from vibrafeed.core.study.grid_study import PARAMETERS
@@ -111,7 +111,9 @@ def lookup(
     """
     opened = atlas if isinstance(atlas, Atlas) else open_atlas(atlas)
     check_not_paired(parameters)
-    values = {name: plain(value, f"parameters.{name}") for name, value in parameters.items()}
+    written = {name: plain(value, f"parameters.{name}") for name, value in parameters.items()}
+    values, problems = by_letters(written, "parameters.")
+    _refuse(problems)
     columns: Mapping[str, Any] = {}
     if rows is None:
         looked_up = lookup_grid(opened, values, simulate=simulate)
@@ -119,7 +121,9 @@ def lookup(
         if isinstance(rows, str | os.PathLike):
             columns = read_rows(Path(rows))
         else:
-            columns = _columns(plain(rows, "rows"))
+            given, problems = by_letters(plain(rows, "rows"), "rows.")
+            _refuse(problems)
+            columns = _columns(given)
         looked_up = lookup_rows(opened, columns, values, simulate=simulate)
     for question in questions({"parameters": {**columns, **values}}):
         warnings.warn(question, stacklevel=2)

@@ -10,7 +10,7 @@ from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.measured.cells import read_cells
 from vibrafeed.core.measured.marks import ONE_MARK
 from vibrafeed.core.measured.read import name_and_unit
-from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities import QUANTITIES, letter_of
 from vibrafeed.core.study.grid_study import PARAMETERS
 from vibrafeed.core.study.units import UnitError, read_number, with_unit
 from vibrafeed.core.suggestions import suggestion
@@ -90,6 +90,7 @@ def _headings(cells: list[str]) -> tuple[list[str], list[str], list[Problem]]:
     names, units, problems = [], [], []
     for cell in cells:
         name, unit = name_and_unit(cell)
+        name = letter_of(name)
         if name not in PARAMETERS:
             fix = suggestion(name, PARAMETERS)
             problems.append(Problem("heading", f"'{name[:60]}' is not a parameter", fix))

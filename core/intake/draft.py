@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -13,10 +14,12 @@ from vibrafeed.core.intake.messages import problems_of
 from vibrafeed.core.intake.recorded import channel_questions, tilt_questions
 from vibrafeed.core.intake.section import Stranger
 from vibrafeed.core.intake.sections import SECTIONS
+from vibrafeed.core.intake.words import in_letters, words_in
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plan.plan import plan_scene, scene_parameters
 from vibrafeed.core.plan.prepared import Prepared, names_intended
 from vibrafeed.core.plan.sketch import Sketch
+from vibrafeed.core.quantities import WORD_OF
 from vibrafeed.core.study.grid_study import MAX_OUTPUTS, PARAMETERS, Study
 from vibrafeed.core.study.unusual import questions
 from vibrafeed.core.suggestions import nearest
@@ -26,9 +29,14 @@ if TYPE_CHECKING:
     from vibrafeed.core.plan.kind import Kind
 
 
+_LETTER = re.compile(rf"\b(?:{'|'.join(WORD_OF)})\b")
+
+
 @dataclass
 class Draft:
     """A study on its way in: content that is resolved, checked and prepared.
+
+    The words for angles in it become letters; messages say what the user wrote.
 
     Attributes
     ----------
@@ -40,12 +48,20 @@ class Draft:
         Sections whose files could not be read: no further problem of them is reported.
     fit : Fit or None
         Fit of the recording, if the study names one.
+    words : dict of str to str
+        The words that the study has for angles, by their letters.
     """
 
     content: Any
-    problems: list[Problem] = field(default_factory=list)
+    problems: list[Problem] = field(init=False)
     unread: set[str] = field(default_factory=set)
     fit: Fit | None = None
+    words: dict[str, str] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Put letters for words; note each angle given by both as a problem."""
+        self.words = words_in(self.content)
+        self.content, self.problems = in_letters(self.content)
 
     @property
     def kind(self) -> Kind | None:
@@ -56,11 +72,12 @@ class Draft:
     @property
     def questions(self) -> tuple[str, ...]:
         """Questions about values that are allowed and unusual, those of files as those typed."""
-        return (
+        asked = (
             *questions(self.content),
             *channel_questions(self.fit),
             *tilt_questions(self.fit, self.content),
         )
+        return tuple(map(self._in_words, asked))
 
     def resolve(self, *, files: bool) -> Draft:
         """Return this draft of a study with file names replaced by the numbers in the files.
@@ -97,11 +114,11 @@ class Draft:
             problem, likely = _no_kind(self.content)
             content = {**self.content, "kind": likely.name}
             _, found = self._validated(likely, content)
-            raise StudyError([problem, *found, *self.problems])
+            raise self._error([problem, *found, *self.problems])
         study, problems = self._validated(self.kind, self.content)
         problems += self.problems
         if study is None or problems:
-            raise StudyError(problems)
+            raise self._error(problems)
         return study
 
     def prepare(self) -> Prepared:
@@ -115,9 +132,25 @@ class Draft:
         except StudyError as error:
             # Without the numbers of files a plan would miss what is not missing.
             further = [] if self.problems else self._objections(error)
-            raise StudyError([*error.problems, *further]) from None
-        prepared = KINDS[study.kind].prepare(study)
-        return replace(prepared, questions=(*self.questions, *prepared.questions))
+            raise self._error([*error.problems, *further]) from None
+        try:
+            prepared = KINDS[study.kind].prepare(study)
+        except StudyError as error:
+            raise self._error(error.problems) from None
+        asked = map(self._in_words, prepared.questions)
+        return replace(prepared, questions=(*self.questions, *asked))
+
+    def _error(self, problems: Iterable[Problem]) -> StudyError:
+        """Return the error with problems of this study, which name angles as the user did."""
+        said = self._in_words
+        return StudyError(
+            replace(one, place=said(one.place), message=said(one.message), fix=said(one.fix))
+            for one in problems
+        )
+
+    def _in_words(self, text: str) -> str:
+        """Return a message with the words that the study has for angles in place of letters."""
+        return _LETTER.sub(lambda found: self.words.get(found[0], found[0]), text)
 
     def _validated(
         self, kind: Kind, content: Mapping[str, Any]

@@ -1,4 +1,4 @@
-"""A study in the forms in which people pass it on: TOML, JSON, a line for curl, a call in Python.
+"""A study in the forms in which people pass it on: TOML, JSON, a request, a call in Python.
 
 Each takes the content of a sound study as it was typed, so that units and ranges stay as they are.
 """
@@ -18,6 +18,7 @@ from vibrafeed.core.intake.keywords import KEYS
 from vibrafeed.core.intake.observed import read_rows
 from vibrafeed.core.intake.posteriors import with_posteriors
 from vibrafeed.core.intake.sections import SECTIONS
+from vibrafeed.core.intake.words import in_letters
 from vibrafeed.core.measured.read import decoded
 
 SERVICE: Final = "http://127.0.0.1:8000"
@@ -64,8 +65,7 @@ def to_curl(content: Mapping[str, Any], service: str = SERVICE) -> str:
     StudyError
         If the study is longer than an argument of a command may be.
     """
-    body = json.dumps(content, separators=(",", ":"))
-    address = f"{service.rstrip('/')}/processes/{content['kind']}/execution"
+    body, address = _request(content, service)
     if len(body) > LONGEST_ARGUMENT:
         message = f"it has {len(body):,} bytes, more than a command line holds"
         fix = (
@@ -75,6 +75,24 @@ def to_curl(content: Mapping[str, Any], service: str = SERVICE) -> str:
         raise StudyError([Problem("study", message, fix)])
     words = ["-H", "Content-Type: application/json", "--data-raw", body, address]
     return "curl " + " ".join(map(shlex.quote, words)) + "\n"
+
+
+def to_powershell(content: Mapping[str, Any], service: str = SERVICE) -> str:
+    """Return commands for PowerShell, 5 or later, that post a study to a service.
+
+    The body is a text between @' and '@, in which no character has a meaning of its own, and ASCII:
+    PowerShell 5 would send other letters as Latin-1. `content` and `service` are as for `to_curl`.
+    """
+    body, address = _request(content, service)
+    options = "-Method Post -ContentType 'application/json' -Body $study"
+    address = address.replace("'", "''")
+    return f"$study = @'\n{body}\n'@\nInvoke-RestMethod {options} -Uri '{address}'\n"
+
+
+def _request(content: Mapping[str, Any], service: str) -> tuple[str, str]:
+    """Return the body of a request that carries out a study, in ASCII, and its address."""
+    body = json.dumps(content, separators=(",", ":"))
+    return body, f"{service.rstrip('/')}/processes/{content['kind']}/execution"
 
 
 def to_python(content: Mapping[str, Any]) -> str:
@@ -93,12 +111,22 @@ def to_python(content: Mapping[str, Any]) -> str:
     return "\n".join(["import vibrafeed", "", call, *lines, ")", "print(dataset)", ""])
 
 
-FORMS: Final[Mapping[str, Callable[[Mapping[str, Any]], str]]] = {
+REQUESTS: Final[Mapping[str, Callable[[Mapping[str, Any], str], str]]] = {
+    "curl": to_curl,
+    "powershell": to_powershell,
+}
+"""Commands that post a study to a service, whose address they take."""
+FORMS: Final[Mapping[str, Callable[..., str]]] = {
     "toml": to_toml,
     "json": to_json,
-    "curl": to_curl,
+    **REQUESTS,
     "python": to_python,
 }
+
+
+def write_as(form: str, content: Mapping[str, Any], service: str = SERVICE) -> str:
+    """Return a study in one of `FORMS`; a request asks the service at the address `service`."""
+    return FORMS[form](content, service) if form in REQUESTS else FORMS[form](content)
 
 
 def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[str, Any]:
@@ -121,15 +149,15 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
     StudyError
         If a recording that is to be sent cannot be read.
     """
-    if form == "curl":
-        content = with_posteriors({**content}, files=True).content
+    if form in REQUESTS:
+        content = with_posteriors(in_letters(content)[0], files=True).content
     if isinstance(content.get("observations"), str):
         content = {**content, "observations": _observations(content, form, folder)}
     drive = content.get("drive")
     if not isinstance(drive, Mapping) or not isinstance(drive.get("file"), str):
         return dict(content)
     file = Path(drive["file"])
-    if form == "curl":
+    if form in REQUESTS:
         try:
             data = decoded(file.read_bytes())
         except (OSError, ValueError) as error:
@@ -137,20 +165,31 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
             raise StudyError([Problem("drive.file", message, "Name a CSV")]) from None
         rest = {name: value for name, value in drive.items() if name != "file"}
         return {**content, "drive": {**rest, "data": data}}
-    found = file if form == "python" else Path(os.path.relpath(file, folder))
-    return {**content, "drive": {**drive, "file": str(found)}}
+    return {**content, "drive": {**drive, "file": _path_from(file, form, folder)}}
 
 
 def _observations(content: Mapping[str, Any], form: str, folder: Path) -> Any:
     """Return the file of observations of a study that is moved to another form, or its rows.
 
-    The rows for a request by curl, since a service reads no files; the path as it is for a call in
-    Python; the path relative to `folder` for a file there. `content` is the study, `form` the form.
+    The rows for a request, since a service reads no files; else the path as `_path_from` gives it.
+    `content` is the study, `form` the form.
     """
-    if form == "curl":
-        return read_rows(Path(content["observations"]))
     file = Path(content["observations"])
-    return str(file if form == "python" else Path(os.path.relpath(file, folder)))
+    return read_rows(file) if form in REQUESTS else _path_from(file, form, folder)
+
+
+def _path_from(file: Path, form: str, folder: Path) -> str:
+    """Return the path of a file for a study in another form, with / between its folders.
+
+    A program gets it as it is, a study in `folder` the one from there; on another drive of Windows
+    it is the absolute one.
+    """
+    if form == "python":
+        return file.as_posix()
+    try:
+        return Path(os.path.relpath(file, folder)).as_posix()
+    except ValueError:
+        return file.absolute().as_posix()
 
 
 def _depth(value: object) -> int:

@@ -13,7 +13,7 @@ from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.intake.text import LARGEST, TOO_LARGE, read_content
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.measured.read import name_and_unit
-from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities import QUANTITIES, letter_of
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.arrays import apart, dimension_of, is_packed, with_own_unit
 from vibrafeed.core.study.grid_study import PARAMETERS, Study
@@ -56,7 +56,9 @@ def gather(
     more = spread(keywords)
     parameters = content.get("parameters")
     if isinstance(parameters, Mapping) and isinstance(more.get("parameters"), Mapping):
-        more["parameters"] = {**parameters, **more["parameters"]}
+        new = {*map(letter_of, more["parameters"])}
+        kept = {name: one for name, one in parameters.items() if letter_of(name) not in new}
+        more["parameters"] = kept | more["parameters"]
     content |= more
     if kind is not None:
         _check_kind(content.setdefault("kind", kind), kind)
@@ -104,7 +106,8 @@ def check_not_paired(written: Mapping[str, Any]) -> None:
     """
     inner = written.get("parameters")
     given = {**written, **inner} if isinstance(inner, Mapping) else written
-    along = {str(n): d for n, v in given.items() if n in PARAMETERS and (d := dimension_of(v))}
+    dims = {letter_of(name): dimension_of(value) for name, value in given.items()}
+    along = {name: letter_of(dim) for name, dim in dims.items() if name in PARAMETERS and dim}
     fix = "Give lists if all combinations are meant, else make one study for each pair"
     problems = [
         Problem(f"parameters.{second}", f"its array and that of {first} are both along '{dim}', "
@@ -166,7 +169,7 @@ def _numbers(value: Any, path: str) -> Any:
     if getattr(numbers, "ndim", 0) > 1:
         message = f"the value is an array of {numbers.ndim} dimensions"
         raise StudyError([Problem(path, message, "Give an array of one dimension, or one number")])
-    quantity = QUANTITIES.get(path.rpartition(".")[2])
+    quantity = QUANTITIES.get(letter_of(path.rpartition(".")[2]))
     own = "1" if path in KEYS else "" if quantity is None else quantity.unit
     unit = "" if unit == own else unit
     if hasattr(numbers, "tolist"):
@@ -228,7 +231,7 @@ def _is_key(name: str) -> bool:
 
     So that a misspelled keyword is refused where it was meant to stand.
     """
-    if name in KEYS or name in PARAMETERS:
+    if name in KEYS or letter_of(name) in PARAMETERS:
         return name in KEYS
     near: Iterable[str] = difflib.get_close_matches(name[:60], (*KEYS, *PARAMETERS), n=1)
     return any(known in KEYS for known in near)

@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from vibrafeed.core.errors import MAX_PROBLEMS, Problem
 from vibrafeed.core.intake.section import Section, Stranger
+from vibrafeed.core.quantities import letter_of
 from vibrafeed.core.study.grid_study import PARAMETERS
 from vibrafeed.core.suggestions import Suggestions
 
@@ -130,8 +131,8 @@ def _outside(names: list[str]) -> Problem:
 
 def _is_outside(error: ErrorDetails) -> bool:
     """True if the error is a parameter at the top level of a study."""
-    path = error["loc"]
-    return error["type"] == "extra_forbidden" and len(path) == 1 and path[0] in PARAMETERS
+    name, *below = error["loc"]
+    return error["type"] == "extra_forbidden" and not below and letter_of(name) in PARAMETERS
 
 
 def _problem(

@@ -10,10 +10,18 @@ from typing import Any, Final, NoReturn
 
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.extras import installing
-from vibrafeed.core.intake.section import Content, Resolved, Section, Stranger, dotted
+from vibrafeed.core.intake.section import (
+    Content,
+    Resolved,
+    Section,
+    Stranger,
+    advice_on_path,
+    dotted,
+)
 from vibrafeed.core.measured.cells import read_cells
 from vibrafeed.core.measured.marks import ONE_MARK
 from vibrafeed.core.measured.read import name_and_unit
+from vibrafeed.core.quantities import letter_of
 from vibrafeed.core.study.grid_study import PARAMETERS
 from vibrafeed.core.study.observations import MAX_RUNS, OBSERVED
 from vibrafeed.core.study.units import with_unit
@@ -68,7 +76,7 @@ def read_rows(path: Path) -> list[dict[str, Any]]:
         lines = [*islice(_workbook(path) if suffix == ".xlsx" else _csv(path), MAX_RUNS + 2)]
     except (OSError, ValueError) as error:  # a NUL in its name is the second
         message = f"{path.name} cannot be read: {getattr(error, 'strerror', None) or error}"
-        _fail(message, "Name a CSV or XLSX file in the study's folder")
+        _fail(message, advice_on_path(path, "Name a CSV or XLSX file in the study's folder"))
     if len(lines) < 2:
         _fail(f"{path.name} has no rows", HEADING)
     names, units = _headings(lines[0], path)
@@ -95,7 +103,7 @@ def _headings(cells: Iterable[Any], path: Path) -> tuple[list[str], list[str]]:
     names, units = [], []
     for cell in cells:
         name, unit = name_and_unit(str(cell))
-        names.append(name)
+        names.append(letter_of(name))
         units.append(unit)
     twice = [name for k, name in enumerate(names) if name and name in names[:k]]
     if twice:

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from vibrafeed.core.errors import Problem
-from vibrafeed.core.intake.section import Content, Resolved, Section
+from vibrafeed.core.intake.section import Content, Resolved, Section, advice_on_path
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.study.distributions import CALIBRATION
 from vibrafeed.core.study.units import UnitError, unit_factor
@@ -73,7 +73,7 @@ def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
     try:
         table = read_netcdf(Path(path), most_bytes=MAX_BYTES)
     except Exception as error:  # of a strange file the library raises of many kinds
-        return Problem(key, f"{path} cannot be read: {error}"[:300], fix)
+        return Problem(key, f"{path} cannot be read: {error}"[:300], advice_on_path(path, fix))
     density = table.variables.get(f"{DENSITY}{name}")
     known_axis = name in table.coordinates and name in QUANTITIES
     if density is None or density.dims != (name,) or not known_axis:

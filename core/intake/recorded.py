@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from vibrafeed.core import measured
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.intake.messages import problems_of
-from vibrafeed.core.intake.section import Content, Resolved, Section, Stranger
+from vibrafeed.core.intake.section import Content, Resolved, Section, Stranger, advice_on_path
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.study.drive import (
     MeasuredDrive,
@@ -179,9 +179,8 @@ def _measured_drive(
         raise StudyError(_placed(problem, path) for problem in error.problems) from None
     except (OSError, ValueError) as error:  # a NUL in its name is the second
         message = f"it cannot be read: {getattr(error, 'strerror', None) or error}"
-        raise StudyError(
-            [Problem(path, message, "Name a CSV file by its path from the folder of the study")]
-        ) from None
+        fix = "Name a CSV file by its path from the folder of the study"
+        raise StudyError([Problem(path, message, advice_on_path(source, fix))]) from None
     name = source.name if isinstance(source, Path) else SENT
     return _record_of(fit, name, digest), fit
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -97,6 +98,17 @@ def no_parameter(stranger: Stranger) -> Problem:
         return Problem(stranger.place, message, f"Move {name} above the line [{within}]")
     fix = stranger.suggest(name, PARAMETERS, stranger.parameters)
     return Problem(stranger.place, f"'{name}' is not a parameter", fix)
+
+
+def advice_on_path(path: str | Path, fix: str) -> str:
+    """Return the advice for a file that cannot be read; `fix`, unless the path has backslashes.
+
+    Only Windows has them between folders, and in TOML those in double quotes stand for other
+    characters, such as a tab.
+    """
+    text = str(path)
+    slipped = ("\\" in text and os.sep == "/") or any(letter in text for letter in "\b\t\n\f\r")
+    return "Write / between the folders of a path, not \\" if slipped else fix
 
 
 def _nothing(*_: Any) -> Iterable[str]:

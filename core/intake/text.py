@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import json
 import re
 import sys
@@ -28,6 +29,7 @@ NO_STUDIES = {
 MAX_BRACKETS = 10_000  # objects and lists of one text
 LARGEST = sys.float_info.max
 _AT_LINE = re.compile(r"at line (\d+)")
+_BACKSLASH = re.compile(r'"[^"]*\\')  # in a text in which it means something to TOML
 _DECIMAL_COMMA = re.compile(r"[=:]\s*([-+]?\d+),(\d+)")
 TOO_LARGE = "it is a number larger than 1.8e308", "Fix the value"
 _TOO_LONG = "set_int_max_str_digits"  # in Python's message on an integer of thousands of digits
@@ -47,7 +49,7 @@ def read_content(path: Path) -> object:
     try:
         text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin it with a mark
     except UnicodeDecodeError as error:
-        _fail("file", "it is not UTF-8 text", "Save it as UTF-8", error)
+        _fail("file", "it is not UTF-8 text", _advice_on_encoding(error.object), error)
     except OSError as error:
         _fail("file", f"it cannot be read: {error.strerror}", "Name a TOML or JSON study", error)
     content = _read_text(text, ".json" if suffix == ".json" else ".toml", path.stem)
@@ -56,6 +58,12 @@ def read_content(path: Path) -> object:
             if key in content:
                 content[key] = section.beside(content[key], path.parent)
     return content
+
+
+def _advice_on_encoding(raw: bytes) -> str:
+    """Return the advice for a study that is not UTF-8, of its bytes: PowerShell 5 writes UTF-16."""
+    is_wide = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    return "Save it as UTF-8" + ("; in PowerShell write it with -o FILE, not >" if is_wide else "")
 
 
 def _read_text(text: str, suffix: str, stem: str) -> object:
@@ -91,8 +99,11 @@ def read_toml(text: str) -> object:
         if _TOO_LONG in str(error):
             _fail("file", *TOO_LARGE, error)
         found = _AT_LINE.search(str(error))
-        _refuse_comma("file", text, int(found[1]) if found else 0)
+        number = int(found[1]) if found else 0
+        _refuse_comma("file", text, number)
         fix = f'{SYNTAX}: texts, such as "20 deg", stand in quotes'
+        if number and _BACKSLASH.search(text.split("\n")[number - 1]):
+            fix = "In a path write / for \\, or set the path in '...'"
         _fail("file", f"it is not TOML: {error}", fix, error)
     _check_values(content, texts="\\" in text or not text.isascii())
     return content

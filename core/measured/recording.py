@@ -193,19 +193,24 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
             fix = "Name the columns: along = ..., normal = ..., or sensor = three columns"
             problems.append(Problem("along", "the drive names no column of accelerations", fix))
         elif recording.mounting is not None:
-            fix = "Give sensor = three columns instead of along, across and normal"
+            fix = "Give sensor = three columns, instead of a column for each axis"
             problems.append(
                 Problem(
                     "mounting",
-                    "mounting applies only together with sensor (three columns), which is "
-                    "not given",
+                    "the mounting is that of a sensor of three columns, which are not given",
                     fix,
                 )
             )
         return own
     if own:
-        fix = "Give either sensor, or along, normal and across"
-        problems.append(Problem("sensor", f"the drive gives both sensor and {own[0][0]}", fix))
+        fix = "Give either sensor = three columns, or a column for each axis"
+        problems.append(
+            Problem(
+                "sensor",
+                f"the drive names the columns of a sensor, and single ones ({own[0][0]})",
+                fix,
+            )
+        )
     if isinstance(sensor, str) or len(sensor) != 3:
         fix = 'Name the columns of x, y and z: sensor = ["ax", "ay", "az"]'
         problems.append(

@@ -99,7 +99,7 @@ def read_times(
     unit = column.unit or unit_in_name(name)
     factor = _seconds(unit)
     if factor is None:
-        fix = "Write s, ms, us or min in the header, or give rate and leave time out"
+        fix = "Write s, ms, us or min in the header, or give the rate (rate) and leave time out"
         problems.append(
             Problem(
                 "time",

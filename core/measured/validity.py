@@ -306,7 +306,8 @@ def _off(line: float | None, frequency: float) -> list[Problem]:
     if line is None or abs(frequency / line - 1.0) <= MAX_CLOCK:
         return []
     ratio = max(frequency / line, line / frequency)
-    fix = f"Clocks are trusted within {100 * MAX_CLOCK:.0f} %: correct rate or line_frequency"
+    most = f"{100 * MAX_CLOCK:.0f} %"
+    fix = f"Clocks are trusted within {most}: correct the sampling rate (rate) or line_frequency"
     if abs(ratio - round(ratio)) < TWICE:
         fix = "Give as line_frequency what the drive runs at, such as 100 Hz on mains of 50 Hz"
     message = f"the recording repeats with {frequency:.4g} Hz, the line has {line:g} Hz"

@@ -9,12 +9,14 @@ from dataclasses import replace
 import xarray
 from matplotlib.figure import Figure
 
+from vibrafeed.core.plots.fixed import in_letters
 from vibrafeed.core.plots.options import Options
 from vibrafeed.core.plots.pictures import NAMES, PICTURES, is_calibration
 from vibrafeed.core.plots.problem import PlotError
 from vibrafeed.core.plots.style import Style
 from vibrafeed.core.plots.text import units_of
 from vibrafeed.core.plots.together import draw_together
+from vibrafeed.core.quantities import letter_of
 from vibrafeed.core.suggestions import suggestion
 
 
@@ -81,8 +83,9 @@ def draw(
     """
     datasets = _datasets(dataset)
     dataset = datasets[0]
+    axes = None if axes is None else tuple(map(letter_of, axes))
     options = Options(
-        kind, variable, axes, at or {}, nearest, title, Style(dark=dark, small=small),
+        kind, variable, axes, in_letters(at or {}), nearest, title, Style(dark=dark, small=small),
         units_of(dataset, units),
     )  # fmt: skip
     if kind is not None and kind not in PICTURES:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
 import xarray
 
 from vibrafeed.core.plots.problem import PlotError
-from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities import QUANTITIES, by_letters
 from vibrafeed.core.study.units import UnitError, read_number
 from vibrafeed.core.study.values import position_on_axis
 from vibrafeed.core.suggestions import suggestion
@@ -25,7 +26,7 @@ def read_fixed(texts: Mapping[str, float | str]) -> dict[str, float]:
         If a name is not a quantity, or a text not a value of it.
     """
     values = {}
-    for name, text in texts.items():
+    for name, text in in_letters(texts).items():
         if name not in QUANTITIES:
             message = "there is no such quantity"
             raise PlotError(_axis_name(name), message, suggestion(name, QUANTITIES))
@@ -33,6 +34,20 @@ def read_fixed(texts: Mapping[str, float | str]) -> dict[str, float]:
             values[name] = read_number(name, QUANTITIES[name], text)
         except UnitError as error:
             raise PlotError(_axis_name(name), error.message, error.fix) from None
+    return values
+
+
+def in_letters(at: Mapping[str, Any]) -> dict[str, Any]:
+    """Return values by the names of quantities, the words for angles replaced by their letters.
+
+    Raises
+    ------
+    PlotError
+        If an angle is given by both.
+    """
+    values, problems = by_letters(at)
+    for problem in problems:
+        raise PlotError(_axis_name(problem.place), problem.message, problem.fix)
     return values
 
 

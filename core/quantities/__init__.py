@@ -31,6 +31,7 @@ from vibrafeed.core.quantities.rolling import ROLLING
 from vibrafeed.core.quantities.round_parts import ROUND_PARTS
 from vibrafeed.core.quantities.row import ROW
 from vibrafeed.core.quantities.track import TRACK
+from vibrafeed.core.quantities.words import WORD_OF, WORDS, by_letters, letter_of
 
 __all__ = [
     "DIRECTIONS",
@@ -42,8 +43,12 @@ __all__ = [
     "QUANTITIES",
     "REGIMES",
     "STATUSES",
+    "WORDS",
+    "WORD_OF",
     "Flag",
     "Quantity",
+    "by_letters",
+    "letter_of",
 ]
 
 # In the order in which documents list them; those of one study share axes in this order.

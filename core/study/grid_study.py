@@ -18,7 +18,7 @@ from pydantic import (
     create_model,
 )
 
-from vibrafeed.core.quantities import QUANTITIES, Quantity
+from vibrafeed.core.quantities import QUANTITIES, WORDS, Quantity
 from vibrafeed.core.study.drive import Drive
 from vibrafeed.core.study.levels import at_most, refusal
 from vibrafeed.core.study.shown import read_shown
@@ -28,18 +28,21 @@ from vibrafeed.core.study.values import Between, Values, read_between, read_valu
 PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.parameter)
 
 
-def _without_echoes(schema: dict[str, Any]) -> None:
-    """Remove entries from a JSON Schema that say nothing new and repeat for every parameter.
+def _tidy(schema: dict[str, Any]) -> None:
+    """Remove from a JSON Schema what repeats for every parameter; add the words for angles.
 
-    They are titles that repeat their key, and the default null of what may be left out. `schema` is
+    Titles that repeat their key go, and the default null of what may be left out. `schema` is
     changed itself.
     """
-    required = schema.get("required", ())
-    for name, field in schema.get("properties", {}).items():
+    required, properties = schema.get("required", ()), schema.get("properties", {})
+    for name, field in properties.items():
         if field.get("title", "").lower() == name.replace("_", " "):
             del field["title"]
         if name not in required and field.get("default", 0) is None:
             del field["default"]
+    for word, letter in WORDS.items():
+        if letter in properties:
+            properties[word] = properties[letter] | {"description": f"Another name of {letter}."}
 
 
 class Frozen(BaseModel):
@@ -50,7 +53,7 @@ class Frozen(BaseModel):
         extra="forbid",
         defer_build=True,
         arbitrary_types_allowed=True,
-        json_schema_extra=_without_echoes,
+        json_schema_extra=_tidy,
     )
 
 

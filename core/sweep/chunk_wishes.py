@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from vibrafeed.core.dataset.layout import chunk_shape
 from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.quantities import letter_of
 from vibrafeed.core.suggestions import Suggestions
 
 Wishes = Mapping[str, int | None]
@@ -35,6 +36,7 @@ def read_wishes(text: str, sizes: Mapping[str, int], most: int) -> dict[str, int
     problems, suggest = [], Suggestions()
     for word in text.split(","):
         name, _, length = word.partition(":")
+        name = letter_of(name)
         is_number = length.isdecimal() and length.isascii() and len(length) <= 18
         if name not in sizes:
             message, fix = f"'{name[:60]}' is not an axis of this sweep", suggest(name, sizes)

@@ -20,7 +20,7 @@ from vibrafeed.core.plan.grid import Grid, from_si
 from vibrafeed.core.plan.labels import link_to_verdict
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.quantities import QUANTITIES, REGIMES
+from vibrafeed.core.quantities import QUANTITIES, REGIMES, by_letters, letter_of
 from vibrafeed.core.quantities.flags import REGIME
 from vibrafeed.core.study.units import UnitError, problem, read_number
 from vibrafeed.core.study.values import position_on_axis
@@ -107,7 +107,9 @@ def prepare_cut(
     StudyError, LimitError
         With every problem of the names; if the slice has more values.
     """
-    problems = list(_problems(sweep, output, axes, at))
+    axes = [*map(letter_of, axes)]
+    at, twice = by_letters(at)
+    problems = [*twice, *_problems(sweep, output, axes, at)]
     if problems:
         raise StudyError(problems)
     whole = sweep.grid

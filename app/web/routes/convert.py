@@ -48,14 +48,14 @@ async def convert(
     settings: SettingsOf,
     base: BaseOf,
     to: Annotated[
-        Literal["toml", "json", "curl", "python"],
+        Literal["toml", "json", "curl", "powershell", "python"],
         Query(
-            description="Format to convert to: toml, json, curl (a command that posts the study) "
-            "or python (a program that runs it)."
+            description="Format to convert to: toml, json, curl or powershell (commands that post "
+            "the study), or python (a program that runs it)."
         ),
     ],
 ) -> Response:
-    """Check a study, and return it as `vibrafeed convert` writes it; curl asks this service."""
+    """Check a study, and return it as `vibrafeed convert` does; a command asks this service."""
     text = await calculate_in_process(
         request, convert_study, body, to, base, seconds=settings.max_execution_seconds
     )

@@ -41,6 +41,15 @@ def test_one_part(atlas):
     assert "m/min" in result.stdout
 
 
+def test_angles_are_named_by_their_words(atlas, tmp_path):
+    words = [part.replace("beta", "elevation") for part in PART]
+    expected = json.loads(run("lookup", *PART, "--atlas", atlas, "--json").stdout)
+    assert json.loads(run("lookup", *words, "--atlas", atlas, "--json").stdout) == expected
+    twice = run("lookup", *words, "beta=20", "--atlas", atlas)
+    assert twice.exit_code == 2
+    assert "beta: it is given twice. Give it once." in twice.stderr
+
+
 def test_no_answer_says_what_to_do(atlas):
     wild = ("frequency=50 Hz", "amplitude=4 mm", "beta=25", "friction=0.3", "--atlas", atlas)
     result = run("lookup", *wild)

@@ -73,6 +73,8 @@ def test_an_unusual_number_is_asked_about_and_runs():
 def test_the_line_for_curl_asks_the_service_that_is_named(study):
     line = convert(study, "--to", "curl", "--service", "http://lab:9000/").stdout
     assert line.endswith(" http://lab:9000/processes/simulate/execution\n")
+    line = convert(study, "--to", "powershell", "--service", "http://lab:9000/").stdout
+    assert line.endswith(" -Uri 'http://lab:9000/processes/simulate/execution'\n")
 
 
 def test_a_file_is_replaced_when_told_to_only(study, tmp_path):
@@ -90,8 +92,8 @@ def test_what_is_wrong_is_said(study, tmp_path):
     unknown = convert(study, "--to", "yaml")
     assert unknown.exit_code == 2
     assert (
-        "to: a study cannot be converted to the format 'yaml'. Known: curl, json, python, toml."
-        in unknown.stderr
+        "to: a study cannot be converted to the format 'yaml'. "
+        "Known: curl, json, powershell, python, toml." in unknown.stderr
     )
     study.write_text(STUDY.replace("friction", "mu"))
     assert "Did you mean 'friction'?" in convert(study, "--to", "json").stderr

@@ -61,6 +61,17 @@ def test_the_stroke_has_a_line_and_unusual_numbers_a_question(tmp_path):
     assert f"{file}: warning: frequency = 0.05 Hz, fitted to part.csv, is unus" in unusual.stderr
 
 
+@pytest.mark.parametrize("heading", ["Zeit [s]", "Messzeit [s]", "Zeit in s", "Zeit", "Uhr (s)"])
+def test_a_column_of_times_is_found_by_its_unit_or_name(heading, tmp_path):
+    text = csv_of(signal_of({"along": [(2e-4, 0.0)], "normal": [(1e-4, 0.0)]}))
+    file = tmp_path / "part.csv"
+    rows = text.replace("time [s]", heading).replace(",", ";").replace(".", ",")
+    file.write_text(rows, encoding="utf-8")
+    found = run("drive", file, "--along", "ax", "--normal", "az")
+    assert found.exit_code == 0, found.output
+    assert "line of the stroke: 0.2236" in found.output
+
+
 def test_the_toml_is_the_parameters_of_a_study(tmp_path):
     part = tmp_path / "part.toml"
     result = run("drive", RECORDING, *AXES, "--toml", "-o", part)
@@ -92,17 +103,23 @@ def test_every_problem_is_told_at_once(tmp_path):
     assert result.exit_code == 2
     assert result.output.splitlines() == [
         f"{RECORDING}: error: 6 problems",
-        "  plot: '.bmp': unknown picture format. End the name of the picture in .png, .svg "
+        "  --plot: '.bmp': unknown picture format. End the name of the picture in .png, .svg "
         "or .pdf.",
         "  --rate: 'x' is not a unit. Write --rate=\"5 kHz\" (a bare number is in Hz).",
-        "  --mounting: mounting applies only together with sensor (three columns), which is "
-        "not given. Give "
-        "--sensor=three columns instead of "
-        "along, across and normal.",
+        "  --mounting: the mounting is that of a sensor of three columns, which are not given. "
+        "Give --sensor=three columns, instead of a column for each axis.",
         "  --along: the recording has no column 'bx'. Known: ax, ay, az, time.",
         "  --unit: 'kg' is not a unit of acceleration. Known: m s-2, mm s-2, cm/s2, g, mg.",
         "  --harmonics: 12 orders cannot be fitted. Give a whole number from 1 to 10, or leave it "
         "out.",
+    ]
+    both = run("drive", RECORDING, "--along", "ax", "--sensor", "ax,ay,az", "--rate", "5 kHz",
+               "--time", "time")  # fmt: skip
+    assert both.output.splitlines()[1:] == [
+        "  --rate: the recording has both a sampling rate (--rate) and a time column (--time). "
+        "Give only the one that the recorder measures more accurately.",
+        "  --sensor: the drive names the columns of a sensor, and single ones (--along). "
+        "Give either --sensor=three columns, or a column for each axis.",
     ]
     absent = run("drive", tmp_path / "absent.csv", "--along", "ax")
     assert absent.exit_code == 2
@@ -127,6 +144,10 @@ def test_a_study_finds_its_recording_beside_itself(tmp_path):
     with xarray.open_dataset(study.with_suffix(".nc"), engine="netcdf4") as dataset:
         assert dataset.attrs["drive"].startswith("fitted to recording.csv (SHA-256 ")
         assert str(tmp_path) not in str(dataset.attrs)
+    named = tmp_path / "named.toml"
+    named.write_text(study.read_text().replace("file = ", "recording = "))
+    wrong = run("run", named)
+    assert "'recording' is not a key of the section drive. Did you mean 'file'?" in wrong.output
     (tmp_path / "recording.csv").unlink()
     gone = run("run", study)
     assert gone.exit_code == 2

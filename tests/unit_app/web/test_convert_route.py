@@ -10,7 +10,7 @@ import pytest
 from local_client import local_client
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
-from vibrafeed.core.intake.forms import FORMS, to_toml
+from vibrafeed.core.intake.forms import FORMS, REQUESTS, to_toml
 
 STUDY = {
     "kind": "simulate",
@@ -29,12 +29,14 @@ def test_each_form_is_that_of_the_command(client):
         reply = client.post(f"/convert?to={form}", json=STUDY)
         assert reply.status_code == 200
         assert reply.headers["content-type"] == "text/plain; charset=utf-8"
-        if form != "curl":
+        if form not in REQUESTS:
             assert reply.text == write(STUDY)
     assert tomllib.loads(client.post("/convert?to=toml", json=STUDY).text) == STUDY
     # The line asks the service that wrote it.
     line = client.post("/convert?to=curl", json=STUDY).text
-    assert line.endswith(f" {str(client.base_url).rstrip('/')}/processes/simulate/execution\n")
+    address = f"{str(client.base_url).rstrip('/')}/processes/simulate/execution"
+    assert line.endswith(f" {address}\n")
+    assert client.post("/convert?to=powershell", json=STUDY).text.endswith(f" -Uri '{address}'\n")
 
 
 def test_what_is_wrong_is_told_as_where_it_is_carried_out(client):

@@ -142,7 +142,7 @@ def test_a_slice_asks_only_for_the_axes_that_its_output_needs(client, posted):
     ("change", "place", "words"),
     [
         ({"output": "velocity"}, "output", "Did you mean"),
-        ({"axes": "bta"}, "axes", "Did you mean 'beta'?"),
+        ({"axes": "bta"}, "axes", "Did you mean 'beta' (elevation)?"),
         ({"axes": "alpha,beta,frequency"}, "axes", "one or two"),
         ({"frequency": "55 Hz"}, "frequency", "nearest are 50 and 60 Hz"),
         ({"frequency": "55 kg"}, "frequency", "Hz"),

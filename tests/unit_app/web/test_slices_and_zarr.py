@@ -53,6 +53,21 @@ class TestSlice:
         (wrong,) = problem(client.get(f"{address}/slice", params=long), 422)["errors"]
         assert wrong["fix"] == "A value has at most 200 characters"
 
+    def test_words_for_angles_are_letters(self, client, address):
+        letters, parameters = STUDY["parameters"], {}
+        for name, value in letters.items():
+            parameters[{"alpha": "azimuth", "beta": "elevation"}.get(name, name)] = value
+        again = client.post("/sweeps", json={**STUDY, "parameters": parameters})
+        assert (again.status_code, f"/sweeps/{again.json()['id']}") == (200, address)
+        assert {*again.json()["study"]["parameters"]} == {*letters}
+        words = {**CUT, "axes": "azimuth,frequency", "elevation": "15 deg"}
+        del words["beta"]
+        expected = client.get(f"{address}/slice", params=CUT).json()
+        assert client.get(f"{address}/slice", params=words).json() == expected
+        twice = client.get(f"{address}/slice", params={**words, "beta": "15 deg"})
+        (wrong,) = problem(twice, 422)["errors"]
+        assert wrong["message"] == "elevation and beta are the same angle, and both are given"
+
     @pytest.mark.parametrize("value", ["NaN", "1"])
     def test_a_free_axis_has_no_value_and_is_named_once(self, client, address, value):
         axis = CUT["axes"].split(",")[0]

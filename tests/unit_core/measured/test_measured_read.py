@@ -351,7 +351,7 @@ def test_a_crest_that_is_rounded_is_not_clipped(steps, rate):
         ),
         (
             Recording(along="ax", mounting=(0, 0, 90)),
-            "mounting: mounting applies only together with sensor",
+            "mounting: the mounting is that of a sensor of three columns",
         ),
         (
             Recording(sensor=("ax", "az")),
@@ -363,7 +363,7 @@ def test_a_crest_that_is_rounded_is_not_clipped(steps, rate):
         ),
         (
             Recording(along="ax", sensor=("ax", "ax", "ax")),
-            "sensor: the drive gives both sensor and along",
+            "sensor: the drive names the columns of a sensor, and single ones (along)",
         ),
         (
             Recording(along="ax", unit="furlong"),

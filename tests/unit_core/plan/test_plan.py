@@ -18,7 +18,7 @@ from vibrafeed.core.motion import SYSTEMS
 from vibrafeed.core.motion.drives import shape_of
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.plan.plan import make_plan, scene_parameters
-from vibrafeed.core.quantities import FAMILIES, QUANTITIES, REGIMES
+from vibrafeed.core.quantities import FAMILIES, QUANTITIES, REGIMES, WORDS
 from vibrafeed.core.quantities.bowl_track import MAX_STRETCHES
 from vibrafeed.core.quantities.drive import DRIVE as NUMBERS_OF_DRIVES
 from vibrafeed.core.quantities.row import MAX_NUMBERED
@@ -242,7 +242,7 @@ def test_the_eight_likely_mistakes_get_one_message_each():
     plane, track = "rectangle-on-plane", "rectangle-on-track"
     cases = [
         (plane, ["acceleration_x"], {**drive, "amplitude": "0.5 kg"}, "amplitude", "mm"),
-        (plane, ["acceleration_x"], {**drive, "gama": 3}, "gama", "Did you mean 'gamma'?"),
+        (plane, ["acceleration_x"], {**drive, "gama": 3}, "gama", "Did you mean 'gamma' (climb)?"),
         (plane, ["acceleration_x"], {**drive, "radius": 0.5}, "radius", "not used by rectangle"),
         (track, ["transport_velocity"], {**drive, "radius": 0.5}, "distance", "missing"),
         (plane, ["acceleration_x"],
@@ -454,7 +454,7 @@ def test_the_schema_knows_every_scene_output_and_parameter(tmp_path_factory):
     assert [kind["properties"]["kind"]["const"] for kind in kinds] == list(KINDS)
     for schema in kinds:
         properties = schema["properties"]["parameters"]["properties"]
-        assert set(properties) == {n for n, q in QUANTITIES.items() if q.parameter}
+        assert set(properties) == {n for n, q in QUANTITIES.items() if q.parameter} | {*WORDS}
     assert kinds[0]["properties"]["scene"]["enum"] == list(SCENES)
     assert kinds[1]["properties"]["scene"]["enum"] == list(SYSTEMS)
     for name, quantity in QUANTITIES.items():

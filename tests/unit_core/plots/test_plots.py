@@ -225,6 +225,15 @@ def test_equal_values_and_two_points_are_drawn(plane: xarray.Dataset):
         draw(flat, axes=None if kind == "line" else ("alpha", "beta"), kind=kind)
 
 
+def test_axes_and_fixed_values_are_named_by_words(plane):
+    look = {"kind": "contour", "variable": "acceleration_x"}
+    letters = draw(plane, axes=("frequency", "beta"), at={"alpha": 30}, **look)
+    words = draw(plane, axes=("frequency", "elevation"), at={"azimuth": 30}, **look)
+    assert subtitle(letters) == subtitle(words)
+    assert words.axes[0].get_ylabel() == letters.axes[0].get_ylabel()
+    assert "elevation" in words.axes[0].get_ylabel()
+
+
 def test_falling_and_logarithmic_axes():
     dataset = study(
         "rectangle-on-plane",
@@ -246,8 +255,10 @@ def test_falling_and_logarithmic_axes():
     [
         ({"variable": "aceleration_x"}, "variable", "Did you mean 'acceleration_x'?"),
         ({"variable": "regime"}, "variable", "every picture shades the regimes"),
-        ({"axes": ("betta", "alpha")}, "axes", "Did you mean 'beta'?"),
+        ({"axes": ("betta", "alpha")}, "axes", "Did you mean 'beta' (elevation)?"),
         ({"axes": ("beta", "beta")}, "axes", "different axes"),
+        ({"axes": ("beta", "elevation")}, "axes", "different axes"),
+        ({"at": {"climb": 1, "gamma": 2}}, "at.climb", "climb and gamma are the same angle"),
         ({"axes": ("alpha", "beta", "frequency")}, "axes", "one or two"),
         ({"kind": "countour"}, "kind", "Did you mean 'contour'?"),
         ({"kind": "surface", "axes": ("beta",)}, "kind", "needs two axes"),

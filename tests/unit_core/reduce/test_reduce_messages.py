@@ -41,7 +41,7 @@ MAX = {"statistics": ["max"]}
         ({**MAX, "over": []}, "reduce.over: "),
         (
             {**MAX, "over": ["bta"]},
-            "reduce.over.0: 'bta' is not an axis of this study. Did you mean 'beta'?",
+            "reduce.over.0: 'bta' is not an axis of this study. Did you mean 'beta' (elevation)?",
         ),
         (
             {**MAX, "over": ["frequency"]},

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import shlex
 import subprocess
 import tomllib
@@ -15,7 +17,7 @@ from hypothesis import strategies as st
 import vibrafeed
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import forms, parse_study, read_content, read_json, read_toml
-from vibrafeed.core.intake.forms import FORMS, resolve_files, to_curl
+from vibrafeed.core.intake.forms import FORMS, REQUESTS, resolve_files, to_curl, to_powershell
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.study.drive import names_recording
 
@@ -35,6 +37,18 @@ def body_of(line: str) -> object:
     assert [curl, header, raw] == ["curl", "-H", "--data-raw"]
     assert content_type == "Content-Type: application/json"
     return read_json(body)
+
+
+def text_of(commands: str) -> str:
+    """Return the text that PowerShell reads between @' and '@, as it stands there."""
+    first, body, last, command, end = commands.split("\n")
+    assert (first, last, end) == ("$study = @'", "'@", "")
+    assert re.fullmatch(
+        r"Invoke-RestMethod -Method Post -ContentType 'application/json' -Body \$study "
+        r"-Uri '[^']+'",
+        command,
+    )
+    return body
 
 
 def called(program: str) -> vibrafeed.Study:
@@ -57,6 +71,7 @@ def studies_of(content) -> dict[str, vibrafeed.Study]:
         "toml": parse_study(read_toml(FORMS["toml"](content))),
         "json": parse_study(read_json(FORMS["json"](content))),
         "curl": parse_study(body_of(to_curl(content))),
+        "powershell": parse_study(read_json(text_of(to_powershell(content)))),
         "python": called(FORMS["python"](content)),
     }
 
@@ -92,6 +107,15 @@ def test_a_shell_hands_a_hostile_title_on_and_does_nothing_else(tmp_path):
     assert [*tmp_path.iterdir()] == []
 
 
+def test_powershell_reads_a_hostile_title_as_plain_text():
+    commands = to_powershell({**PLANE, "title": HOSTILE + "\n'@\n\u2019"}, "http://lab:9000/it's/")
+    assert commands.isascii()  # PowerShell 5 sends other letters as Latin-1
+    _, body, last, command, _ = commands.split("\n")  # its text ends at a line '@ alone
+    assert last == "'@"
+    assert json.loads(body)["title"] == HOSTILE + "\n'@\n\u2019"
+    assert command.endswith(" -Uri 'http://lab:9000/it''s/processes/simulate/execution'")
+
+
 def test_units_and_ranges_stay_as_they_were_typed():
     text = FORMS["toml"](PLANE)
     assert tomllib.loads(text) == PLANE
@@ -119,8 +143,9 @@ def test_a_recording_is_found_from_where_the_form_is_used(tmp_path):
     beside = resolve_files(content, "toml", tmp_path / "studies")["drive"]["file"]
     assert beside == "../data/drive.csv"
     assert resolve_files(content, "python", tmp_path)["drive"]["file"] == str(recording)
-    sent = resolve_files(content, "curl", tmp_path)["drive"]
-    assert sent == {"along": "ax", "data": "t,ax\n0,1\n"}
+    for form in REQUESTS:
+        sent = resolve_files(content, form, tmp_path)["drive"]
+        assert sent == {"along": "ax", "data": "t,ax\n0,1\n"}
     recording.unlink()
     with pytest.raises(StudyError, match="cannot be read"):
         resolve_files(content, "curl", tmp_path)
@@ -128,4 +153,16 @@ def test_a_recording_is_found_from_where_the_form_is_used(tmp_path):
 
 
 def test_the_forms_are_those_that_the_command_names():
-    assert tuple(forms.FORMS) == ("toml", "json", "curl", "python")
+    assert tuple(forms.FORMS) == ("toml", "json", "curl", "powershell", "python")
+
+
+def test_a_file_on_another_drive_keeps_its_whole_path(tmp_path, monkeypatch):
+    def on_windows(path, start):
+        raise ValueError("path is on mount 'C:', start on mount 'D:'")
+
+    content = {**PLANE, "drive": {"file": "data/drive.csv"}, "observations": "data/runs.csv"}
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(os.path, "relpath", on_windows)
+    found = resolve_files(content, "toml", tmp_path / "studies")
+    assert found["drive"]["file"] == (tmp_path / "data" / "drive.csv").as_posix()
+    assert found["observations"] == (tmp_path / "data" / "runs.csv").as_posix()

@@ -14,7 +14,8 @@ from vibrafeed.core.intake.keywords import KEYS
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.optimise.methods import METHODS
-from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities import QUANTITIES, WORD_OF
+from vibrafeed.core.study.drive import RecordedDrive
 from vibrafeed.core.study.grid_study import PARAMETERS
 from vibrafeed.core.study.optimise_study import CRITERIA
 from vibrafeed.core.study.units import UnitError
@@ -44,7 +45,16 @@ def with_parameters(study=PLANE, **more):
 def test_other_names_stand_for_names_that_there_are():
     variants = {name for system in SYSTEMS.values() for name in system.variants}
     scenes = {scene["name"] for scene in describe_all()}
-    known = {*QUANTITIES, *scenes, *KEYS, *KINDS, *CRITERIA, *METHODS, *variants}
+    known = {
+        *QUANTITIES,
+        *scenes,
+        *KEYS,
+        *RecordedDrive.model_fields,
+        *KINDS,
+        *CRITERIA,
+        *METHODS,
+        *variants,
+    }
     known |= {word for question in QUESTIONS for word in question.choices}
     assert {name for names in OTHER_NAMES.values() for name in names} <= known
     parameters = {name for names in OTHER_NAMES.values() for name in names} & set(PARAMETERS)
@@ -56,7 +66,7 @@ def test_other_names_stand_for_names_that_there_are():
     ("typed", "name"),
     [
         ("mu", "friction"), ("µ", "friction"), ("mu_s", "friction_static"),
-        ("mu_k", "friction_kinetic"), ("friction_coefficient", "friction"), ("climb", "gamma"),
+        ("mu_k", "friction_kinetic"), ("friction_coefficient", "friction"), ("clim", "gamma"),
         ("climb_angle", "gamma"), ("inclination", "gamma"), ("launch_angle", "beta"),
         ("vibration-angle", "beta"), ("throw_angle", "beta"), ("Stroke", "peak_to_peak"),
         ("freq", "frequency"), ("f", "frequency"), ("Friction Coefficient", "friction"),
@@ -64,7 +74,8 @@ def test_other_names_stand_for_names_that_there_are():
 )  # fmt: skip
 def test_other_names_of_parameters_lead_to_them(typed, name):
     (message,) = told(with_parameters(**{typed: 1, name: 0.3}))[:1]
-    assert f"Did you mean '{name}'?" in message
+    word = f" ({WORD_OF[name]})" if name in WORD_OF else ""
+    assert f"Did you mean '{name}'{word}?" in message
 
 
 @pytest.mark.parametrize("typed", ["velocity", "speed", "feed_speed", "average velocity"])
@@ -114,7 +125,7 @@ def test_parameters_outside_of_their_place_are_one_problem():
 
 def test_a_megabyte_of_names_looks_few_up():
     """Beside the floods: other names are looked up, never searched for."""
-    many = {f"{name}{k}": 1 for k in range(300) for name in ("mu", "climb")}
+    many = {f"{name}{k}": 1 for k in range(300) for name in ("mu", "slope")}
     assert len(told(with_parameters(**many))) <= 250
 
 

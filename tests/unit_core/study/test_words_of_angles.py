@@ -1,0 +1,225 @@
+"""Azimuth, elevation, climb and lean stand for alpha, beta, gamma and delta in every way in."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import xarray
+
+from vibrafeed.core.atlas.rows import read_rows
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import (
+    gather,
+    load_study,
+    parse_json,
+    parse_study,
+    prepare_content,
+    study_of,
+)
+from vibrafeed.core.plots.fixed import read_fixed
+from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.quantities import QUANTITIES, WORDS
+from vibrafeed.core.suggestions import suggestion
+from vibrafeed.core.sweep.chunk_wishes import read_wishes
+from vibrafeed.core.sweep.slice import cut
+
+LETTERS = {letter: word for word, letter in WORDS.items()}
+DRIVE = {"frequency": "50 Hz", "amplitude": "0.3 mm", "friction": 0.3}
+TRACK = {"kind": "simulate", "scene": "rectangle-on-track"}
+PLANE = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["acceleration_x"]}
+GRID = {"start": 10, "stop": 30, "num": 5}
+RANGE = {"lower": "10 deg", "upper": "30 deg"}
+RUNS = [
+    {"beta": 20, "amplitude": "0.25 mm", "conveying_velocity": "20 mm/s", "error": "1 mm/s"},
+    {"beta": 25, "amplitude": "0.25 mm", "conveying_velocity": "18 mm/s", "error": "1 mm/s"},
+]
+STUDIES = {
+    "parameters": {
+        **TRACK,
+        "parameters": {**DRIVE, "alpha": 2, "beta": "20 deg", "gamma": 1, "delta": 5,
+                       "radius": "0.2 m"},
+    },
+    "sensitivities": {**PLANE, "parameters": {**DRIVE, "beta": GRID}, "sensitivities": ["beta"]},
+    "reduce": {
+        **PLANE,
+        "parameters": {**DRIVE, "beta": GRID, "gamma": [0, 2]},
+        "reduce": {
+            "over": ["beta", "gamma"], "statistics": ["max"],
+            "levels": {"climb": {"output": "acceleration_x", "level": 1, "along": "beta"}},
+        },
+    },
+    "variables": {
+        "kind": "optimise", "scene": "rectangle-on-plane", "parameters": {**DRIVE, "gamma": 1},
+        "variables": {"alpha": RANGE, "beta": RANGE},
+        "criterion": {"kind": "maximise", "output": "acceleration_x"},
+    },
+    "uncertain": {
+        "kind": "sensitivity", "scene": "rectangle-on-plane", "outputs": ["acceleration_x"],
+        "parameters": DRIVE, "uncertain": {"beta": RANGE},
+    },
+    "calibrate": {
+        "kind": "calibrate", "scene": "rectangle-on-plane", "parameters": {"frequency": "50 Hz"},
+        "observations": RUNS, "unknowns": {"friction": {"lower": 0.1, "upper": 0.5},
+                                           "gamma": {"lower": -2, "upper": 2}},
+        "offsets": {"beta": {"mean": 0, "deviation": "2 deg"}},
+        "factors": {"amplitude": {"lower": 0.9, "upper": 1.1}},
+        "candidates": {"beta": GRID, "amplitude": "0.3 mm"},
+    },
+    "columns": {
+        "kind": "calibrate", "scene": "rectangle-on-plane",
+        "parameters": {"frequency": "50 Hz", "gamma": 0},
+        "observations": {name: [run[name] for run in RUNS] for name in RUNS[0]},
+        "unknowns": {"friction": {"lower": 0.1, "upper": 0.5}},
+    },
+}  # fmt: skip
+
+
+def in_words(study):
+    """Return a study with the words of angles, as a user would write it."""
+    text = json.dumps(study)
+    for letter, word in LETTERS.items():
+        text = text.replace(f'"{letter}"', f'"{word}"')
+    return json.loads(text)
+
+
+def told(content):
+    with pytest.raises(StudyError) as caught:
+        prepare_content(content)
+    return [str(problem) for problem in caught.value.problems]
+
+
+def test_words_and_letters_are_other_names():
+    assert not set(WORDS) & set(QUANTITIES)
+    assert set(WORDS.values()) <= set(QUANTITIES)
+
+
+@pytest.mark.parametrize("section", STUDIES)
+def test_a_study_in_words_is_that_in_letters(section, tmp_path):
+    letters, words = STUDIES[section], in_words(STUDIES[section])
+    assert words != letters
+    expected = parse_study(letters)
+    assert prepare_content(words).study.key() == prepare_content(letters).study.key()
+    file = tmp_path / "study.json"
+    file.write_text(json.dumps(words))
+    for made in (
+        parse_study(words), parse_json(json.dumps(words)), load_study(file), study_of(words),
+        parse_study(gather(words, {})), parse_study(gather(file, {})),
+    ):  # fmt: skip
+        assert made.key() == expected.key()
+        assert made.content() == expected.content()
+
+
+@pytest.mark.parametrize(
+    ("section", "place"),
+    [
+        ("parameters", "parameters.elevation"), ("variables", "variables.elevation"),
+        ("uncertain", "uncertain.elevation"), ("offsets", "offsets.elevation"),
+        ("candidates", "candidates.elevation"), ("unknowns", "unknowns.climb"),
+        ("observations", "observations row 2, elevation"),
+    ],
+)  # fmt: skip
+def test_an_angle_is_given_once(section, place):
+    study = json.loads(json.dumps(STUDIES.get(section, STUDIES["calibrate"])))
+    given = study[section][1] if section == "observations" else study[section]
+    word = "climb" if section == "unknowns" else "elevation"
+    given[word] = given[WORDS[word]]
+    fault = f"{word} and {WORDS[word]} are the same angle, and both are given"
+    assert f"{place}: {fault}. Leave out {word} or {WORDS[word]}." in told(study)
+
+
+def test_keywords_take_words():
+    loose = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": "acceleration_x", **DRIVE}
+    expected = parse_study(gather(None, {**loose, "beta": [10, 20], "gamma": 1}))
+    for study, keywords in (
+        (None, {**loose, "elevation": [10, 20], "climb": 1}),
+        (None, {**loose, "elevation": [10, 20], "parameters": {"climb": 1}}),
+        ({**loose, "beta": 5, "climb": 7}, {"elevation": [10, 20], "gamma": 1}),
+        ({**loose, "elevation": 5, "climb": 7}, {"beta": [10, 20], "climb": 1}),
+        (expected, {"elevation": np.array([10.0, 20.0])}),
+        (expected, {"elevation": xarray.DataArray([10, 20], dims="elevation",
+                                                  attrs={"units": "degree"})}),
+    ):  # fmt: skip
+        assert parse_study(gather(study, keywords)).key() == expected.key()
+    for one in ({"elevation": 5, "beta": 6}, {"elevation": 5, "parameters": {"beta": 6}}):
+        with pytest.raises(StudyError, match="elevation and beta are the same angle"):
+            parse_study(gather(None, {**loose, **one}))
+
+
+def test_arrays_of_words_that_belong_together_are_refused():
+    pairs = {
+        "elevation": xarray.DataArray([10, 20], dims="run"),
+        "climb": xarray.DataArray([1, 2], dims="run"),
+    }
+    with pytest.raises(StudyError, match="along 'run'"):
+        gather(None, {**PLANE, **DRIVE, **pairs})
+
+
+def test_messages_say_what_the_user_wrote():
+    study = {**TRACK, "parameters": {**DRIVE, "elevation": "30 mm", "climb": 100, "azimut": 3}}
+    assert told(study)[:3] == [
+        "parameters.elevation: 'mm' does not measure drive elevation. "
+        'Write elevation = "20 deg" (a bare number is in degree).',
+        "parameters.climb: climb is 100 degree. It must be at most 90.",
+        "parameters.azimut: 'azimut' is not a parameter. Did you mean 'alpha' (azimuth)?",
+    ]
+    (asked,) = prepare_content(
+        {**PLANE, "parameters": {**DRIVE, "elevation": 0.35}}
+    ).questions  # radians, probably
+    assert asked.startswith("elevation = 0.35 means")
+    outside = {**PLANE, "elevation": 20, "parameters": DRIVE}
+    assert told(outside)[0].startswith("parameters: elevation stands outside")
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [("azimut", "alpha"), ("elevaton", "beta"), ("climbs", "gamma"), ("lean_angle", "delta")],
+)
+def test_suggestions_name_the_word(typed, meant):
+    assert suggestion(typed, QUANTITIES) == f"Did you mean '{meant}' ({LETTERS[meant]})?"
+
+
+def test_the_axis_of_a_cylinder_has_an_azimuth_of_its_own():
+    known = {"azimuth_1", "elevation_1", "azimuth_2", "elevation_2"}
+    assert known <= set(QUANTITIES)
+    study = {"kind": "sweep", "scene": "cylinder-pair-impact", "outputs": ["gap"],
+             "parameters": dict.fromkeys(known, 10)}  # fmt: skip
+    assert {"azimuth_1", "elevation_1"} <= set(parse_study(study).values())
+
+
+def test_tables_of_rows_take_words(tmp_path):
+    file = tmp_path / "rows.csv"
+    file.write_text("frequency [Hz],elevation [deg]\n50,20\n60,25\n")
+    assert read_rows(file) == {"frequency": (50, 60), "beta": (20, 25)}
+    file.write_text("elevation,beta\n20,20\n")
+    with pytest.raises(StudyError, match="'beta' stands there twice"):
+        read_rows(file)
+
+
+def test_files_of_observations_take_words(tmp_path):
+    (tmp_path / "runs.csv").write_text(
+        "elevation [deg],amplitude [mm],conveying_velocity [mm/s],error [mm/s]\n"
+        "20,0.25,20,1\n25,0.25,18,1\n"
+    )
+    file = tmp_path / "study.json"
+    file.write_text(json.dumps({**STUDIES["columns"], "observations": "runs.csv"}))
+    assert load_study(file).key() == parse_study(STUDIES["columns"]).key()
+
+
+def test_slices_chunks_and_pictures_take_words():
+    study = {**PLANE, "parameters": {**DRIVE, "beta": GRID, "gamma": [0, 2]}}
+    sweep = prepare_content(study)
+    letters = {"output": "acceleration_x", "axes": ["beta"], "at": {"gamma": "2 deg"}}
+    words = {"output": "acceleration_x", "axes": ["elevation"], "at": {"climb": "2 deg"}}
+    one, other = (cut(sweep, **wish, most=100) for wish in (letters, words))
+    np.testing.assert_array_equal(one["values"]["data"], other["values"]["data"])
+    assert other["axes"][0]["name"] == "beta"
+    with pytest.raises(StudyError, match=r"^climb: climb and gamma are the same angle"):
+        cut(sweep, **{**words, "at": {"climb": "2 deg", "gamma": "0 deg"}}, most=100)
+    assert read_wishes("elevation:all,climb:1", {"beta": 5, "gamma": 2}, 100) == {
+        "beta": None, "gamma": 1,
+    }  # fmt: skip
+    assert read_fixed({"climb": "2 deg"}) == {"gamma": 2.0}
+    with pytest.raises(PlotError, match="same angle"):
+        read_fixed({"climb": "2 deg", "gamma": 1})
