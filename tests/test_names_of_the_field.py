@@ -177,7 +177,9 @@ def names(tree: ast.AST, where: str) -> Iterator[Name]:
 
 
 def module_of(path: Path) -> str:
-    return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    parts = parts if parts[0] == "vibrafeed" else ("vibrafeed", *parts)
+    return ".".join(parts).removesuffix(".__init__")
 
 
 @functools.cache

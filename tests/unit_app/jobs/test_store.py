@@ -276,7 +276,7 @@ def test_a_block_is_written_though_the_folder_goes_at_that_moment(store, monkeyp
 
 def test_a_study_of_another_version_is_not_carried_out(store, monkeypatch):
     key, _ = store.add(prepare_content(SWEEP).study)
-    monkeypatch.setattr("core.__version__", "99.0")
+    monkeypatch.setattr("vibrafeed.core.__version__", "99.0")
     work._study.cache_clear()
     directory = str(store.directory.parent)
     for function in (work.compute_block, work.write_result):
@@ -291,7 +291,7 @@ def test_a_sweep_of_another_version_is_told_so(store, monkeypatch):
     with pytest.raises(NotFoundError):
         store.sweep(other)
     later = Store(store.directory.parent)
-    monkeypatch.setattr("core.__version__", "99.0")
+    monkeypatch.setattr("vibrafeed.core.__version__", "99.0")
     with pytest.raises(OtherVersionError, match=r"99\.0.*POST the study to /sweeps again"):
         later.sweep(key)
     (store.directory / key / "study.json").write_text('{"kind": "sweep", "scene": "gone"}')

@@ -213,7 +213,7 @@ def test_a_sweep_of_another_version_is_told_so(tmp_path, monkeypatch):
     settings = Settings(data_directory=tmp_path)
     with local_client(create_app(settings)) as client:
         address = f"/sweeps/{client.post('/sweeps', json=STUDY).json()['id']}"
-    monkeypatch.setattr("core.__version__", "99.0")
+    monkeypatch.setattr("vibrafeed.core.__version__", "99.0")
     with local_client(create_app(settings)) as client:
         for path in ("", "/netcdf", "/zarr/zarr.json"):
             told = problem(client.get(address + path), 409)
