@@ -38,7 +38,8 @@ class SceneCard:
 
     def __repr__(self) -> str:
         """Return the card as text of some 60 lines; of numbered parameters the first is named."""
-        head = [f"{self.name}: {self.title}", *self._choices()]
+        choices = (line for choice in self._choices() for line in _wrapped(choice))
+        head = [*_wrapped(f"{self.name}: {self.title}"), *choices]
         families: dict[str, list[str]] = {}
         for name in self.parameters:
             families.setdefault(re.sub(r"_\d+$", "", name), []).append(name)
@@ -46,12 +47,16 @@ class SceneCard:
         for first, *more in families.values():
             to = f" to {more[-1].rpartition('_')[2]}" if more else ""
             rows.append((first + to, *_parameter(self.parameters[first])[1:]))
-        tail = ["", *_wrapped("Validity", self.validity), *_wrapped("Regimes", self._regimes())]
+        tail = [
+            "",
+            *_wrapped(f"Validity: {self.validity}"),
+            *_wrapped(f"Regimes: {self._regimes()}"),
+        ]
         top = [*head, "", *_aligned(PARAMETER, rows)]
         listed = _aligned(OUTPUT, map(_output, self.outputs.values()))
         if len(top) + len(listed) + len(tail) > LINES:
             named = ", ".join(f"{name} [{_unit(one)}]" for name, one in self.outputs.items())
-            listed = _wrapped("Outputs", f"{named.replace(' []', '')}. `.outputs[name]` says more.")
+            listed = _wrapped(f"Outputs: {named.replace(' []', '')}. `.outputs[name]` says more.")
         return "\n".join([*top, "", *listed, *tail])
 
     def _repr_html_(self) -> str:
@@ -113,9 +118,9 @@ def _aligned(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
     return lines
 
 
-def _wrapped(head: str, text: str) -> list[str]:
-    """Return a text as lines behind its heading."""
-    return textwrap.wrap(f"{head}: {text}", WIDTH, subsequent_indent="  ", break_on_hyphens=False)
+def _wrapped(text: str) -> list[str]:
+    """Return a text as lines, the second and further ones with an indent."""
+    return textwrap.wrap(text, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
 
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -289,11 +289,9 @@ def calibrate(
         offsets, factors : unknown offsets and factors of parameters, alike
         candidates : drives that could be run next: which of them adds most
         discrepancy : True if speeds may scatter by more than their errors
-        outlier_probability : that an observed regime is wrong
-    Numerics
-        points : most grid points of the unknowns
-        method, drive, tolerance, max_periods, steps_per_period, slip_speed,
-        contact_stiffness, verify : as in `simulate`
+        outlier_probability, points : of wrong regimes; most points of the unknowns
+    As in `simulate` : method, drive, tolerance, max_periods, steps_per_period,
+        slip_speed, contact_stiffness, verify
 
     Returns
     -------
@@ -303,12 +301,12 @@ def calibrate(
 
     Examples
     --------
-    >>> run = {"amplitude": "0.2 mm", "conveying_velocity": "13 mm/s"}
     >>> told = vibrafeed.calibrate(
-    ...     "rectangle-on-plane", frequency="50 Hz", beta=20, observations=[run],
-    ...     error="1 mm/s", unknowns={"friction": {"lower": 0.1, "upper": 0.6}},
+    ...     "rectangle-on-plane", frequency="50 Hz", beta=20, error="1 mm/s",
+    ...     observations=[{"amplitude": "0.2 mm", "conveying_velocity": "13 mm/s"}],
+    ...     unknowns={"friction": {"lower": 0.1, "upper": 0.6}},
     ... )
-    >>> bool(told.lower_95_friction < told.best_friction < told.upper_95_friction)
+    >>> told.lower_95_friction.item() < 0.3 < told.upper_95_friction.item()
     True
     """
     return _carry_out(_prepared("calibrate", locals()))
@@ -432,8 +430,7 @@ def plot(
     title : str, optional
         The name of the picture; that of what it shows if left out.
     units : str or sequence of str, optional
-        `trade`, those usual in practice (mm, mm/s); `si`; or units such as m/min, each
-        for its kind. If left out, those of the study, else trade.
+        `trade` (mm, mm/s), `si` or units such as m/min; those of the study if left out.
     nearest : bool
         True if the nearest value stands for one of `at` that is not in the dataset.
     dark, small : bool

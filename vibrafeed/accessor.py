@@ -7,7 +7,7 @@ docs/decisions/2026-11-23-accessor-and-keywords.md says what else was tried.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
+    from vibrafeed._values import Named
     from vibrafeed.core.study import Study
 
 
@@ -79,7 +80,7 @@ class Accessor:
     def plot(
         self, *, variable: str | None = None, axes: str | tuple[str, ...] | None = None,
         at: Mapping[str, float | str] | None = None, kind: str | None = None,
-        title: str | None = None, units: str | Sequence[str] | None = None, nearest: bool = False,
+        title: str | None = None, units: Named | None = None, nearest: bool = False,
         dark: bool = False, small: bool = False,
     ) -> Figure:  # fmt: skip
         """Return a picture of the dataset; parameters and errors are those of `vibrafeed.plot`."""
