@@ -17,7 +17,7 @@ OUTPUT = ("output", "unit", "source", "equation")
 
 
 class SceneCard:
-    """What `vibrafeed.scene` returns: the parameters and outputs of one scene.
+    """The parameters and outputs of one scene, as `vibrafeed.scene` returns them.
 
     Attributes
     ----------
