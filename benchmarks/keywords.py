@@ -30,8 +30,9 @@ are given without one. `vibrafeed.scene` says more of each parameter.
 
 >>> from vibrafeed.parameters import RectangleOnPlane
 >>> design: RectangleOnPlane = {"frequency": "50 Hz", "beta": 20, "friction": 0.3}
->>> vibrafeed.simulate("rectangle-on-plane", **design, amplitude="0.2 mm").sizes
-Frozen({})
+>>> design["amplitude"] = ["0.2 mm", "0.3 mm"]
+>>> vibrafeed.simulate("rectangle-on-plane", **design).conveying_velocity.dims
+('amplitude',)
 """
 
 # fmt: off

@@ -41,7 +41,8 @@ best = vf.optimise(
 rate: str = vf.QUANTITIES["conveying_velocity"].unit
 unit: str = vf.scene("rectangle-on-plane", method="events").parameters["friction"]["unit"]
 design: RectangleOnPlane = {"frequency": "50 Hz", "friction": [0.2, 0.3], "phase_along_2": 90}
-vf.simulate("rectangle-on-plane", **design, amplitude="0.2 mm")
+design["amplitude"] = "0.2 mm"
+vf.simulate("rectangle-on-plane", **design)
 
 vf.simulate(3)  # type: ignore[arg-type]
 vf.simulate(scene=3)  # type: ignore[arg-type]
