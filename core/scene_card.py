@@ -12,6 +12,8 @@ from vibrafeed.core.study.shown import SI
 
 WIDTH, LINES = 100, 60
 """Columns of the text, and lines beyond which outputs are named only."""
+SHORT = 24
+"""Characters below which a cell of a table is not broken."""
 PARAMETER = ("parameter", "unit", "default", "bounds", "meaning")
 OUTPUT = ("output", "unit", "source", "equation")
 
@@ -125,8 +127,13 @@ def _wrapped(text: str) -> list[str]:
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a table in HTML."""
+    style = "text-align: left; white-space:"
     lines = [
-        "".join(f'<{tag} style="text-align: left">{escape(cell)}</{tag}>' for cell in cells)
+        "".join(
+            f'<{tag} style="{style} {"nowrap" if len(cell) < SHORT else "normal"}">'
+            f"{escape(cell)}</{tag}>"
+            for cell in cells
+        )
         for tag, cells in (("th", heads), *(("td", row) for row in rows))
     ]
     return f"<table><tr>{'</tr><tr>'.join(lines)}</tr></table>"
