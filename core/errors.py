@@ -14,6 +14,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+PUBLIC = "vibrafeed"  # the name by which users import errors, in tracebacks and pickles
 MAX_PROBLEMS = 100  # that are told one by one
 
 
@@ -34,6 +35,8 @@ class Problem:
         where nobody asks. No part of what users see, nor of what makes two problems equal.
     """
 
+    __module__ = PUBLIC
+
     place: str
     message: str
     fix: str
@@ -50,6 +53,8 @@ class Problem:
 class VibrafeedError(Exception):
     """Base of every error that vibrafeed raises on purpose."""
 
+    __module__ = PUBLIC
+
     def _render_traceback_(self) -> list[str]:
         """Return the message alone for notebooks, without the stack."""
         return [f"{type(self).__name__}: {self}"]
@@ -57,6 +62,8 @@ class VibrafeedError(Exception):
 
 class StudyError(VibrafeedError):
     """A study cannot be carried out; `problems` holds everything found, not only the first."""
+
+    __module__ = PUBLIC
 
     def __init__(self, problems: Iterable[Problem]):
         """Keep all distinct problems, and make the message of them."""
@@ -80,6 +87,8 @@ class LimitError(VibrafeedError):
     fix : str
         What would fit.
     """
+
+    __module__ = PUBLIC
 
     def __init__(self, limit: str, asked: int, allowed: int, fix: str):
         """Keep the limit, what was asked and what is allowed, and make the message."""

@@ -246,7 +246,11 @@ def test_docstrings_do_not_ask():
     assert len(asking) <= MAX_QUESTIONS_OF_ROWS
 
 
-RENAMED = {"numpy as np": "as everybody does", "os as _os": "", "sys as _sys": ""}
+RENAMED = {
+    "numpy as np": "as everybody does",
+    "sys as _sys": "",
+    "import_module as _import_module": "",
+}
 """Imports under another name; `vibrafeed` hands over no name of a library."""
 
 

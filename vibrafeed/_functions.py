@@ -1,215 +1,257 @@
-"""Making a study, and carrying it out: the functions that users call, before they have keywords.
-
-`python -m benchmarks.keywords` writes `vibrafeed/_studies.py` from them: each function with all the
-keywords of its studies in its signature and in its docstring. It calls the one here.
-"""
+"""The functions of `vibrafeed`: making a study, carrying it out, and looking at what came."""
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 import warnings
 from importlib import import_module
 
-CALLER = 5
-"""Calls from a warning to who called a function of `vibrafeed`."""
+CALLER = 3
+"""Calls from a warning in `_prepared` to who called a function of `vibrafeed`."""
 PATIENCE = 2.0
 """Seconds after which a notebook is told how far a computation is, then every `PAUSE`."""
 PAUSE = 0.5
 WHOLE = 1e-9
 
-TYPE_CHECKING = False
+TYPE_CHECKING = False  # of the standard library's it is known to all, and would have to be loaded
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-    from typing import Any
+    from collections.abc import Callable, Mapping, Sequence
+    from typing import Any, Literal, Unpack
 
     import xarray
+    from matplotlib.figure import Figure
 
+    from vibrafeed._values import Bounds, Maps, Named, Values
     from vibrafeed.core.intake.keywords import StudyLike
     from vibrafeed.core.motion.drive_error import DriveError
+    from vibrafeed.core.scene_card import SceneCard
     from vibrafeed.core.study import Study
     from vibrafeed.core.watch import Watch
+    from vibrafeed.parameters import Keywords, Outputs, SceneName
 
 
-def study(base: StudyLike | None = None, /, **keywords: Any) -> Study:
-    """Return the study that a mapping or keywords describe; `kind` says which one it is.
+def study(
+    scene: SceneName | StudyLike | None = None, /, *, kind: str | None = None, **keywords: Any
+) -> Study:
+    """Return a study without carrying it out.
 
     Its values are right by themselves. Whether they make a whole is seen when it is carried out.
 
     Parameters
     ----------
-    base : mapping, study or path, optional
-        The study that the keywords add to.
+    scene : str, Study, mapping or path
+        Name of the scene; or a study that the keywords change.
+    kind : str
+        sweep, simulate, optimise, sensitivity or calibrate.
     **keywords
-        Keys of the study and parameters: those of `sweep`, `simulate` and `optimise`.
-
-    Raises
-    ------
-    StudyError
-        With every problem.
+        Those of the function that carries it out.
 
     Examples
     --------
     >>> drive = vibrafeed.study(
-    ...     kind="sweep", scene="rectangle-on-plane", outputs=["acceleration_x"],
+    ...     "rectangle-on-plane", kind="sweep", outputs=["acceleration_x"],
     ...     frequency=range(20, 121), amplitude="0.35 mm", beta=[15, 30], friction=0.3,
     ... )
     >>> dict(vibrafeed.sweep(drive, beta=20).sizes)
     {'frequency': 101}
     """
     intake = import_module("vibrafeed.core.intake")
-    content = intake.gather(base, keywords)
-    if not isinstance(content, dict):
-        return content
-    made: Study = intake.study_of(content)
+    more = {name: value for name, value in keywords.items() if value is not None}
+    content = intake.gather(scene, more if kind is None else {"kind": kind, **more})
+    made: Study = intake.study_of(content) if isinstance(content, dict) else content
     return made
 
 
-def sweep(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
+def sweep(
+    scene: SceneName | StudyLike | None = None, /, *, outputs: Outputs | None = None,
+    variant: str | None = None, reduce: Mapping[str, Any] | None = None,
+    sensitivities: bool | Sequence[str] | None = None, verify: int | None = None,
+    precision: Literal["double", "single"] | None = None, **parameters: Unpack[Keywords],
+) -> xarray.Dataset:  # fmt: skip
     """Return closed-form quantities of one scene over a grid of parameters.
 
     They are a snapshot at the drive's peak, with the `regime` that says where they hold.
 
-    *Values* are a number in the unit that is named, text with a unit such as ``"0.25 mm"``, or
-    several of either, which become an axis of the dataset: a list, a range, an array, or a mapping
-    such as ``{"start": "20 Hz", "stop": "120 Hz", "num": 101}``. ``None`` is a keyword left out.
-
     Parameters
     ----------
-    study : Study, mapping or path, optional
-        The study, which keywords add to; its `kind` is ``"sweep"``, and may be left out.
+    scene : str, Study, mapping or path
+        The name of a scene, or a study that the keywords change.
+    **parameters
+        `vibrafeed.scene("rectangle-on-plane")` lists them, and `help(vibrafeed)` says
+        how values are written, and which keywords all studies have.
+
+    Results
+        outputs : names of outputs of the scene
+        variant : thesis, derived or physical; the scene's own if left out
+        reduce : statistics over some axes instead of all cells (docs/reduce.md)
+        sensitivities : derivatives and elasticities, too: True, or parameters
+    Numerics
+        verify : number of random cells to evaluate again with 50 digits
+        precision : double, or single to store half the bytes
 
     Returns
     -------
     xarray.Dataset
-        The outputs, each with the axes that it depends on, units and equation numbers.
-
-    Raises
-    ------
-    StudyError
-        With every problem, also where it is a study of another kind.
+        The outputs in SI, each with the axes that it depends on. A study with
+        problems, or of another kind, raises `StudyError` with all of them.
 
     Examples
     --------
     >>> import numpy as np
     >>> dataset = vibrafeed.sweep(
-    ...     scene="rectangle-on-plane", outputs=["acceleration_x"], frequency="50 Hz",
+    ...     "rectangle-on-plane", outputs=["acceleration_x"], frequency="50 Hz",
     ...     amplitude="0.25 mm", beta=np.linspace(0, 40, 9), friction=0.5,
     ... )
     >>> dataset.acceleration_x.dims, dataset.acceleration_x.units
     (('beta',), 'm s-2')
     """
-    return _carry_out("sweep", study, keywords)
+    return _carry_out(_prepared("sweep", locals()))
 
 
-def simulate(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
-    """Return the motion in time of one scene over a grid of parameters: mean velocities and more.
-
-    Without `outputs` it is the mean conveying velocity [m s-1]. `trajectory` gives the
-    motion of one cell in time.
-
-    *Values* are a number in the unit that is named, text with a unit such as ``"0.25 mm"``, or
-    several of either, which become an axis of the dataset: a list, a range, an array, or a mapping
-    such as ``{"start": "20 Hz", "stop": "120 Hz", "num": 101}``. ``None`` is a keyword left out.
+def simulate(
+    scene: SceneName | StudyLike | None = None, /, *, outputs: Outputs | None = None,
+    method: str | None = None, trajectory: int | Sequence[float] | None = None,
+    drive: Mapping[str, Any] | None = None, reduce: Mapping[str, Any] | None = None,
+    sensitivities: bool | Sequence[str] | None = None, verify: int | None = None,
+    tolerance: float | None = None, max_periods: int | None = None,
+    steps_per_period: int | None = None, slip_speed: float | None = None,
+    contact_stiffness: float | None = None, **parameters: Unpack[Keywords],
+) -> xarray.Dataset:  # fmt: skip
+    """Return the motion in time of one scene over a grid of parameters.
 
     Parameters
     ----------
-    study : Study, mapping or path, optional
-        The study, which keywords add to; its `kind` is ``"simulate"``, and may be left out.
+    scene : str, Study, mapping or path
+        The name of a scene, or a study that the keywords change.
+    **parameters
+        `vibrafeed.scene("rectangle-on-plane", method="events")` lists them, and
+        `help(vibrafeed)` says how values are written, and what all studies have.
+
+    Drive and results
+        drive : a recording of an accelerometer (docs/measured-drives.md)
+        outputs : names of outputs; the mean `conveying_velocity` if left out
+        trajectory : motion of one cell at so many steps, or at these times [s]
+        reduce : statistics over some axes instead of all cells (docs/reduce.md)
+        sensitivities : derivatives and elasticities, too: True, or parameters
+    Numerics
+        method : events (exact, the default), time-stepping, reference, regularised
+        tolerance, max_periods : error of periodic motion, most periods of a cell
+        steps_per_period : of time-stepping
+        slip_speed, contact_stiffness : of regularised contacts
+        verify : number of random cells to follow again by another method
 
     Returns
     -------
     xarray.Dataset
-        The outputs, each with the axes that it depends on, and units; `regime` says what the part
-        does, `motion_status` how the value was found.
-
-    Raises
-    ------
-    StudyError
-        With every problem, also where it is a study of another kind.
+        The outputs in SI. `regime` says what the part does, `motion_status` how the
+        value was found. Problems of the study raise `StudyError` with all of them.
 
     Examples
     --------
     >>> motion = vibrafeed.simulate(
-    ...     scene="rectangle-on-plane", frequency="50 Hz", amplitude=["0.25 mm", "0.4 mm"], beta=30,
-    ...     friction=0.5,
+    ...     "rectangle-on-plane", frequency="50 Hz",
+    ...     amplitude=["0.25 mm", "0.4 mm"], beta=30, friction=0.5,
     ... )
     >>> motion.conveying_velocity.dims, motion.conveying_velocity.units
     (('amplitude',), 'm s-1')
     """
-    return _carry_out("simulate", study, keywords)
+    return _carry_out(_prepared("simulate", locals()))
 
 
-def optimise(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
+def optimise(
+    scene: SceneName | StudyLike | None = None, /, *, criterion: Mapping[str, Any] | None = None,
+    variables: Mapping[str, Bounds] | None = None,
+    constraints: Sequence[Mapping[str, Any]] | None = None, floor_contact: bool | None = None,
+    wall_contact: bool | None = None, uncertain: Maps | None = None,
+    robust: Literal["worst", "mean", "quantile"] | None = None, quantile: float | None = None,
+    outputs: Outputs | None = None, variant: str | None = None, method: str | None = None,
+    drive: Mapping[str, Any] | None = None, sensitivities: bool | Sequence[str] | None = None,
+    verify: int | None = None, **parameters: Unpack[Keywords],
+) -> xarray.Dataset:  # fmt: skip
     """Return the best values of some parameters, over a grid of the others.
-
-    The `criterion` says what is looked for, and `variables` what may be chosen between which
-    bounds.
-
-    *Values* are a number in the unit that is named, text with a unit such as ``"0.25 mm"``, or
-    several of either, which become an axis of the dataset: a list, a range, an array, or a mapping
-    such as ``{"start": "20 Hz", "stop": "120 Hz", "num": 101}``. ``None`` is a keyword left out.
 
     Parameters
     ----------
-    study : Study, mapping or path, optional
-        The study, which keywords add to; its `kind` is ``"optimise"``, and may be left out.
+    scene : str, Study, mapping or path
+        The name of a scene, or a study that the keywords change.
+    **parameters
+        `vibrafeed.scene` lists them, `help(vibrafeed)` says how values are written.
+
+    Criterion (docs/optimise.md)
+        criterion : such as `{"kind": "maximise", "output": "conveying_velocity"}`
+        variables : bounds, such as `{"beta": {"lower": 0, "upper": "60 deg"}}`
+        constraints : bounds of outputs
+        floor_contact, wall_contact : True if the part must stay there
+        uncertain : bounds or distributions of parameters not known exactly
+        robust, quantile : worst, mean or quantile (0 to 1) under them
+    Results and numerics
+        outputs : further outputs at the optimum
+        variant, method : closed forms by variant, or motion in time by method
+        drive : a recording of an accelerometer
+        sensitivities : derivatives of the optimum: True, or parameters
+        verify : number of cells to search again by another method
 
     Returns
     -------
     xarray.Dataset
-        The best values, `best_beta` and so on, and the outputs there, over the axes; units, and
-        `optimum_status`, which says what sort of optimum it is.
-
-    Raises
-    ------
-    StudyError
-        With every problem, also where it is a study of another kind.
+        `best_beta` and so on, and the outputs there, in SI; `optimum_status` says
+        what each optimum is. Problems raise `StudyError` with all of them.
 
     Examples
     --------
     >>> best = vibrafeed.optimise(
-    ...     scene="rectangle-on-plane", criterion={"kind": "maximise", "output": "acceleration_x"},
-    ...     variables={"beta": {"lower": 0, "upper": 60}}, frequency="50 Hz", amplitude="0.25 mm",
-    ...     friction=0.5,
+    ...     "rectangle-on-plane", criterion={"kind": "maximise", "output": "acceleration_x"},
+    ...     variables={"beta": {"lower": 0, "upper": 60}}, frequency="50 Hz",
+    ...     amplitude="0.25 mm", friction=0.5,
     ... )
     >>> best.best_beta.units
     'degree'
     """
-    return _carry_out("optimise", study, keywords)
+    return _carry_out(_prepared("optimise", locals()))
 
 
-def sensitivity(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
-    """Return the variation of outputs with parameters that are not known exactly, over a grid.
-
-    `uncertain` gives parameters and their distributions. `analyses` names the results for
-    each output: mean and quantiles, probabilities, Sobol indices, a tolerance budget.
-
-    *Values* are a number in the unit that is named, text with a unit such as ``"0.25 mm"``, or
-    several of either, which become an axis of the dataset: a list, a range, an array, or a mapping
-    such as ``{"start": "20 Hz", "stop": "120 Hz", "num": 101}``. ``None`` is a keyword left out.
+def sensitivity(
+    scene: SceneName | StudyLike | None = None, /, *, outputs: Outputs | None = None,
+    uncertain: Maps | None = None, analyses: Named | None = None,
+    demands: Sequence[Mapping[str, Any]] | None = None, quantiles: Sequence[float] | None = None,
+    samples: int | None = None, seed: int | None = None, variant: str | None = None,
+    method: str | None = None, drive: Mapping[str, Any] | None = None, verify: int | None = None,
+    **parameters: Unpack[Keywords],
+) -> xarray.Dataset:  # fmt: skip
+    """Return the variation of outputs with parameters that are not known exactly.
 
     Parameters
     ----------
-    study : Study, mapping or path, optional
-        The study, which keywords add to; its `kind` is ``"sensitivity"``, and may be left out.
+    scene : str, Study, mapping or path
+        The name of a scene, or a study that the keywords change.
+    **parameters
+        `vibrafeed.scene` lists them, `help(vibrafeed)` says how values are written.
+
+    Analysis (docs/sensitivity.md)
+        outputs : names of outputs of the scene
+        uncertain : such as `{"friction": {"mean": 0.3, "deviation": 0.03}}`
+        analyses : some of distribution, sobol, morris and budget
+        demands : bounds of outputs, or regimes, whose probability is computed
+        quantiles : shares of parts; the result has the values they stay below
+    Numerics
+        samples, seed : number of samples, a power of two, and their random seed
+        variant, method : closed forms by variant, or motion in time by method
+        drive : a recording of an accelerometer
+        verify : number of points to evaluate again
 
     Returns
     -------
     xarray.Dataset
-        The results of each output, over the axes; units, errors, and `regime` of the nominal
-        values. Along `uncertain` are the uncertain parameters, in the order of its
-        `flag_meanings`.
-
-    Raises
-    ------
-    StudyError
-        With every problem, also where it is a study of another kind.
+        The results of each output, in SI, with errors, and `regime` of the nominal
+        values. Along `uncertain` are the parameters, in the order of
+        `flag_meanings`. Problems raise `StudyError` with all of them.
 
     Examples
     --------
     >>> told = vibrafeed.sensitivity(
-    ...     scene="rectangle-on-plane", outputs="acceleration_x", frequency="50 Hz",
+    ...     "rectangle-on-plane", outputs="acceleration_x", frequency="50 Hz",
     ...     amplitude="0.1 mm", beta=30,
     ...     uncertain={"friction": {"mean": 0.3, "deviation": 0.03}},
     ...     demands=[{"output": "acceleration_x", "at_least": "7 m/s^2"}],
@@ -217,62 +259,68 @@ def sensitivity(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Da
     >>> 0 < float(told.probability_acceleration_x_at_least) < 1
     True
     """
-    return _carry_out("sensitivity", study, keywords)
+    return _carry_out(_prepared("sensitivity", locals()))
 
 
-def calibrate(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
+def calibrate(
+    scene: SceneName | StudyLike | None = None, /, *,
+    observations: str | Sequence[Mapping[str, Any]] | None = None, error: float | str | None = None,
+    unknowns: Maps | None = None, offsets: Maps | None = None, factors: Maps | None = None,
+    candidates: Mapping[str, Values] | None = None, discrepancy: bool | None = None,
+    outlier_probability: float | None = None, points: int | None = None, method: str | None = None,
+    drive: Mapping[str, Any] | None = None, tolerance: float | None = None,
+    max_periods: int | None = None, steps_per_period: int | None = None,
+    slip_speed: float | None = None, contact_stiffness: float | None = None,
+    verify: int | None = None, **parameters: Unpack[Keywords],
+) -> xarray.Dataset:  # fmt: skip
     """Return the estimates of unknown parameters from measured speeds.
-
-    `observations` are the runs, each with the parameters that are its own, what was measured and
-    its error; they may stand in a CSV or XLSX file. `unknowns`, `offsets` and `factors` are what is
-    looked for.
-
-    *Values* are a number in the unit that is named, or text with a unit such as ``"0.25 mm"``.
-    ``None`` is a keyword left out.
 
     Parameters
     ----------
-    study : Study, mapping or path, optional
-        The study, which keywords add to; its `kind` is ``"calibrate"``, and may be left out.
+    scene : str, Study, mapping or path
+        The name of a scene, or a study that the keywords change.
+    **parameters
+        Those common to all runs; `vibrafeed.scene` and `help(vibrafeed)` say more.
+
+    Measurements (docs/calibrate.md)
+        observations : the runs, as mappings, or the name of a CSV or XLSX file
+        error : standard deviation of what was measured: number, text or "5 %"
+        unknowns : `{"friction": {"lower": 0.1, "upper": 0.6}}`, or mean, deviation
+        offsets, factors : unknown offsets and factors of parameters, alike
+        candidates : drives that could be run next: which of them adds most
+        discrepancy : True if speeds may scatter by more than their errors
+        outlier_probability, points : of wrong regimes; most points of the unknowns
+    As in `simulate` : method, drive, tolerance, max_periods, steps_per_period,
+        slip_speed, contact_stiffness, verify
 
     Returns
     -------
     xarray.Dataset
-        Best values, means and intervals (`best_friction`, `lower_95_friction`, ...), the posterior
-        (`log_density`) over its axes, and what is predicted of each run; `findings` among its
-        attributes says it in words. See docs/calibrate.md.
-
-    Raises
-    ------
-    StudyError
-        With every problem of the study, each with its place, what is wrong, and what would be
-        right.
+        `best_friction`, `lower_95_friction` and so on, the posterior `log_density`;
+        `findings` tells it in words. Problems raise `StudyError` with all of them.
 
     Examples
     --------
     >>> told = vibrafeed.calibrate(
-    ...     scene="rectangle-on-plane", frequency="50 Hz", beta=20,
-    ...     observations=[
-    ...         {"amplitude": "0.2 mm", "conveying_velocity": "13 mm/s", "error": "1 mm/s"},
-    ...         {"amplitude": "0.3 mm", "conveying_velocity": "33 mm/s", "error": "1 mm/s"},
-    ...     ],
+    ...     "rectangle-on-plane", frequency="50 Hz", beta=20, error="1 mm/s",
+    ...     observations=[{"amplitude": "0.2 mm", "conveying_velocity": "13 mm/s"}],
     ...     unknowns={"friction": {"lower": 0.1, "upper": 0.6}},
     ... )
-    >>> bool(told.lower_95_friction < told.best_friction < told.upper_95_friction)
+    >>> told.lower_95_friction.item() < 0.3 < told.upper_95_friction.item()
     True
     """
-    return _carry_out("calibrate", study, keywords)
+    return _carry_out(_prepared("calibrate", locals()))
 
 
-def open_lazily(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
-    """Return the dataset of a sweep of any size; what is read of it is computed when it is read.
+def open_lazily(scene: SceneName | StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
+    """Return the dataset of a sweep of any size, computed where it is read.
 
     Parameters
     ----------
-    study : Study, mapping or path, optional
-        The study, which keywords add to.
+    scene : str, Study, mapping or path
+        Name of the scene; or a study that the keywords change.
     **keywords
-        Keys of the study and parameters, as those of `sweep`.
+        Those of `sweep`.
 
     Returns
     -------
@@ -289,7 +337,7 @@ def open_lazily(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Da
     Examples
     --------
     >>> lazy = vibrafeed.open_lazily(
-    ...     scene="rectangle-on-plane", outputs=["acceleration_x"], frequency="50 Hz",
+    ...     "rectangle-on-plane", outputs=["acceleration_x"], frequency="50 Hz",
     ...     amplitude={"start": "0.1 mm", "stop": "1 mm", "num": 100_000},
     ...     beta={"start": 0, "stop": 40, "num": 100_000}, friction=0.5,
     ... )
@@ -298,31 +346,31 @@ def open_lazily(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Da
     >>> lazy.acceleration_x[99_999, 0].values > lazy.acceleration_x[0, 0].values
     np.True_
     """
-    from vibrafeed.core.sweep.lazy import open_lazily  # loads the plan
-
-    prepared = _prepared("sweep", study, keywords)
+    prepared = _prepared("sweep", locals())
     _import_accessor()
-    return open_lazily(prepared)
+    return import_module("vibrafeed.core.sweep.lazy").open_lazily(prepared)
 
 
 def drive_error(
-    study: StudyLike | None = None, /, *, draws: int = 200, seed: int = 0, **keywords: Any
-) -> DriveError:
+    scene: SceneName | StudyLike | None = None, /, *, draws: int = 200, seed: int = 0,
+    **keywords: Any,
+) -> DriveError:  # fmt: skip
     """Return the error of a part's conveying velocity by the errors of a measured drive.
 
-    The part is followed under drives that fit the recording as well as the fitted one. Errors of
-    friction and other parameters, of the model and of the sensor's scale are not among them.
+    The part is followed under drives that fit the recording as well as the fitted
+    one. Errors of friction and other parameters, of the model and of the sensor's
+    scale are not among them.
 
     Parameters
     ----------
-    study : mapping or path, optional
-        A study to simulate, of one cell, whose `drive` names a recording.
+    scene : str, mapping or path
+        A study of `simulate`, of one cell, whose `drive` names a recording.
     draws : int
         Number of such drives.
     seed : int
         Seed of the random numbers; equal ones give equal results.
     **keywords
-        Keys of the study and parameters, as those of `simulate`.
+        Those of `simulate`.
 
     Returns
     -------
@@ -347,32 +395,188 @@ def drive_error(
     from vibrafeed.core.motion.drive_error import drive_error
 
     intake = import_module("vibrafeed.core.intake")
-    found = intake.gather(study, keywords, "simulate")
-    content = found if isinstance(found, dict) else found.content()
-    asked, fit = intake.study_and_fit(content)
+    found = intake.gather(scene, keywords, "simulate")
+    asked, fit = intake.study_and_fit(found if isinstance(found, dict) else found.content())
     return drive_error(asked, fit, draws, np.random.default_rng(seed))
 
 
-def said(arguments: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the keywords that are not None, by name, of all arguments of a public function.
+def plot(
+    dataset: xarray.Dataset | str | os.PathLike[str] | Sequence[Any], *,
+    variable: str | None = None, axes: str | tuple[str, ...] | None = None,
+    at: Mapping[str, float | str] | None = None, kind: str | None = None, title: str | None = None,
+    units: Named | None = None, nearest: bool = False, dark: bool = False, small: bool = False,
+) -> Figure:  # fmt: skip
+    """Return the picture of an output with its regimes, of regimes alone, or of one motion.
 
-    `arguments` are its `locals()`: the study comes first and is left out, and the mappings `others`
-    and `numbered` are merged in.
+    It needs matplotlib, of the extra `plot`. A notebook shows the figure; its method
+    `savefig` writes it.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset or path, or a list of them
+        What `sweep`, `simulate` or `optimise` returned, or a file of `vibrafeed run`. Of
+        several, the same output is drawn over the same axis.
+    variable : str, optional
+        The output; the first if left out.
+    axes : str or tuple of str, optional
+        One or two dimensions, the first across; the longest if left out.
+    at : mapping, optional
+        Values of other dimensions, numbers in the unit of the dataset or text with a
+        unit; the middle one if left out.
+    kind : str, optional
+        The name of a picture: posterior, speeds, residuals, distribution, indices, effects,
+        tornado, front, positions, trajectory, animation, landscape, profiles, values, line, map,
+        contour, levels, surface, thresholds or parallel; the first that fits if left out.
+    title : str, optional
+        The name of the picture; that of what it shows if left out.
+    units : str or sequence of str, optional
+        `trade` (mm, mm/s), `si` or units such as m/min; those of the study if left out.
+    nearest : bool
+        True if the nearest value stands for one of `at` that is not in the dataset.
+    dark, small : bool
+        Light colours on a dark background; for a column of some 11 cm.
+
+    Raises
+    ------
+    VibrafeedError
+        If the dataset does not hold what is asked for.
+
+    Examples
+    --------
+    >>> dataset = vibrafeed.sweep(
+    ...     "rectangle-on-plane", outputs=["acceleration_x"], frequency="50 Hz",
+    ...     amplitude="0.25 mm", beta=range(0, 41, 5), friction=[0.3, 0.5],
+    ... )
+    >>> figure = vibrafeed.plot(dataset, axes="beta", at={"friction": 0.5})
+    >>> figure.get_suptitle()
+    'Acceleration along the track'
     """
-    _, *named = arguments.items()  # the first is the study
-    keywords = dict(named)
-    for name in ("others", "numbered"):
-        keywords |= keywords.pop(name, {})
-    return {name: value for name, value in keywords.items() if value is not None}
+    plots = import_module("vibrafeed.core.plots")
+    return plots.draw(
+        _opened(dataset), variable=variable, axes=(axes,) if isinstance(axes, str) else axes,
+        at=plots.read_fixed(at or {}), kind=kind, title=title, units=units, nearest=nearest,
+        dark=dark, small=small,
+    )  # fmt: skip
 
 
-def _prepared(kind: str, base: StudyLike | None, keywords: Mapping[str, Any]) -> Any:
+def _opened(source: Any) -> Any:
+    """Return the datasets to be drawn: paths are read as files, lists entry by entry."""
+    if isinstance(source, str | os.PathLike):
+        return import_module("vibrafeed.core.plots.files").read(source)
+    return [_opened(one) for one in source] if isinstance(source, list | tuple) else source
+
+
+def animate(
+    dataset: xarray.Dataset | str | os.PathLike[str], file: str | os.PathLike[str], *,
+    slow: float | None = None, title: str | None = None, units: Named | None = None,
+    dark: bool = False, small: bool = False,
+) -> None:  # fmt: skip
+    """Write the motion of one part as an animation, GIF or MP4 by the suffix of the file.
+
+    It needs matplotlib, and imageio-ffmpeg for MP4: the extra `video`.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset or path
+        A simulation of one part with `trajectory`, or the file of one.
+    file : path
+        The file; an existing one is replaced.
+    slow : float
+        Slow-motion factor. By default a period takes about a second, a fall six.
+    title, units, dark, small
+        As for `plot`.
+
+    Raises
+    ------
+    VibrafeedError
+        If the dataset holds no trajectory, or the file cannot be made.
+
+    Examples
+    --------
+    >>> import os, tempfile
+    >>> motion = vibrafeed.simulate("configs/trajectory.toml", trajectory=40)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     vibrafeed.animate(motion, os.path.join(folder, "part.gif"), slow=10)
+    ...     os.listdir(folder)
+    ['part.gif']
+    """
+    from pathlib import Path
+
+    from vibrafeed.core.plots.movie import animate
+
+    animate(
+        _opened(dataset), Path(file), slow=slow, title=title, units=units, dark=dark, small=small
+    )
+
+
+def scene(
+    name: SceneName | str, variant: str | None = None, *, method: str | None = None
+) -> SceneCard:
+    """Return the card of a scene: parameters, outputs, units, bounds, equations, validity.
+
+    Python prints it as text, a notebook as tables.
+
+    Parameters
+    ----------
+    name : str
+        Name of the scene, one of `scenes()`.
+    variant : str, optional
+        Variant of its closed forms; the scene's default if left out.
+    method : str, optional
+        A method of simulation: the card is then that of the motion in time.
+
+    Raises
+    ------
+    StudyError
+        If there is no such scene, variant or method.
+
+    Examples
+    --------
+    >>> card = vibrafeed.scene("rectangle-on-plane", method="events")
+    >>> card.parameters["friction"]["description"]
+    'Coulomb friction coefficient, static and kinetic alike.'
+    >>> card.outputs["conveying_velocity"]["unit"]
+    'm s-1'
+    """
+    from vibrafeed.core.scene_card import SceneCard  # loads the catalogue
+
+    return SceneCard(scenes(name, variant, method=method))
+
+
+def scenes(
+    name: str | None = None, variant: str | None = None, *, method: str | None = None
+) -> Any:
+    """Return the catalogue as plain values: a list of all scenes, or a dict about one.
+
+    Parameters are those of `scene`, which shows the same for reading.
+
+    Raises
+    ------
+    StudyError
+        If there is no such scene, variant or method.
+
+    Examples
+    --------
+    >>> [scene["name"] for scene in vibrafeed.scenes()][:2]
+    ['rectangle-isolated', 'rectangle-on-plane']
+    >>> vibrafeed.scenes("rectangle-on-plane")["parameters"][0]["name"]
+    'frequency'
+    """
+    catalogue = import_module("vibrafeed.core.catalogue")
+    one = name is not None
+    return catalogue.describe(name, variant, method=method) if one else catalogue.describe_all()
+
+
+def _prepared(kind: str, arguments: dict[str, Any]) -> Any:
     """Return a study of one kind, ready to be computed; warn of unusual values.
 
-    `base` is the study, mapping or path, if any, and `keywords` add to it.
+    `arguments` are the `locals()` of a public function: `scene`, keywords, and a mapping of more.
     """
+    more = arguments.pop("parameters", arguments.pop("keywords", {}))
+    base = arguments.pop("scene")
+    given = {name: value for name, value in (arguments | more).items() if value is not None}
     intake = import_module("vibrafeed.core.intake")
-    content = intake.gather(base, keywords, kind)
+    content = intake.gather(base, given, kind)
     if not isinstance(content, dict):
         return import_module("vibrafeed.core.kinds").prepare(content)
     prepared = intake.prepare_content(content, files=True)
@@ -381,13 +585,11 @@ def _prepared(kind: str, base: StudyLike | None, keywords: Mapping[str, Any]) ->
     return prepared
 
 
-def _carry_out(kind: str, base: StudyLike | None, keywords: Mapping[str, Any]) -> xarray.Dataset:
-    """Compute a study of one kind and return its dataset.
+def _carry_out(prepared: Any) -> xarray.Dataset:
+    """Compute a prepared study and return its dataset.
 
-    `base` is the study, mapping or path, if any, and `keywords` add to it. Raises `StudyError` with
-    every problem, and `LimitError` if the result exceeds this machine's memory.
+    Raises `LimitError` if the result exceeds this machine's memory.
     """
-    prepared = _prepared(kind, base, keywords)
     prepared.check_limits(cells=None, bytes_=import_module("vibrafeed.core.system").memory())
     _import_accessor()
     with import_module("vibrafeed.core.compiling").announced(_say):
@@ -430,17 +632,6 @@ def _say(words: str) -> None:
     sys.stderr.write(f"vibrafeed: {words}\n")
 
 
-def of_kind(kind: str) -> Callable[..., xarray.Dataset]:
-    """Return the function that computes studies of a kind, as `sweep` does those of its kind."""
-
-    def carry_out(study: StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
-        return _carry_out(kind, study, said({"study": study, **keywords}))
-
-    carry_out.__name__ = kind
-    carry_out.__doc__ = f"Return the dataset of a study of kind '{kind}'; keywords are its keys."
-    return carry_out
-
-
 def _import_accessor() -> None:
-    """Give datasets their `.vf`."""
+    """Give datasets their `.vibrafeed`."""
     from vibrafeed import accessor  # noqa: F401 - loads xarray

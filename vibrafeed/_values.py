@@ -43,3 +43,9 @@ place of ``num``.
 
 Bounds: TypeAlias = Mapping[str, Number]
 """Variables and their bounds: ``{"lower": 0, "upper": "60 deg"}``."""
+
+Maps: TypeAlias = Mapping[str, Mapping[str, Any]]
+"""Parameters and what is known of them: ``{"friction": {"mean": 0.3, "deviation": 0.03}}``."""
+
+Named: TypeAlias = str | Sequence[str]
+"""One name or several."""

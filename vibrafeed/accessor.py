@@ -1,4 +1,4 @@
-"""The accessor `dataset.vf` of xarray: pictures, tables and the study of a dataset.
+"""The accessor `dataset.vibrafeed` of xarray, `dataset.vf` for short: pictures, units, the study.
 
 Every function that returns a dataset imports this module. Who only reads files with xarray imports
 it: ``import vibrafeed.accessor``.
@@ -7,7 +7,7 @@ docs/decisions/2026-11-23-accessor-and-keywords.md says what else was tried.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
@@ -20,7 +20,7 @@ from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import Problem, StudyError, VibrafeedError
 from vibrafeed.core.intake import parse_json
 from vibrafeed.core.quantities.flags import REGIME
-from vibrafeed.core.study.shown import read_shown
+from vibrafeed.core.study.shown import Shown, ShownUnits, read_shown
 from vibrafeed.core.study.units import UnitError
 
 if TYPE_CHECKING:
@@ -28,22 +28,31 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
+    from vibrafeed._values import Named
     from vibrafeed.core.study import Study
 
 
+PLAIN = {"degree": Shown(1.0, "deg"), "min-1": Shown(1.0, "1/min")}
+"""Units that `trade` writes without signs: degrees, and parts a minute."""
+
+
 @xarray.register_dataset_accessor("vf")  # type: ignore[no-untyped-call]
+@xarray.register_dataset_accessor("vibrafeed")  # type: ignore[no-untyped-call]
 class Accessor:
-    """The accessor `vf` of a dataset that vibrafeed returned, or of a file that it wrote.
+    """The accessor of a dataset that vibrafeed returned, or of a file that it wrote.
 
     >>> motion = vibrafeed.simulate(
-    ...     scene="rectangle-on-plane", frequency="50 Hz", beta=30, friction=0.5,
+    ...     "rectangle-on-plane", frequency="50 Hz", beta=30, friction=0.5,
     ...     amplitude=["0.01 mm", "0.1 mm", "0.2 mm", "0.4 mm"],
     ... )
-    >>> motion.vf.regime_shares()
+    >>> motion.vibrafeed.regime_shares()
     {'stick': 0.25, 'stick_slip': 0.25, 'hopping': 0.5}
-    >>> motion.vf.shown("m/min").conveying_velocity.units
+    >>> trade = motion.vibrafeed.trade()
+    >>> [trade[name].units for name in ("amplitude", "conveying_velocity", "beta")]
+    ['mm', 'mm/s', 'deg']
+    >>> motion.vibrafeed.shown("m/min").conveying_velocity.units
     'm/min'
-    >>> motion.vf.study.scene
+    >>> motion.vibrafeed.study.scene
     'rectangle-on-plane'
     """
 
@@ -51,7 +60,6 @@ class Accessor:
         self._dataset = dataset
 
     def __repr__(self) -> str:
-        """Return a short text on the purpose of the accessor."""
         names = [name for name in dir(type(self)) if not name.startswith("_")]
         scene = self._dataset.attrs.get("scene", "no scene")
         return f"<vibrafeed accessor of a dataset of {scene}: {', '.join(names)}>"
@@ -70,18 +78,11 @@ class Accessor:
         return parse_json(str(self._dataset.attrs["study"]))
 
     def plot(
-        self,
-        *,
-        variable: str | None = None,
-        axes: str | tuple[str, ...] | None = None,
-        at: Mapping[str, float | str] | None = None,
-        kind: str | None = None,
-        title: str | None = None,
-        units: str | Sequence[str] | None = None,
-        nearest: bool = False,
-        dark: bool = False,
-        small: bool = False,
-    ) -> Figure:
+        self, *, variable: str | None = None, axes: str | tuple[str, ...] | None = None,
+        at: Mapping[str, float | str] | None = None, kind: str | None = None,
+        title: str | None = None, units: Named | None = None, nearest: bool = False,
+        dark: bool = False, small: bool = False,
+    ) -> Figure:  # fmt: skip
         """Return a picture of the dataset; parameters and errors are those of `vibrafeed.plot`."""
         from vibrafeed import plot
 
@@ -138,6 +139,13 @@ class Accessor:
         except UnitError as error:
             raise StudyError([Problem("units", error.message, error.fix)]) from None
 
+    def trade(self) -> xarray.Dataset:
+        """Return the dataset in mm, mm/s, ms, g, mN, deg and 1/min, for reading.
+
+        It is `shown("trade")` with the units written as programs read them.
+        """
+        return in_shown_units(self._dataset, ShownUnits("trade", PLAIN))
+
     def to_excel(self, path: str | os.PathLike[str]) -> None:
         """Write an Excel workbook: one row a cell, with units in the headings.
 
@@ -158,6 +166,6 @@ class Accessor:
         """
         if suffix_of(str(path)) != ".xlsx":
             raise VibrafeedError(f"{path} does not end in .xlsx, by which a workbook is known.")
-        before = self._dataset.attrs.get("history", "")
-        history = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} dataset.vf.to_excel\n{before}".rstrip()
+        line = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} dataset.vibrafeed.to_excel"
+        history = f"{line}\n{self._dataset.attrs.get('history', '')}".rstrip()
         write_result(Table.of_xarray(self._dataset), str(path), history=history)

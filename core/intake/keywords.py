@@ -23,7 +23,7 @@ KEYS = tuple(dict.fromkeys(key for kind in KINDS.values() for key in kind.model.
 """The keys that a study of any kind has beside its parameters."""
 
 StudyLike = Study | Mapping[str, Any] | str | os.PathLike[str]
-"""What stands for a study; a text is the path of a TOML or JSON file."""
+"""What stands for a study; a text is the name of a scene, or the path of a TOML or JSON file."""
 
 
 def gather(
@@ -37,7 +37,7 @@ def gather(
     Parameters
     ----------
     study : Study, mapping, str or path, optional
-        A study, the content of its file, or the path of the file.
+        A study, the content of its file, the path of the file, or the name of a scene.
     keywords : mapping
         Further keys and parameters.
     kind : str, optional
@@ -201,15 +201,15 @@ def _columns(table: Any) -> Iterator[tuple[str, Any]]:
 def _content_of(study: object) -> dict[str, Any]:
     """Return the content of a study, of a mapping of its keys, or of the file that a path names.
 
-    Raises `StudyError` for anything else, with advice for the name of a scene.
+    The name of a scene, or a text that looks like one, is the content of a study of that scene,
+    which is refused later if there is none. Raises `StudyError` for anything else.
     """
     if isinstance(study, Study):
         return study.content()
     if isinstance(study, Mapping):
         return spread(study)
-    if isinstance(study, str) and study in SCENES:
-        message = f"'{study}' is a scene, not the path of a study"
-        raise StudyError([Problem("study", message, f'Write scene="{study}"')])
+    if isinstance(study, str) and (study in SCENES or _may_be_scene(study)):
+        return {"scene": study}
     if isinstance(study, str | os.PathLike):
         study = read_content(Path(study))
         if isinstance(study, dict):
@@ -224,6 +224,12 @@ def _content_of(study: object) -> dict[str, Any]:
             )
         ]
     )
+
+
+def _may_be_scene(text: str) -> bool:
+    """True if a text looks more like the name of a scene than like the path of a file."""
+    path = Path(text)
+    return not path.suffix and path.name == text and not path.exists()
 
 
 def _is_key(name: str) -> bool:

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from vibrafeed.core.measured.drive import Fit
     from vibrafeed.core.study.simulate_study import SimulateStudy
 
-CALLER = 4
-"""Calls from a warning to who asked `vibrafeed` for a study."""
+CALLER = 3
+"""Calls from a warning to who called a function of `vibrafeed` that reads a study here."""
 
 
 def load_study(path: str | os.PathLike[str]) -> Study:
@@ -29,6 +29,13 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     ------
     StudyError
         With every problem of the file.
+
+    Examples
+    --------
+    >>> import vibrafeed
+    >>> study = vibrafeed.load_study("configs/figures/fig-5-1.toml")
+    >>> study.kind, study.scene
+    ('sweep', 'cylinder-on-plane')
     """
     return study_of(read_content(Path(path)))
 

@@ -64,7 +64,7 @@ print(json.dumps([reply.status_code, sorted(answer), job["type"]]))
 def test_the_client_of_the_guide_for_python(server, folder):
     (code,) = blocks("docs/python.md", "python", "## Results of the service")
     code = code.replace("http://127.0.0.1:8000", server)
-    code += "print(result.vf.study.scene, result.sizes['beta'])"
+    code += "print(result.vibrafeed.study.scene, result.sizes['beta'])"
     assert run(code, folder) == "rectangle-on-plane 7\n"
 
 

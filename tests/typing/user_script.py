@@ -5,13 +5,16 @@ Each `type: ignore` stands where a user is wrong; mypy tells of one that is not 
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import xarray
 
 import vibrafeed as vf
+from vibrafeed.parameters import LinearDriveUnit, RectangleOnPlane
 
 motion = vf.simulate(
-    scene="rectangle-on-track",
+    "rectangle-on-track",
     outputs=["conveying_velocity", "hop_height"],
     frequency="50 Hz",
     amplitude=["0.2 mm", "0.3 mm"],
@@ -26,6 +29,8 @@ motion = vf.simulate(
 speed: xarray.DataArray = motion["conveying_velocity"]
 study = vf.study(kind="sweep", scene="rectangle-on-plane", friction=0.3)
 changed = vf.sweep(study, beta=(10, 20), precision="single")
+for source in ("study.toml", Path("study.toml"), {"scene": "rectangle-on-plane"}, None):
+    vf.simulate(source, scene="rectangle-on-plane", title="again")
 name = "rectangle-on-plane"  # not known to be one of the scenes
 best = vf.optimise(
     scene=name,
@@ -34,14 +39,21 @@ best = vf.optimise(
     sensitivities=True,
 )
 rate: str = vf.QUANTITIES["conveying_velocity"].unit
+unit: str = vf.scene("rectangle-on-plane", method="events").parameters["friction"]["unit"]
+design: RectangleOnPlane = {"frequency": "50 Hz", "friction": [0.2, 0.3], "phase_along_2": 90}
+design["amplitude"] = "0.2 mm"
+vf.simulate("rectangle-on-plane", **design)
 
+vf.simulate(3)  # type: ignore[arg-type]
 vf.simulate(scene=3)  # type: ignore[arg-type]
 vf.simulate(friction={1, 2})  # type: ignore[arg-type]
 vf.simulate(beta=[None])  # type: ignore[list-item]
 vf.simulate(verify="ten")  # type: ignore[arg-type]
 vf.simulate(amplitude_along_1=None)  # type: ignore[arg-type]
-vf.simulate(frequncy=50)  # type: ignore[call-arg]
+vf.simulate("rectangle-on-plane", frequncy=50)  # type: ignore[call-arg]
 vf.sweep(outputs=5)  # type: ignore[arg-type]
 vf.sweep(max_periods=10)  # type: ignore[call-arg]
 vf.optimise(robust="best")  # type: ignore[arg-type]
 vf.plot(study)  # type: ignore[arg-type]
+other: RectangleOnPlane = {"spring_count": 4, "radius": 0.1}  # type: ignore[typeddict-unknown-key]
+unit_on_springs: LinearDriveUnit = {"spring_count": 4, "moving_mass": "12 kg"}

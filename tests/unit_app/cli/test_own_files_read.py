@@ -9,7 +9,7 @@ import pytest
 import xarray
 from typer.testing import CliRunner
 
-import vibrafeed.accessor  # noqa: F401 - gives datasets their `.vf`
+import vibrafeed.accessor  # noqa: F401 - gives datasets their `.vibrafeed`
 from vibrafeed.app.cli import app
 from vibrafeed.core.intake import load_study
 from vibrafeed.core.study.shown import SYSTEMS
@@ -53,7 +53,7 @@ def motion(tmp_path_factory):
         assert result.exit_code == 0, result.output
     with xarray.open_dataset(folder / "x.nc") as dataset:
         for units in SYSTEMS:
-            dataset.vf.shown(units).vf.to_excel(folder / f"{units}.xlsx")
+            dataset.vibrafeed.shown(units).vibrafeed.to_excel(folder / f"{units}.xlsx")
     return folder
 
 

@@ -314,7 +314,7 @@ def test_a_calibration_gives_its_density_to_who_has_the_file(tmp_path):
         for part, within in (("mean", 1e-3), ("deviation", 1e-2)):
             name = f"acceleration_x_{part}"
             assert float(found[name]) == pytest.approx(float(normal[name]), rel=within)
-    assert len(found.vf.study.content()["uncertain"]["friction"]["values"]) < 41
+    assert len(found.vibrafeed.study.content()["uncertain"]["friction"]["values"]) < 41
     with pytest.raises(StudyError, match="only the command line and Python read files"):
         prepare_content(content)
     for wrong, says in (("none.nc", "cannot be read"), (3, "not the path of a file")):

@@ -169,9 +169,9 @@ def test_the_coordinates_of_a_file_are_parameters(tmp_path):
     )
     first.to_netcdf(tmp_path / "x.nc")
     with xarray.open_dataset(tmp_path / "x.nc") as file:
-        for fed in (first, file, first.vf.shown("si")):
+        for fed in (first, file, first.vibrafeed.shown("si")):
             names = ("frequency", "amplitude", "beta", "gravity", "gamma")
             again = vibrafeed.sweep(**STUDY, **{name: fed[name] for name in names})
             xarray.testing.assert_identical(again.throw_number, first.throw_number)
-        shown = vibrafeed.sweep(**STUDY, **{n: first.vf.shown("trade")[n] for n in names})
+        shown = vibrafeed.sweep(**STUDY, **{n: first.vibrafeed.shown("trade")[n] for n in names})
     np.testing.assert_allclose(shown.amplitude, first.amplitude, rtol=THREE_ROUNDINGS)

@@ -6,9 +6,11 @@ import doctest
 import inspect
 import json
 import os
+import pickle
 import re
 import subprocess
 import sys
+import traceback
 from pathlib import Path
 
 import matplotlib.figure
@@ -16,6 +18,7 @@ import pytest
 
 import vibrafeed
 import vibrafeed.accessor
+import vibrafeed.parameters
 from vibrafeed import core
 
 ROOT = Path(__file__).parents[2]
@@ -29,7 +32,7 @@ ACCELERATION = {**POINT, "outputs": ["acceleration_x"]}
 def test_every_public_name_is_there():
     for name in vibrafeed.__all__:
         assert getattr(vibrafeed, name) is not None, name
-    assert set(vibrafeed.__all__) <= set(dir(vibrafeed))
+    assert dir(vibrafeed) == sorted(vibrafeed.__all__)  # what users need, and nothing else
     assert vibrafeed.__version__ == core.__version__
     with pytest.raises(AttributeError, match="no attribute 'swep'"):
         vibrafeed.swep  # noqa: B018 - the look-up is what is tried
@@ -37,7 +40,7 @@ def test_every_public_name_is_there():
 
 def examples() -> list[doctest.DocTest]:
     """Return the examples in the docstrings of the package, of its names and of the accessor."""
-    objects = [vibrafeed, vibrafeed.accessor.Accessor, vibrafeed._studies]
+    objects = [vibrafeed, vibrafeed.accessor.Accessor, vibrafeed.parameters]
     objects += [getattr(vibrafeed, name) for name in vibrafeed.__all__]
     finder = doctest.DocTestFinder(recurse=False)
     return [
@@ -90,6 +93,25 @@ def test_importing_it_loads_no_library():
         "dataclasses",
         "re",
     }  # what is slow of the standard's
+
+
+def test_errors_have_the_name_by_which_users_import_them():
+    problem = vibrafeed.Problem("parameters.beta", "it is wrong", "Write 20")
+    for error in (
+        vibrafeed.StudyError([problem]), vibrafeed.LimitError("cells", 2, 1, "Less"),
+        vibrafeed.VibrafeedError("no"),
+    ):  # fmt: skip
+        name = f"vibrafeed.{type(error).__name__}"
+        assert traceback.format_exception_only(error)[0].startswith(f"{name}: ")
+        again = pickle.loads(pickle.dumps(error))
+        assert (type(again), str(again)) == (type(error), str(error))
+    assert pickle.loads(pickle.dumps(problem)) == problem
+    code = "import pickle, sys; print(pickle.load(sys.stdin.buffer).problems[0])"
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, check=True,
+        input=pickle.dumps(vibrafeed.StudyError([problem])),
+    )  # fmt: skip
+    assert done.stdout.decode().strip() == str(problem)
 
 
 def test_a_study_of_another_kind_is_refused_where_it_is_carried_out():

@@ -42,6 +42,13 @@ def test_a_study_that_is_made_or_loaded_warns_too(tmp_path):
     assert asked[0].filename == __file__
 
 
+@pytest.mark.parametrize("function", [vibrafeed.sweep, vibrafeed.open_lazily])
+def test_a_function_asks_where_it_was_called(function):
+    with pytest.warns(UserWarning, match="means 250 mm") as asked:
+        function(**SWEEP, amplitude=0.25)
+    assert [one.filename for one in asked] == [__file__]
+
+
 def test_a_grid_that_memory_cannot_hold_is_an_error_in_words():
     with pytest.raises(vibrafeed.VibrafeedError, match="It fits with"):
         vibrafeed.sweep(
@@ -51,13 +58,8 @@ def test_a_grid_that_memory_cannot_hold_is_an_error_in_words():
         )
 
 
-def test_a_scene_in_the_place_of_a_study_is_told_apart_from_a_path():
-    with pytest.raises(StudyError, match='Write scene="rectangle-on-plane"'):
-        vibrafeed.sweep("rectangle-on-plane", frequency=50)
-
-
 def test_studies_are_shown_briefly():
-    study = vibrafeed.sweep(**SWEEP, amplitude=1e-3).vf.study
+    study = vibrafeed.sweep(**SWEEP, amplitude=1e-3).vibrafeed.study
     assert len(repr(study)) < 300
     assert "None" not in repr(study)
     shown = study._repr_html_()
