@@ -65,7 +65,7 @@ def run(tree: Path, *arguments: str) -> str:
 def tree(tmp_path: Path) -> Path:
     """Return a copy of the program, without its tests."""
     for name in ("core", "app", "vibrafeed"):
-        shutil.copytree(ROOT / name, tmp_path / name)  # and what is compiled of it
+        shutil.copytree(ROOT / name, tmp_path / name, symlinks=True)  # and its bytecode
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
     return tmp_path
 
