@@ -204,8 +204,9 @@ def motions(cells: int, seed: int, file: Path) -> None:
 
 def finer_copy(folder: Path) -> Path:
     """Return a copy of the code whose searches are twice as fine."""
-    for name in ("core", "benchmarks"):
-        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("core", "app", "vibrafeed", "benchmarks"):
+        ignore = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / name, folder / name, symlinks=True, ignore=ignore)
     for name, text, instead in FINER:
         file = folder / name
         content = file.read_text()
