@@ -243,14 +243,11 @@ def test_a_folder_that_was_removed_while_its_lock_was_waited_for_is_not_used(sto
         assert not entered.wait(0.2)
         store.remove(key)
         store.add(prepare_content(SWEEP).study)
-        with store._locked(key):  # that of the new folder
-            pass
-        again = store._locked(key)
-        again.__enter__()
-    assert not entered.wait(0.2)
-    again.__exit__(None, None, None)
     thread.join(PATIENCE)
     assert seen == [True]
+    store.remove(key)
+    with pytest.raises(FileNotFoundError), store._locked(key):
+        pass
 
 
 def test_a_block_is_written_though_the_folder_goes_at_that_moment(store, monkeypatch):
