@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from io import FileIO
 from itertools import repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Self
@@ -244,7 +245,7 @@ class _Disk:
 
     def __init__(self, path: Path):
         """Open a file for reading and writing at chosen positions."""
-        self.file = path.open("r+b", buffering=0)
+        self.file = FileIO(path, "r+")
         self.is_open = True
         self.passing: NDArray[np.uint8] | None = None
         self.checksum = 0
