@@ -1,8 +1,7 @@
-"""What operating systems do differently: memory, cores, priority, files, output streams.
+"""Differences of operating systems: memory, cores, priority, files, output streams.
 
-Linux and macOS are POSIX systems; Windows opens no folder, waits for no file that is open for
-reading, and replaces or removes none that any program holds open. Nothing here asks for the name of
-a system: what it lacks is looked for.
+Windows opens no folder, flushes no file that is open for reading only, and neither replaces nor
+removes a file that any program holds open.
 """
 
 from __future__ import annotations

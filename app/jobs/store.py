@@ -4,7 +4,7 @@ A folder each, named by the study's identifier: ``study.json``; ``blocks/`` whil
 ``result.nc`` and, where it is small, ``result.json``, or ``result.zarr`` and a list of its digests;
 last ``manifest.json``. A file appears
 complete or not at all, and a result is there when its manifest is. Servers and workers use the same
-folders; who finishes a study holds a lock on its folder.
+folders; who finishes a study holds its lock, a file of its name in ``locks``.
 """
 
 from __future__ import annotations
@@ -318,13 +318,15 @@ class Store(Blocks):
             If the folder has been removed.
         """
         folder = self.folder(key)
-        with FileLock(self._lock_file(key)):  # beside it: Windows removes no folder in use
+        lock = self._lock_file(key)
+        lock.parent.mkdir(exist_ok=True)
+        with FileLock(lock):
             folder.stat()  # it may have been removed while we waited
             yield folder
 
     def _lock_file(self, key: str) -> Path:
-        """Return the empty file whose lock is that of a study's folder."""
-        return self.directory / f".{key}.lock"
+        """Return the file whose lock is a study's; not in its folder, which is then in use."""
+        return self.directory.parent / "locks" / key
 
     # --- housekeeping
 
