@@ -6,12 +6,17 @@ import os
 import sys
 from pathlib import Path
 
+LOCAL = ("LOCALAPPDATA", "AppData/Local")  # Windows' folder for what stays on one computer
+
 
 def data_folder() -> Path:
     """Return the system's folder for application data of this user; `data` if the user has no home.
 
-    That is `XDG_DATA_HOME`, or `~/.local/share`; `~/Library/Application Support` on macOS.
+    That is `XDG_DATA_HOME`, or `~/.local/share`; `~/Library/Application Support` on macOS,
+    `%LOCALAPPDATA%` on Windows, which other users cannot read.
     """
+    if sys.platform == "win32":
+        return _folder(*LOCAL) or Path("data")
     usual = "Library/Application Support" if sys.platform == "darwin" else ".local/share"
     return _folder("XDG_DATA_HOME", usual) or Path("data")
 
@@ -19,8 +24,11 @@ def data_folder() -> Path:
 def cache_folder() -> Path:
     """Return the system's cache folder of this user; `.cache` if the user has no home.
 
-    That is `XDG_CACHE_HOME`, or `~/.cache`; `~/Library/Caches` on macOS.
+    That is `XDG_CACHE_HOME`, or `~/.cache`; `~/Library/Caches` on macOS, `Cache` in the data folder
+    on Windows.
     """
+    if sys.platform == "win32":
+        return data_folder() / "Cache"
     usual = "Library/Caches" if sys.platform == "darwin" else ".cache"
     return _folder("XDG_CACHE_HOME", usual) or Path(".cache")
 

@@ -1,10 +1,104 @@
-"""Differences between operating systems."""
+"""Differences of operating systems: memory, cores, priority, files, output streams.
+
+Windows opens no folder, flushes no file that is open for reading only, and neither replaces nor
+removes a file that any program holds open.
+"""
 
 from __future__ import annotations
 
-import psutil
+import io
+import os
+import sys
+import time
+from pathlib import Path
+from typing import Any, Final
+
+WINDOWS: Final = hasattr(os, "O_BINARY")  # no other system tells texts from binary files
+PATIENCE: Final = 2.0  # s: virus scanners and indexers let go of a file sooner, Excel does not
+LOOK: Final = 0.05  # s between two trials
+SHEETS: Final = (".csv", ".xlsx")  # opened in Excel, which holds them
 
 
 def memory() -> int:
     """Return the memory of this machine in bytes."""
-    return int(psutil.virtual_memory().total)
+    return int(_psutil().virtual_memory().total)
+
+
+def cores() -> int:
+    """Return the number of cores that this process may use; on a cluster a share of the machine."""
+    affinity = getattr(_psutil().Process(), "cpu_affinity", None)  # macOS has none
+    return len(affinity()) if affinity else os.cpu_count() or 1
+
+
+def lower_priority(by: int) -> None:
+    """Let other processes of this machine go first.
+
+    `by` is added to the niceness, which ends at 19; on Windows the priority is "below normal".
+    """
+    psutil = _psutil()
+    process = psutil.Process()
+    below_normal = getattr(psutil, "BELOW_NORMAL_PRIORITY_CLASS", None)
+    process.nice(min(19, process.nice() + by) if below_normal is None else below_normal)
+
+
+def sync(path: Path) -> None:
+    """Wait until a file is on disk, so that it survives a power failure.
+
+    For the path of a folder that is the list of its files, which changes with a rename; Windows
+    does not offer that.
+    """
+    if not path.is_dir():
+        with path.open("r+b") as file:
+            os.fsync(file.fileno())
+    elif not WINDOWS:
+        descriptor = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+
+
+def replace(source: Path, target: Path) -> None:
+    """Give a file or folder its final name, where another file may be, which is replaced.
+
+    Raises
+    ------
+    PermissionError
+        If another program still holds one of them after two seconds, as Excel does on Windows: both
+        stay as they are.
+    """
+    tried = 0.0
+    while True:
+        try:
+            source.replace(target)
+        except PermissionError as error:
+            if not WINDOWS:
+                raise
+            if tried >= PATIENCE:
+                if target.suffix.lower() in SHEETS and target.exists():
+                    error.strerror = f"{error.strerror}. Close it in Excel"
+                raise
+            time.sleep(LOOK)
+            tried += LOOK
+        else:
+            return
+
+
+def write_utf8() -> None:
+    """Let standard output and error take every character, whatever the system's code page.
+
+    Into files and pipes they write UTF-8; a terminal shows a question mark for what it lacks.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            if stream.isatty():
+                stream.reconfigure(errors="replace")
+            else:
+                stream.reconfigure(encoding="utf-8", errors=stream.errors)
+
+
+def _psutil() -> Any:
+    """Return psutil, whose import takes as long as many a command."""
+    import psutil
+
+    return psutil

@@ -15,6 +15,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from vibrafeed import core
 from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.system import write_utf8
 
 COMMANDS: Final = MappingProxyType(
     {
@@ -114,4 +115,5 @@ def _all_commands(
 
 def main() -> None:
     """Run the command line."""
+    write_utf8()
     app(prog_name="vibrafeed")

@@ -35,6 +35,11 @@ def fail(message: str) -> None:
     stderr.print(message, style="red", markup=False, soft_wrap=True)
 
 
+def shows_codes() -> bool:
+    """True if the error stream is a terminal that follows control codes, as old ones do not."""
+    return stderr.is_terminal and not stderr.legacy_windows
+
+
 def say(text: str) -> None:
     """Print a line of any length without folding it."""
     stdout.print(text, markup=False, soft_wrap=True)

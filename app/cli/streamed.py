@@ -147,7 +147,7 @@ def _check_disk_space(
     free = shutil.disk_usage(file.parent).free
     begun = partial(file)
     if begun.exists():  # what it takes is used again, or given back
-        free += sum(one.stat().st_blocks * 512 for one in begun.rglob("*") if one.is_file())
+        free += sum(one.stat().st_size for one in begun.rglob("*") if one.is_file())
     console.say(f"{line}, {_gb(free)} are free")
     if size > free:
         fix = sweep.what_fits(free / size)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
 
+from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import INVALID_INPUT
 from vibrafeed.core import intake
 from vibrafeed.core.compiling import stopwatch
@@ -204,7 +205,8 @@ def interruptible_compiler(last_words: str) -> Iterator[None]:
     Python itself has not come to it in time. Files under way appear whole or not at all.
     """
     reader, writer = os.pipe()
-    os.set_blocking(writer, False)
+    if hasattr(os, "set_blocking"):  # Windows, before Python 3.12, wants no such pipe
+        os.set_blocking(writer, False)
 
     def read() -> None:
         """Wait for signals.
@@ -215,7 +217,7 @@ def interruptible_compiler(last_words: str) -> Iterator[None]:
             if number[0] == signal.SIGINT and stopwatch.is_running:
                 time.sleep(PYTHONS_TURN)
                 if stopwatch.is_running:
-                    cursor = f"\n{SHOW_CURSOR}" if os.isatty(2) else ""
+                    cursor = f"\n{SHOW_CURSOR}" if console.shows_codes() else ""
                     os.write(2, f"{cursor}{last_words}\n".encode())
                     os._exit(INTERRUPTED)
         os.close(reader)

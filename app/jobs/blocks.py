@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from vibrafeed.app.jobs.errors import TornBlockError
-from vibrafeed.app.jobs.studies import Studies, durable_file
+from vibrafeed.app.jobs.studies import Studies
+from vibrafeed.core.dataset.files import whole
 from vibrafeed.core.plan.pieces import Computed
 
 DIGEST = 32  # bytes of the SHA-256 that a block's file begins with
@@ -73,7 +74,7 @@ class Blocks(Studies):
             path.parent.parent.mkdir(exist_ok=True)
             path.parent.mkdir(exist_ok=True)
             try:
-                with durable_file(path) as temporary, temporary.open("wb") as file:
+                with whole(path) as temporary, temporary.open("wb") as file:
                     file.write(digest)
                     file.write(content)
             except FileNotFoundError:  # whoever finished the study has just removed its blocks

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import os
 from collections.abc import Callable
 from contextlib import AsyncExitStack, suppress
 from importlib import import_module
@@ -12,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import dask
 from distributed import Client, LocalCluster, WorkerPlugin, get_worker
+
+from vibrafeed.core.system import lower_priority
 
 if TYPE_CHECKING:
     _Made = tuple[Client, AsyncExitStack]  # what closes it, and the workers if they are ours
@@ -185,7 +186,7 @@ def _polite() -> WorkerPlugin:
     class Polite(WorkerPlugin):
         def setup(self, worker: object) -> None:
             """Lower the priority of the worker's process."""
-            os.nice(POLITE)
+            lower_priority(POLITE)
 
     return Polite()
 

@@ -18,7 +18,6 @@ What reads only takes no lock, and sees what has been committed.
 from __future__ import annotations
 
 import errno
-import fcntl
 import sqlite3
 import threading
 from collections.abc import Iterator
@@ -26,6 +25,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from filelock import FileLock
 from sqlalchemy import URL, Connection, Engine, Row, create_engine, event, exc, inspect, make_url
 from sqlalchemy.sql.expression import Select
 
@@ -197,8 +197,7 @@ class Database:
         """
         file.parent.mkdir(parents=True, exist_ok=True)
         # Making a new file one for WAL does not wait for another process that does so.
-        with file.with_name(".ledger.lock").open("ab") as making:
-            fcntl.flock(making, fcntl.LOCK_EX)
+        with FileLock(file.with_name(".ledger.lock")):
             with engine.connect() as connection:
                 connection.exec_driver_sql("PRAGMA journal_mode = WAL")
             self._upgrade(engine)

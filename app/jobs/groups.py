@@ -8,7 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from vibrafeed.app.jobs.manifest import ZARR
-from vibrafeed.app.jobs.studies import durable_file
+from vibrafeed.core.dataset.files import whole
 from vibrafeed.core.dataset.shards import UNFINISHED
 
 LIST = f"{ZARR}.sha256"
@@ -22,8 +22,8 @@ def write_list(folder: Path, digests: Mapping[str, str]) -> None:
     group.
     """
     lines = (f"{digest}  {ZARR}/{key}\n" for key, digest in sorted(digests.items()))
-    with durable_file(folder / LIST) as temporary:
-        temporary.write_text("".join(lines), encoding="ascii")
+    with whole(folder / LIST) as temporary:
+        temporary.write_text("".join(lines), encoding="ascii", newline="\n")
 
 
 def complete_list(folder: Path) -> None:

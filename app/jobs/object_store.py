@@ -17,9 +17,9 @@ from vibrafeed.app.jobs.errors import LostStoreError
 from vibrafeed.app.jobs.groups import LIST, read_list
 from vibrafeed.app.jobs.integrity import has_digest
 from vibrafeed.app.jobs.manifest import MANIFEST, ZARR, Manifest
-from vibrafeed.app.jobs.studies import durable_file
-from vibrafeed.core.dataset.files import PART, sync
+from vibrafeed.core.dataset.files import PART, whole
 from vibrafeed.core.dataset.shards import open_store, plain_errors
+from vibrafeed.core.system import replace, sync
 
 if TYPE_CHECKING:
     from obstore.store import ObjectStore
@@ -115,10 +115,10 @@ class RemoteResults:
                 for path in list(there.iterdir()):
                     target = folder / path.name
                     if target.is_dir():  # a torn group, which goes with the scratch
-                        target.replace(there / f"old-{path.name}")
-                    path.replace(target)
+                        replace(target, there / f"old-{path.name}")
+                    replace(path, target)
         sync(folder)
-        with durable_file(folder / MANIFEST) as temporary:
+        with whole(folder / MANIFEST) as temporary:
             temporary.write_bytes(packed)
         return True
 

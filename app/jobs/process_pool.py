@@ -23,6 +23,7 @@ from multiprocessing.connection import Connection
 from typing import Any, TypeVar
 
 from vibrafeed.core.errors import StoppedError, VibrafeedError
+from vibrafeed.core.system import lower_priority
 
 LOOK = 0.5  # s between checks that the client still waits for the result
 CALLS = 500  # calls of a process before a new one replaces it: memory does not pile up
@@ -229,8 +230,8 @@ def _carry_out(pipe: Connection) -> None:
     then the result or error.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal: the service ends us
-    os.nice(POLITE)
-    with contextlib.suppress(OSError):  # where it is forbidden, replies wait a little longer
+    lower_priority(POLITE)
+    with contextlib.suppress(AttributeError, OSError):  # else replies wait a little longer
         os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))  # never interrupts the server
     while True:
         try:

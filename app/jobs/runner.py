@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import fcntl
 import logging
 import os
 import socket
@@ -115,6 +114,8 @@ class Runner:
 
         A lock file there, which each server holds while it runs, shows that.
         """
+        import fcntl  # Windows has none, and no shared locks: a service runs on POSIX systems
+
         path = Path(self._directory)
         path.mkdir(parents=True, exist_ok=True)
         self._alone = (path / ".lock").open("ab")

@@ -4,13 +4,12 @@ A folder each, named by the study's identifier: ``study.json``; ``blocks/`` whil
 ``result.nc`` and, where it is small, ``result.json``, or ``result.zarr`` and a list of its digests;
 last ``manifest.json``. A file appears
 complete or not at all, and a result is there when its manifest is. Servers and workers use the same
-folders; who finishes a study holds a lock on its folder.
+folders; who finishes a study holds its lock, a file of its name in ``locks``.
 """
 
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import json
 import logging
 import os
@@ -23,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import orjson
+from filelock import FileLock
 
 from vibrafeed import core
 from vibrafeed.app.jobs.blocks import Blocks
@@ -39,9 +39,8 @@ from vibrafeed.app.jobs.manifest import (
     fingerprint,
 )
 from vibrafeed.app.jobs.object_store import RemoteResults
-from vibrafeed.app.jobs.studies import durable_file
 from vibrafeed.core.dataset.document import to_document
-from vibrafeed.core.dataset.files import PART, partial
+from vibrafeed.core.dataset.files import PART, partial, whole
 from vibrafeed.core.dataset.netcdf import write_netcdf
 from vibrafeed.core.dataset.records import ENDING
 from vibrafeed.core.dataset.shards import GROUP, GROWING
@@ -212,13 +211,13 @@ class Store(Blocks):
             values = sum(variable.values.size for variable in table.variables.values())
             if values <= MAX_JSON_VALUES:
                 document = to_document(table.with_price({}))
-                with durable_file(folder / JSON) as temporary:
+                with whole(folder / JSON) as temporary:
                     temporary.write_bytes(orjson.dumps(document, option=orjson.OPT_SERIALIZE_NUMPY))
                 names.append(JSON)
             if more is not None:
                 with tempfile.TemporaryDirectory(prefix=".", suffix=PART, dir=folder) as scratch:
                     for path in more(folder / NETCDF, Path(scratch)):
-                        with durable_file(folder / path.name) as temporary:
+                        with whole(folder / path.name) as temporary:
                             path.replace(temporary)
                         names.append(path.name)
             return names
@@ -302,7 +301,7 @@ class Store(Blocks):
             names = write(folder)
             files = {name: _known(folder, name) for name in names}
             manifest = Manifest(key=key, version=core.__version__, files=files, **asdict(making))
-            with durable_file(folder / MANIFEST) as temporary:
+            with whole(folder / MANIFEST) as temporary:
                 temporary.write_text(json.dumps(asdict(manifest), indent=1), encoding="utf-8")
             self.drop_blocks(key)
             return manifest
@@ -319,16 +318,15 @@ class Store(Blocks):
             If the folder has been removed.
         """
         folder = self.folder(key)
-        while True:
-            descriptor = os.open(folder, os.O_RDONLY)
-            try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX)
-                # The folder may have been removed, and made anew, while we waited.
-                if os.path.samestat(os.fstat(descriptor), folder.stat()):
-                    yield folder
-                    return
-            finally:
-                os.close(descriptor)
+        lock = self._lock_file(key)
+        lock.parent.mkdir(exist_ok=True)
+        with FileLock(lock):
+            folder.stat()  # it may have been removed while we waited
+            yield folder
+
+    def _lock_file(self, key: str) -> Path:
+        """Return the file whose lock is a study's; not in its folder, which is then in use."""
+        return self.directory.parent / "locks" / key
 
     # --- housekeeping
 
@@ -354,6 +352,8 @@ class Store(Blocks):
         folder = self.folder(key)
         (folder / MANIFEST).unlink(missing_ok=True)
         shutil.rmtree(folder, ignore_errors=True)
+        with contextlib.suppress(OSError):  # it is held, or the folder of studies is not there
+            self._lock_file(key).unlink()
 
     def remove_leftovers(self, age: float = PARTS_KEPT) -> int:
         """Remove temporary files that killed writers left; return the number of those removed.
@@ -367,7 +367,7 @@ class Store(Blocks):
         count, before = 0, time.time() - age
         for key in self.studies():
             for path in self.folder(key).rglob(f".*{PART}"):
-                with contextlib.suppress(FileNotFoundError):
+                with contextlib.suppress(OSError):  # gone, or open in another process
                     if age and path.stat().st_mtime > before:
                         continue
                     if path.is_dir():

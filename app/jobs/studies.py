@@ -9,7 +9,6 @@ import re
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Iterator
 from pathlib import Path
 
 from vibrafeed import core
@@ -66,7 +65,7 @@ class Studies:
             self.note_use(key)
             return key, False
         path.parent.mkdir(parents=True, exist_ok=True)
-        with durable_file(path) as temporary:
+        with whole(path) as temporary:
             temporary.write_text(study.canonical(), encoding="utf-8")
         return key, True
 
@@ -173,21 +172,6 @@ class Studies:
         with contextlib.suppress(OSError):  # a directory that is read-only can be read
             if time.time() - path.stat().st_mtime > USED_EVERY:
                 os.utime(path)
-
-
-@contextlib.contextmanager
-def durable_file(path: Path) -> Iterator[Path]:
-    """Yield a temporary path; after the block the file gets its name and is flushed to the disk.
-
-    A reader sees either the whole file or none, and both file and name survive a power failure.
-    """
-    with whole(path) as temporary:
-        yield temporary
-    folder = os.open(path.parent, os.O_RDONLY)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)
 
 
 def _not_own(key: str, prepared: Prepared | None) -> VibrafeedError:

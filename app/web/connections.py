@@ -14,7 +14,6 @@ from __future__ import annotations
 import asyncio
 import heapq
 import re
-import resource
 from collections import Counter
 from typing import Any
 
@@ -48,6 +47,8 @@ _END_OF_HEAD = re.compile(rb"\n\r?\n")
 
 def raise_open_files() -> int:
     """Raise this process's limit of open files to the allowed maximum; return the limit."""
+    import resource  # Windows has none
+
     _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
     return hard
@@ -59,7 +60,7 @@ def most_requests(open_files: int) -> int:
     Each request needs two files, a connection and a file that is downloaded; some are kept free for
     the ledger and the workers.
     """
-    if open_files == resource.RLIM_INFINITY:
+    if open_files < 0:  # so Linux says that there is no limit
         return 10**9
     return max(1, (open_files - OTHER_FILES - SPARE) // 2)
 

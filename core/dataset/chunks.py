@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from io import FileIO
 from itertools import repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Self
@@ -111,7 +112,7 @@ class ChunkFile:
 
     def sync(self) -> None:
         """Wait until all chunks are on the disk."""
-        os.fdatasync(self._disk.descriptor)
+        os.fsync(self._disk.file.fileno())
 
     def close(self, attributes: Mapping[str, float] | None = None) -> None:
         """Finish the file and close it, so that it can be read.
@@ -136,9 +137,7 @@ class ChunkFile:
         self._disk.is_open = False  # HDF5 writes what it keeps, to nowhere
         self._file.close()
         self._pool.shutdown(cancel_futures=True)
-        if self._disk.descriptor >= 0:
-            os.close(self._disk.descriptor)
-            self._disk.descriptor = -1
+        self._disk.file.close()
 
     def __enter__(self) -> Self:
         return self
@@ -246,31 +245,27 @@ class _Disk:
 
     def __init__(self, path: Path):
         """Open a file for reading and writing at chosen positions."""
-        self.descriptor = os.open(path, os.O_RDWR)
-        self.is_open, self._at = True, 0
+        self.file = FileIO(path, "r+")
+        self.is_open = True
         self.passing: NDArray[np.uint8] | None = None
         self.checksum = 0
         self._trouble: OSError | None = None
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
         """Set the position in the file and return it; `whence` is as for Python's files."""
-        start = {os.SEEK_SET: 0, os.SEEK_CUR: self._at}.get(whence)
-        self._at = offset + (os.fstat(self.descriptor).st_size if start is None else start)
-        return self._at
+        return self.file.seek(offset, whence)
 
     def tell(self) -> int:
         """Return the position in the file."""
-        return self._at
+        return self.file.tell()
 
     def read(self, length: int) -> bytes:
         """Return bytes at the position."""
-        return os.pread(self.descriptor, length, self._at)
+        return self.file.read(length)
 
     def readinto(self, buffer: memoryview) -> int:
         """Read bytes at the position into a buffer; return their number."""
-        done = os.preadv(self.descriptor, [buffer], self._at)
-        self._at += done
-        return done
+        return self.file.readinto(buffer)
 
     def write(self, data: memoryview) -> int:
         """Write bytes at the position, for HDF5; return their number.
@@ -283,12 +278,11 @@ class _Disk:
         if not self.is_open:
             return length
         if self._is_passed(data):
-            self.checksum = crc32(os.pread(self.descriptor, length, self._at), self.checksum)
+            self.checksum = crc32(self.file.read(length), self.checksum)
             return length
         try:
             while data:
-                written = os.pwrite(self.descriptor, data, self._at)
-                data, self._at = data[written:], self._at + written
+                data = data[self.file.write(data) :]
         except OSError as error:
             self._trouble = self._trouble or error
         return length
@@ -307,7 +301,7 @@ class _Disk:
     def truncate(self, size: int) -> None:
         """Cut the file to a size."""
         if self.is_open:
-            os.ftruncate(self.descriptor, size)
+            self.file.truncate(size)
 
     def flush(self) -> None:
         """Do nothing: written data is already with the system."""

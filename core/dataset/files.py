@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
-import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
+
+from vibrafeed.core.system import replace, sync
 
 PART = ".part"  # ends the names of files that are being written
 PARTIAL = ".partial"  # ends the names of folders with which a stopped run can go on
@@ -25,7 +27,7 @@ def whole(path: Path) -> Iterator[Path]:
     OSError
         If the file cannot be written, with its final name.
     """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.{time.monotonic_ns()}{PART}")
+    temporary = path.with_name(f".{path.name}.{os.urandom(8).hex()}{PART}")
     try:
         # The system says why nothing can be written here; some libraries only that it failed.
         temporary.touch(exist_ok=True)
@@ -36,26 +38,15 @@ def whole(path: Path) -> Iterator[Path]:
             raise
         raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
-        temporary.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # a library still holds it, after an error of its own
+            temporary.unlink(missing_ok=True)
 
 
 def settle(temporary: Path, path: Path) -> None:
     """Move a finished file or folder from a temporary to its final path, flushed to disk."""
     sync(temporary)
-    temporary.replace(path)
+    replace(temporary, path)
     sync(path.parent)
-
-
-def sync(path: Path) -> None:
-    """Wait until a file is on disk, so that it survives a power failure.
-
-    For the path of a folder that is the list of its files, which changes with a rename.
-    """
-    descriptor = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 class Behind:

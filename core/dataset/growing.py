@@ -17,9 +17,10 @@ from typing import Any
 from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.chunks import ChunkFile
-from vibrafeed.core.dataset.files import Behind, partial, settle, sync
+from vibrafeed.core.dataset.files import Behind, partial, settle
 from vibrafeed.core.dataset.journal import Journal
 from vibrafeed.core.dataset.layout import Tiles
+from vibrafeed.core.system import sync
 
 # Written bytes, or seconds, after which a thread waits until the disk has them, while more are
 # written: a kill loses no more.
@@ -122,7 +123,7 @@ class GrowingNetcdf:
         self._file = None
         settle(self._folder / "data", self._path)
         self._journal.close()
-        shutil.rmtree(self._folder)
+        shutil.rmtree(self._folder, ignore_errors=True)
 
     def close(self) -> None:
         """Close the unfinished file, flushed to disk, so that another run can continue it.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import fcntl
+import errno
 import json
 import os
 import zlib
@@ -33,12 +33,14 @@ class Journal:
 
     def __init__(self, path: Path):
         """Open and lock a journal; read its valid records and cut off a damaged end."""
-        self._file = path.open("a+b")
+        from filelock import FileLock, Timeout  # most runs keep no journal
+
+        self._lock = FileLock(path.with_name(f"{path.name}.lock"), timeout=0, thread_local=False)
         try:
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            self._file.close()
-            raise
+            self._lock.acquire()
+        except Timeout:
+            raise BlockingIOError(errno.EAGAIN, "another process has it open", str(path)) from None
+        self._file = path.open("a+b")
         self._file.seek(0)
         self.records: list[dict[str, Any]] = []
         self._ends = [0]
@@ -68,6 +70,7 @@ class Journal:
     def close(self) -> None:
         """Close the file and release its lock."""
         self._file.close()
+        self._lock.release()
 
 
 def _record(line: bytes) -> dict[str, Any] | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -124,7 +125,5 @@ class Records:
         if self._store is not None:
             for name in self.names():
                 self._store.delete(name)
-        elif self._folder.is_dir():
-            for one in self._folder.iterdir():
-                one.unlink()
-            self._folder.rmdir()
+        else:
+            shutil.rmtree(self._folder, ignore_errors=True)  # another process may read one

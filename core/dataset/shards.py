@@ -18,13 +18,14 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
-from vibrafeed.core.dataset.files import Behind, partial, settle, sync
+from vibrafeed.core.dataset.files import Behind, partial, settle
 from vibrafeed.core.dataset.layout import Layout, StoredField, Tile, Tiles
 from vibrafeed.core.dataset.packing import index_length, is_whole, pack
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.dataset.zarr_metadata import array_document, group_document
 from vibrafeed.core.errors import MissingPackageError
 from vibrafeed.core.extras import installing
+from vibrafeed.core.system import sync
 
 if TYPE_CHECKING:
     from obstore.store import ObjectStore

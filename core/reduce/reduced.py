@@ -30,6 +30,7 @@ from vibrafeed.core.reduce.state import State, merge_states
 from vibrafeed.core.study.reduction import QUANTILE, Reduction
 from vibrafeed.core.study.simulate_study import SimulateStudy
 from vibrafeed.core.study.sweep_study import SweepStudy
+from vibrafeed.core.system import cores
 from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:
@@ -175,7 +176,7 @@ class Reduced(Prepared):
     @property
     def cores(self) -> int:
         """The number of cores used here."""
-        return reduce.run.cores()
+        return cores()
 
     def seconds_in_shares(self) -> float:
         """Return the time of all shares on one core [s]."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import os
 import time
 from collections import deque
 from collections.abc import Iterator
@@ -19,6 +18,7 @@ from vibrafeed.core.reduce.cutting import Box
 from vibrafeed.core.reduce.questions import fields_of
 from vibrafeed.core.reduce.state import STOPPED, State, merge_states
 from vibrafeed.core.study.reduction import Reduction
+from vibrafeed.core.system import cores
 from vibrafeed.core.watch import Watch
 
 TRIED = 3
@@ -26,11 +26,6 @@ TRIED = 3
 them."""
 FASTER = 0.7
 """They are tried again while the last trial took less than this share of the fastest before."""
-
-
-def cores() -> int:
-    """Return the number of cores for this process, on a cluster a share of the machine."""
-    return len(os.sched_getaffinity(0))
 
 
 @dataclass(frozen=True)

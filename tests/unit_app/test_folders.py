@@ -31,6 +31,14 @@ def test_the_data_folder_is_the_platforms(platform, variable, folder, monkeypatc
     assert Settings().data_directory == Path("/data")
 
 
+def test_windows_keeps_both_in_local_application_data(monkeypatch):
+    monkeypatch.setattr("sys.platform", "win32")
+    monkeypatch.setenv("XDG_DATA_HOME", "/srv/share")  # is no variable of Windows
+    monkeypatch.setenv("LOCALAPPDATA", "/users/ann/AppData/Local")
+    assert data_folder() == Path("/users/ann/AppData/Local/vibrafeed")
+    assert cache_folder() == Path("/users/ann/AppData/Local/vibrafeed/Cache")
+
+
 def test_a_user_without_home_has_a_folder_here(monkeypatch):
     monkeypatch.delenv("XDG_DATA_HOME", raising=False)
     monkeypatch.setattr(Path, "home", lambda: (_ for _ in ()).throw(RuntimeError("no home")))

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+import mimetypes
 from pathlib import Path
 
 from fastapi import FastAPI
 from fastapi.responses import FileResponse, Response
 from fastapi.staticfiles import StaticFiles
+
+# Not those of Windows' registry, which any program changes: browsers run no script of type text.
+for suffix, media in {
+    ".css": "text/css",
+    ".js": "text/javascript",
+    ".json": "application/json",
+    ".svg": "image/svg+xml",
+    ".woff2": "font/woff2",
+}.items():
+    mimetypes.add_type(media, suffix)
 
 FILES = Path(__file__).resolve().parent.parent.parent / "page"
 NAME = "page"

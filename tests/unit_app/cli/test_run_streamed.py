@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import re
 import shutil
 import signal
@@ -11,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections import namedtuple
+from io import FileIO
 from pathlib import Path
 
 import h5py
@@ -179,15 +179,16 @@ def test_what_the_disk_cannot_hold_is_refused_with_what_fits(study, tmp_path, mo
 
 
 def test_a_disk_that_fills_up_is_told_and_what_is_there_is_kept(study, tmp_path, monkeypatch):
-    plain, written = os.pwrite, []
+    written = []
 
-    def full(descriptor, data, offset):
-        written.append(len(data))
-        if sum(written) > 500_000:
-            raise OSError(28, "No space left on device")
-        return plain(descriptor, data, offset)
+    class Full(FileIO):
+        def write(self, data):
+            written.append(len(data))
+            if sum(written) > 500_000:
+                raise OSError(28, "No space left on device")
+            return super().write(data)
 
-    monkeypatch.setattr("vibrafeed.core.dataset.chunks.os.pwrite", full)
+    monkeypatch.setattr("vibrafeed.core.dataset.chunks.FileIO", Full)
     result = run(study, "-o", tmp_path / "a.nc")
     assert result.exit_code == 1
     assert f"{tmp_path / 'a.nc'} cannot be written: No space left on device." in words(

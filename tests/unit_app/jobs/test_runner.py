@@ -8,6 +8,7 @@ import sqlite3
 import threading
 import uuid
 from collections.abc import Callable, Coroutine
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -73,12 +74,12 @@ class Workers:
     async def close(self) -> None:
         pass
 
-    def submit(self, function: Callable[..., Any], *arguments: Any, pure: bool) -> Any:
-        name = function.__name__
+    def submit(self, call: object, module: str, name: str, *arguments: Any, pure: bool) -> Any:
         self.calls.append(name)
         if self.count == 0:
             return Future(None)
-        future = Future(self.instead.get(name, function), arguments)
+        function = self.instead.get(name) or getattr(import_module(module), name)
+        future = Future(function, arguments)
         for is_loaded in (False, True):
             asyncio.get_running_loop().call_soon(self.begun, future.key, "worker", is_loaded)
         return future

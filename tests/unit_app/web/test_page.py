@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import importlib
+import mimetypes
 import re
 from pathlib import Path
 
@@ -12,6 +14,7 @@ import pytest
 from local_client import local_client
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
+from vibrafeed.app.web.routes import page
 from vibrafeed.core.quantities.pictures import INKS, colour_of
 
 PAGE = Path(__file__).parents[3] / "app" / "page"
@@ -48,6 +51,14 @@ def test_the_page_needs_no_key_and_what_it_asks_does(tmp_path):
     assert client.get("/", headers=BROWSER).status_code == 200
     assert client.get("/page/page.css").status_code == 200
     assert client.get("/scenes").status_code == 401
+
+
+def test_scripts_have_their_type_whatever_the_registry_of_windows_says():
+    for ending in (".js", ".css", ".svg"):
+        mimetypes.add_type("text/plain", ending)
+    importlib.reload(page)
+    types = [mimetypes.guess_type(f"page{ending}")[0] for ending in (".js", ".css", ".svg")]
+    assert types == ["text/javascript", "text/css", "image/svg+xml"]
 
 
 def test_libraries_are_what_they_were_published_as():
