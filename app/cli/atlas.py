@@ -74,7 +74,6 @@ def _refuse_problems(
     `output` and `charts` are the files to write, None if they are not asked for; `resolution` is to
     be full or coarse; `force` allows replacing files.
     """
-
     from vibrafeed.app.cli.existing import REMOVE
     from vibrafeed.core.atlas.build import RESOLUTIONS
     from vibrafeed.core.dataset.shards import needed_for_zarr
@@ -126,7 +125,6 @@ def _run_with_progress(target: Path, carry_out: Callable[[Watch], str]) -> None:
     `target` is the file that it writes. `carry_out` is called with a watch that reports progress
     and Ctrl-C, and returns the result in words.
     """
-
     from vibrafeed.core.watch import Watch
 
     began = time.perf_counter()
@@ -156,7 +154,6 @@ def _write_atlas(target: Path, resolution: str, watch: Watch) -> str:
     watch : Watch
         Takes the progress and may stop the computation.
     """
-
     from vibrafeed.core.atlas.build import build
     from vibrafeed.core.dataset.group import write_zarr
     from vibrafeed.core.dataset.netcdf import write_netcdf

@@ -52,7 +52,6 @@ def convert(
     all of its forms have the same key: the service computes equal studies once. Exit code 2 means
     that the study or an option is wrong, 1 that the file could not be written.
     """
-
     from vibrafeed.core.intake.forms import FORMS, SERVICE, resolve_files, to_curl
     from vibrafeed.core.suggestions import suggestion
 
@@ -85,7 +84,6 @@ def convert(
 
 def _read_valid_study(file: Path) -> Mapping[str, Any]:
     """Return the content of a valid study file as it was typed; else print every error and exit."""
-
     from vibrafeed.core.intake import prepare_content
 
     try:

@@ -113,7 +113,6 @@ def drive(
 
     Exit code 2 means that the recording or an option is wrong, 1 that a file could not be written.
     """
-
     from vibrafeed.app.cli.drives import document_of, show_fit, toml_of
     from vibrafeed.app.cli.units import units_asked
     from vibrafeed.core import plots
@@ -167,7 +166,6 @@ def _fit_recording(recording: Path, asked: Recording, plot: Path | None) -> Fit:
     `asked` holds the columns and options of the recording; `plot` is the file of the picture, if
     one is wanted.
     """
-
     from vibrafeed.core.measured import fit_drive
     from vibrafeed.core.measured.read import read_table
 
@@ -237,7 +235,6 @@ def _problems_of_picture(plot: Path | None) -> list[Problem]:
     problems. The only problem is a suffix of no known format. Exits with a message how to install
     matplotlib if that is missing.
     """
-
     from vibrafeed.core.plots.problem import PlotError
 
     if plot is None:

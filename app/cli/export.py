@@ -50,7 +50,6 @@ def export(
     Nothing is computed again. Exit code 2 means that the file is no result, or that the format
     cannot hold it, 1 that it could not be read or written.
     """
-
     from vibrafeed.app.cli.targets import check_suffix, make_folder_of, write_or_exit
     from vibrafeed.app.cli.units import units_asked
     from vibrafeed.core.dataset.formats import read_result, suffix_of

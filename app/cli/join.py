@@ -47,7 +47,6 @@ def join(
     Each share is checked by its digest. Exit code 1 means that some shares are missing or damaged;
     their numbers are printed as a job queue takes them: compute these again, and join again.
     """
-
     from vibrafeed.app.cli.existing import refuse_others
     from vibrafeed.app.cli.shares import counts_of, join_shares, shares_of
 

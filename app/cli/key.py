@@ -88,7 +88,6 @@ def add(
     A limit whose option is left out does not apply to the key; the limits that the settings of the
     service set for all keys still do. The key is shown only now: just a hash of it is stored.
     """
-
     from vibrafeed.app.jobs.keys import InvalidKeyError, Key, Keys
 
     asked = Key(
@@ -125,7 +124,6 @@ def _parse_limit(figure: float | None) -> int | None:
 @key.command("list")
 def list_keys(as_json: Json = False) -> None:
     """List all keys, including expired and withdrawn ones."""
-
     from vibrafeed.app.jobs.keys import Keys
 
     with _database() as database:
@@ -157,7 +155,6 @@ def withdraw(name: Name) -> None:
 
     Studies and results posted with it stay.
     """
-
     from vibrafeed.app.jobs.keys import Keys, NoSuchKeyError
 
     with _database() as database:
@@ -177,7 +174,6 @@ def tell_audit(
     ] = 100,
 ) -> None:
     """Print the audit log: posts, dismissals, sharing, and keys made, withdrawn and refused."""
-
     from vibrafeed.app.jobs import audit
 
     with _database() as database:
@@ -192,7 +188,6 @@ def print_hash() -> None:
 
     Nothing is stored.
     """
-
     from vibrafeed.app.jobs.keys import new_key
 
     made, digest = new_key()
@@ -211,7 +206,6 @@ def _database() -> Iterator[Database]:
 
     It is closed at the end. Errors of the database that the block raises are treated alike.
     """
-
     from vibrafeed.app.cli.serve import PRIVATE, settings_in_force
     from vibrafeed.app.jobs.errors import LaterLedgerError
     from vibrafeed.app.jobs.ledger import Ledger

@@ -73,7 +73,6 @@ def lookup(
     The atlas answers inside a regime and in the range of its axes, and says where it does not. Exit
     code 1 means that it did not answer everything, 2 that a parameter or a file is wrong.
     """
-
     from vibrafeed.app.cli.units import units_asked
     from vibrafeed.core.atlas.lookup import advice
 
@@ -113,7 +112,6 @@ def _look_up_or_exit(
     simulate : bool
         Whether cells without a value in the atlas are simulated.
     """
-
     from vibrafeed.core.atlas.lookup import lookup_grid, lookup_rows
     from vibrafeed.core.atlas.read import MAKE, open_atlas
     from vibrafeed.core.atlas.rows import read_rows
@@ -182,7 +180,6 @@ def _write(table: Table, output: str, *, force: bool) -> None:
     `output` is the path. The command exits with a message if the file exists and `force` is False,
     if the suffix is unknown, or if the file cannot be written. Missing folders are made.
     """
-
     from vibrafeed.app.cli.targets import check_suffix, make_folder_of, write_or_exit
 
     check_suffix(output)
@@ -194,7 +191,6 @@ def _write(table: Table, output: str, *, force: bool) -> None:
 
 def _flag_words(table: Table, name: str) -> list[str]:
     """Return the words of a flag variable, such as the regime of each row."""
-
     from vibrafeed.core.dataset.frame import FrameColumn
 
     return [str(word) for word in FrameColumn(name, table.variables[name]).values.ravel()]
@@ -205,7 +201,6 @@ def _show_single(table: Table, shown: Any) -> None:
 
     `shown` holds the units for printing.
     """
-
     from vibrafeed.app.cli.units import format_number
     from vibrafeed.core.atlas.numbers import AXES
 
@@ -240,7 +235,6 @@ def _show_many(table: Table, shown: Any) -> None:
     `table` is the result of the look-up in an atlas; `shown` gives the units for printing. At most
     `MAX_SHOWN` rows are printed.
     """
-
     import numpy as np
 
     from vibrafeed.app.cli.units import format_number
@@ -278,7 +272,6 @@ def _parameter_columns(table: Table) -> list[str]:
 
     They are its parameters, or the number of the row in a file.
     """
-
     from vibrafeed.core.atlas.lookup import ROW
 
     if ROW in table.coordinates:

@@ -88,7 +88,6 @@ def new(
     The study runs at once. Exit code 2 means that an answer is wrong or that the file is there
     already, 1 that it could not be written.
     """
-
     from vibrafeed.app.cli.starter import example_study, starter_study
 
     _check_name(file, force)
@@ -134,7 +133,6 @@ def _check_kind(kind: str, answers: Mapping[str, str]) -> None:
 
     `kind` is the option of `vibrafeed new`; `answers` are those given as options, by question.
     """
-
     from vibrafeed.core.suggestions import suggestion
 
     message = "the example study of --kind uses no answers"
@@ -152,7 +150,6 @@ def _collect_answers(options: dict[str, str], *, asks: bool) -> dict[str, str]:
     `options` has the answers given on the command line, by question. With `asks`, a person is asked
     the other questions; else their defaults are taken.
     """
-
     from vibrafeed.core.study.units import UnitError
 
     answers: dict[str, str] = {}
@@ -189,7 +186,6 @@ def _ask(question: Question) -> str:
 
     An unusual value is questioned once: it is taken when typed again.
     """
-
     from vibrafeed.core.study.units import UnitError
 
     width = max(map(len, question.choices), default=0)

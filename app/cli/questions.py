@@ -63,7 +63,6 @@ class Question:
         UnitError
             If the answer is invalid; the message says what is valid.
         """
-
         from vibrafeed.core.quantities import QUANTITIES
         from vibrafeed.core.study.units import UnitError, read_number
         from vibrafeed.core.suggestions import by_synonym, nearest
@@ -82,7 +81,6 @@ class Question:
 
     def warning(self, text: str) -> str:
         """Return a line that asks to confirm an unusual number; empty if the number is usual."""
-
         from vibrafeed.core.study.unusual import questions
 
         return " ".join(questions({"parameters": {self.parameter: parse_typed(text)}}))

@@ -59,7 +59,6 @@ def report(
     that a hard case came out wrong, or that it was stopped by Ctrl-C: what was measured by then is
     written.
     """
-
     from vibrafeed.app.cli.accuracy import EXTREMES, dataset_of, write_report
     from vibrafeed.core.assurance.accuracy.families import families_of
 

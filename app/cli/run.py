@@ -129,7 +129,6 @@ def run(
     verified: what was finished is written, of a large sweep where --resume finds it. Exit code 3:
     all is done, and an optimisation has no solution.
     """
-
     from vibrafeed.app.cli.existing import complete_already, refuse_others
     from vibrafeed.app.cli.running import Running, history_of
     from vibrafeed.app.cli.shares import run_share
@@ -194,7 +193,6 @@ def _show_plans(studies: Batch, units: str | None, as_json: bool) -> None:
 
     `studies` are by their files; `units` is the text of the option `--units`, if given.
     """
-
     from vibrafeed.app.cli import plans
 
     if as_json:

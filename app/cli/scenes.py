@@ -15,7 +15,6 @@ from vibrafeed.core.errors import StudyError
 
 def _names(begun: str) -> list[str]:
     """Return the scene names that begin with the typed text, for completion in a shell."""
-
     from vibrafeed.core.scenes import SCENES
 
     return [name for name in SCENES if name.startswith(begun)]
@@ -47,7 +46,6 @@ def scenes(
     as_json: Json = False,
 ) -> None:
     """Print the catalogue: scenes, parameters, outputs, units, equations, validity."""
-
     from vibrafeed.app.cli import catalogue
     from vibrafeed.app.cli.units import units_asked
     from vibrafeed.core.catalogue import describe, describe_all

@@ -11,7 +11,6 @@ def schema() -> None:
     Models of every kind make it, which takes a second; the text is kept with the user until a
     source changes.
     """
-
     from vibrafeed.app.kept_texts import study_schema_text
 
     typer.echo(study_schema_text())

@@ -38,7 +38,6 @@ def scrub(
 
     The service may run meanwhile.
     """
-
     from vibrafeed.app.cli.serve import settings_in_force
     from vibrafeed.app.jobs.scrub import BROKEN, ORPHANED, damages
     from vibrafeed.app.jobs.store import Store
@@ -96,7 +95,6 @@ def _tell(
     repair : bool
         True if damaged results were removed.
     """
-
     from vibrafeed.app.jobs.scrub import BROKEN, WHOLE
 
     if rows:

@@ -43,7 +43,6 @@ def serve(
     Other machines are answered only if the service has access keys: `vibrafeed key add` makes one.
     Exit code 2 means that a setting is wrong, or that the data directory cannot be used.
     """
-
     from vibrafeed.app import logs
 
     settings = settings_in_force()
@@ -96,7 +95,6 @@ def settings_in_force() -> Settings:
 
     Variables that begin with `VIBRAFEED_` and name no setting are invalid, too.
     """
-
     from pydantic import ValidationError
 
     from vibrafeed.app.settings import PREFIX, Settings, unknown_variables
@@ -132,7 +130,6 @@ def _check_keys(settings: Settings, host: str) -> None:
 
     `host` is the address to listen on.
     """
-
     from vibrafeed.app.jobs.errors import LaterLedgerError
     from vibrafeed.app.jobs.keys import Keys
     from vibrafeed.app.jobs.ledger import Ledger
@@ -179,7 +176,6 @@ def _check_ledger(settings: Settings, ledger: Ledger) -> None:
     It is found out by the begin of a write transaction. `settings` say where the ledger is, for the
     message.
     """
-
     from vibrafeed.app.jobs.errors import LaterLedgerError
 
     try:

@@ -66,7 +66,6 @@ def prepare_all(
     `cells` and `bytes_` are the largest size that is accepted, if any. Unusual values are allowed,
     and a line on the error stream warns of each; with `strict` they are refused.
     """
-
     from vibrafeed.core import intake
 
     prepared = Batch()
@@ -117,7 +116,6 @@ def content_of(path: Path) -> object:
     StudyError
         If it is neither.
     """
-
     from vibrafeed.core import intake
 
     if path != STANDARD:
@@ -167,7 +165,6 @@ def refuse_beyond_memory(path: Path, prepared: Prepared) -> None:
 
     `path` is the study's file, which the message names.
     """
-
     from vibrafeed.core.system import memory
 
     size = memory()

@@ -91,7 +91,6 @@ def validate(
     Anchors from the literature, limits, laws that any drive keeps, a measured set, worked values:
     docs/validation.md. Exit code 1 means that an answer is wrong, 2 that an option or a file is.
     """
-
     from vibrafeed.core.assurance import catalogue
     from vibrafeed.core.assurance.tables import document, markdown, sentence
 
@@ -137,7 +136,6 @@ def validate(
 
 def _read(path: Path) -> ProgramAnswers:
     """Return the answers of another program from a file."""
-
     from vibrafeed.core.assurance.answers import read_answers
 
     return read_answers(path)
@@ -148,7 +146,6 @@ def _own_outcomes(problems: Sequence[Case]) -> tuple[list[Outcome], str]:
 
     Exit if that was stopped by Ctrl-C.
     """
-
     from vibrafeed.core.assurance.judge import run_cases
     from vibrafeed.core.watch import Watch
 
@@ -169,7 +166,6 @@ def _outcomes_of_other_program(
 
     `letters` are the families of problems that count. Exit if the program answers none of them.
     """
-
     from vibrafeed.core.assurance.judge import judge_results
 
     asked = [problem for problem in program.cases if problem.family in letters]
@@ -192,7 +188,6 @@ def _print_outcomes(outcomes: Sequence[Outcome], program: str, *, listed: bool) 
 
     `program` is the name of the program that solved the problems.
     """
-
     from vibrafeed.core.assurance.judge import summaries
     from vibrafeed.core.assurance.tables import COLUMNS, FAMILY_COLUMNS, family_rows, rows, sentence
 
@@ -215,7 +210,6 @@ def _outcomes_as_text(outcomes: Sequence[Outcome], program: str) -> str:
 
     `program` is the name of the program that solved the problems.
     """
-
     from vibrafeed.core.assurance.judge import summaries
     from vibrafeed.core.assurance.tables import COLUMNS, FAMILY_COLUMNS, family_rows, rows, sentence
 

@@ -30,7 +30,6 @@ def warm(
     Without it the first study of each kind waits for the compilation. Compiled code is kept in
     NUMBA_CACHE_DIR, or among the user's caches.
     """
-
     from vibrafeed.core.warm import compile_kernels, is_warm
 
     if check:

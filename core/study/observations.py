@@ -19,12 +19,10 @@ from pydantic import (
 
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.study.levels import optional, read_level, refusal
+from vibrafeed.core.study.section_names import MAX_RUNS, OBSERVED
 from vibrafeed.core.study.units import UnitError, read_number, share_of
 from vibrafeed.core.suggestions import suggestion
 
-MAX_RUNS = 1_000  # runs of a study
-OBSERVED = ("conveying_velocity", "feed_rate")
-"""Outputs that may have been measured."""
 REGIMES_SEEN = {
     "hops": "the part leaves the floor in each cycle, or in some",
     "does not hop": "the part never leaves the floor",

@@ -19,6 +19,7 @@ from vibrafeed.core.study.grid_study import (
     OutputNames,
 )
 from vibrafeed.core.study.levels import Level, OpenLevel, at_most, optional
+from vibrafeed.core.study.section_names import DRIVE_ANGLES
 from vibrafeed.core.study.uncertain import Uncertain, distributions_of
 from vibrafeed.core.study.values import Between, read_between
 
@@ -69,8 +70,6 @@ class Minimise(Frozen):
 
 Criterion = Weighted | Limited | Pareto | Maximise | Minimise
 """The criterion: which output is maximised or minimised."""
-
-CRITERIA = ("weighted", "limit", "pareto", "maximise", "minimise")
 
 
 class OutputLimit(Frozen):
@@ -128,7 +127,7 @@ else:
     )
 
 
-ANGLES = {"alpha": Between(0.0, 90.0), "beta": Between(0.0, 90.0)}
+ANGLES = {name: Between(0.0, 90.0) for name in DRIVE_ANGLES}
 """The variables of a study that names none."""
 
 

@@ -16,7 +16,7 @@ from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.optimise.methods import METHODS
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.study.grid_study import PARAMETERS
-from vibrafeed.core.study.optimise_study import CRITERIA
+from vibrafeed.core.study.section_names import CRITERIA
 from vibrafeed.core.study.units import UnitError
 from vibrafeed.core.study.unusual import questions
 from vibrafeed.core.study.values import position_on_axis
