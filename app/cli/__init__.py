@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import gc
 import os
+from contextlib import nullcontext
 from importlib import import_module
 from types import MappingProxyType
 from typing import Annotated, Any, Final
@@ -16,6 +17,7 @@ import typer
 from typer.core import TyperCommand
 
 from vibrafeed import core
+from vibrafeed.app.cli.missing import needing
 from vibrafeed.app.cli.options import Group
 from vibrafeed.core.kinds import KINDS
 
@@ -48,6 +50,9 @@ COMMANDS: Final = MappingProxyType(
 )
 """Each command and the line that lists it; the file of its name has the function of its name."""
 
+SERVICE: Final = ("serve", "scrub", "key")
+"""The commands that need the extra of that name."""
+
 
 STYLE: Final[Any] = {"pretty_exceptions_enable": False, "rich_markup_mode": None}
 """Help is plain text: boxes would take rich, and as long to load as all the rest."""
@@ -71,6 +76,12 @@ class Commands(Group):
         del ctx
         with formatter.section("Commands"):
             formatter.write_dl([*COMMANDS.items()])
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the typed command; exit with the way to install what those of the service miss."""
+        of_service = bool(ctx._protected_args) and ctx._protected_args[0] in SERVICE
+        with needing("serve") if of_service else nullcontext():
+            return super().invoke(ctx)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the name of the typed command, the command itself, and the words after it.

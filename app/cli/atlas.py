@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vibrafeed.app.cli import console
+from vibrafeed.app.cli.missing import needing
 from vibrafeed.app.cli.options import FAILED
 from vibrafeed.app.cli.studies import REPLACE, interruption, refuse
 from vibrafeed.core.errors import MissingPackageError, Problem, StoppedError
-from vibrafeed.core.extras import installing
 
 if TYPE_CHECKING:
     from vibrafeed.core.watch import Watch
@@ -55,11 +55,8 @@ def atlas(
     """
     _refuse_problems(output, charts, resolution, force=force)
     if charts is not None:
-        try:
+        with needing("plot", "matplotlib"):
             from vibrafeed.core.plots.book import write_book
-        except ModuleNotFoundError as error:
-            console.fail(f"{error.name} is missing. Install it: {installing('matplotlib', 'plot')}")
-            raise typer.Exit(FAILED) from None
     if output is not None:
         _run_with_progress(output, lambda watch: _write_atlas(output, resolution, watch))
     if charts is not None:

@@ -107,6 +107,11 @@ def table(columns: Sequence[str], rows: Rows, *, right: Collection[str] = ()) ->
         for line in plain_lines(columns, rows):
             say(line)
         return
+    _draw_table(columns, rows, right)
+
+
+def _draw_table(columns: Sequence[str], rows: Rows, right: Collection[str]) -> None:
+    """Print a table on a terminal: as a grid, or as blocks of lines where that is too wide."""
     from rich import box
     from rich.table import Table
     from rich.text import Text
@@ -143,6 +148,13 @@ def progress(label: str, size: int | None = None) -> Iterator[Callable[[float], 
         with stopwatch.telling(_announcing(label)):
             yield lambda done: None
         return
+    with _bar(label, size) as advance:
+        yield advance
+
+
+@contextmanager
+def _bar(label: str, size: int | None) -> Iterator[Callable[[float], None]]:
+    """Show the bar of `progress` while the block runs; yield the function that advances it."""
     from rich.progress import (
         BarColumn,
         DownloadColumn,

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vibrafeed.app.cli import console
+from vibrafeed.app.cli.missing import needing
 from vibrafeed.app.cli.options import FAILED, Json, Units
 from vibrafeed.app.cli.studies import refuse, warn
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.extras import installing
 
 if TYPE_CHECKING:
     from vibrafeed.core.measured import Fit, Recording
@@ -239,11 +239,8 @@ def _problems_of_picture(plot: Path | None) -> list[Problem]:
 
     if plot is None:
         return []
-    try:
+    with needing("plot", "matplotlib"):
         from vibrafeed.core.plots.files import check_format
-    except ModuleNotFoundError as error:
-        console.fail(f"{error.name} is missing. Install it: {installing('matplotlib', 'plot')}")
-        raise typer.Exit(FAILED) from None
     try:
         check_format(plot)
     except PlotError as error:

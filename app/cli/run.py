@@ -11,6 +11,7 @@ import typer
 
 from vibrafeed import core
 from vibrafeed.app.cli import console
+from vibrafeed.app.cli.missing import needing
 from vibrafeed.app.cli.options import FAILED, NO_SOLUTION, Json, Units
 from vibrafeed.app.cli.pipes import is_standard, standard_output
 from vibrafeed.app.cli.studies import Batch, prepare_all, refuse
@@ -151,8 +152,8 @@ def run(
             if share is not None:
                 run_share(studies, targets, share)
             elif scheduler is not None:
-                from vibrafeed.app.cli.scheduler import run_on_scheduler  # it loads Dask
-
+                with needing("cluster", "distributed"):
+                    from vibrafeed.app.cli.scheduler import run_on_scheduler
                 refuse_others(studies, targets, force=force)
                 run_on_scheduler(studies, targets, scheduler, shares, history_of(files[0]))
             return
