@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import gc
 import os
-from contextlib import nullcontext
 from importlib import import_module
 from types import MappingProxyType
 from typing import Annotated, Any, Final
@@ -78,10 +77,14 @@ class Commands(Group):
             formatter.write_dl([*COMMANDS.items()])
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the typed command; exit with the way to install what those of the service miss."""
-        of_service = bool(ctx._protected_args) and ctx._protected_args[0] in SERVICE
-        with needing("serve") if of_service else nullcontext():
+        """Run the typed command; those of the service exit with a hint if their extra is missing."""
+        try:
             return super().invoke(ctx)
+        except ModuleNotFoundError:
+            if ctx.invoked_subcommand not in SERVICE:
+                raise
+            with needing("serve"):
+                raise
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the name of the typed command, the command itself, and the words after it.

@@ -24,7 +24,7 @@ _muted = [False]
 
 @functools.cache
 def stdout() -> Console:
-    """Return what draws on a terminal; a program that reads the output needs no rich."""
+    """Return rich's console of standard output, for a terminal; a pipe needs no rich."""
     from rich.console import Console
 
     return Console(highlight=False)
@@ -32,7 +32,7 @@ def stdout() -> Console:
 
 @functools.cache
 def stderr() -> Console:
-    """Return what draws on the error stream."""
+    """Return rich's console of the error stream."""
     from rich.console import Console
 
     return Console(stderr=True, highlight=False)

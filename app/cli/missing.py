@@ -1,4 +1,4 @@
-"""What a command says if a package of an extra is not installed."""
+"""The message of a command if a package of an extra is not installed."""
 
 from __future__ import annotations
 

@@ -24,10 +24,10 @@ def refusal(message: str, fix: str | Callable[[], str]) -> PydanticCustomError:
 
 @dataclass(frozen=True)
 class Reader:
-    """What pydantic knows of a field that one function reads.
+    """A field of a study for pydantic, read by one function.
 
-    Its own validators and serialisers look at signatures and types, for hundreds of fields at every
-    start.
+    pydantic's own validators and serialisers inspect signatures and types, which takes long for
+    hundreds of fields at every start.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Reader:
     schema: Callable[[], dict[str, Any]]
 
     def __get_pydantic_core_schema__(self, source: object, handler: object) -> Any:
-        """Return how the field is read, and written: by its method `canonical`, if it has one."""
+        """Return the functions that read the field, and write it as plain JSON."""
         del source, handler
         writes = core_schema.plain_serializer_function_ser_schema(_canonical)
         return core_schema.no_info_plain_validator_function(self._read, serialization=writes)

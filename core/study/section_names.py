@@ -1,4 +1,4 @@
-"""What sections of a study may hold, for who reads it before the model of its kind is loaded."""
+"""Names and sizes in sections of a study, known before the model of its kind is loaded."""
 
 from __future__ import annotations
 

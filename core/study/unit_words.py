@@ -53,7 +53,7 @@ WORDS: Final = MappingProxyType(
 )
 """Each word with its size in SI and its dimensions."""
 
-_ONE = re.compile(r"1(?=\s?/|$)")
+_RECIPROCAL = re.compile(r"1(?=\s?/|$)")
 _FACTOR = re.compile(r"(\s?[*/]\s?|\s)?([A-Za-zμ°_]+)(?:(?:\*\*|\^)(-?[1-9]))?")
 
 
@@ -73,15 +73,15 @@ def factor_between(text: str, own: str) -> Fraction | None:
 def _read(text: str) -> tuple[Fraction, Dimensions] | None:
     """Return the size of a unit in SI, and its dimensions; None if it is not in our words."""
     size, dimensions = Fraction(1), list(_NONE)
-    place = 1 if _ONE.match(text) else 0
-    while place < len(text):
-        match = _FACTOR.match(text, place)
-        if match is None or match[2] not in WORDS or (not match[1]) != (place == 0):
+    start = 1 if _RECIPROCAL.match(text) else 0
+    while start < len(text):
+        match = _FACTOR.match(text, start)
+        if match is None or match[2] not in WORDS or (not match[1]) != (start == 0):
             return None
         power = int(match[3] or 1) * (-1 if "/" in (match[1] or "") else 1)
-        one, exponents = WORDS[match[2]]
-        size *= one**power
+        factor, exponents = WORDS[match[2]]
+        size *= factor**power
         dimensions = [sum_ + power * each for sum_, each in zip(dimensions, exponents, strict=True)]
-        place = match.end()
+        start = match.end()
     length, mass, time, current, angle = dimensions
     return size, (length, mass, time, current, angle)
