@@ -77,7 +77,7 @@ class Commands(Group):
             formatter.write_dl([*COMMANDS.items()])
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the typed command; those of the service exit with a hint if their extra is missing."""
+        """Run the typed command; those of the service hint at their extra if it is missing."""
         try:
             return super().invoke(ctx)
         except ModuleNotFoundError:
