@@ -1,5 +1,7 @@
 # syntax=docker/dockerfile:1
 FROM python:3.11-slim-bookworm AS build
+# Add `tables` for results as Parquet: --build-arg EXTRAS=plot,serve,cluster,postgres,traces,tables
+ARG EXTRAS=plot,serve,cluster,postgres,traces
 WORKDIR /build
 COPY pyproject.toml constraints.txt README.md LICENSE ./
 COPY app app
@@ -7,7 +9,7 @@ COPY core core
 COPY vibrafeed vibrafeed
 COPY configs configs
 RUN python -m venv /opt/vibrafeed \
-    && /opt/vibrafeed/bin/python -m pip install --no-cache-dir --constraint constraints.txt '.[plot,cluster,postgres,tables,traces]'
+    && /opt/vibrafeed/bin/python -m pip install --no-cache-dir --constraint constraints.txt ".[${EXTRAS}]"
 
 FROM python:3.11-slim-bookworm
 WORKDIR /srv/vibrafeed

@@ -10,6 +10,7 @@ UV := $(BIN)/uv pip install --quiet --link-mode copy --compile-bytecode --constr
 COMMA := ,
 INSTALL = $(UV) --editable '.[$(1)]' || $(PIP) --editable '.[$(1)]'
 RUNNING := $(VENV)/.running
+SERVING := $(VENV)/.serving
 TESTING := $(VENV)/.testing
 FIGURE := fig-5-1
 
@@ -40,7 +41,7 @@ docs: $(TESTING)
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
 	@echo "Open results/site/index.html; for the search: python3 -m http.server -d results/site"
 
-serve: $(RUNNING)
+serve: $(SERVING)
 	$(BIN)/vibrafeed serve
 
 clean:
@@ -51,6 +52,12 @@ $(RUNNING): pyproject.toml constraints.txt
 	@$(PYTHON) -m venv $(VENV)
 	@$(PIP) uv || true
 	@$(call INSTALL,plot)
+	@$(BIN)/python -m compileall -q app core vibrafeed
+	@touch $@
+
+$(SERVING): $(RUNNING)
+	@echo "Adding what the service needs ..."
+	@$(call INSTALL,plot$(COMMA)serve)
 	@touch $@
 
 $(TESTING): $(RUNNING)

@@ -6,14 +6,18 @@ A command's file is loaded when the command runs: `vibrafeed scenes` loads no Ne
 
 from __future__ import annotations
 
+import gc
+import os
 from importlib import import_module
 from types import MappingProxyType
 from typing import Annotated, Any, Final
 
 import typer
-from typer.core import TyperCommand, TyperGroup
+from typer.core import TyperCommand
 
 from vibrafeed import core
+from vibrafeed.app.cli.missing import needing
+from vibrafeed.app.cli.options import Group
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.system import write_utf8
 
@@ -46,12 +50,19 @@ COMMANDS: Final = MappingProxyType(
 )
 """Each command and the line that lists it; the file of its name has the function of its name."""
 
+SERVICE: Final = ("serve", "scrub", "key")
+"""The commands that need the extra of that name."""
 
-STYLE: Final[Any] = {"pretty_exceptions_enable": False, "rich_markup_mode": "markdown"}
-"""Markdown folds paragraphs as wholes."""
+
+STYLE: Final[Any] = {"pretty_exceptions_enable": False, "rich_markup_mode": None}
+"""Help is plain text: boxes would take rich, and as long to load as all the rest."""
 
 
-class Commands(TyperGroup):
+COLLECTED = 50_000
+"""Objects between two collections of garbage: Python's 700 cost a tenth of a start."""
+
+
+class Commands(Group):
     """The commands, of which only the one that runs is loaded."""
 
     def __init__(self, **options: Any):
@@ -59,6 +70,22 @@ class Commands(TyperGroup):
         super().__init__(**options)
         for name, line in COMMANDS.items():
             self.add_command(TyperCommand(name, help=line))
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the list of the commands, each with its whole line."""
+        del ctx
+        with formatter.section("Commands"):
+            formatter.write_dl([*COMMANDS.items()])
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the typed command; those of the service hint at their extra if it is missing."""
+        try:
+            return super().invoke(ctx)
+        except ModuleNotFoundError:
+            if ctx.invoked_subcommand not in SERVICE:
+                raise
+            with needing("serve"):
+                raise
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the name of the typed command, the command itself, and the words after it.
@@ -116,4 +143,6 @@ def _all_commands(
 def main() -> None:
     """Run the command line."""
     write_utf8()
+    gc.set_threshold(COLLECTED)
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # it looks through all packages
     app(prog_name="vibrafeed")

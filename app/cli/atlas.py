@@ -10,16 +10,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.existing import REMOVE
+from vibrafeed.app.cli.missing import needing
 from vibrafeed.app.cli.options import FAILED
 from vibrafeed.app.cli.studies import REPLACE, interruption, refuse
-from vibrafeed.core.atlas.build import RESOLUTIONS, build
-from vibrafeed.core.dataset.group import write_zarr
-from vibrafeed.core.dataset.netcdf import write_netcdf
-from vibrafeed.core.dataset.shards import needed_for_zarr
 from vibrafeed.core.errors import MissingPackageError, Problem, StoppedError
-from vibrafeed.core.extras import installing
-from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:
     from vibrafeed.core.watch import Watch
@@ -61,11 +55,8 @@ def atlas(
     """
     _refuse_problems(output, charts, resolution, force=force)
     if charts is not None:
-        try:
+        with needing("plot", "matplotlib"):
             from vibrafeed.core.plots.book import write_book
-        except ModuleNotFoundError as error:
-            console.fail(f"{error.name} is missing. Install it: {installing('matplotlib', 'plot')}")
-            raise typer.Exit(FAILED) from None
     if output is not None:
         _run_with_progress(output, lambda watch: _write_atlas(output, resolution, watch))
     if charts is not None:
@@ -80,6 +71,10 @@ def _refuse_problems(
     `output` and `charts` are the files to write, None if they are not asked for; `resolution` is to
     be full or coarse; `force` allows replacing files.
     """
+    from vibrafeed.app.cli.existing import REMOVE
+    from vibrafeed.core.atlas.build import RESOLUTIONS
+    from vibrafeed.core.dataset.shards import needed_for_zarr
+
     problems = []
     if output is None and charts is None:
         fix = "Write -o atlas.nc, --charts book.pdf, or both"
@@ -127,6 +122,8 @@ def _run_with_progress(target: Path, carry_out: Callable[[Watch], str]) -> None:
     `target` is the file that it writes. `carry_out` is called with a watch that reports progress
     and Ctrl-C, and returns the result in words.
     """
+    from vibrafeed.core.watch import Watch
+
     began = time.perf_counter()
     try:
         with console.progress(target.name) as advance, interruption() as interrupted:
@@ -154,6 +151,10 @@ def _write_atlas(target: Path, resolution: str, watch: Watch) -> str:
     watch : Watch
         Takes the progress and may stop the computation.
     """
+    from vibrafeed.core.atlas.build import build
+    from vibrafeed.core.dataset.group import write_zarr
+    from vibrafeed.core.dataset.netcdf import write_netcdf
+
     table = build(resolution, watch)
     # Without a history: two atlases of one version are equal to the byte.
     if target.suffix.lower() == ".zarr":

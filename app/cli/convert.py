@@ -10,9 +10,6 @@ import typer
 from vibrafeed.app.cli.studies import content_of, name_of, refuse, warn
 from vibrafeed.app.cli.texts import refuse_taken, write_text
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.intake.forms import FORMS, SERVICE, resolve_files, write_as
-from vibrafeed.core.suggestions import suggestion
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -54,6 +51,9 @@ def convert(
     all of its forms have the same key: the service computes equal studies once. Exit code 2 means
     that the study or an option is wrong, 1 that the file could not be written.
     """
+    from vibrafeed.core.intake.forms import FORMS, SERVICE, resolve_files, write_as
+    from vibrafeed.core.suggestions import suggestion
+
     if to not in FORMS:
         refuse(
             {
@@ -82,6 +82,8 @@ def convert(
 
 def _read_valid_study(file: Path) -> Mapping[str, Any]:
     """Return the content of a valid study file as it was typed; else print every error and exit."""
+    from vibrafeed.core.intake import prepare_content
+
     try:
         content = content_of(file)
         warn(name_of(file), prepare_content(content, files=True).questions)

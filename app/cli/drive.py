@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from dataclasses import fields, replace
 from pathlib import Path
@@ -10,28 +11,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.drives import document_of, show_fit, toml_of
+from vibrafeed.app.cli.missing import needing
 from vibrafeed.app.cli.options import FAILED, Json, Units
 from vibrafeed.app.cli.studies import refuse, warn
-from vibrafeed.app.cli.units import units_asked
-from vibrafeed.core import plots
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.extras import installing
-from vibrafeed.core.intake.recorded import channel_questions
-from vibrafeed.core.measured import Recording, fit_drive
-from vibrafeed.core.measured.read import read_table
-from vibrafeed.core.plots.problem import PlotError
-from vibrafeed.core.study.unusual import questions_of_drive
 
 if TYPE_CHECKING:
-    from vibrafeed.core.measured import Fit
+    from vibrafeed.core.measured import Fit, Recording
 
-KEYS = tuple(field.name for field in fields(Recording) if field.name != "slopes")
-_NAMES = "|".join(KEYS)
-_KEY = re.compile(
-    rf"\b(?:{_NAMES})(?= = | out\b)|(?<=the key )(?:{_NAMES})\b|(?<=\()(?:{_NAMES})(?=\))"
-    r"|\bline_frequency\b"
-)
 _OPTION = re.compile(r"--([a-z-]+) = ")
 _LIST = re.compile(r'\[("[^\]]*")\]')
 COLUMN = (
@@ -126,6 +113,13 @@ def drive(
 
     Exit code 2 means that the recording or an option is wrong, 1 that a file could not be written.
     """
+    from vibrafeed.app.cli.drives import document_of, show_fit, toml_of
+    from vibrafeed.app.cli.units import units_asked
+    from vibrafeed.core import plots
+    from vibrafeed.core.intake.recorded import channel_questions
+    from vibrafeed.core.measured import Recording
+    from vibrafeed.core.study.unusual import questions_of_drive
+
     shown = units_asked(units)
     asked = Recording(
         along=along,
@@ -172,6 +166,9 @@ def _fit_recording(recording: Path, asked: Recording, plot: Path | None) -> Fit:
     `asked` holds the columns and options of the recording; `plot` is the file of the picture, if
     one is wanted.
     """
+    from vibrafeed.core.measured import fit_drive
+    from vibrafeed.core.measured.read import read_table
+
     problems = _problems_of_picture(plot)
     try:
         if not (asked.along or asked.across or asked.normal or asked.sensor):
@@ -197,10 +194,28 @@ def _fit_recording(recording: Path, asked: Recording, plot: Path | None) -> Fit:
     return fit
 
 
+@functools.cache
+def _keys() -> tuple[str, ...]:
+    """Return the keys of a recording in a study."""
+    from vibrafeed.core.measured import Recording
+
+    return tuple(field.name for field in fields(Recording) if field.name != "slopes")
+
+
+@functools.cache
+def _key_pattern() -> re.Pattern[str]:
+    """Return the pattern of such a key within a sentence."""
+    names = "|".join(_keys())
+    return re.compile(
+        rf"\b(?:{names})(?= = | out\b)|(?<=the key )(?:{names})\b|(?<=\()(?:{names})(?=\))"
+        r"|\bline_frequency\b"
+    )
+
+
 def _of_options(problem: Problem) -> Problem:
     """Return a problem of a recording that speaks of options where it speaks of keys of a study."""
     place, dot, rest = problem.place.partition(".")
-    if place in KEYS:
+    if place in _keys():
         place = f"--{place.replace('_', '-')}"
     message, fix = map(_in_options, (problem.message, problem.fix))
     return replace(problem, place=place + dot + rest, message=message, fix=fix)
@@ -208,7 +223,7 @@ def _of_options(problem: Problem) -> Problem:
 
 def _in_options(text: str) -> str:
     """Return a text with options in place of keys of a study: ``--rate=`` for ``rate =``."""
-    text = _KEY.sub(lambda found: f"--{found[0].replace('_', '-')}", text)
+    text = _key_pattern().sub(lambda found: f"--{found[0].replace('_', '-')}", text)
     text = _OPTION.sub(r"--\1=", text.replace("the key --", "--"))
     return _LIST.sub(lambda found: found[1].replace('"', "").replace(" ", ""), text)
 
@@ -220,13 +235,12 @@ def _problems_of_picture(plot: Path | None) -> list[Problem]:
     problems. The only problem is a suffix of no known format. Exits with a message how to install
     matplotlib if that is missing.
     """
+    from vibrafeed.core.plots.problem import PlotError
+
     if plot is None:
         return []
-    try:
+    with needing("plot", "matplotlib"):
         from vibrafeed.core.plots.files import check_format
-    except ModuleNotFoundError as error:
-        console.fail(f"{error.name} is missing. Install it: {installing('matplotlib', 'plot')}")
-        raise typer.Exit(FAILED) from None
     try:
         check_format(plot)
     except PlotError as error:

@@ -12,13 +12,7 @@ import typer
 from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import FAILED, INVALID_INPUT
 from vibrafeed.app.cli.studies import refuse, refuse_existing
-from vibrafeed.app.cli.targets import check_suffix, make_folder_of, write_or_exit
-from vibrafeed.app.cli.units import units_asked
-from vibrafeed.core.dataset.formats import read_result, suffix_of
-from vibrafeed.core.dataset.shown import in_shown_units
-from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import LimitError, Problem, VibrafeedError
-from vibrafeed.core.system import memory
 
 FOR_PEOPLE = (".csv", ".xlsx", ".parquet")
 """Formats that may hold other units than those of files."""
@@ -56,6 +50,13 @@ def export(
     Nothing is computed again. Exit code 2 means that the file is no result, or that the format
     cannot hold it, 1 that it could not be read or written.
     """
+    from vibrafeed.app.cli.targets import check_suffix, make_folder_of, write_or_exit
+    from vibrafeed.app.cli.units import units_asked
+    from vibrafeed.core.dataset.formats import read_result, suffix_of
+    from vibrafeed.core.dataset.shown import in_shown_units
+    from vibrafeed.core.dataset.table import Table
+    from vibrafeed.core.system import memory
+
     check_suffix(output)
     refuse_existing(file, output, force=force)
     shown = None if units is None else units_asked(units)

@@ -8,8 +8,6 @@ from typing import Annotated
 
 import typer
 
-from vibrafeed.app.cli.existing import refuse_others
-from vibrafeed.app.cli.shares import counts_of, join_shares, shares_of
 from vibrafeed.app.cli.studies import prepare_all, refuse
 from vibrafeed.core.errors import Problem
 
@@ -49,6 +47,9 @@ def join(
     Each share is checked by its digest. Exit code 1 means that some shares are missing or damaged;
     their numbers are printed as a job queue takes them: compute these again, and join again.
     """
+    from vibrafeed.app.cli.existing import refuse_others
+    from vibrafeed.app.cli.shares import counts_of, join_shares, shares_of
+
     studies = prepare_all([file])
     refuse_others(studies, {file: output}, force=force)
     counts = {shares} if shares is not None else counts_of(output)

@@ -17,20 +17,17 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.options import INVALID_INPUT, Json
-from vibrafeed.app.cli.serve import PRIVATE, settings_in_force
+from vibrafeed.app.cli.options import INVALID_INPUT, Group, Json
 from vibrafeed.app.cli.studies import refuse
-from vibrafeed.app.jobs import audit
-from vibrafeed.app.jobs.errors import LaterLedgerError
-from vibrafeed.app.jobs.keys import InvalidKeyError, Key, Keys, NoSuchKeyError, new_key
-from vibrafeed.app.jobs.ledger import Ledger
 from vibrafeed.core.errors import Problem
 
 if TYPE_CHECKING:
     from vibrafeed.app.jobs.database import Database
 
 key = typer.Typer(
+    cls=Group,
     no_args_is_help=True,
+    rich_markup_mode=None,
     help="Manage the access keys of the HTTP service: make, list and withdraw them.",
 )
 
@@ -91,6 +88,8 @@ def add(
     A limit whose option is left out does not apply to the key; the limits that the settings of the
     service set for all keys still do. The key is shown only now: just a hash of it is stored.
     """
+    from vibrafeed.app.jobs.keys import InvalidKeyError, Key, Keys
+
     asked = Key(
         name,
         role,
@@ -125,6 +124,8 @@ def _parse_limit(figure: float | None) -> int | None:
 @key.command("list")
 def list_keys(as_json: Json = False) -> None:
     """List all keys, including expired and withdrawn ones."""
+    from vibrafeed.app.jobs.keys import Keys
+
     with _database() as database:
         keys = Keys(database).all()
     now = time.time()
@@ -154,6 +155,8 @@ def withdraw(name: Name) -> None:
 
     Studies and results posted with it stay.
     """
+    from vibrafeed.app.jobs.keys import Keys, NoSuchKeyError
+
     with _database() as database:
         try:
             Keys(database).withdraw(name)
@@ -171,6 +174,8 @@ def tell_audit(
     ] = 100,
 ) -> None:
     """Print the audit log: posts, dismissals, sharing, and keys made, withdrawn and refused."""
+    from vibrafeed.app.jobs import audit
+
     with _database() as database:
         for entry in reversed(audit.latest(database, most)):
             when = datetime.fromtimestamp(entry.time, UTC).isoformat(timespec="seconds")
@@ -183,6 +188,8 @@ def print_hash() -> None:
 
     Nothing is stored.
     """
+    from vibrafeed.app.jobs.keys import new_key
+
     made, digest = new_key()
     typer.echo(f"key   {made}")
     typer.echo(f"hash  {digest}")
@@ -199,6 +206,10 @@ def _database() -> Iterator[Database]:
 
     It is closed at the end. Errors of the database that the block raises are treated alike.
     """
+    from vibrafeed.app.cli.serve import PRIVATE, settings_in_force
+    from vibrafeed.app.jobs.errors import LaterLedgerError
+    from vibrafeed.app.jobs.ledger import Ledger
+
     settings = settings_in_force()
     os.umask(PRIVATE)  # it may be the one who makes the files
     ledger = Ledger(settings.ledger)

@@ -7,22 +7,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 import typer
 
 from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import FAILED, Json, Units
 from vibrafeed.app.cli.studies import refuse, refuse_existing, warn
-from vibrafeed.app.cli.targets import check_suffix, make_folder_of, write_or_exit
-from vibrafeed.app.cli.units import format_number, units_asked
-from vibrafeed.core.atlas.lookup import ROW, advice, lookup_grid, lookup_rows
-from vibrafeed.core.atlas.numbers import AXES
-from vibrafeed.core.atlas.read import MAKE, open_atlas
-from vibrafeed.core.atlas.rows import read_rows
-from vibrafeed.core.dataset.frame import Frame, FrameColumn
 from vibrafeed.core.errors import Problem, StudyError, VibrafeedError
-from vibrafeed.core.quantities import letter_of
-from vibrafeed.core.study.unusual import questions
 
 if TYPE_CHECKING:
     from vibrafeed.core.dataset.table import Table
@@ -83,6 +73,9 @@ def lookup(
     The atlas answers inside a regime and in the range of its axes, and says where it does not. Exit
     code 1 means that it did not answer everything, 2 that a parameter or a file is wrong.
     """
+    from vibrafeed.app.cli.units import units_asked
+    from vibrafeed.core.atlas.lookup import advice
+
     shown = units_asked(units)
     table = _look_up_or_exit(atlas, assignments or [], rows, simulate=simulate)
     if output is not None:
@@ -119,6 +112,11 @@ def _look_up_or_exit(
     simulate : bool
         Whether cells without a value in the atlas are simulated.
     """
+    from vibrafeed.core.atlas.lookup import lookup_grid, lookup_rows
+    from vibrafeed.core.atlas.read import MAKE, open_atlas
+    from vibrafeed.core.atlas.rows import read_rows
+    from vibrafeed.core.study.unusual import questions
+
     source = rows or Path("lookup")
     refused: dict[Path, list[Problem]] = {}
     parameters, problems = _parse_assignments(assignments)
@@ -160,6 +158,8 @@ def _parse_assignments(assignments: list[str]) -> tuple[dict[str, str | float], 
 
     A value that is a number becomes one; others stay text, such as "50 Hz".
     """
+    from vibrafeed.core.quantities import letter_of
+
     parameters: dict[str, str | float] = {}
     problems = []
     for text in assignments:
@@ -183,6 +183,8 @@ def _write(table: Table, output: str, *, force: bool) -> None:
     `output` is the path. The command exits with a message if the file exists and `force` is False,
     if the suffix is unknown, or if the file cannot be written. Missing folders are made.
     """
+    from vibrafeed.app.cli.targets import check_suffix, make_folder_of, write_or_exit
+
     check_suffix(output)
     refuse_existing("lookup", output, force=force)
     make_folder_of(output)
@@ -192,6 +194,8 @@ def _write(table: Table, output: str, *, force: bool) -> None:
 
 def _flag_words(table: Table, name: str) -> list[str]:
     """Return the words of a flag variable, such as the regime of each row."""
+    from vibrafeed.core.dataset.frame import FrameColumn
+
     return [str(word) for word in FrameColumn(name, table.variables[name]).values.ravel()]
 
 
@@ -200,6 +204,8 @@ def _show_single(table: Table, shown: Any) -> None:
 
     `shown` holds the units for printing.
     """
+    from vibrafeed.app.cli.units import format_number
+    from vibrafeed.core.atlas.numbers import AXES
 
     def value(name: str) -> float:
         """Return the value of a variable as a number."""
@@ -232,6 +238,11 @@ def _show_many(table: Table, shown: Any) -> None:
     `table` is the result of the look-up in an atlas; `shown` gives the units for printing. At most
     `MAX_SHOWN` rows are printed.
     """
+    import numpy as np
+
+    from vibrafeed.app.cli.units import format_number
+    from vibrafeed.core.dataset.frame import Frame
+
     speeds = table.variables["conveying_velocity"].values
     unit = shown.of("m s-1", float(np.nanmax(np.abs(speeds), initial=0.0)))
     frame = Frame.of(table)
@@ -264,6 +275,8 @@ def _parameter_columns(table: Table) -> list[str]:
 
     They are its parameters, or the number of the row in a file.
     """
+    from vibrafeed.core.atlas.lookup import ROW
+
     if ROW in table.coordinates:
         return [ROW]
     return list(table.coordinates)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibrafeed.app.cli.console import stdout, tell
+from vibrafeed.app.cli.console import is_muted, tell
 from vibrafeed.app.cli.units import format_number
 from vibrafeed.core import optimise
 from vibrafeed.core.intake import parse_json
@@ -33,7 +33,7 @@ def nearest(result: Table, units: ShownUnits) -> list[str]:
     be kept. The search takes a while; the result is empty if it is skipped by Ctrl-C, or not
     needed. `result` is the table of the optimisation, `units` are those for printing.
     """
-    if stdout.quiet or not is_infeasible(result) or result.variables["optimum_status"].values.ndim:
+    if is_muted() or not is_infeasible(result) or result.variables["optimum_status"].values.ndim:
         return []
     tell("  Searching for the nearest designs; Ctrl-C skips the search ...")
     started = time.perf_counter()

@@ -10,13 +10,10 @@ from typing import Annotated, Any
 import typer
 
 from vibrafeed.app.cli.questions import QUESTIONS, Question
-from vibrafeed.app.cli.starter import example_study, starter_study
 from vibrafeed.app.cli.studies import STANDARD, refuse, warn
 from vibrafeed.app.cli.texts import refuse_taken, write_text
 from vibrafeed.core.errors import Problem
 from vibrafeed.core.kinds import KINDS
-from vibrafeed.core.study.units import UnitError
-from vibrafeed.core.suggestions import suggestion
 
 _BY_NAME = {question.name: question for question in reversed(QUESTIONS)}  # the first of a name
 Answer = str | None
@@ -91,6 +88,8 @@ def new(
     The study runs at once. Exit code 2 means that an answer is wrong or that the file is there
     already, 1 that it could not be written.
     """
+    from vibrafeed.app.cli.starter import example_study, starter_study
+
     _check_name(file, force)
     answers = {name: context.params[name] for name in _BY_NAME if context.params[name] is not None}
     name = str(file) if file != STANDARD else "study.toml"
@@ -134,6 +133,8 @@ def _check_kind(kind: str, answers: Mapping[str, str]) -> None:
 
     `kind` is the option of `vibrafeed new`; `answers` are those given as options, by question.
     """
+    from vibrafeed.core.suggestions import suggestion
+
     message = "the example study of --kind uses no answers"
     problems = [Problem(_flag(name), message, "Leave it out") for name in answers]
     if kind not in KINDS:
@@ -149,6 +150,8 @@ def _collect_answers(options: dict[str, str], *, asks: bool) -> dict[str, str]:
     `options` has the answers given on the command line, by question. With `asks`, a person is asked
     the other questions; else their defaults are taken.
     """
+    from vibrafeed.core.study.units import UnitError
+
     answers: dict[str, str] = {}
     problems, warnings = [], []
     for question in QUESTIONS:
@@ -183,6 +186,8 @@ def _ask(question: Question) -> str:
 
     An unusual value is questioned once: it is taken when typed again.
     """
+    from vibrafeed.core.study.units import UnitError
+
     width = max(map(len, question.choices), default=0)
     if question.choices:
         typer.echo(question.asks)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 INVALID_INPUT = 2
 FAILED = 1
@@ -23,3 +24,17 @@ Units = Annotated[
         "list such as 'm/min, mm'. Result files and --json are not affected.",
     ),
 ]
+
+
+class Group(TyperGroup):
+    """A group of commands whose own options are flags."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Return the options, each False if it is not given.
+
+        typer would load pydantic to read their None, which takes longer than all else of help.
+        """
+        flags: list[Any] = super().get_params(ctx)
+        for flag in flags:
+            flag.default = False
+        return flags

@@ -8,10 +8,10 @@ from typing import Annotated
 import typer
 
 from vibrafeed.app.cli import console
+from vibrafeed.app.cli.missing import needing
 from vibrafeed.app.cli.options import FAILED
 from vibrafeed.app.cli.studies import refuse, refuse_existing
 from vibrafeed.core.errors import Problem
-from vibrafeed.core.extras import installing
 from vibrafeed.core.plots.pictures import PICTURES
 
 
@@ -104,11 +104,8 @@ def plot(
     ] = False,
 ) -> None:
     """Draw a result: an output with its regimes, a map of regimes, or the motion of one part."""
-    try:
+    with needing("plot", "matplotlib"):
         from vibrafeed.core.plots import PlotError, draw_file
-    except ModuleNotFoundError as error:
-        console.fail(f"{error.name} is missing. Install it: {installing('matplotlib', 'plot')}")
-        raise typer.Exit(FAILED) from None
     file = files[0]
     endings = (".gif",) if kind == "animation" else (".png", ".svg")
     name = "-".join(filter(None, (file.stem, variable, kind)))

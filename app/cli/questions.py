@@ -7,11 +7,6 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final
 
-from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.study.units import UnitError, read_number
-from vibrafeed.core.study.unusual import questions
-from vibrafeed.core.suggestions import by_synonym, nearest
-
 NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 
 
@@ -68,6 +63,10 @@ class Question:
         UnitError
             If the answer is invalid; the message says what is valid.
         """
+        from vibrafeed.core.quantities import QUANTITIES
+        from vibrafeed.core.study.units import UnitError, read_number
+        from vibrafeed.core.suggestions import by_synonym, nearest
+
         text = text.strip()
         if self.choices:
             chosen = text if text in self.choices else by_synonym(text, self.choices)
@@ -82,6 +81,8 @@ class Question:
 
     def warning(self, text: str) -> str:
         """Return a line that asks to confirm an unusual number; empty if the number is usual."""
+        from vibrafeed.core.study.unusual import questions
+
         return " ".join(questions({"parameters": {self.parameter: parse_typed(text)}}))
 
 

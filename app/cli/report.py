@@ -8,10 +8,8 @@ from typing import Annotated
 import typer
 
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.accuracy import EXTREMES, dataset_of, write_report
 from vibrafeed.app.cli.options import FAILED
 from vibrafeed.app.cli.studies import interruption, prepare_all, refuse, refuse_clashes
-from vibrafeed.core.assurance.accuracy.families import families_of
 from vibrafeed.core.errors import Problem, StudyError
 
 
@@ -61,6 +59,9 @@ def report(
     that a hard case came out wrong, or that it was stopped by Ctrl-C: what was measured by then is
     written.
     """
+    from vibrafeed.app.cli.accuracy import EXTREMES, dataset_of, write_report
+    from vibrafeed.core.assurance.accuracy.families import families_of
+
     files = files or []
     if not files and not extremes:
         fix = "Name study files, or add --extremes, which needs no study"

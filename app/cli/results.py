@@ -23,7 +23,6 @@ from vibrafeed.core.quantities import QUANTITIES, REGIMES, STATUSES
 from vibrafeed.core.quantities.flags import REGIME, is_regime
 from vibrafeed.core.quantities.optimum import OF_THE_SEARCH
 from vibrafeed.core.study.distributions import nominal
-from vibrafeed.core.study.optimise_study import OptimiseStudy, Pareto
 
 if TYPE_CHECKING:
     from vibrafeed.core.dataset import Table
@@ -173,6 +172,8 @@ def _held_at(result: Table, units: ShownUnits) -> list[str]:
     """
     if "optimum_status" not in result.variables:
         return []
+    from vibrafeed.core.study.optimise_study import OptimiseStudy
+
     study = parse_json(str(result.attributes["study"]))
     if not isinstance(study, OptimiseStudy) or not study.intervals():
         return []
@@ -192,6 +193,8 @@ def _knee(result: Table, units: ShownUnits) -> str:
     knee = result.variables.get("knee")
     if knee is None or np.count_nonzero(knee.values) != 1:
         return ""
+    from vibrafeed.core.study.optimise_study import OptimiseStudy, Pareto
+
     at = int(np.argmax(knee.values))
     study = parse_json(str(result.attributes["study"]))
     if not isinstance(study, OptimiseStudy) or not isinstance(study.criterion, Pareto):

@@ -10,15 +10,11 @@ from typing import Annotated
 import typer
 
 from vibrafeed import core
-from vibrafeed.app.cli import console, plans
-from vibrafeed.app.cli.existing import complete_already, refuse_others
+from vibrafeed.app.cli import console
+from vibrafeed.app.cli.missing import needing
 from vibrafeed.app.cli.options import FAILED, NO_SOLUTION, Json, Units
 from vibrafeed.app.cli.pipes import is_standard, standard_output
-from vibrafeed.app.cli.running import Running, history_of
-from vibrafeed.app.cli.shares import run_share
 from vibrafeed.app.cli.studies import Batch, prepare_all, refuse
-from vibrafeed.app.cli.targets import targets_of
-from vibrafeed.app.cli.units import units_asked
 from vibrafeed.core.errors import Problem
 
 
@@ -134,6 +130,12 @@ def run(
     verified: what was finished is written, of a large sweep where --resume finds it. Exit code 3:
     all is done, and an optimisation has no solution.
     """
+    from vibrafeed.app.cli.existing import complete_already, refuse_others
+    from vibrafeed.app.cli.running import Running, history_of
+    from vibrafeed.app.cli.shares import run_share
+    from vibrafeed.app.cli.targets import targets_of
+    from vibrafeed.app.cli.units import units_asked
+
     in_shares = share is not None or scheduler is not None
     to_standard = is_standard(output) and not dry_run
     _refuse_together(as_json=as_json, to_standard=to_standard, in_shares=in_shares)
@@ -150,8 +152,8 @@ def run(
             if share is not None:
                 run_share(studies, targets, share)
             elif scheduler is not None:
-                from vibrafeed.app.cli.scheduler import run_on_scheduler  # it loads Dask
-
+                with needing("cluster", "distributed"):
+                    from vibrafeed.app.cli.scheduler import run_on_scheduler
                 refuse_others(studies, targets, force=force)
                 run_on_scheduler(studies, targets, scheduler, shares, history_of(files[0]))
             return
@@ -192,6 +194,8 @@ def _show_plans(studies: Batch, units: str | None, as_json: bool) -> None:
 
     `studies` are by their files; `units` is the text of the option `--units`, if given.
     """
+    from vibrafeed.app.cli import plans
+
     if as_json:
         told = [
             studies.with_warnings(plans.plan_facts(path, prepared))

@@ -7,17 +7,16 @@ from typing import Annotated
 
 import typer
 
-from vibrafeed.app.cli import catalogue, console
+from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import Json, Units
 from vibrafeed.app.cli.studies import refuse
-from vibrafeed.app.cli.units import units_asked
-from vibrafeed.core.catalogue import describe, describe_all
 from vibrafeed.core.errors import StudyError
-from vibrafeed.core.scenes import SCENES
 
 
 def _names(begun: str) -> list[str]:
     """Return the scene names that begin with the typed text, for completion in a shell."""
+    from vibrafeed.core.scenes import SCENES
+
     return [name for name in SCENES if name.startswith(begun)]
 
 
@@ -47,6 +46,10 @@ def scenes(
     as_json: Json = False,
 ) -> None:
     """Print the catalogue: scenes, parameters, outputs, units, equations, validity."""
+    from vibrafeed.app.cli import catalogue
+    from vibrafeed.app.cli.units import units_asked
+    from vibrafeed.core.catalogue import describe, describe_all
+
     shown = units_asked(units)
     try:
         document = describe_all() if name is None else describe(name, variant, method=method)

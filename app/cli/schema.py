@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import typer
 
-from vibrafeed.app.kept_texts import study_schema_text
-
 
 def schema() -> None:
     """Print the JSON Schema of studies, for editors.
@@ -13,4 +11,6 @@ def schema() -> None:
     Models of every kind make it, which takes a second; the text is kept with the user until a
     source changes.
     """
+    from vibrafeed.app.kept_texts import study_schema_text
+
     typer.echo(study_schema_text())

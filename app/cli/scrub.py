@@ -10,10 +10,7 @@ import typer
 
 from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import FAILED, INVALID_INPUT, Json
-from vibrafeed.app.cli.serve import settings_in_force
 from vibrafeed.app.cli.studies import interruption
-from vibrafeed.app.jobs.scrub import BROKEN, ORPHANED, WHOLE, damages
-from vibrafeed.app.jobs.store import Store
 
 SHOWN = 12  # letters of an identifier, as in the names of downloads
 COLUMNS = ("study", "state", "files")
@@ -41,6 +38,10 @@ def scrub(
 
     The service may run meanwhile.
     """
+    from vibrafeed.app.cli.serve import settings_in_force
+    from vibrafeed.app.jobs.scrub import BROKEN, ORPHANED, damages
+    from vibrafeed.app.jobs.store import Store
+
     directory = directory or settings_in_force().data_directory
     store = Store(directory)
     if not directory.is_dir():
@@ -94,6 +95,8 @@ def _tell(
     repair : bool
         True if damaged results were removed.
     """
+    from vibrafeed.app.jobs.scrub import BROKEN, WHOLE
+
     if rows:
         console.table(COLUMNS, rows)
     told = ", ".join(f"{count:,} {state}" for state, count in sorted(counts.items()))

@@ -12,16 +12,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
-from pydantic import ValidationError
 
-from vibrafeed.app import logs
 from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import INVALID_INPUT
 from vibrafeed.app.cli.studies import refuse
-from vibrafeed.app.jobs.errors import LaterLedgerError
-from vibrafeed.app.jobs.keys import Keys
-from vibrafeed.app.jobs.ledger import Ledger
-from vibrafeed.app.settings import PREFIX, Settings, unknown_variables
 from vibrafeed.core.errors import Problem
 
 if TYPE_CHECKING:
@@ -49,6 +43,8 @@ def serve(
     Other machines are answered only if the service has access keys: `vibrafeed key add` makes one.
     Exit code 2 means that a setting is wrong, or that the data directory cannot be used.
     """
+    from vibrafeed.app import logs
+
     settings = settings_in_force()
     if show_settings:
         typer.echo(settings.model_dump_json(indent=2))
@@ -99,6 +95,10 @@ def settings_in_force() -> Settings:
 
     Variables that begin with `VIBRAFEED_` and name no setting are invalid, too.
     """
+    from pydantic import ValidationError
+
+    from vibrafeed.app.settings import PREFIX, Settings, unknown_variables
+
     problems = unknown_variables(os.environ)
     try:
         settings = Settings()
@@ -130,6 +130,9 @@ def _check_keys(settings: Settings, host: str) -> None:
 
     `host` is the address to listen on.
     """
+    from vibrafeed.app.jobs.errors import LaterLedgerError
+    from vibrafeed.app.jobs.keys import Keys
+    from vibrafeed.app.jobs.ledger import Ledger
     from vibrafeed.app.web.guard import is_loopback  # with all that serves
 
     if settings.api_key_hashes or is_loopback(host):
@@ -173,6 +176,8 @@ def _check_ledger(settings: Settings, ledger: Ledger) -> None:
     It is found out by the begin of a write transaction. `settings` say where the ledger is, for the
     message.
     """
+    from vibrafeed.app.jobs.errors import LaterLedgerError
+
     try:
         with ledger.transaction():
             pass  # what can begin a change can be opened and written

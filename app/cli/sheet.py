@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 
 from vibrafeed.app.cli import console
+from vibrafeed.app.cli.missing import needing
 from vibrafeed.app.cli.options import FAILED, Units
 from vibrafeed.app.cli.studies import refuse, refuse_existing
-from vibrafeed.core.extras import installing
 
 
 def sheet(
@@ -37,11 +37,8 @@ def sheet(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing page.")] = False,
 ) -> None:
     """Write one page about a result: drive and part, what comes out, a picture, the assumptions."""
-    try:
+    with needing("plot", "matplotlib"):
         from vibrafeed.core.plots import PlotError, write_sheet
-    except ModuleNotFoundError as error:
-        console.fail(f"{error.name} is missing. Install it: {installing('matplotlib', 'plot')}")
-        raise typer.Exit(FAILED) from None
     target = output or file.with_suffix(".pdf")
     refuse_existing(str(file), str(target), force=force)
     try:

@@ -15,10 +15,8 @@ import typer
 
 from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import INVALID_INPUT
-from vibrafeed.core import intake
 from vibrafeed.core.compiling import stopwatch
 from vibrafeed.core.errors import LimitError, Problem, StudyError
-from vibrafeed.core.system import memory
 
 if TYPE_CHECKING:
     from vibrafeed.core.plan.prepared import Prepared
@@ -69,6 +67,8 @@ def prepare_all(
     `cells` and `bytes_` are the largest size that is accepted, if any. Unusual values are allowed,
     and a line on the error stream warns of each; with `strict` they are refused.
     """
+    from vibrafeed.core import intake
+
     prepared = Batch()
     invalid: dict[Path, Sequence[Problem]] = {}
     for path in files:
@@ -117,6 +117,8 @@ def content_of(path: Path) -> object:
     StudyError
         If it is neither.
     """
+    from vibrafeed.core import intake
+
     if path != STANDARD:
         return intake.read_content(path)
     try:
@@ -164,6 +166,8 @@ def refuse_beyond_memory(path: Path, prepared: Prepared) -> None:
 
     `path` is the study's file, which the message names.
     """
+    from vibrafeed.core.system import memory
+
     size = memory()
     if prepared.bytes > size:
         message = f"its {prepared.bytes:,} bytes are held in memory, which has {size:,}"

@@ -11,7 +11,6 @@ from vibrafeed.app.cli.console import say, table, tell
 from vibrafeed.app.cli.units import format_number
 from vibrafeed.core.dataset.regimes import percent_with_error
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.sensitivity.variables import QUANTILE, UNCERTAIN
 
 if TYPE_CHECKING:
     from vibrafeed.core.dataset import Table
@@ -82,6 +81,8 @@ def _show_output(result: Table, output: str, units: ShownUnits) -> None:
     sensitivity study with a single cell, `output` the name of the output; `units` are those for
     printing.
     """
+    from vibrafeed.core.sensitivity.variables import QUANTILE, UNCERTAIN
+
     columns = {
         name.removeprefix(f"{output}_"): column
         for name, column in result.variables.items()

@@ -15,20 +15,7 @@ from vibrafeed.app.cli.layout import plain_lines
 from vibrafeed.app.cli.options import FAILED
 from vibrafeed.app.cli.studies import interruption, refuse
 from vibrafeed.app.cli.texts import refuse_taken, write_text
-from vibrafeed.core.assurance import catalogue
-from vibrafeed.core.assurance.answers import read_answers
-from vibrafeed.core.assurance.judge import judge_results, run_cases, summaries
-from vibrafeed.core.assurance.tables import (
-    COLUMNS,
-    FAMILY_COLUMNS,
-    document,
-    family_rows,
-    markdown,
-    rows,
-    sentence,
-)
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:
     from vibrafeed.core.assurance.answers import ProgramAnswers
@@ -104,6 +91,9 @@ def validate(
     Anchors from the literature, limits, laws that any drive keeps, a measured set, worked values:
     docs/validation.md. Exit code 1 means that an answer is wrong, 2 that an option or a file is.
     """
+    from vibrafeed.core.assurance import catalogue
+    from vibrafeed.core.assurance.tables import document, markdown, sentence
+
     if problems and (answers or form in (Form.TEXT, Form.MARKDOWN)):
         fix = "Leave --answers and --format out"
         _refuse(
@@ -146,6 +136,8 @@ def validate(
 
 def _read(path: Path) -> ProgramAnswers:
     """Return the answers of another program from a file."""
+    from vibrafeed.core.assurance.answers import read_answers
+
     return read_answers(path)
 
 
@@ -154,6 +146,9 @@ def _own_outcomes(problems: Sequence[Case]) -> tuple[list[Outcome], str]:
 
     Exit if that was stopped by Ctrl-C.
     """
+    from vibrafeed.core.assurance.judge import run_cases
+    from vibrafeed.core.watch import Watch
+
     with console.progress("validate") as advance, interruption() as interrupted:
         outcomes = run_cases(problems, Watch(advance, interrupted))
     if len(outcomes) < len(problems):
@@ -171,6 +166,8 @@ def _outcomes_of_other_program(
 
     `letters` are the families of problems that count. Exit if the program answers none of them.
     """
+    from vibrafeed.core.assurance.judge import judge_results
+
     asked = [problem for problem in program.cases if problem.family in letters]
     if not asked:
         fix = f"Families that it answers: {', '.join(sorted({p.family for p in program.cases}))}"
@@ -191,6 +188,9 @@ def _print_outcomes(outcomes: Sequence[Outcome], program: str, *, listed: bool) 
 
     `program` is the name of the program that solved the problems.
     """
+    from vibrafeed.core.assurance.judge import summaries
+    from vibrafeed.core.assurance.tables import COLUMNS, FAMILY_COLUMNS, family_rows, rows, sentence
+
     failed = [outcome for outcome in outcomes if not outcome.passed]
     if listed:
         console.table((*COLUMNS,), rows(outcomes))
@@ -210,6 +210,9 @@ def _outcomes_as_text(outcomes: Sequence[Outcome], program: str) -> str:
 
     `program` is the name of the program that solved the problems.
     """
+    from vibrafeed.core.assurance.judge import summaries
+    from vibrafeed.core.assurance.tables import COLUMNS, FAMILY_COLUMNS, family_rows, rows, sentence
+
     families = plain_lines(FAMILY_COLUMNS, family_rows(summaries(outcomes)))
     lines = [
         *families,

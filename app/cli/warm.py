@@ -10,7 +10,6 @@ import typer
 
 from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import FAILED, Json
-from vibrafeed.core.warm import compile_kernels, is_warm
 
 
 def warm(
@@ -31,6 +30,8 @@ def warm(
     Without it the first study of each kind waits for the compilation. Compiled code is kept in
     NUMBA_CACHE_DIR, or among the user's caches.
     """
+    from vibrafeed.core.warm import compile_kernels, is_warm
+
     if check:
         warm_already = is_warm()
         if as_json:

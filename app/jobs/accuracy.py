@@ -5,10 +5,10 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import xarray
 
-from vibrafeed.app.jobs.store import Store
 from vibrafeed.core.assurance.accuracy.families import families_of
 from vibrafeed.core.assurance.accuracy.kept import keep, kept
 from vibrafeed.core.assurance.accuracy.page import head_of, sections_of, write_page
@@ -17,6 +17,9 @@ from vibrafeed.core.extras import installing
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.watch import Watch
+
+if TYPE_CHECKING:
+    from vibrafeed.app.jobs.store import Store
 
 logger = logging.getLogger("vibrafeed.jobs")
 

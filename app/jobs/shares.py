@@ -5,16 +5,19 @@ from __future__ import annotations
 import json
 import math
 from importlib.util import find_spec
+from typing import TYPE_CHECKING
 
 from vibrafeed.app.jobs.errors import TornBlockError
 from vibrafeed.app.jobs.manifest import NETCDF, ZARR, Making
-from vibrafeed.app.jobs.store import Store
-from vibrafeed.app.settings import Settings
 from vibrafeed.core.errors import LimitError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.plan.shares import ARRAYS, MAX_SHARES, SHARDS, Shares, SharesMissingError
 from vibrafeed.core.watch import Watch
+
+if TYPE_CHECKING:
+    from vibrafeed.app.jobs.store import Store
+    from vibrafeed.app.settings import Settings
 
 FEWEST_SECONDS = 10.0
 """Shortest useful time of a task [s]: shorter ones cost more to schedule than to compute."""

@@ -22,7 +22,8 @@ from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.scenes.scene import STATIC_ABOVE_KINETIC
 from vibrafeed.core.study.calibrate_study import STEMS, CalibrateStudy
-from vibrafeed.core.study.observations import OBSERVED, Run, parameters_of, read_error
+from vibrafeed.core.study.observations import Run, parameters_of, read_error
+from vibrafeed.core.study.section_names import OBSERVED
 from vibrafeed.core.study.shown import ShownUnits
 from vibrafeed.core.study.units import UnitError
 from vibrafeed.core.study.values import Fixed, Points, Span, Values

@@ -23,7 +23,7 @@ from vibrafeed.core.measured.marks import ONE_MARK
 from vibrafeed.core.measured.read import name_and_unit
 from vibrafeed.core.quantities import letter_of
 from vibrafeed.core.study.grid_study import PARAMETERS
-from vibrafeed.core.study.observations import MAX_RUNS, OBSERVED
+from vibrafeed.core.study.section_names import MAX_RUNS, OBSERVED
 from vibrafeed.core.study.units import with_unit
 
 SUFFIXES = (".csv", ".xlsx")

@@ -10,8 +10,8 @@ from vibrafeed.core.intake.observed import OBSERVATIONS
 from vibrafeed.core.intake.posteriors import UNCERTAIN
 from vibrafeed.core.intake.recorded import DRIVE
 from vibrafeed.core.intake.section import Section, Stranger, no_parameter
-from vibrafeed.core.study.optimise_study import ANGLES, CRITERIA
 from vibrafeed.core.study.reduction import LevelSet, Reduction
+from vibrafeed.core.study.section_names import CRITERIA, DRIVE_ANGLES
 
 
 def _parameter_names(parameters: Any, known: Collection[str]) -> Iterable[str]:
@@ -27,7 +27,7 @@ def _open(variables: Any, known: Collection[str]) -> Iterable[str]:
     """
     if isinstance(variables, Mapping):
         return map(str, variables)
-    return (name for name in ANGLES if name in known)
+    return (name for name in DRIVE_ANGLES if name in known)
 
 
 def _asked(outputs: Any) -> Iterable[str]:

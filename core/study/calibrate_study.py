@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import reprlib
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import (
     AliasChoices,
     BeforeValidator,
     Field,
-    PlainSerializer,
-    PlainValidator,
     WithJsonSchema,
     create_model,
 )
@@ -19,7 +18,7 @@ from pydantic import (
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.study.distributions import Normal, read_distribution
 from vibrafeed.core.study.grid_study import PARAMETERS, Frozen, Parameters
-from vibrafeed.core.study.levels import refusal
+from vibrafeed.core.study.levels import optional, refusal
 from vibrafeed.core.study.observations import ROWS_SCHEMA, Run, parameters_of, spread_rows
 from vibrafeed.core.study.simulate_study import FollowedStudy, MotionSettings
 from vibrafeed.core.study.units import UnitError
@@ -71,37 +70,15 @@ def _read_prior(table: str, parameter: str, raw: object) -> Prior:
     return prior
 
 
-def _prior_field(table: str, name: str) -> Any:
-    """Return type and default of the pydantic field for what is known of an unknown, its prior.
-
-    `table` is that of the unknown: unknowns, offsets or factors, and `name` the parameter. The
-    field is None if left out.
-    """
-
-    def read(raw: object) -> Prior:
-        """Return the prior; raise a refusal for a wrong one."""
-        try:
-            return _read_prior(table, name, raw)
-        except UnitError as error:
-            raise refusal(error.message, error.fix) from error
-
-    return (
-        Annotated[
-            Prior | None,
-            PlainValidator(read),
-            PlainSerializer(lambda prior: None if prior is None else prior.canonical()),
-            WithJsonSchema(_PRIOR_SCHEMA),
-        ],
-        None,
-    )
-
-
 def _table(table: str, doc: str) -> Any:
     """Return the pydantic model of a table of unknowns, with a field for each parameter.
 
     `table` is its name, `doc` the description in the schema.
     """
-    fields = {name: _prior_field(table, name) for name in PARAMETERS}
+    fields = {
+        name: optional(partial(_read_prior, table, name), lambda: _PRIOR_SCHEMA)
+        for name in PARAMETERS
+    }
     return create_model(table.capitalize(), __base__=Frozen, __doc__=doc, **fields)
 
 

@@ -6,13 +6,13 @@ import hashlib
 import html
 import json
 import reprlib
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
-    PlainSerializer,
     PlainValidator,
     WithJsonSchema,
     create_model,
@@ -20,10 +20,10 @@ from pydantic import (
 
 from vibrafeed.core.quantities import QUANTITIES, WORDS, Quantity
 from vibrafeed.core.study.drive import Drive
-from vibrafeed.core.study.levels import at_most, refusal
+from vibrafeed.core.study.levels import at_most, optional, refusal
 from vibrafeed.core.study.shown import read_shown
 from vibrafeed.core.study.units import UnitError
-from vibrafeed.core.study.values import Between, Values, read_between, read_values
+from vibrafeed.core.study.values import Values, read_values
 
 PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.parameter)
 
@@ -57,10 +57,10 @@ class Frozen(BaseModel):
     )
 
 
-def _values_schema(name: str, quantity: Quantity) -> dict[str, Any]:
+def _values_schema(quantity: Quantity) -> dict[str, Any]:
     """Return the JSON Schema of what a user may write for a parameter: number, text, list or range.
 
-    `name` is not used; `quantity` has the bounds and the unit.
+    `quantity` has the bounds and the unit.
     """
     number: dict[str, Any] = {"type": "number"}
     if quantity.lower > -float("inf"):
@@ -95,36 +95,6 @@ def _values_schema(name: str, quantity: Quantity) -> dict[str, Any]:
     }
 
 
-def _canonical(values: Values | None) -> Any:
-    """Return values as plain JSON."""
-    return None if values is None else values.canonical()
-
-
-def _parameter_field(name: str, quantity: Quantity) -> Any:
-    """Return type and default of the pydantic field for a parameter of a study.
-
-    `name` and `quantity` are the parameter and its declaration. The field reads numbers and texts
-    with units, and is None if left out.
-    """
-
-    def read(raw: object) -> Values:
-        """Return the values; raise a refusal for wrong ones."""
-        try:
-            return read_values(name, raw)
-        except UnitError as error:
-            raise refusal(error.message, error.fix) from error
-
-    return (
-        Annotated[
-            Values | None,
-            PlainValidator(read),
-            PlainSerializer(_canonical),
-            WithJsonSchema(_values_schema(name, quantity)),
-        ],
-        None,
-    )
-
-
 if TYPE_CHECKING:
 
     class Parameters(Frozen):
@@ -135,55 +105,10 @@ else:
         "Parameters",
         __base__=Frozen,
         __doc__="Values of the parameters: a number, text with a unit, a list, or a range.",
-        **{name: _parameter_field(name, QUANTITIES[name]) for name in PARAMETERS},
-    )
-
-
-def _between_field(name: str, quantity: Quantity) -> Any:
-    """Return type and default of the pydantic field for a variable of an optimisation: its bounds.
-
-    `name` and `quantity` are the parameter and its declaration. The field reads numbers and texts
-    with units, and is None if left out.
-    """
-
-    def read(raw: object) -> Between:
-        """Return the bounds; raise a refusal for wrong ones."""
-        try:
-            return read_between(name, raw)
-        except UnitError as error:
-            raise refusal(error.message, error.fix) from error
-
-    end = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
-    schema = {
-        "title": quantity.label,
-        "description": f"Bounds of the {quantity.label.lower()}, both included.",
-        "type": "object",
-        "properties": {"lower": end, "upper": end},
-        "required": ["lower", "upper"],
-        "additionalProperties": False,
-    }
-    return (
-        Annotated[
-            Between | None,
-            PlainValidator(read),
-            PlainSerializer(lambda bounds: None if bounds is None else bounds.canonical()),
-            WithJsonSchema(schema),
-        ],
-        None,
-    )
-
-
-if TYPE_CHECKING:
-
-    class Variables(Frozen):
-        """One optional field a parameter quantity."""
-
-else:
-    Variables = create_model(
-        "Variables",
-        __base__=Frozen,
-        __doc__="Variables of the optimisation: parameters and their bounds.",
-        **{name: _between_field(name, QUANTITIES[name]) for name in PARAMETERS},
+        **{
+            name: optional(partial(read_values, name), partial(_values_schema, QUANTITIES[name]))
+            for name in PARAMETERS
+        },
     )
 
 

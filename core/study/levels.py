@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
-from pydantic_core import PydanticCustomError
+from pydantic_core import PydanticCustomError, core_schema
 
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.study.units import UnitError, read_number
@@ -19,6 +20,53 @@ def refusal(message: str, fix: str | Callable[[], str]) -> PydanticCustomError:
     alone.
     """
     return PydanticCustomError("value", "{message}", {"message": message, "fix": fix})
+
+
+@dataclass(frozen=True)
+class Reader:
+    """A field of a study for pydantic, read by one function.
+
+    pydantic's own validators and serialisers inspect signatures and types, which takes long for
+    hundreds of fields at every start.
+
+    Attributes
+    ----------
+    read : callable
+        Returns the value of what a user wrote; may raise `UnitError`.
+    schema : callable
+        Returns the JSON Schema of what may be written.
+    """
+
+    read: Callable[[object], Any]
+    schema: Callable[[], dict[str, Any]]
+
+    def __get_pydantic_core_schema__(self, source: object, handler: object) -> Any:
+        """Return the functions that read the field, and write it as plain JSON."""
+        del source, handler
+        writes = core_schema.plain_serializer_function_ser_schema(_canonical)
+        return core_schema.no_info_plain_validator_function(self._read, serialization=writes)
+
+    def __get_pydantic_json_schema__(self, schema: object, handler: object) -> dict[str, Any]:
+        """Return the JSON Schema of the field."""
+        del schema, handler
+        return self.schema()
+
+    def _read(self, raw: object) -> Any:
+        """Return the value; raise a refusal for a wrong one."""
+        try:
+            return self.read(raw)
+        except UnitError as error:
+            raise refusal(error.message, error.fix) from error
+
+
+def optional(read: Callable[[object], Any], schema: Callable[[], dict[str, Any]]) -> Any:
+    """Return type and default of a field that a function reads, and that is None if left out."""
+    return Annotated[Any, Reader(read, schema)], None
+
+
+def _canonical(value: Any) -> Any:
+    """Return a value as plain JSON."""
+    return value.canonical() if hasattr(value, "canonical") else value
 
 
 def at_most(count: int) -> BeforeValidator:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,14 +17,12 @@ from pydantic import (
     create_model,
 )
 
-from vibrafeed.core.quantities import QUANTITIES, Quantity
-from vibrafeed.core.study.levels import read_level, refusal
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.levels import optional, read_level, refusal
+from vibrafeed.core.study.section_names import MAX_RUNS, OBSERVED
 from vibrafeed.core.study.units import UnitError, read_number, share_of
 from vibrafeed.core.suggestions import suggestion
 
-MAX_RUNS = 1_000  # runs of a study
-OBSERVED = ("conveying_velocity", "feed_rate")
-"""Outputs that may have been measured."""
 REGIMES_SEEN = {
     "hops": "the part leaves the floor in each cycle, or in some",
     "does not hop": "the part never leaves the floor",
@@ -66,41 +64,14 @@ def read_error(output: str, raw: object, value: float) -> float:
     return error
 
 
-def _single(name: str, quantity: Quantity) -> Any:
-    """Return type and default of the pydantic field for a single value of a parameter in a run.
-
-    In a study of kind calibrate each measured run may have parameters of its own, written as
-    numbers or as texts with a unit; the field has the number in the quantity's unit, and is None if
-    left out. `name` and `quantity` are the parameter and its declaration.
-    """
-
-    def read(raw: object) -> float | None:
-        """Return the value; raise a refusal for a wrong one."""
-        try:
-            return None if raw is None else read_number(name, quantity, raw)
-        except UnitError as error:
-            raise refusal(error.message, error.fix) from error
-
-    return (Annotated[float | None, PlainValidator(read), WithJsonSchema(_WRITTEN)], None)
+def _none_or(read: Callable[[object], float], raw: object) -> float | None:
+    """Return a value in its quantity's unit, as `read` has it; None for none."""
+    return None if raw is None else read(raw)
 
 
-def _observed(name: str) -> Any:
-    """Return type and default of the pydantic field for a measured output, such as a velocity.
-
-    In a study of kind calibrate the user writes measured values as numbers or as texts with a unit;
-    the field has the number in the output's own unit, and is None if left out. `name` is the
-    output.
-    """
-
-    def read(raw: object) -> float | None:
-        """Return the value; raise a refusal for a wrong one."""
-        try:
-            return None if raw is None else read_level(name, raw)
-        except UnitError as error:
-            raise refusal(error.message, error.fix) from error
-
-    schema = {**_WRITTEN, "description": f"What was measured: {QUANTITIES[name].description}"}
-    return (Annotated[float | None, PlainValidator(read), WithJsonSchema(schema)], None)
+def _observed_schema(name: str) -> dict[str, Any]:
+    """Return the JSON Schema of a measured output."""
+    return {**_WRITTEN, "description": f"What was measured: {QUANTITIES[name].description}"}
 
 
 def _read_row_error(raw: object, info: ValidationInfo) -> object:
@@ -163,8 +134,18 @@ else:
         "Run",
         __base__=_Row,
         __doc__="A run: parameters of its own, what was measured with its error, what was seen.",
-        **{name: _single(name, QUANTITIES[name]) for name in _PARAMETERS},
-        **{name: _observed(name) for name in OBSERVED},
+        **{
+            name: optional(
+                partial(_none_or, partial(read_number, name, QUANTITIES[name])), lambda: _WRITTEN
+            )
+            for name in _PARAMETERS
+        },
+        **{
+            name: optional(
+                partial(_none_or, partial(read_level, name)), partial(_observed_schema, name)
+            )
+            for name in OBSERVED
+        },
         error=(_RowError, None),
         regime=(_Seen, Field(None, description="Observed behaviour of the part, such as hopping.")),
     )

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Annotated, Literal
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, create_model
 
+from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.study.distributions import Distribution
 from vibrafeed.core.study.grid_study import (
     MAX_OUTPUTS,
@@ -15,11 +17,11 @@ from vibrafeed.core.study.grid_study import (
     Frozen,
     OutputName,
     OutputNames,
-    Variables,
 )
-from vibrafeed.core.study.levels import Level, OpenLevel, at_most
+from vibrafeed.core.study.levels import Level, OpenLevel, at_most, optional
+from vibrafeed.core.study.section_names import DRIVE_ANGLES
 from vibrafeed.core.study.uncertain import Uncertain, distributions_of
-from vibrafeed.core.study.values import Between
+from vibrafeed.core.study.values import Between, read_between
 
 
 class _TwoOutputs(Frozen):
@@ -69,8 +71,6 @@ class Minimise(Frozen):
 Criterion = Weighted | Limited | Pareto | Maximise | Minimise
 """The criterion: which output is maximised or minimised."""
 
-CRITERIA = ("weighted", "limit", "pareto", "maximise", "minimise")
-
 
 class OutputLimit(Frozen):
     """Bounds that an output has to keep."""
@@ -95,7 +95,39 @@ class OutputLimit(Frozen):
 
 
 MAX_CONSTRAINTS = 20
-ANGLES = {"alpha": Between(0.0, 90.0), "beta": Between(0.0, 90.0)}
+
+
+def _bounds_schema(quantity: Quantity) -> dict[str, Any]:
+    """Return the JSON Schema of the bounds of a variable, a parameter."""
+    end = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
+    return {
+        "title": quantity.label,
+        "description": f"Bounds of the {quantity.label.lower()}, both included.",
+        "type": "object",
+        "properties": {"lower": end, "upper": end},
+        "required": ["lower", "upper"],
+        "additionalProperties": False,
+    }
+
+
+if TYPE_CHECKING:
+
+    class Variables(Frozen):
+        """One optional field a parameter quantity."""
+
+else:
+    Variables = create_model(
+        "Variables",
+        __base__=Frozen,
+        __doc__="Variables of the optimisation: parameters and their bounds.",
+        **{
+            name: optional(partial(read_between, name), partial(_bounds_schema, QUANTITIES[name]))
+            for name in PARAMETERS
+        },
+    )
+
+
+ANGLES = {name: Between(0.0, 90.0) for name in DRIVE_ANGLES}
 """The variables of a study that names none."""
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
-from pydantic import PlainSerializer, PlainValidator, WithJsonSchema, create_model
+from pydantic import create_model
 
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.study.distributions import (
@@ -14,8 +15,7 @@ from vibrafeed.core.study.distributions import (
     read_distribution,
 )
 from vibrafeed.core.study.grid_study import PARAMETERS, Frozen
-from vibrafeed.core.study.levels import refusal
-from vibrafeed.core.study.units import UnitError
+from vibrafeed.core.study.levels import optional
 
 
 def _schema(quantity: Quantity) -> dict[str, Any]:
@@ -36,30 +36,6 @@ def _schema(quantity: Quantity) -> dict[str, Any]:
     }
 
 
-def _field(name: str, quantity: Quantity) -> Any:
-    """Return type and default of the pydantic field for the distribution of an uncertain parameter.
-
-    `name` and `quantity` are the parameter and its declaration; the field is None if left out.
-    """
-
-    def read(raw: object) -> Distribution:
-        """Return the distribution; raise a refusal for a wrong one."""
-        try:
-            return read_distribution(name, raw)
-        except UnitError as error:
-            raise refusal(error.message, error.fix) from error
-
-    return (
-        Annotated[
-            Distribution | None,
-            PlainValidator(read),
-            PlainSerializer(lambda known: None if known is None else known.canonical()),
-            WithJsonSchema(_schema(quantity)),
-        ],
-        None,
-    )
-
-
 if TYPE_CHECKING:
 
     class Uncertain(Frozen):
@@ -70,7 +46,10 @@ else:
         "Uncertain",
         __base__=Frozen,
         __doc__="Uncertain parameters and their distributions.",
-        **{name: _field(name, QUANTITIES[name]) for name in PARAMETERS},
+        **{
+            name: optional(partial(read_distribution, name), partial(_schema, QUANTITIES[name]))
+            for name in PARAMETERS
+        },
     )
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from vibrafeed.core.errors import Problem
 from vibrafeed.core.study.arrays import apart, as_typed
+from vibrafeed.core.study.unit_words import factor_between
 
 if TYPE_CHECKING:
     import pint
@@ -289,6 +290,9 @@ def _factor(own: str, unit: str, *, with_g: bool) -> Fraction:
     text = _in_pint(_spelled(own, _plain(unit), with_g=with_g))
     if not _UNIT.fullmatch(text) or _HIGH_POWER.search(_POWER.sub("", text)):
         raise ValueError(unit)
+    in_words = factor_between(text, _in_pint(own))
+    if in_words is not None:
+        return in_words
     base = _quantity(text)
     is_angular = "radian" in dict(base.to_root_units().unit_items())
     if own == "Hz" and is_angular:
@@ -342,7 +346,7 @@ def _in_pint(unit: str) -> str:
 @functools.cache
 def _registry() -> pint.UnitRegistry[Fraction]:
     """Return pint's unit registry with exact fractions."""
-    import pint  # costs a third of a second, and a study without unit texts does not need it
+    import pint  # costs half a second, and most studies need none but the words of `unit_words`
 
     return pint.UnitRegistry(non_int_type=Fraction)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import re
 import shlex
 import shutil
@@ -57,9 +59,9 @@ def printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, 
             continue  # something else makes them
 
         def kept(*arguments, _words=tuple(words), **options):
-            with console.stdout.capture() as captured:
+            with contextlib.redirect_stdout(io.StringIO()) as captured:
                 plain(*arguments, **options)
-            found.append((" ".join(_words), arguments, options, captured.get()))
+            found.append((" ".join(_words), arguments, options, captured.getvalue()))
 
         with monkeypatch.context() as patched:
             for module in (console, catalogue, drives, plans, results):
@@ -76,7 +78,8 @@ def test_no_word_is_lost_at_60_80_and_200_columns(printed, monkeypatch):
         words = set(piped.split()) - {"-"}
         for width in (60, 80, 200):
             terminal = Console(force_terminal=True, width=width, color_system=None)
-            monkeypatch.setattr(console, "stdout", terminal)
+            monkeypatch.setattr(console, "stdout", lambda terminal=terminal: terminal)
+            monkeypatch.setattr(console, "is_terminal", lambda: True)
             with terminal.capture() as captured:
                 console.table(*arguments, **options)
             lines = captured.get().splitlines()

@@ -27,6 +27,14 @@ def names(requirements: list[str]) -> set[str]:
     return {normal(match[0]) for one in requirements if (match := re.match(r"[\w.-]+", one))}
 
 
+def of_service(file: str) -> bool:
+    """True for the files that only `vibrafeed serve`, `key` and `scrub` load."""
+    base = ["accuracy", "blocks", "errors", "manifest", "shares", "studies"]
+    if file.startswith("app/jobs/"):
+        return Path(file).stem not in base
+    return file.startswith(("app/web/", "app/main", "app/logs", "app/settings", "app/spans"))
+
+
 DEPENDENCIES = names(PROJECT["dependencies"])
 EXTRAS = {extra: names(found) for extra, found in PROJECT["optional-dependencies"].items()}
 
@@ -64,10 +72,25 @@ def test_every_package_that_is_imported_is_declared():
         assert packages & declared, f"{module} of {sorted(files)} is declared nowhere"
 
 
+def test_who_only_computes_needs_no_package_of_the_service():
+    """What a module of the base imports, the base declares, but for what it loads when asked."""
+    asked = {"matplotlib", "mpl-toolkits", "pillow", "imageio-ffmpeg", "pyarrow", "obstore"}
+    asked |= {"distributed"}  # of `vibrafeed run --scheduler`
+    distributions = packages_distributions()
+    for module, files in imported().items():
+        packages = {normal(name) for name in distributions.get(module, [module])}
+        if not packages & (DEPENDENCIES | asked):
+            assert all(map(of_service, files)), (module, files)
+            extras = [EXTRAS["serve"], EXTRAS["traces"], EXTRAS["postgres"]]
+            assert packages & set().union(*extras), module
+    assert not DEPENDENCIES & {"distributed", "fastapi", "sqlalchemy", "cryptography", "orjson"}
+    assert {"vibrafeed"} <= EXTRAS["dev"]  # whose tests need the service
+
+
 def test_every_package_that_is_declared_has_its_version():
     pinned = names((ROOT / "constraints.txt").read_text().splitlines())
     for declared in (DEPENDENCIES, *EXTRAS.values()):
-        assert declared <= pinned
+        assert declared - OURS <= pinned
 
 
 def test_workbooks_and_zarr_come_with_the_program():
@@ -82,6 +105,27 @@ def test_in_a_clone_the_clone_is_installed(monkeypatch):
     assert installing("openpyxl") == f"{plain}."
     monkeypatch.setattr("sys.prefix", "/elsewhere")
     assert installing("openpyxl") == "pip install --constraint constraints.txt -e ."
+
+
+def test_on_windows_pip_lies_elsewhere_and_quotes_are_no_quotes(monkeypatch):
+    monkeypatch.setattr("sys.prefix", str(ROOT / ".venv"))
+    monkeypatch.setattr(extras, "ON_WINDOWS", True)
+    assert (
+        installing(extra="serve")
+        == r".venv\Scripts\pip install --constraint constraints.txt -e .[serve]"
+    )
+
+
+def test_from_a_wheel_all_packages_of_an_extra_are_named(monkeypatch, tmp_path):
+    monkeypatch.setattr(extras, "ROOT", tmp_path)
+    declared = [
+        "numpy",
+        "uvicorn; extra == 'serve'",
+        'h11>=0.16; extra == "serve"',
+        "mypy; extra == 'dev'",
+    ]
+    monkeypatch.setattr(extras, "requires", lambda name: declared)
+    assert installing(extra="serve") == "pip install uvicorn h11"
 
 
 def test_from_a_wheel_the_package_itself_is_named(monkeypatch, tmp_path):

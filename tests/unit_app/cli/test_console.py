@@ -174,7 +174,8 @@ def test_no_word_of_the_catalogue_is_lost_on_a_terminal(width, monkeypatch):
     commands = (["scenes"], ["scenes", "rectangle-on-track"])
     piped = [set(run(*command).stdout.split()) - {"-"} for command in commands]
     terminal = Console(force_terminal=True, width=width, color_system=None, highlight=False)
-    monkeypatch.setattr(console, "stdout", terminal)
+    monkeypatch.setattr(console, "stdout", lambda: terminal)
+    monkeypatch.setattr(console, "is_terminal", lambda: True)
     for command, words in zip(commands, piped, strict=True):
         lines = run(*command).stdout
         assert words <= {word.removesuffix(":") for word in lines.split()} | set(lines.split())

@@ -1,0 +1,53 @@
+"""A command whose extra is not installed says how to install it, in one sentence."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+from typer.testing import CliRunner
+
+from vibrafeed.app.cli import app
+from vibrafeed.core.extras import installing
+
+
+@pytest.mark.parametrize(
+    "words", [["serve"], ["serve", "--show-settings"], ["key", "list"], ["scrub"]]
+)
+def test_commands_of_the_service_name_its_extra(words, monkeypatch):
+    for module in [
+        name
+        for name in sys.modules
+        if name.startswith(("vibrafeed.app.jobs", "vibrafeed.app.settings"))
+    ]:
+        monkeypatch.delitem(sys.modules, module)
+    for module in ("orjson", "pydantic_settings", "sqlalchemy", "structlog"):
+        monkeypatch.setitem(sys.modules, module, None)
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 1
+    missing, how = done.stderr.split(". Install it: ")
+    assert missing.endswith(" is missing")
+    assert how == installing(extra="serve") + "\n"
+
+
+def test_a_cluster_is_no_part_of_the_base(monkeypatch, tmp_path):
+    study = tmp_path / "study.toml"
+    study.write_text(
+        'kind = "sweep"\nscene = "rectangle-on-plane"\noutputs = ["acceleration_x"]\n'
+        "parameters = { frequency = 50, amplitude = [1e-4, 2e-4], beta = 30, friction = 0.3 }\n"
+        '[reduce]\nover = ["amplitude"]\nstatistics = ["max"]\n'
+    )
+    monkeypatch.delitem(sys.modules, "vibrafeed.app.cli.scheduler", raising=False)
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    done = CliRunner().invoke(app, ["run", str(study), "--scheduler", "tcp://127.0.0.1:1"])
+    assert (done.exit_code, done.stderr) == (
+        1,
+        f"distributed is missing. Install it: {installing('distributed', 'cluster')}\n",
+    )
+
+
+def test_a_module_of_ours_that_is_missing_is_a_fault_of_ours(monkeypatch):
+    monkeypatch.delitem(sys.modules, "vibrafeed.app.settings", raising=False)
+    monkeypatch.setitem(sys.modules, "vibrafeed.app.settings", None)
+    done = CliRunner().invoke(app, ["serve", "--show-settings"])
+    assert isinstance(done.exception, ModuleNotFoundError)
