@@ -100,12 +100,18 @@ def imported(text: str) -> Iterator[Path]:
     `text` is the module's source. Compiled code depends on these files, too.
     """
     for module, names, whole in IMPORT.findall(text):
-        below = [f"{module}.{name}" for name in re.findall(r"\w+", names)]
-        for dotted in (module or whole, *below):
-            path = CORE.parent.joinpath(*dotted.split("."))
-            for file in (path.with_suffix(".py"), path / "__init__.py"):
-                if file.is_file():
-                    yield file
+        file = _file_of(module or whole)
+        is_module = file is not None and file.name != "__init__.py"  # its names are no files
+        below = [] if is_module else re.findall(r"\w+", names)
+        yield from filter(None, (file, *(_file_of(f"{module}.{name}") for name in below)))
+
+
+@functools.cache
+def _file_of(dotted: str) -> Path | None:
+    """Return the file of a module or package of this project; None if it is neither."""
+    path = CORE.parent.joinpath(*dotted.split("."))
+    files = (path.with_suffix(".py"), path / "__init__.py")
+    return next(filter(Path.is_file, files), None)
 
 
 @functools.cache

@@ -12,6 +12,7 @@ from __future__ import annotations
 import gc
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import cached_property
 from typing import Any
 
 from llvmlite.binding import Linkage
@@ -190,8 +191,16 @@ class EntryDispatcher(_NumbasDispatcher):  # type: ignore[misc]
         """Wrap a function for Python callers, with a cache on disk."""
         super().__init__(function, targetoptions=dict(options))
         self._compiler = _Compiler(self._compiler, _Entry, change)
-        self._part = _PartDispatcher(function, options, change)
+        self._of_part = options, change
         self._keeper: Any = cache
+
+    @cached_property
+    def _part(self) -> _PartDispatcher:
+        """The function for compiled callers; code from the cache needs none."""
+        return _PartDispatcher(self.py_func, *self._of_part)
+
+    def _compilation_chain_init_hook(self) -> None:
+        """Load no extensions of numba: kernels take arrays and numbers, and the search is slow."""
 
     def compile(self, signature: Any) -> Any:
         """Compile the function for argument types, or load it from the cache."""

@@ -145,4 +145,7 @@ def main() -> None:
     write_utf8()
     gc.set_threshold(COLLECTED)
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # it looks through all packages
-    app(prog_name="vibrafeed")
+    try:
+        app(prog_name="vibrafeed")
+    finally:
+        gc.freeze()  # the interpreter need not look for garbage when it ends
