@@ -68,6 +68,8 @@ def small_package(where: Path) -> Path:
         folder.mkdir(parents=True)
         for inside in (folder, folder.parent):
             (inside / "__init__.py").touch()
+    for folder in (core, core.parent):
+        (folder / "__init__.py").touch()
     for name in (*COMPILERS, *NEUTRAL):
         shutil.copy(CORE / name, core / name)
     (core / "quantities/flags.py").write_text("FLAG = 1.0\n")
@@ -350,7 +352,10 @@ print(stopwatch.spent - spent)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stderr
     modules, *seconds = done.stdout.splitlines()
-    names = {".".join(file.relative_to(ROOT).with_suffix("").parts) for file in kernel_files()}
+    names = {
+        ".".join(("vibrafeed", *file.relative_to(ROOT).with_suffix("").parts))
+        for file in kernel_files()
+    }
     assert {name.removesuffix(".__init__") for name in names} <= set(modules.split())
     waited, beyond = map(float, seconds)
     assert waited == 0, "something is not compiled beforehand"
