@@ -26,7 +26,7 @@ POINT = {
 }  # fmt: skip
 PROGRAM = f"""
 import pickle, sys
-import app, core, vibrafeed
+import vibrafeed, app, core
 from multiprocessing import get_context
 from concurrent.futures import ProcessPoolExecutor
 
