@@ -354,6 +354,5 @@ EVENTS = Method(
     defaults={"tolerance": 1e-12, "max_periods": 1000.0},
     course=_trajectory,
     energy=_energy,
-    checked_by=("reference", "time-stepping"),
-    follows=lambda contacts: not (contacts.wall and contacts.rolling),
+    checked_by=("reference",),
 )

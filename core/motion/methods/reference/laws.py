@@ -57,9 +57,6 @@ class ReferenceLaws:
         Of one part, as plain numbers.
     contacts : Contacts
         What it can touch.
-    absolute_speed : bool
-        Whether the centripetal acceleration is that of the speed in space; else of the speed
-        relative to the track.
     drive : Sine or Piece, optional
         The drive, as far as it is smooth; of a wave in steps its first piece.
     """
@@ -68,11 +65,10 @@ class ReferenceLaws:
         self,
         groups: Groups,
         contacts: Contacts,
-        absolute_speed: bool = True,
         drive: Sine | Piece | None = None,
     ) -> None:
         """Keep the part's numbers, its contacts and the piece of its drive."""
-        self.groups, self.contacts, self.absolute_speed = groups, contacts, absolute_speed
+        self.groups, self.contacts = groups, contacts
         self.drive = drive or next(pieces(groups, 0.0, TURN))[0]
         self.response = 1.0 + contacts.rolling
 
@@ -82,7 +78,7 @@ class ReferenceLaws:
         From phase `begin` to `end` in rad; each laws object has the drive that is smooth there.
         """
         for drive, reached in pieces(self.groups, begin, end):
-            yield ReferenceLaws(self.groups, self.contacts, self.absolute_speed, drive), reached
+            yield ReferenceLaws(self.groups, self.contacts, drive), reached
 
     def free(self, phase: Numbers, ux: Numbers) -> tuple[Numbers, Numbers, Numbers]:
         """Return the acceleration of a free part relative to the track in g (theory 13.1).
@@ -93,7 +89,7 @@ class ReferenceLaws:
         p, (along, across, normal) = self.groups, self.drive.push(phase)
         across = across - p.gravity_number_across
         if p.curvature_number:
-            speed = ux + self.drive.speed(phase) if self.absolute_speed else ux
+            speed = ux + self.drive.speed(phase)
             across = across - p.curvature_number * speed * speed
         return along - p.gravity_number_along, across, normal - p.gravity_number_normal
 
@@ -200,7 +196,7 @@ class ReferenceLaws:
         if response == 1.0:
             return first / size, second / size
         low, high = 0.0, size
-        for _ in range(200):  # halving: slow, and without anything of the stepping method
+        for _ in range(200):  # halving: slow, and nothing of the kernels
             z = 0.5 * (low + high)
             if z in (low, high):
                 break
