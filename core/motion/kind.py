@@ -7,8 +7,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from vibrafeed.core.motion.prepare import choose_system
-from vibrafeed.core.motion.reduced import prepare_reduced
-from vibrafeed.core.motion.run import compute, label
+from vibrafeed.core.motion.run import compute, label, prepare_reduced
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.study.simulate_study import SimulateStudy

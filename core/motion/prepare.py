@@ -12,9 +12,7 @@ from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.bowl_track import AlongTrack
 from vibrafeed.core.motion.drive_units import on_unit, unit_of
-from vibrafeed.core.motion.driven import driven
-from vibrafeed.core.motion.drives import shape_of, what_is_open
-from vibrafeed.core.motion.falling_restitution import FALLING, with_falling_restitution
+from vibrafeed.core.motion.drives import driven, shape_of, what_is_open
 from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.in_common import families_of
 from vibrafeed.core.motion.method import Method
@@ -28,7 +26,13 @@ from vibrafeed.core.motion.price import (
 )
 from vibrafeed.core.motion.rolling_scene import ROLLING
 from vibrafeed.core.motion.row_scene import ROW, choose_row, of_unit
-from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS, methods_of
+from vibrafeed.core.motion.systems import (
+    CONTACTS,
+    FALLING,
+    SYSTEMS,
+    methods_of,
+    with_falling_restitution,
+)
 from vibrafeed.core.motion.trial import TRIED_CELLS, Trial
 from vibrafeed.core.plan.derived import Asked, asked_of
 from vibrafeed.core.plan.grid import Grid

@@ -19,8 +19,12 @@ from vibrafeed.core.kinds import run_study
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
 from vibrafeed.core.motion.kernels.cells import Cell
 from vibrafeed.core.motion.kernels.results import COLUMN
-from vibrafeed.core.motion.methods.events import motion_by_events, planar_motion
-from vibrafeed.core.motion.methods.spatial_events import spatial_motion, spatial_path
+from vibrafeed.core.motion.methods.events import (
+    motion_by_events,
+    planar_motion,
+    spatial_motion,
+    spatial_path,
+)
 from vibrafeed.core.motion.result import STATUS
 from vibrafeed.core.motion.systems import CONTACTS
 from vibrafeed.core.motion.waves import Wave, bound

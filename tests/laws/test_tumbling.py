@@ -11,11 +11,11 @@ import pytest
 from benchmarks.motions import tumbling_motion, tumbling_path
 from benchmarks.worked_values import MEAN_VELOCITIES
 from vibrafeed.core.mechanics import impact
-from vibrafeed.core.motion.bodies import Ball, TumblingCylinder, TumblingRectangle
 from vibrafeed.core.motion.kernels.tumbling.geometry import corner_at, speed_scale
 from vibrafeed.core.motion.kernels.tumbling.impact import strike
 from vibrafeed.core.motion.kernels.tumbling.tables import SLOW, STATE, cell_of
 from vibrafeed.core.motion.methods import tumbling
+from vibrafeed.core.motion.methods.tumbling import Ball, TumblingCylinder, TumblingRectangle
 from vibrafeed.core.motion.result import STATUS
 
 GRAVITY = 9.81

@@ -26,15 +26,85 @@ from numpy.typing import ArrayLike, NDArray
 from vibrafeed.core.mechanics.angles import cosine, sine
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.motion import compiled
-from vibrafeed.core.motion.bodies import Part
 from vibrafeed.core.motion.cells import run_cells
 from vibrafeed.core.motion.course import TrajectoryRequest, TrajectoryValues
 from vibrafeed.core.motion.groups import Contacts, table
 from vibrafeed.core.motion.method import Follow, FollowCourse, Method
 from vibrafeed.core.motion.price import Price, Priced
 from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.scenes import cylinder_isolated, rectangle_isolated
 from vibrafeed.core.scenes.scene import STANDARD_GRAVITY
 from vibrafeed.core.watch import Watch
+
+
+class Body(NamedTuple):
+    """The numbers of a part's motion (theory 2.1); `turning` is 0 of a ball, which has no sides."""
+
+    half_diagonal: Array
+    inertia_ratio: Array
+    corner_angle: Array
+    turning: Array
+
+
+class TumblingRectangle(NamedTuple):
+    """A rectangular part; at pitch 0 it lies on a side of its length [m]."""
+
+    length: ArrayLike
+    height: ArrayLike
+
+    def body(self) -> Body:
+        """Return half diagonal [m], inertia ratio [1] and corner angle [rad] of the rectangle.
+
+        With them a tumbling part is simulated (theory 2.1); the fourth number, 1, says that it has
+        corners.
+        """
+        h, b = (np.asarray(side, dtype=float) for side in self)
+        return Body(
+            rectangle_isolated.half_diagonal(height=b, length=h),
+            rectangle_isolated.inertia_ratio(),
+            rectangle_isolated.corner_angle(height=b, length=h),
+            np.ones(()),
+        )
+
+
+class TumblingCylinder(NamedTuple):
+    """A cylindrical part whose axis stays in the plane of motion; at pitch 0 it lies on its side.
+
+    Its rim strikes the plane; it does not roll about its axis [m].
+    """
+
+    length: ArrayLike
+    diameter: ArrayLike
+
+    def body(self) -> Body:
+        """Return half diagonal [m], inertia ratio [1] and corner angle [rad] of the part's outline.
+
+        The outline is a rectangle, on its long side or standing. With them a tumbling part is
+        simulated (theory 6); the fourth number, 1, says that it has corners.
+        """
+        h, d = (np.asarray(side, dtype=float) for side in self)
+        direction = cylinder_isolated.corner_direction(diameter=d, length=h)
+        return Body(
+            cylinder_isolated.half_diagonal(diameter=d, length=h),
+            cylinder_isolated.inertia_ratio(corner_direction=direction),
+            cylinder_isolated.corner_angle(diameter=d, length=h),
+            np.ones(()),
+        )
+
+
+class Ball(NamedTuple):
+    """A ball, whose one contact lies below its centre [m]."""
+
+    radius: ArrayLike
+
+    def body(self) -> Body:
+        """Return the radius of the ball and its inertia ratio m R^2/I = 5/2; it has no corners."""
+        radius = np.asarray(self.radius, dtype=float)
+        return Body(radius, np.full((), 2.5), np.full((), np.pi / 2), np.zeros(()))
+
+
+Part = TumblingRectangle | TumblingCylinder | Ball
+
 
 STEPS_A_PERIOD = 64  # fewest default steps a period of the drive
 STEP_IN_FALLS = 0.02  # largest default step, over sqrt(half diagonal/gravity)

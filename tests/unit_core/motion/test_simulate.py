@@ -16,7 +16,7 @@ from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, parse_study, prepare_content
 from vibrafeed.core.kinds import run_study, tabulate
 from vibrafeed.core.motion import SYSTEMS
-from vibrafeed.core.motion.rates import effective_distance, parts_per_minute, velocity_for
+from vibrafeed.core.motion.feeding import effective_distance, parts_per_minute, velocity_for
 from vibrafeed.core.motion.systems import CONTACTS
 from vibrafeed.core.quantities import MOTION_STATUSES
 from vibrafeed.core.watch import Watch

@@ -18,12 +18,12 @@ from numpy.typing import ArrayLike
 
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.course import Path
 from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, each
 from vibrafeed.core.motion.method import Follow, Method
 from vibrafeed.core.motion.methods.reference.laws import UX, UZ, ReferenceLaws, X, Y, Z
 from vibrafeed.core.motion.methods.reference.part import FailedError, Part
 from vibrafeed.core.motion.methods.reference.repeats import PERIOD, ReferenceRun
-from vibrafeed.core.motion.path import Path
 from vibrafeed.core.motion.price import Price, Priced
 from vibrafeed.core.motion.result import STATUS, Motion, motion_of, with_whole_shares
 from vibrafeed.core.scenes import Constraint
