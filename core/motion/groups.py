@@ -78,6 +78,11 @@ class Groups(NamedTuple):
         """The gravity numbers along, across and normal."""
         return self.gravity_number_along, self.gravity_number_across, self.gravity_number_normal
 
+    @property
+    def planar(self) -> bool:
+        """True if neither drive nor gravity acts across the track in any cell."""
+        return not (np.any(self.drive_number_across) or np.any(self.gravity_number_across))
+
     def flat(self) -> Groups:
         """Return the groups with the numbers set to 0 that planar motion does not use.
 
