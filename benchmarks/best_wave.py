@@ -16,8 +16,7 @@ from benchmarks.options import options
 from benchmarks.timing import timed
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
-from vibrafeed.core.motion.driven import driven
-from vibrafeed.core.motion.drives import shape_of
+from vibrafeed.core.motion.drives import driven, shape_of
 from vibrafeed.core.motion.methods.events import planar_path
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.motion.waves import ALONG, speed

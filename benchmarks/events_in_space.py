@@ -1,7 +1,7 @@
 """Prints error, time and status of exact motion in space; `python -m benchmarks.events_in_space`.
 
 Random cells of ten kinds, each judged by a run of the same events with series of order 24 and terms of 1e-13, whose
-own error the reference bounds (`tests/laws/test_spatial_events.py`); some of them by time stepping, too, for the ratio.
+own error the reference bounds (`tests/laws/test_spatial_events.py`).
 """  # noqa: E501
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from vibrafeed.core.motion.kernels.results import RESULTS, TALLY
 from vibrafeed.core.motion.kernels.track import drive, solve_cells
 from vibrafeed.core.motion.kernels.track.cycle import Series, new_history, settle
 from vibrafeed.core.motion.kernels.track.tables import TURN, at_rest, new_work
-from vibrafeed.core.motion.methods.stepping import stepped_motion
 from vibrafeed.core.motion.result import STATUS, Motion, motion_of
 
 WITNESS = Series(24, 1e-13)
@@ -128,7 +127,6 @@ def main() -> None:
         cells=(1000, "of each kind"),
         seed=14,
         repeats=(2, "of each timing"),
-        stepped=(10, "cells of each kind, by steps"),
         worst=(0, "cells to show of each kind"),
     )
     every: dict[str, list[Floats]] = {}
@@ -192,39 +190,12 @@ def main() -> None:
                 print("one", number, {key: value[number] for key, value in of.items()})
             for number in np.flatnonzero((of["multiple"] != of["cycle"]) & of["repeats"]):
                 print("multiple", number, {key: value[number] for key, value in of.items()})
-        if arguments.stepped:
-            some = Groups._make(
-                np.broadcast_to(g, speed.shape)[: arguments.stepped] for g in groups
-            )
-            step_seconds, step_error = [], []
-            for number in range(arguments.stepped):
-                one = Groups._make(column[number] for column in some)
-                run = partial(
-                    stepped_motion, one, kind.contacts, steps_per_period=1000, max_periods=200
-                )
-                found = run()  # may compile
-                step_seconds.append(least(1, run))
-                step_error.append(abs(float(found.velocity) - truth[number, 0]) / speed[number])
-            every.setdefault("step seconds", []).append(np.array(step_seconds))
-            every.setdefault("step error", []).append(np.array(step_error))
-            every.setdefault("same seconds", []).append(seconds[: arguments.stepped])
-            every.setdefault("same error", []).append(of["error"][: arguments.stepped])
     joined = {key: np.concatenate(values) for key, values in every.items()}
     show("all", joined)
     print()
     names = {value: name for name, value in STATUS.items()}
     values, counts = np.unique(joined["status"], return_counts=True)
     print(", ".join(f"{names[v]}: {c}" for v, c in zip(values, counts, strict=True)))
-    if arguments.stepped:
-        fine = np.isfinite(joined["step error"] + joined["same error"])
-        steps, same = joined["step seconds"][fine], joined["same seconds"][fine]
-        off = np.median(joined["step error"][fine])
-        print(
-            f"time stepping, {np.count_nonzero(fine)} cells: {1e6 * np.median(steps):.0f} us, "
-            f"{np.median(steps) / np.median(same):.0f} times as much (cell by cell "
-            f"{np.median(steps / same):.0f}); median error {off:.1e} A w, "
-            f"{off / np.median(joined['same error'][fine]):.1e} times as much"
-        )
 
 
 if __name__ == "__main__":

@@ -14,13 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.motions import (
-    follow,
-    planar_motion,
-    planar_stepped_motion,
-    regularised_motion,
-    stepped_motion,
-)
+from benchmarks.motions import follow, planar_motion
 from benchmarks.options import options
 from benchmarks.timing import timed
 from vibrafeed.core.intake import parse_study
@@ -36,7 +30,7 @@ from vibrafeed.core.watch import Watch
 
 Groups = dict[str, Any]
 Array = np.ndarray
-STEPS = (50, 100, 200, 500)
+SETTINGS = {"tolerance": np.array(1e-12), "max_periods": np.array(1000.0)}
 REPEATS = (STATUS["periodic"], STATUS["at_rest"])
 REFERENCE = 1e-9  # of the reference method, in g/w: ten digits of velocities up to 10 g/w
 FINER = 10  # times the points that the search has
@@ -142,12 +136,7 @@ def judge(
 def rated(
     name: str, studies: int, true: Array, stated: Array, took: float, *, elsewhere: bool = False
 ) -> Measured:
-    """Return a summary of stated against true errors of the judged studies.
-
-    Most methods give no value where they can state no error
-    (`vibrafeed.core.motion.result.checked`); that of regularised friction is NaN where its coarser
-    runs cannot be compared.
-    """
+    """Return a summary of stated against true errors of the judged studies."""
     stating = np.isfinite(stated)
     true, said = true[stating], stated[stating]
     ratio = np.where(true == 0, 0.0, true / np.maximum(said, 1e-300))
@@ -159,46 +148,22 @@ def rated(
     )  # fmt: skip
 
 
-def _pieces(groups: Groups, parts: int) -> list[Groups]:
-    """Return the groups in several pieces."""
-    return [{name: values[i::parts] for name, values in groups.items()} for i in range(parts)]
-
-
-def _joined(motions: list[Motion]) -> Motion:
-    """Return motions joined into one."""
-    return Motion._make([np.concatenate(fields) for fields in zip(*motions, strict=True)])
-
-
-def stepping_against_events(count: int) -> list[Measured]:
-    """Return the quality of time stepping's error estimate in the plane."""
-    groups = random_groups(count, 1)
-    pieces = _pieces(groups, len(STEPS))
-    exact = _joined([by_events(piece) for piece in pieces])
-    found, took = timed(lambda: _joined([
-        planar_stepped_motion(**piece, steps_per_period=steps)
-        for piece, steps in zip(pieces, STEPS, strict=True)
-    ]))  # fmt: skip
-    both = np.isin(exact.status, REPEATS) & np.isin(found.status, REPEATS)
-    either = np.isin(exact.status, (*REPEATS, STATUS["aperiodic"]))
-    return _same_and_all("time stepping", found, exact, both, either, took)
-
-
 def spatial_against_events(count: int) -> list[Measured]:
-    """Return the quality of time stepping's error estimate in space."""
+    """Return the quality of the events' error estimate in space, against the plane."""
     groups = random_groups(count, 2)
     groups["gravity_number_along"] = np.zeros(count)
     turn = np.random.default_rng(3).uniform(0.1, 1.4, count)
     exact = by_events(groups)
     along = groups.pop("drive_number_along")
-    found, took = timed(
-        stepped_motion, **groups, drive_number_along=along * np.cos(turn),
-        drive_number_across=along * np.sin(turn), gravity_number_across=0.0, steps_per_period=100,
-    )  # fmt: skip
+    found, took = timed(lambda: follow(
+        "events", **groups, drive_number_along=along * np.cos(turn),
+        drive_number_across=along * np.sin(turn), **SETTINGS,
+    ))  # fmt: skip
     both = np.isin(exact.status, REPEATS) & np.isin(found.status, REPEATS)
     either = np.isin(exact.status, (*REPEATS, STATUS["aperiodic"]))
     share = np.cos(turn)
     exact = exact._replace(velocity=exact.velocity * share, error=exact.error * share)
-    return _same_and_all("time stepping in space", found, exact, both, either, took)
+    return _same_and_all("events in space", found, exact, both, either, took)
 
 
 def _same_and_all(
@@ -268,7 +233,7 @@ def events_against_reference(count: int) -> list[Measured]:
 
 
 def wall_against_reference(count: int) -> list[Measured]:
-    """Return the quality of time stepping's error estimate at the wall."""
+    """Return the quality of the events' error estimate at the wall."""
     groups = random_groups(count, 9, throw=(0.1, 2.5), most_restitution=0.5)
     random = np.random.default_rng(10)
     turn, lean = random.uniform(-0.6, 0.6, count), random.uniform(0.02, 0.4, count)
@@ -282,37 +247,14 @@ def wall_against_reference(count: int) -> list[Measured]:
         "wall_friction": groups["friction_kinetic"],
         "wall_restitution": groups["restitution"],
     }
-    found, took = timed(
-        lambda: follow(
-            "time-stepping",
-            **groups,
-            wall=True,
-            steps_per_period=np.array(200.0),
-            max_periods=np.array(200.0),
-        )
-    )
+    found, took = timed(lambda: follow("events", **groups, wall=True, **SETTINGS))
     repeats = np.isin(found.status, REPEATS)
     groups = {name: values[repeats] for name, values in groups.items()}
     found = Motion._make([field[repeats] for field in found])
     exact = follow("reference", **groups, wall=True, max_periods=np.array(60.0))
     both = np.isin(exact.status, REPEATS)
     exact = exact._replace(error=exact.error + REFERENCE)
-    return _same_and_all("time stepping at the wall", found, exact, both, both, took)
-
-
-def regularised_against_events(count: int) -> list[Measured]:
-    """Return the quality of the error estimate of regularised friction."""
-    groups = random_groups(4 * count, 7, throw=(0.3, 3.0), most_restitution=0.5)
-    # What does not repeat uses up all evaluations, and states no error.
-    some = np.flatnonzero(np.isin(by_events(groups).status, REPEATS))[:count]
-    groups = {name: values[some] for name, values in groups.items()}
-    exact = by_events(groups)
-    found, took = timed(lambda: regularised_motion(
-        **groups, drive_number_across=0.0, gravity_number_across=0.0, slip_speed=1e-4,
-        contact_stiffness=1e8, tolerance=1e-7, max_periods=100, solver="Radau", planar=True,
-    ))  # fmt: skip
-    both = np.isin(exact.status, REPEATS) & np.isin(found.status, REPEATS)
-    return [judge("regularised", found, exact.velocity, exact.error, both, took)]
+    return _same_and_all("events at the wall", found, exact, both, both, took)
 
 
 def _designs(count: int, scene: str, criterion: dict[str, Any], **more: Any) -> Optimisation:
@@ -385,14 +327,12 @@ def optimum_against_finer(count: int) -> list[Measured]:
 
 
 ESTIMATES: dict[str, tuple[Callable[[int], list[Measured]], int]] = {
-    "stepping": (stepping_against_events, 1),
     "spatial": (spatial_against_events, 1),
     "events": (events_against_closed_form, 1),
     "chaos": (chaos_against_longer, 1),
     "reference": (events_against_reference, 40),
     "wall": (wall_against_reference, 40),
-    "optimum": (optimum_against_finer, 200),
-    "regularised": (regularised_against_events, 100),  # as many times fewer studies
+    "optimum": (optimum_against_finer, 200),  # as many times fewer studies
 }
 
 

@@ -35,8 +35,7 @@ from vibrafeed.core.motion.kernels.track.cycle import new_history, settle
 from vibrafeed.core.motion.kernels.track.solve import FINE
 from vibrafeed.core.motion.kernels.track.tables import at_rest, new_work
 from vibrafeed.core.motion.kernels.waves import SineSum, passages
-from vibrafeed.core.motion.methods.events import planar_motion
-from vibrafeed.core.motion.methods.spatial_events import spatial_motion
+from vibrafeed.core.motion.methods.events import planar_motion, spatial_motion
 from vibrafeed.core.motion.result import STATUS
 from vibrafeed.core.motion.waves import TURN
 

@@ -1,7 +1,6 @@
 """How fast and how exact the motion from event to event is; run `python -m benchmarks.motion`.
 
-1. Cells a second over a grid that mixes sticking, sliding and hopping, beside a lockstep
-   Moreau-Jean stepper with 1,600 steps a period over 50 periods, in pairs; ratios of each pair.
+1. Cells a second over a grid that mixes sticking, sliding and hopping.
 2. How long single points of a random sweep take, in processor time, and with which status.
 """
 
@@ -15,7 +14,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from benchmarks.lockstep import lockstep_velocities
 from benchmarks.motions import planar_motion
 from benchmarks.options import options
 from vibrafeed.core.motion.groups import Groups as Part
@@ -54,34 +52,20 @@ def mixed_grid(restitution: float) -> Groups:
     return groups(throw, friction, beta, gamma, restitution)
 
 
-def lockstep(cells: Groups) -> np.ndarray:
-    """Return velocities by the lockstep stepper."""
-    return lockstep_velocities(
-        cells["drive_number_along"], cells["drive_number_normal"], cells["gravity_number_along"],
-        cells["gravity_number_normal"], cells["friction_kinetic"], cells["restitution"],
-    )  # fmt: skip
-
-
-def compare_speed(pairs: int) -> None:
-    """Print cells per second of both methods, ratios, and errors."""
+def time_grid(rounds: int) -> None:
+    """Print cells per second, and errors."""
     for restitution in (0.0, 0.3):
         cells = mixed_grid(restitution)
         # Motion that does not repeat has no mean to 1e-10: it is timed with the single points.
         repeats = planar_motion(**cells).status != MOTION_STATUSES["aperiodic"].value
         cells = {name: values[repeats] for name, values in cells.items()}
         count = cells["restitution"].size
-        motion, stepped = planar_motion(**cells), lockstep(cells)  # compiles
-        ratios, work, ours, theirs = [], [], [], []
-        for _ in range(pairs):
-            start = time.perf_counter(), time.process_time()
+        motion = planar_motion(**cells)  # compiles
+        rates = []
+        for _ in range(rounds):
+            start = time.perf_counter()
             planar_motion(**cells)
-            middle = time.perf_counter(), time.process_time()
-            lockstep(cells)
-            end = time.perf_counter(), time.process_time()
-            ours.append(count / (middle[0] - start[0]))
-            theirs.append(count / (end[0] - middle[0]))
-            ratios.append(ours[-1] / theirs[-1])
-            work.append((end[1] - middle[1]) / (middle[1] - start[1]))
+            rates.append(count / (time.perf_counter() - start))
         known = motion.status == MOTION_STATUSES["periodic"].value
         scale = cells["drive_number_along"]
         # The same motions reached in another way: mirrored, and started half a turn later.
@@ -92,20 +76,11 @@ def compare_speed(pairs: int) -> None:
         other = planar_motion(**turned).velocity
         same = known & (np.abs(motion.velocity - other) < 1e-6 * scale)
         print(f"restitution {restitution:g}: {count:,} cells, {os.cpu_count()} cores")
-        print(f"  events    {statistics.median(ours):12,.0f} cells a second")
-        print(f"  lockstep  {statistics.median(theirs):12,.0f} cells a second")
-        print(
-            f"  ratio {statistics.median(ratios):.1f} (median of {pairs} pairs, "
-            f"{min(ratios):.1f} to {max(ratios):.1f}); "
-            f"in processor time {statistics.median(work):.1f}"
-        )
+        print(f"  {statistics.median(rates):12,.0f} cells a second (median of {rounds} rounds)")
         gap = np.abs(motion.velocity - other)[same] / scale[same]
-        print(f"  events against events started half a turn later: {gap.max():.1e} of the drive")
+        print(f"  against events started half a turn later: {gap.max():.1e} of the drive")
         share = same.sum() / known.sum()
         print(f"    ({share:.2%} of {known.sum():,} periodic cells; the rest has two motions)")
-        error = np.abs(stepped - motion.velocity)[known] / np.abs(motion.velocity)[known]
-        quarter, half, most = np.quantile(error, (0.25, 0.5, 0.75))
-        print(f"  lockstep against events: {quarter:.1e}, {half:.1e}, {most:.1e} (quartiles)")
         print("  statuses:", *statuses(motion.status))
 
 
@@ -158,9 +133,11 @@ def time_points(count: int) -> None:
 def main() -> None:
     """Print both measurements."""
     given = options(
-        __doc__, points=(100_000, "points of the second part"), pairs=(9, "pairs of the first part")
+        __doc__,
+        points=(100_000, "points of the second part"),
+        rounds=(9, "rounds of the first part"),
     )
-    compare_speed(given.pairs)
+    time_grid(given.rounds)
     time_points(given.points)
 
 

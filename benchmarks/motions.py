@@ -15,8 +15,6 @@ from vibrafeed.core.motion.methods import (
     METHODS,
     events,
     reference,
-    regularised,
-    stepping,
     tumbling,
 )
 from vibrafeed.core.motion.result import Motion
@@ -44,24 +42,19 @@ def _in_space(function: Callable[..., Any], **numbers: Any) -> Any:
 
 planar_motion = partial(_in_plane, events.planar_motion)
 planar_path = partial(_in_plane, events.planar_path)
-regularised_motion = partial(_in_plane, regularised.regularised_motion)
-stepped_motion = partial(_in_space, stepping.stepped_motion)
-planar_stepped_motion = partial(stepped_motion, planar=True)
-stepped_path = partial(_in_space, stepping.stepped_path)
 reference_motion = partial(_in_space, reference.reference_motion)
 reference_path = partial(_in_space, reference.reference_path)
 
 
 def tumbling_motion(**numbers: Any) -> tumbling.Tumble:
     """Return the motion of tumbling parts given by named numbers."""
-    own = {name: numbers.pop(name) for name in ("method", "watch") if name in numbers}
+    own = {name: numbers.pop(name) for name in ("watch",) if name in numbers}
     return tumbling.tumbling_motion(tumbling.Throw(**numbers), **own)
 
 
 def tumbling_path(*, times: Any, **numbers: Any) -> tumbling.TumblePath:
     """Return the path of a tumbling part given by named numbers."""
-    own = {name: numbers.pop(name) for name in ("method",) if name in numbers}
-    return tumbling.tumbling_path(tumbling.Throw(**numbers, duration=1.0), times=times, **own)
+    return tumbling.tumbling_path(tumbling.Throw(**numbers, duration=1.0), times=times)
 
 
 def follow(method: str, **numbers: Any) -> Motion:

@@ -41,7 +41,7 @@ DRIVE = {"frequency": 50.0, "amplitude": [1e-4, 2e-4, 3e-4, 4e-4], "beta": [10.0
 
 def _simulate(scene: str, method: str, **more: Any) -> dict[str, Any]:
     """Return a study of motion by a method."""
-    settings = {n: more.pop(n) for n in ("max_periods", "steps_per_period") if n in more}
+    settings = {n: more.pop(n) for n in ("max_periods",) if n in more}
     outputs = [
         "conveying_velocity", "conveying_velocity_error", "stick_fraction", "forward_fraction",
         "backward_fraction", "flight_fraction", "impacts_per_period", "period_multiple",
@@ -63,21 +63,12 @@ MOTIONS: dict[str, dict[str, Any]] = {
     "events on the track": _simulate(
         "rectangle-on-track", "events", alpha=15.0, delta=10.0, radius=0.2, restitution=[0.0, 0.1]
     ),
-    "steps in the plane": _simulate("rectangle-on-plane", "time-stepping", restitution=0.2),
-    "steps aslant": _simulate("rectangle-on-plane", "time-stepping", alpha=20.0),
-    "steps, rolling": _simulate("cylinder-on-plane", "time-stepping", alpha=20.0),
-    "steps on the track": _simulate(
-        "rectangle-on-track", "time-stepping", alpha=15.0, delta=10.0, radius=0.2, restitution=0.1
-    ),
     "reference": _simulate(
         "rectangle-on-plane", "reference", amplitude=[1e-4, 3e-4], beta=30.0, max_periods=20
     ),
     "reference on the track": _simulate(
         "rectangle-on-track", "reference", amplitude=[1e-4, 3e-4], beta=30.0, alpha=15.0,
         radius=0.2, max_periods=20,
-    ),
-    "regularised": _simulate(
-        "rectangle-on-plane", "regularised", amplitude=[1e-4, 2e-4], beta=20.0, max_periods=20
     ),
 }  # fmt: skip
 

@@ -99,7 +99,7 @@ if TYPE_CHECKING:
     from vibrafeed.core.intake import load_study
     from vibrafeed.core.materials import friction, leaf_springs
     from vibrafeed.core.motion.drive_error import DriveError
-    from vibrafeed.core.motion.rates import effective_distance, parts_per_minute, velocity_for
+    from vibrafeed.core.motion.feeding import effective_distance, parts_per_minute, velocity_for
     from vibrafeed.core.quantities import QUANTITIES, REGIMES
     from vibrafeed.core.study import (
         CalibrateStudy,

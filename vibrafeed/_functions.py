@@ -116,8 +116,7 @@ def simulate(
     drive: Mapping[str, Any] | None = None, reduce: Mapping[str, Any] | None = None,
     sensitivities: bool | Sequence[str] | None = None, verify: int | None = None,
     tolerance: float | None = None, max_periods: int | None = None,
-    steps_per_period: int | None = None, slip_speed: float | None = None,
-    contact_stiffness: float | None = None, **parameters: Unpack[Keywords],
+    **parameters: Unpack[Keywords],
 ) -> xarray.Dataset:  # fmt: skip
     """Return the motion in time of one scene over a grid of parameters.
 
@@ -136,10 +135,8 @@ def simulate(
         reduce : statistics over some axes instead of all cells (docs/reduce.md)
         sensitivities : derivatives and elasticities, too: True, or parameters
     Numerics
-        method : events (exact, the default), time-stepping, reference, regularised
+        method : events (exact, the default), or reference to check it
         tolerance, max_periods : error of periodic motion, most periods of a cell
-        steps_per_period : of time-stepping
-        slip_speed, contact_stiffness : of regularised contacts
         verify : number of random cells to follow again by another method
 
     Returns
@@ -269,9 +266,7 @@ def calibrate(
     candidates: Mapping[str, Values] | None = None, discrepancy: bool | None = None,
     outlier_probability: float | None = None, points: int | None = None, method: str | None = None,
     drive: Mapping[str, Any] | None = None, tolerance: float | None = None,
-    max_periods: int | None = None, steps_per_period: int | None = None,
-    slip_speed: float | None = None, contact_stiffness: float | None = None,
-    verify: int | None = None, **parameters: Unpack[Keywords],
+    max_periods: int | None = None, verify: int | None = None, **parameters: Unpack[Keywords],
 ) -> xarray.Dataset:  # fmt: skip
     """Return the estimates of unknown parameters from measured speeds.
 
@@ -290,8 +285,7 @@ def calibrate(
         candidates : drives that could be run next: which of them adds most
         discrepancy : True if speeds may scatter by more than their errors
         outlier_probability, points : of wrong regimes; most points of the unknowns
-    As in `simulate` : method, drive, tolerance, max_periods, steps_per_period,
-        slip_speed, contact_stiffness, verify
+    As in `simulate` : method, drive, tolerance, max_periods, verify
 
     Returns
     -------

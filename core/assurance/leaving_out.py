@@ -91,7 +91,6 @@ TYPICAL: dict[str, Any] = {
 
 SETTINGS: dict[str, dict[str, Any]] = {
     "events": {"max_periods": 50},
-    "time-stepping": {"steps_per_period": 50, "max_periods": 20},
 }
 """Settings of methods of motion, so that a count takes no long; other methods are not measured."""
 

@@ -26,7 +26,7 @@ from vibrafeed.core.mechanics.bowl_track import (
     stretches_of,
     total_length,
 )
-from vibrafeed.core.motion.rates import parts_per_minute
+from vibrafeed.core.motion.feeding import parts_per_minute
 from vibrafeed.core.plan.equations import run
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.bowl_track import OF_STRETCHES

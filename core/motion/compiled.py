@@ -17,7 +17,6 @@ __all__ = [
     "flow",
     "rows",
     "solve",
-    "stepping",
     "track",
     "tumbling",
     "unrepeated",
@@ -25,10 +24,10 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from vibrafeed.core.motion.kernels import cells, rows, stepping, track, tumbling
+    from vibrafeed.core.motion.kernels import cells, rows, track, tumbling
     from vibrafeed.core.motion.kernels.planar import again, derive, flow, solve, unrepeated, wave
 else:
-    _ONE_PACKAGE = ("cells", "rows", "stepping", "track", "tumbling")
+    _ONE_PACKAGE = ("cells", "rows", "track", "tumbling")
     _PLANAR = ("again", "derive", "flow", "solve", "unrepeated", "wave")
     __getattr__ = lazily(
         f"{__package__}.kernels",

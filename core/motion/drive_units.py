@@ -18,8 +18,7 @@ from vibrafeed.core.mechanics.angles import cosine, sine
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.motion import bowl_track
 from vibrafeed.core.motion.bowl_track import Track, track_of
-from vibrafeed.core.motion.driven import under_wave
-from vibrafeed.core.motion.drives import SINE, Shape
+from vibrafeed.core.motion.drives import SINE, Shape, under_wave
 from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.part_load import Load, PartLoad, part_load
 from vibrafeed.core.motion.waves import Wave

@@ -176,21 +176,13 @@ def groups_of(
 def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
     """Return an iterator over the groups of each cell as plain numbers, and the cells' shape."""
     rows, shape = cells_of(groups)
-    return (one_of(row, groups.wave is not None)[0] for row in rows), shape
-
-
-def one_of(
-    row: NDArray[np.float64], waved: bool, more: int = 0
-) -> tuple[Groups, NDArray[np.float64]]:
-    """Return the dimensionless groups in one row of a kernel's table as numbers, and settings.
-
-    `row` holds the fields of `Groups`, then `more` further numbers (the second result, such as
-    settings of a method) and, if `waved` is True, the columns of a wave.
-    """
     numbers = len(Groups._fields) - 1
-    wave = of_row(row[numbers + more :]) if waved else None
-    values = row.tolist()
-    return Groups._make((*values[:numbers], wave)), values[numbers : numbers + more]
+
+    def of(row: NDArray[np.float64]) -> Groups:
+        wave = of_row(row[numbers:]) if groups.wave is not None else None
+        return Groups._make((*row[:numbers].tolist(), wave))
+
+    return map(of, rows), shape
 
 
 # --- as equations of a system

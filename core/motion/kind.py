@@ -7,8 +7,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from vibrafeed.core.motion.prepare import choose_system
-from vibrafeed.core.motion.reduced import prepare_reduced
-from vibrafeed.core.motion.run import compute, label
+from vibrafeed.core.motion.run import compute, label, prepare_reduced
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.study.simulate_study import SimulateStudy
@@ -43,29 +42,26 @@ _ROW: Final = {
 _WAVED_ROW: Final = {**_ROW, "parameters": {"parts": 2, "part_friction_1": 0.3, **_WAVE}}
 
 
-def _motion(scene: str, parameters: Mapping[str, Any], method: str, **more: Any) -> dict[str, Any]:
-    """Return a study of motion with few periods, whose run compiles the kernels of a method.
-
-    `scene` and `method` are names, `parameters` the parameters of the study by name; `more` are
-    further keys of the study.
-    """
+def _motion(scene: str, parameters: Mapping[str, Any], **more: Any) -> dict[str, Any]:
+    """Return a study of few periods, whose run compiles kernels; `more` are its keys."""
     track = {"radius": "0.2 m"} if scene == _TRACK else {}
     return {
-        "kind": "simulate", "scene": scene, "parameters": {**track, **parameters}, "method": method,
+        "kind": "simulate", "scene": scene, "parameters": {**track, **parameters},
         "max_periods": 20, **more,
     }  # fmt: skip
 
 
-def _all(scene: str, method: str) -> list[dict[str, Any]]:
-    """Return studies of a scene that together run, and so compile, all kernels of a method.
+def _all(scene: str) -> list[dict[str, Any]]:
+    """Return studies of a scene that together run, and so compile, all kernels of its motion.
 
-    Each is a mapping of keys and values: under a sine and another wave, with means, energy and a
-    trajectory. `scene` and `method` are names.
+    Under a sine and another wave, with means, energy and a trajectory.
     """
-    asked: list[dict[str, Any]] = [{"outputs": ["conveying_velocity"]}, {"trajectory": 10}]
-    if method == "events":  # steps tell no energy
-        asked.insert(1, {"outputs": ["conveying_velocity", "friction_power"]})
-    return [_motion(scene, drive, method, **more) for drive in (_SINE, _WAVE) for more in asked]
+    asked: list[dict[str, Any]] = [
+        {"outputs": ["conveying_velocity"]},
+        {"outputs": ["conveying_velocity", "friction_power"]},
+        {"trajectory": 10},
+    ]
+    return [_motion(scene, drive, **more) for drive in (_SINE, _WAVE) for more in asked]
 
 
 KIND: Final = Kind(
@@ -92,25 +88,19 @@ KIND: Final = Kind(
     compiles=MappingProxyType(
         {
             "motion-planar": (
-                *_all(_PLANE, "events"),
-                _motion(_PLANE, {**_SINE, "amplitude": "0.6 mm", **_RESTLESS}, "events"),
-                _motion(_PLANE, {**_WAVE, "amplitude_normal_1": "0.5 mm", **_RESTLESS}, "events"),
-                _motion(_PLANE, _SINE, "events", sensitivities=True),
+                *_all(_PLANE),
+                _motion(_PLANE, {**_SINE, "amplitude": "0.6 mm", **_RESTLESS}),
+                _motion(_PLANE, {**_WAVE, "amplitude_normal_1": "0.5 mm", **_RESTLESS}),
+                _motion(_PLANE, _SINE, sensitivities=True),
             ),
-            "motion-track": (*_all(_TRACK, "events"), *_all(_ROLLING, "events")),
+            "motion-track": (*_all(_TRACK), *_all(_ROLLING)),
             "motion-tumbling": (
-                {**_PIN, "method": "events"},
-                {**_PIN, "method": "events", "trajectory": 10},
-                {**_PIN, "method": "time-stepping"},
+                _PIN,
+                {**_PIN, "trajectory": 10},
             ),
             "motion-rows": (
                 *({**row, "trajectory": 10} for row in (_ROW, _WAVED_ROW)),
-                *(_ROW, _WAVED_ROW, {**_ROW, "method": "time-stepping"}),
-            ),
-            "motion-stepping": tuple(
-                study
-                for scene in (_PLANE, _TRACK, _ROLLING)
-                for study in _all(scene, "time-stepping")
+                *(_ROW, _WAVED_ROW),
             ),
         }
     ),

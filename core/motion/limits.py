@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.arrays import Array, ratio
 from vibrafeed.core.motion import waves
+from vibrafeed.core.motion.groups import Contacts, Groups, in_plane
 from vibrafeed.core.motion.waves import Wave
 from vibrafeed.core.quantities.drive import AXES, WHERE
 from vibrafeed.core.scenes.scene import Equation, taking
@@ -95,3 +96,36 @@ def _function(limit: Limit, axis: str, drive: str) -> Callable[..., Array]:
     value.__signature__ = taking(limit.scale, drive_input)  # type: ignore[attr-defined]
     value.__doc__ = f"Return the {limit.says.format(WHERE[axis])}."
     return value
+
+
+# --- the fastest that any drive along the track conveys a part (docs/best-wave.md)
+
+
+def fastest_velocity(
+    *, groups: Groups, largest_acceleration_along: Array, frequency: Array, gravity: Array
+) -> Array:
+    """Return the largest mean velocity that any drive with a bounded acceleration gives [m s-1].
+
+    `largest_acceleration_along` bounds the acceleration of the track [m s-2], `frequency` [Hz] is
+    that of the drive, `groups` are the dimensionless groups of the part. A study's own drive is
+    compared with it. 0 where no such drive frees the part forward. NaN where the bound does not
+    hold: something drives the part off the floor or across, the track falls, or it is too steep for
+    the part to lie on.
+    """
+    along, onto = (
+        np.asarray(groups.gravity_number_along),
+        np.asarray(groups.gravity_number_normal),
+    )
+    most = largest_acceleration_along / gravity
+    holding, braking = groups.friction_static * onto - along, groups.friction_kinetic * onto + along
+    share = ratio(holding, holding + braking, 0.0)
+    best = share**2 * ratio(most**2 - braking**2, 4 * most, 0.0) * gravity / frequency
+    freed = most > groups.friction_static * onto + along
+    holds = (along >= 0.0) & (holding >= 0.0) & (np.asarray(groups.drive_number_normal) == 0.0)
+    holds = holds & in_plane(groups, Contacts(wall=True))
+    return np.where(holds & ~np.isnan(most), np.where(freed, best, 0.0), np.nan)
+
+
+def share_of_fastest(*, conveying_velocity: Array, fastest_velocity: Array) -> Array:
+    """Return the conveying velocity over the largest that the same acceleration can give [1]."""
+    return ratio(conveying_velocity, fastest_velocity, np.nan)

@@ -54,10 +54,6 @@ class Method:
         The methods by which it is verified, the most exact first.
     refuses : tuple of Constraint
         What a study must respect that asks for it.
-    most_steps : int or None
-        Most steps of one path, where `steps_per_period` is a setting of it.
-    fewest_periods : int
-        Fewest periods that it follows.
     follows : callable
         Takes the `Contacts` of a system; returns whether the method can follow it.
     """
@@ -72,6 +68,4 @@ class Method:
     energy: Callable[[Contacts], Follow] | None = None
     checked_by: tuple[str, ...] = ()
     refuses: tuple[Constraint, ...] = ()
-    most_steps: int | None = None
-    fewest_periods: int = 1
     follows: Callable[[Contacts], bool] = everything

@@ -12,8 +12,7 @@ from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.bowl_track import AlongTrack
 from vibrafeed.core.motion.drive_units import on_unit, unit_of
-from vibrafeed.core.motion.driven import driven
-from vibrafeed.core.motion.drives import shape_of, what_is_open
+from vibrafeed.core.motion.drives import driven, shape_of, what_is_open
 from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.in_common import families_of
 from vibrafeed.core.motion.method import Method
@@ -27,8 +26,13 @@ from vibrafeed.core.motion.price import (
 )
 from vibrafeed.core.motion.rolling_scene import ROLLING
 from vibrafeed.core.motion.row_scene import ROW, choose_row, of_unit
-from vibrafeed.core.motion.soft_floor import LINING, on_soft_floor
-from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS, methods_of
+from vibrafeed.core.motion.systems import (
+    CONTACTS,
+    FALLING,
+    SYSTEMS,
+    methods_of,
+    with_falling_restitution,
+)
 from vibrafeed.core.motion.trial import TRIED_CELLS, Trial
 from vibrafeed.core.plan.derived import Asked, asked_of
 from vibrafeed.core.plan.grid import Grid
@@ -202,7 +206,7 @@ def tried_price(
         return np.asarray(told * pace())
 
     kinds = np.broadcast_to(priced.across if "groups" in priced.known else False, (count,))
-    trial = Trial(plan, chosen, kinds, price, method.fewest_periods, families)
+    trial = Trial(plan, chosen, kinds, price, families=families)
     return trial.seconds_a_cell(cells)
 
 
@@ -233,7 +237,7 @@ def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> C
 
     `name` is the scene's name, `method` that of the method (None for the default). The names of the
     study's `parameters` decide what the equations are: the drive may be a sine, another wave, or a
-    drive unit; the floor rigid or springy.
+    drive unit; restitution may fall with speed.
 
     Raises
     ------
@@ -248,8 +252,8 @@ def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> C
             raise StudyError([*problems, *more_problems])
     if name not in CONTACTS and name != ROW:
         return scene, method, problems
-    if name in CONTACTS:
-        scene = on_soft_floor(name, names)
+    if FALLING in names and name in CONTACTS:
+        scene = with_falling_restitution(scene, names)
     unit, more_problems = unit_of(names)
     if name == ROW:
         shape, more = None, of_unit(unit, names)  # its drive is in place
@@ -263,20 +267,12 @@ def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> C
 
 
 def _problems_of_settings(study: SimulateStudy, scene: Scene, method: str) -> Iterable[Problem]:
-    """Yield problems of the settings that a study gives to its method.
-
-    Settings that the `method` of the `scene` does not use, and a contact stiffness beside the
-    stiffness of a lining, from which it follows.
-    """
-    settings = study.settings()
+    """Yield problems of the settings that the `method` of the `scene` does not use."""
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
-    for name in settings:
+    for name in study.settings():
         if name not in needed:
             message = f"the method {method} does not use it"
             yield Problem(name, message, fix_for_unused_setting(scene, name))
-    if "contact_stiffness" in settings and LINING in study.values():
-        message = f"it follows from {LINING}, mass and frequency"
-        yield Problem("contact_stiffness", message, f"Remove it, or {LINING}")
 
 
 def prepare(study: SimulateStudy) -> Simulation:
@@ -312,7 +308,7 @@ def prepare(study: SimulateStudy) -> Simulation:
     shape, _ = shape_of(study.values())
     if shape is not None and not set(shape.inputs) & set(grid.axes):
         problems += what_is_open(shape, grid.si())
-    problems += _too_many_steps(study, methods_of(scene.name)[method], grid)
+    problems += _shows_too_much(study, grid)
     problems += problems_of(study.reduce, plan, grid) if study.reduce is not None else []
     if problems:
         raise StudyError(problems)
@@ -429,26 +425,15 @@ def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
     return problems
 
 
-def _too_many_steps(study: SimulateStudy, method: Method, grid: Grid) -> Iterable[Problem]:
-    """Yield a problem of a study whose cells or trajectory take more steps than allowed.
+def _shows_too_much(study: SimulateStudy, grid: Grid) -> Iterable[Problem]:
+    """Yield a problem of a study whose trajectory has more periods than any method follows.
 
-    Also one if a trajectory goes on for more periods than any method follows. `study` is checked
-    with the settings and limits of its `method`; `grid` has the frequency of the trajectory's one
-    cell.
+    `grid` has the frequency of the trajectory's one cell.
     """
-    settings = {**method.defaults, **study.settings()}
-    periods, steps = settings.get("max_periods", 0.0), settings.get("steps_per_period", 0.0)
-    if method.most_steps is not None and 4 * steps * periods > method.most_steps:
-        message = f"4 x {steps:,.0f} steps x {periods:,.0f} periods are more than one cell may take"
-        fix = f"Keep steps_per_period x max_periods within {method.most_steps // 4:,}"
-        yield Problem("steps_per_period", message, fix)
     if not isinstance(study.trajectory, tuple):
         return
     shown = study.trajectory[-1] * grid.fixed.get("frequency", 0.0)
-    most = float(MAX_PERIODS)
-    if method.most_steps is not None:
-        most = min(most, method.most_steps / (2 * steps + 1) - periods - 1)
-    if shown > most >= 0:
-        latest = most / grid.fixed["frequency"]
+    if shown > MAX_PERIODS:
+        latest = MAX_PERIODS / grid.fixed["frequency"]
         message = f"its latest time is {shown:,.0f} periods of the drive from the first"
-        yield Problem("trajectory", message, f"End it by {latest:.3g} s, {most:,.0f} periods")
+        yield Problem("trajectory", message, f"End it by {latest:.3g} s, {MAX_PERIODS:,} periods")

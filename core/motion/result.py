@@ -120,7 +120,7 @@ def checked(motion: Motion) -> Motion:
 
     A cell with a value that is not finite, or that was in the air all along without landing, gets
     the status `limit_reached`. With this status all values are NaN, since a method may have got
-    some way. (Time stepping counts no impact slower than the change of a step: hops may have none.)
+    some way.
     """
     answered = np.isin(motion.status, [STATUS[name] for name in ANSWERED])
     finite = np.logical_and.reduce([np.isfinite(field) for field in motion[:-1]])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +17,9 @@ from vibrafeed.core.dataset.table import (
 from vibrafeed.core.motion.course import TRAJECTORY_FLAGS, TrajectoryRequest, TrajectoryValues
 from vibrafeed.core.motion.derivatives import derivatives_at
 from vibrafeed.core.motion.groups import Contacts
-from vibrafeed.core.motion.prepare import Simulation
-from vibrafeed.core.motion.reduced import ReducedSimulation
+from vibrafeed.core.motion.prepare import Simulation, prepare
 from vibrafeed.core.motion.systems import CONTACTS
-from vibrafeed.core.motion.verify import accuracy, verified
+from vibrafeed.core.motion.verify import accuracy, verified, verified_at
 from vibrafeed.core.plan.derived import cells_of
 from vibrafeed.core.plan.equations import regimes, run_equations
 from vibrafeed.core.plan.labels import (
@@ -30,7 +29,10 @@ from vibrafeed.core.plan.labels import (
     verdict_variables,
 )
 from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.plan.sample import Sample, chosen_positions
 from vibrafeed.core.quantities import FLAGS
+from vibrafeed.core.reduce.reduced import Reduced
+from vibrafeed.core.study.simulate_study import SimulateStudy
 from vibrafeed.core.watch import Watch
 
 TIME = "cycle_time"
@@ -134,3 +136,59 @@ def _over_own_axes(prepared: Simulation, name: str, values: NDArray[Any]) -> NDA
         values = values.squeeze(axis=unused)
     shape = tuple(grid.shape[axis] for axis in dims)
     return values if values.shape == shape else np.broadcast_to(values, shape).copy()
+
+
+# --- statistics in place of the cells
+
+
+class ReducedSimulation(Reduced, Simulation):
+    """A study of motion of which statistics are reported instead of its cells."""
+
+    study: SimulateStudy
+    box_cells: ClassVar[int | None] = 1 << 13  # some tens of milliseconds in the plane, or longer
+    share_cells: ClassVar[int] = 1 << 18
+
+    @property
+    def seconds_here(self) -> float:
+        """The likely time of the study on this machine [s]: that of its cells over all cores."""
+        return self.stated_seconds / self.cores
+
+    def seconds_in_shares(self) -> float:
+        """Return the time of all shares on one core [s]."""
+        return self.stated_seconds
+
+    @property
+    def _by(self) -> str:
+        """Return nothing: the price needs no further words."""
+        return ""
+
+    def attributes(self) -> dict[str, str]:
+        """Return the attributes of the result, known before computing."""
+        plan = self.plan
+        told = global_attributes(self, f"motion in time, method {plan.variant}")
+        return {**told, "accuracy": accuracy(plan)}
+
+    def verified(self, watch: Watch) -> dict[str, str | int]:
+        """Return attributes of the result on random cells that another method followed again.
+
+        The attributes, by name, count the verified cells and report the largest difference; empty
+        if the study does not ask to `verify`. `watch` may stop the work.
+        """
+        if self.study.verify is None:
+            return {}
+        places, count = chosen_positions(self)
+        return verified_at(self, Sample(self.grid, places, count, count), None, watch)
+
+
+def prepare_reduced(study: SimulateStudy) -> Simulation:
+    """Return the prepared simulation of a study: of statistics in place of cells with `reduce`.
+
+    Raises
+    ------
+    StudyError
+        With every problem of scene, method, outputs, settings and parameters.
+    """
+    prepared = prepare(study)
+    if study.reduce is None:
+        return prepared
+    return ReducedSimulation(prepared.study, prepared.plan, prepared.grid)

@@ -7,17 +7,18 @@ one of its variants. Nothing that computes is loaded before it is called.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
+from functools import cache
 from types import MappingProxyType
 
 import numpy as np
 
-from vibrafeed.core.mechanics import vibration
+from vibrafeed.core.mechanics import soft_contact, vibration
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.motion import best_wave, feeding, groups, limits, scales, spending
+from vibrafeed.core.motion import feeding, groups, limits, scales
 from vibrafeed.core.motion.feeding import RESOLVED
-from vibrafeed.core.motion.groups import SOLID_CYLINDER, Contacts
+from vibrafeed.core.motion.groups import SOLID_CYLINDER, Contacts, Groups
 from vibrafeed.core.motion.method import Method
 from vibrafeed.core.motion.methods import METHODS
 from vibrafeed.core.motion.result import Motion, has_status
@@ -33,6 +34,7 @@ from vibrafeed.core.scenes.scene import (
     Equation,
     Scene,
     fields,
+    taking,
 )
 
 
@@ -71,7 +73,7 @@ RESULTS = (
     Equation("conveying_velocity_spread", scales.conveying_velocity_spread, "theory 13.8"),
     Equation("conveying_velocity_error", scales.conveying_velocity_error, "theory 13.8"),
     Equation("efficiency", scales.efficiency, "theory 13.10"),
-    Equation("share_of_fastest", best_wave.share_of_fastest, "docs/best-wave.md"),
+    Equation("share_of_fastest", limits.share_of_fastest, "docs/best-wave.md"),
     *fields(
         "motion",
         "theory 13.2",
@@ -109,7 +111,7 @@ ACROSS = Equation("velocity_across", scales.velocity_across, "theory 13.8")
 """Not of a part that rolls across: it keeps the speed at which it happens to."""
 ANY_RESULT = frozenset(
     equation.gives
-    for equation in (*RESULTS, ACROSS, *spending.RESULTS)
+    for equation in (*RESULTS, ACROSS, *scales.ENERGY_RESULTS)
     if not QUANTITIES[equation.gives].parameter
 ) | {"regime"}
 
@@ -152,7 +154,7 @@ SPATIAL_SCALES = (
     *PLANAR_SCALES,
     Equation("drive_number_across", scales.drive_number_across, "theory 13.1"),
     *limits.equations("sine"),
-    Equation("fastest_velocity", best_wave.fastest_velocity, "docs/best-wave.md"),
+    Equation("fastest_velocity", limits.fastest_velocity, "docs/best-wave.md"),
 )
 TRACK_SCALES = (
     *(e for e in SPATIAL_SCALES if e.gives != "gravity_number_normal"),
@@ -209,15 +211,15 @@ def _conveying(
         if not contacts.rolling:
             conveying.append(ACROSS)
         if method.energy is not None:
-            energy = Equation("energy", method.energy(contacts), spending.SOURCE)
-            conveying += [energy, *spending.RESULTS]
+            energy = Equation("energy", method.energy(contacts), scales.ENERGY_SOURCE)
+            conveying += [energy, *scales.ENERGY_RESULTS]
         return (*in_space, *conveying)
 
     def conditions(method: Method) -> tuple[Condition, ...]:
         """Return the conditions of the system with a method."""
         more = [LEAVES_THE_WALL] if contacts.wall else []
         if method.energy is not None:
-            more.append(spending.UNBOUNDED)
+            more.append(scales.WORK_UNBOUNDED)
         # They give way to what has no answer, as that of the efficiency does.
         place = [one.regime for one in CONDITIONS].index("unbounded")
         kept = (*CONDITIONS[:place], *more, *CONDITIONS[place:])
@@ -242,6 +244,78 @@ def _conveying(
         choice="method",
         variant_defaults={method.name: method.defaults for method in methods},
     )
+
+
+# --- restitution that falls with the speed of impact (theory 18.3)
+
+
+FALLING = "restitution_speed"
+"""The parameter that asks for the law: the speed at which `restitution` was measured."""
+
+
+def with_falling_restitution(system: Scene, parameters: Collection[str]) -> Scene:
+    """Return a system whose restitution falls with the speed of impact, given that at one speed.
+
+    `parameters` are the names of the study's parameters; those that the law does not allow are
+    refused.
+    """
+    law = Equation("impact_damping", soft_contact.impact_damping, "theory 18.3")
+
+    def changed(known: tuple[Equation, ...]) -> tuple[Equation, ...]:
+        found = [
+            replace(one, function=_with_damping(one.function)) if one.gives == "groups" else one
+            for one in known
+        ]
+        return (law, *found)
+
+    return replace(
+        system,
+        variants={name: changed(known) for name, known in system.variants.items()},
+        defaults={n: value for n, value in system.defaults.items() if n != "restitution"},
+        constraints=(*system.constraints, *_refusals(parameters)),
+    )
+
+
+@cache
+def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
+    """Return the function of the groups' equation for a part whose restitution falls with speed.
+
+    `groups` is the function for a constant restitution. The new one takes the damping of the
+    contact law and the scale g/w of velocity (w = 2 pi f), too; restitution is 0 where the damping
+    is infinite, else 1, as the law of the damping takes its place.
+    """
+
+    def falling(*, impact_damping: Array, velocity_scale: Array, **numbers: Array) -> Groups:
+        """Return the groups of the part, with the law's damping."""
+        found = groups(**numbers)
+        damping = impact_damping * velocity_scale
+        endless = np.isinf(damping)
+        return found._replace(
+            restitution=np.where(endless, 0.0, 1.0), impact_damping=np.where(endless, 0.0, damping)
+        )
+
+    falling.__signature__ = taking(groups, "impact_damping", "velocity_scale")  # type: ignore[attr-defined]
+    falling.__doc__ = groups.__doc__
+    return falling
+
+
+def _refusals(parameters: Collection[str]) -> list[Constraint]:
+    """Return the constraints of the law, which is known only for motion in the plane."""
+    message = "restitution that falls with speed is known for motion in the plane of the track"
+    nothing = [
+        Constraint(
+            (FALLING, name),
+            lambda _, __, least, largest: least == largest == 0.0,
+            message,
+            f"Leave restitution_speed out, or set {name} to 0",
+        )
+        for name in ("alpha", "delta")
+    ]
+    across = [n for n in parameters if n == "radius" or "_across_" in n]
+    return nothing + [
+        Constraint((FALLING, name), lambda *_: False, message, f"Leave it or {name} out")
+        for name in across
+    ]
 
 
 CONTACTS: dict[str, Contacts] = {

@@ -5,10 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.motion.bodies import Part, TumblingCylinder, TumblingRectangle
 from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.methods import METHODS
-from vibrafeed.core.motion.methods.tumbling import Throw, Tumble
+from vibrafeed.core.motion.methods.tumbling import (
+    Part,
+    Throw,
+    Tumble,
+    TumblingCylinder,
+    TumblingRectangle,
+)
 from vibrafeed.core.motion.result import STATUS
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,

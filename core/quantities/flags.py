@@ -133,7 +133,7 @@ REGIMES: dict[str, Flag] = {
         valid=False,
     ),
     "soft_contact": Flag(
-        55, "the lining is too soft for a rigid model: follow the motion by regularised"
+        55, "the lining is too soft for a rigid model: impacts last too long for it"
     ),
     # --- rows of parts
     "blocked": Flag(56, "the stop holds the row"),

@@ -89,15 +89,6 @@ SETTINGS: dict[str, Quantity] = {
         "Largest number of periods",
         "Maximum number of drive periods that are simulated for one point.",
     ),
-    "steps_per_period": number(
-        "n", "Steps per period", "Time steps in a period of the drive, of the coarser run."
-    ),
-    "slip_speed": number(
-        "u_s", "Slip speed", "Slip speed, in g/w, up to which regularised friction rises."
-    ),
-    "contact_stiffness": number(
-        "k", "Contact stiffness", "Stiffness of the regularised floor, over m w^2."
-    ),
 }
 RESULTS: dict[str, Quantity] = {
     "conveying_velocity": velocity(

@@ -62,7 +62,7 @@ def _read_trajectory(raw: object) -> int | tuple[float, ...] | None:
 
 FEWEST_PERIODS = 8  # fewer do not show whether a motion repeats over several periods
 MAX_PERIODS = 100_000  # half an hour at 50 Hz: a motion that has not repeated by then will not
-SETTINGS = ("tolerance", "max_periods", "steps_per_period", "slip_speed", "contact_stiffness")
+SETTINGS = ("tolerance", "max_periods")
 
 
 class FollowedStudy(DrivenStudy):
@@ -70,8 +70,8 @@ class FollowedStudy(DrivenStudy):
 
     method: str | None = Field(
         None,
-        description="events (from event to event, exact), time-stepping, reference (of high order, "
-        "slow) or regularised (stiff, for comparison); events where left out.",
+        description="events (from event to event, exact) or reference (of high order, slow, to "
+        "check events); events where left out.",
         max_length=100,
     )
 
@@ -96,28 +96,6 @@ class MotionSettings(Frozen):
         ge=FEWEST_PERIODS,
         le=MAX_PERIODS,
         validation_alias=AliasChoices("max_periods", "most_periods"),  # as it was called before
-    )
-    steps_per_period: int | None = Field(
-        None,
-        description="Time steps per period, for time-stepping; steps times periods are at most "
-        "25 million.",
-        strict=True,
-        ge=8,
-        le=100_000,
-    )
-    slip_speed: float | None = Field(
-        None,
-        description="Slip speed, in g/w, up to which regularised friction rises.",
-        strict=True,
-        ge=1e-12,
-        le=1,
-    )
-    contact_stiffness: float | None = Field(
-        None,
-        description="Stiffness of the regularised floor, over m w^2.",
-        strict=True,
-        ge=100,
-        le=1e16,
     )
 
     def settings(self) -> dict[str, float]:

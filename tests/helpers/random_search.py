@@ -41,9 +41,6 @@ ROUNDS = 6
 SETTINGS = {
     "tolerance": (1e-13, 1.0),
     "max_periods": (8, 100_000),
-    "steps_per_period": (8, 100_000),
-    "slip_speed": (1e-12, 1.0),
-    "contact_stiffness": (100.0, 1e16),
 }
 """Settings of motion and their bounds in the schema."""
 

@@ -9,7 +9,6 @@ from vibrafeed.core.motion.kernels.rows import (
     path_of_row,
     path_of_waved_row,
     row_cells,
-    stepped_rows,
     waved_row_cells,
 )
 from vibrafeed.core.motion.kernels.rows.tables import COLUMN, HEAD, NO_STOP
@@ -84,15 +83,12 @@ def path(row, phases):
     return places, gaps
 
 
-def followed(row, steps=None):
-    """Return the columns of the result of one row, by events or by so many steps; its status."""
+def followed(row):
+    """Return the columns of the result of one row, and its status."""
     width = ROW_COLUMNS + 2 * int(row[8])
     table, status = np.full((1, width), np.nan), np.zeros(1, dtype=np.int8)
-    if steps is None:
-        kernel = waved_row_cells if is_waved(row) else row_cells
-        kernel(row[np.newaxis], table, status, np.zeros(1, dtype=np.int8))
-    else:
-        stepped_rows(steps, row[np.newaxis], table, status, np.zeros(1, dtype=np.int8))
+    kernel = waved_row_cells if is_waved(row) else row_cells
+    kernel(row[np.newaxis], table, status, np.zeros(1, dtype=np.int8))
     (name,) = [name for name, value in STATUS.items() if value == status[0]]
     return dict(zip(COLUMN._fields, table[0], strict=False)), name
 

@@ -19,8 +19,12 @@ from vibrafeed.core.kinds import run_study
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
 from vibrafeed.core.motion.kernels.cells import Cell
 from vibrafeed.core.motion.kernels.results import COLUMN
-from vibrafeed.core.motion.methods.events import motion_by_events, planar_motion
-from vibrafeed.core.motion.methods.spatial_events import spatial_motion, spatial_path
+from vibrafeed.core.motion.methods.events import (
+    motion_by_events,
+    planar_motion,
+    spatial_motion,
+    spatial_path,
+)
 from vibrafeed.core.motion.result import STATUS
 from vibrafeed.core.motion.systems import CONTACTS
 from vibrafeed.core.motion.waves import Wave, bound
@@ -275,16 +279,10 @@ def test_a_part_that_leaves_the_wall_for_good_says_so(across, part):
     assert int(found.motion_status) == STATUS["periodic"]
     assert int(found.regime) == REGIMES["wall_lost"].value
     assert float(found.velocity_across) == pytest.approx(1e-3 * across, abs=1e-9)
-    stepped = run(method="time-stepping", **part)
-    assert int(stepped.regime) == REGIMES["wall_lost"].value
-    assert float(stepped.velocity_across) == pytest.approx(1e-3 * across, rel=0.02)
 
 
-@pytest.mark.parametrize("method", ["events", "time-stepping"])
-def test_a_part_that_comes_back_to_the_wall_has_not_lost_it(method):
-    found = run(
-        method=method, friction=0.3, alpha=10, beta=25, delta=5, amplitude="0.2 mm"
-    )  # fmt: skip
+def test_a_part_that_comes_back_to_the_wall_has_not_lost_it():
+    found = run(friction=0.3, alpha=10, beta=25, delta=5, amplitude="0.2 mm")
     assert int(found.regime) == REGIMES["period_doubled"].value
     assert float(found.velocity_across) == 0.0
 

@@ -1,7 +1,6 @@
 """Stated errors against better references, over some hundred random studies each.
 
-`python -m benchmarks.honest_estimates` does the same over ten thousand. The estimate of regularised
-friction, seconds a study, is tested on worked values in `test_regularised.py`.
+`python -m benchmarks.honest_estimates` does the same over ten thousand.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from benchmarks.honest_estimates import (
 from benchmarks.motions import planar_motion
 from vibrafeed.core.motion.result import STATUS
 
-STUDIES = {"stepping": 800, "spatial": 800, "events": 800, "chaos": 300}
+STUDIES = {"spatial": 800, "events": 800, "chaos": 300}
 
 
 @pytest.mark.by_day(1)

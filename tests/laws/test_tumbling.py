@@ -11,15 +11,14 @@ import pytest
 from benchmarks.motions import tumbling_motion, tumbling_path
 from benchmarks.worked_values import MEAN_VELOCITIES
 from vibrafeed.core.mechanics import impact
-from vibrafeed.core.motion.bodies import Ball, TumblingCylinder, TumblingRectangle
 from vibrafeed.core.motion.kernels.tumbling.geometry import corner_at, speed_scale
 from vibrafeed.core.motion.kernels.tumbling.impact import strike
 from vibrafeed.core.motion.kernels.tumbling.tables import SLOW, STATE, cell_of
 from vibrafeed.core.motion.methods import tumbling
+from vibrafeed.core.motion.methods.tumbling import Ball, TumblingCylinder, TumblingRectangle
 from vibrafeed.core.motion.result import STATUS
 
 GRAVITY = 9.81
-LAWS = ["pfeiffer_glocker", "moreau"]
 
 # The rocking block of the literature: half sizes 0.0282 m by 0.1065 m, here full ones.
 BLOCK = TumblingRectangle(0.0564, 0.213)
@@ -78,18 +77,6 @@ def test_a_ball_comes_to_rest_after_endlessly_many_bounces():
     assert found.largest_bounce == pytest.approx(0.225, abs=GRAVITY * 0.002**2 / 8)
 
 
-def test_stepping_finds_it_with_an_error_of_the_order_of_the_step():
-    # Each impact comes early or late by a step at most, and so does the end. The slope is 1 but for
-    # the number of impacts, which grows with the logarithm of the step, and for chance: 1.0 in a
-    # fit over twice as many steps.
-    steps = np.array([1e-3, 1e-4, 1e-5, 1e-6])
-    found = ball(method="stepping", law="moreau", time_step=steps)
-    error = np.abs(found.settling_time - 3 * np.sqrt(2 * 0.9 / GRAVITY))
-    assert np.all(error <= steps * (found.impacts + 1))
-    slope = np.polyfit(np.log(steps), np.log(error), 1)[0]
-    assert 0.7 < slope < 1.1
-
-
 # --- rocking
 
 
@@ -103,30 +90,18 @@ def rocking(**change):
     return {**given, "gravity": GRAVITY, **change}
 
 
-@pytest.mark.parametrize("law", LAWS)
-def test_a_rocking_block_loses_what_housner_says(law):
+def test_a_rocking_block_loses_what_housner_says():
     # Between impacts the energy above that of standing upright stays; at an impact it falls by the
     # square of the ratio of the pitch rates: 1 - (m R^2/I_O)(1 - cos 2 alpha), I_O = 4/3 m R^2.
     assert housner_ratio() == pytest.approx(0.901721, abs=5e-7)
     times = np.linspace(0, 2, 2001)
-    path = tumbling_path(times=times, **rocking(law=law))
+    path = tumbling_path(times=times, **rocking())
     left = energy(path, BLOCK) - GRAVITY * 0.1065
     swings = np.cumsum(np.r_[False, np.diff(np.sign(path.pitch)) != 0])
     per_swing = np.array([np.median(left[swings == number]) for number in range(6)])
     # Runge-Kutta of order 4 with 50 steps in sqrt(R/g): (1/50)^4 = 1.6e-7 over a swing or less.
     assert np.sqrt(per_swing[1:] / per_swing[:-1]) == pytest.approx(housner_ratio(), abs=2e-7)
     assert np.all(np.sign(path.pitch[path.touching[:, 0] & ~path.touching[:, 1]]) >= 0)
-
-
-@pytest.mark.night
-def test_stepping_rocks_like_housner():
-    # First order: sqrt(R/g) = 0.1 s, step 1e-5 s, some ten times 1e-4 in the energy of a swing.
-    times = np.linspace(0, 1, 1001)
-    path = tumbling_path(times=times, **rocking(law="moreau", method="stepping", time_step=1e-5))
-    left = energy(path, BLOCK) - GRAVITY * 0.1065
-    swings = np.cumsum(np.r_[False, np.diff(np.sign(path.pitch)) != 0])
-    before, after = (left[swings == number] for number in (0, 1))
-    assert np.sqrt(after[5] / before[-5]) == pytest.approx(housner_ratio(), abs=1e-3)
 
 
 def test_a_pushed_block_topples_beyond_its_angle_only():
@@ -140,13 +115,12 @@ def test_a_pushed_block_topples_beyond_its_angle_only():
 # --- one impact
 
 
-@pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("shape", [TumblingRectangle, TumblingCylinder])
-def test_an_impact_of_a_corner_is_that_of_the_impact_scenes(law, shape):
+def test_an_impact_of_a_corner_is_that_of_the_impact_scenes(shape):
     draw = np.random.default_rng(3).uniform
     count, mu, eps = 500, draw(0, 3, 500), draw(0, 1, 500)
     part = shape(0.03, 0.02)
-    cells, _ = cells_of(part, friction_kinetic=mu, restitution=eps, law=law)
+    cells, _ = cells_of(part, friction_kinetic=mu, restitution=eps)
     for number in range(count):
         cell = cell_of(cells[number])
         state, after = np.zeros(len(STATE)), np.empty(len(STATE))
@@ -164,7 +138,7 @@ def test_an_impact_of_a_corner_is_that_of_the_impact_scenes(law, shape):
         given = [np.asarray(value) for value in
                  (1 + kappa * c * c, kappa * s * c, 1 + kappa * s * s, u_n, u_t)]  # fmt: skip
         names = ("G_NN", "G_NT", "G_TT", "u_N", "u_T")
-        expected = getattr(impact, law)(
+        expected = impact.pfeiffer_glocker(
             **dict(zip(names, given, strict=True)),
             friction=np.asarray(mu[number]), restitution=np.asarray(eps[number]),
         )  # fmt: skip
@@ -226,10 +200,9 @@ def test_in_flight_the_spin_stays_and_the_centre_falls():
 # --- coming to rest
 
 
-@pytest.mark.parametrize("law", LAWS)
-def test_dropped_parts_come_to_rest_on_a_side(law):
+def test_dropped_parts_come_to_rest_on_a_side():
     case = dropped(200, 7)
-    found = tumbling_motion(duration=4.0, law=law, **case)
+    found = tumbling_motion(duration=4.0, **case)
     assert np.all(found.status == STATUS["settled"])
     assert np.all(found.resting_side > 0)
     quarter = np.rint(found.pitch / (np.pi / 2))
@@ -247,12 +220,11 @@ def test_dropped_parts_come_to_rest_on_a_side(law):
     assert found.energy_lost == pytest.approx(total, rel=1e-6)
 
 
-@pytest.mark.parametrize("law", LAWS)
-def test_energy_never_grows_and_no_corner_sinks(law):
+def test_energy_never_grows_and_no_corner_sinks():
     case = dropped(12, 11)
     for number in range(12):
         given = one(case, number)
-        path = tumbling_path(times=np.linspace(0, 1, 2001), law=law, **given)
+        path = tumbling_path(times=np.linspace(0, 1, 2001), **given)
         total = energy(path, given["part"])
         # Order 4 in steps of 1/50 of the scale: 1e-7 of the energy over a run at the very most.
         assert np.all(np.diff(total) <= 1e-8 * total[0])
@@ -301,22 +273,6 @@ def test_a_part_four_times_as_large_takes_twice_as_long():
     assert np.array_equal(scaled.velocity, 2 * found.velocity)
     assert np.array_equal(scaled.impacts, found.impacts)
     assert np.array_equal(scaled.settling_time, 2 * found.settling_time, equal_nan=True)
-
-
-def test_both_methods_agree():
-    # Three impacts or rocks without rebound; stepping is of first order, its step 1/3000 of the
-    # scale sqrt(0.016/9.81) = 0.04 s.
-    case = {
-        "part": TumblingRectangle(0.03, 0.01), "friction_kinetic": 0.3, "law": "moreau",
-        "pitch": 0.5, "restitution": np.array([0.0, 0.3]), "gap_normal": 0.02, "gravity": GRAVITY,
-    }  # fmt: skip
-    exact = tumbling_motion(duration=1.0, **case)
-    stepped = tumbling_motion(duration=1.0, method="stepping", time_step=1e-5, **case)
-    assert np.array_equal(stepped.resting_side, exact.resting_side)
-    assert stepped.settling_time == pytest.approx(exact.settling_time, rel=5e-3)
-    assert stepped.velocity == pytest.approx(exact.velocity, rel=5e-3)
-    assert stepped.largest_bounce == pytest.approx(exact.largest_bounce, rel=0.02, abs=1e-5)
-    assert stepped.energy_lost == pytest.approx(exact.energy_lost, rel=5e-3)
 
 
 def test_a_block_stands_on_a_slope_until_its_weight_passes_its_edge():
@@ -392,11 +348,6 @@ def test_where_a_sliding_corner_has_no_solution_the_run_says_so():
     # To the left the same corner is dragged: one solution at any friction.
     left = tumbling_motion(duration=1e-3, velocity_along=-1.0, friction_kinetic=mu, **slides)
     assert np.all(left.status == STATUS["moving"])
-    stepped = tumbling_motion(
-        duration=1e-3, velocity_along=1.0, friction_kinetic=mu, method="stepping", law="moreau",
-        time_step=1e-5, **slides,
-    )  # fmt: skip
-    assert np.array_equal(stepped.status == STATUS["no_solution"], paradox)
     path = tumbling_path(times=[0, 1e-3], velocity_along=1.0, friction_kinetic=2.0, **slides)
     assert not np.isnan(path.along[0])
     assert np.isnan(path.along[1])
@@ -414,7 +365,6 @@ def test_where_a_sliding_corner_has_no_solution_the_run_says_so():
         ({"duration": 0.0}, "duration"),
         ({"gravity": 0.0}, "gravity"),
         ({"velocity_along": np.nan}, "finite"),
-        ({"method": "stepping"}, "law"),
     ],
 )
 def test_wrong_values_are_refused(change, message):
@@ -422,7 +372,6 @@ def test_wrong_values_are_refused(change, message):
         ball(**change)
 
 
-@pytest.mark.parametrize("method", ["events", "stepping"])
 @pytest.mark.parametrize(
     "change",
     [
@@ -432,13 +381,13 @@ def test_wrong_values_are_refused(change, message):
         {"part": Ball(5e-324), "gamma": 1.0},
     ],
 )
-def test_what_overflows_is_said_by_a_status(change, method):
-    change = {"part": Ball(1.0), "law": "moreau", **change}
+def test_what_overflows_is_said_by_a_status(change):
+    change = {"part": Ball(1.0), **change}
     size = change.pop("part")
     arguments = {"part": size, "friction_kinetic": 0.3, "restitution": 0.5, **change}
     with np.errstate(all="ignore"):
-        found = tumbling_motion(method=method, duration=0.1, **arguments)
-        path = tumbling_path(times=[0.0, 0.1], method=method, **arguments)
+        found = tumbling_motion(duration=0.1, **arguments)
+        path = tumbling_path(times=[0.0, 0.1], **arguments)
     assert found.status == STATUS["limit_reached"]
     assert np.isnan(found.pitch)
     assert np.all(np.isnan(path.along))

@@ -1,4 +1,4 @@
-"""Drives beyond the plain sine, by the reference method, time stepping and a stiff integrator.
+"""Drives beyond the plain sine, by the reference method and from event to event.
 
 Known values are those of two-level waves, of waves along and normal in phase, and of the limit of
 weak friction; laws are symmetries, balances, and that the methods agree.
@@ -17,19 +17,17 @@ from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups
-from vibrafeed.core.motion.kernels.stepping.tables import Drive
+from vibrafeed.core.motion.methods.events import motion_by_events
 from vibrafeed.core.motion.methods.reference import reference_motion, reference_path
-from vibrafeed.core.motion.methods.regularised import regularised_motion
-from vibrafeed.core.motion.methods.stepping import stepped_motion, stepped_path
-from vibrafeed.core.motion.pieces import pieces
+from vibrafeed.core.motion.methods.reference.laws import pieces
 from vibrafeed.core.motion.result import STATUS, Motion
-from vibrafeed.core.motion.steps import drives_of
 from vibrafeed.core.motion.waves import ALONG, ENDS, NORMAL, TURN, Wave, bound, push, speed
 
 GRAVITY = 9.81
 G = f"{GRAVITY} m/s^2"
 WALL = Contacts(wall=True)
 CYLINDER = Contacts(rolling=2.0)
+EXACTLY = {"tolerance": 1e-12, "max_periods": 1000.0}
 
 
 def driven(wave: Wave, kinetic: float = 0.3, **changes: Any) -> Groups:
@@ -131,12 +129,7 @@ def test_waves_in_steps_in_closed_form(
     exact = follow("reference", parameters, frequency)
     assert float(exact.conveying_velocity) == pytest.approx(velocity, rel=1e-13)
     assert float(exact.conveying_velocity_error) < 1e-12 * velocity
-    # A step ends at each jump, so that only stops fall within steps: of second order.
-    stepped = follow("time-stepping", parameters, frequency)
-    off = abs(float(stepped.conveying_velocity) - velocity)
-    assert off <= float(stepped.conveying_velocity_error) + 1e-14
-    assert float(stepped.conveying_velocity_error) < 2e-5 * velocity
-    assert int(exact.motion_status) == int(stepped.motion_status) == STATUS["periodic"]
+    assert int(exact.motion_status) == STATUS["periodic"]
 
 
 def test_weak_friction_takes_the_weighted_median_of_an_ellipse() -> None:
@@ -148,10 +141,6 @@ def test_weak_friction_takes_the_weighted_median_of_an_ellipse() -> None:
         found = reference_motion(driven(wave, kinetic=weak))
         assert float(found.velocity) == pytest.approx(share, abs=1e-3)
         assert share < limit
-        # At a throw number of 1 time stepping may see a step in the air, and no impact.
-        wave = harmonics((ALONG, 1, 1.0, 0.0), (NORMAL, 1, 1.0, -math.pi / 2))
-        stepped = stepped_motion(driven(wave, kinetic=weak), planar=True)
-        assert abs(float(stepped.velocity - found.velocity)) < float(stepped.error) < 2e-3
 
 
 def test_weak_friction_under_two_frequencies() -> None:
@@ -177,10 +166,6 @@ def test_a_wave_of_one_order_is_the_plain_sine(normal: float, contacts: Contacts
     wave = harmonics((ALONG, 1, 1.1, 0.0), (1, 1, 0.3, 0.0), (NORMAL, 1, normal, 0.0))
     waved = driven(wave, **numbers)
     plain = waved._replace(wave=None)
-    for one, other in zip(
-        stepped_motion(plain, contacts), stepped_motion(waved, contacts), strict=True
-    ):
-        np.testing.assert_array_equal(one, other)
     one, other = reference_motion(plain, contacts), reference_motion(waved, contacts)
     assert float(one.velocity) == pytest.approx(float(other.velocity), abs=1e-12)
 
@@ -226,8 +211,6 @@ def test_along_and_climb_turned_turns_the_velocity(seed: int) -> None:
             driven(one, gravity_number_along=climb)
             for one, climb in ((wave, 0.03), (turned, -0.03))
         )  # fmt: skip
-        one, other = stepped_motion(up, contacts), stepped_motion(down, contacts)
-        assert float(one.velocity) == -float(other.velocity)
         one, other = reference_motion(up, contacts), reference_motion(down, contacts)
         assert float(one.velocity) == pytest.approx(-float(other.velocity), abs=1e-11)
 
@@ -287,8 +270,6 @@ def test_a_jump_of_the_push_lifts_and_tears_loose() -> None:
     # The same begun later, turns away: the jumps are where they were.
     far = reference_path(groups, phases=phases + 50 * TURN)
     np.testing.assert_allclose(far.position, path.position, atol=1e-11)
-    stepped = stepped_path(groups, phases=phases, steps_per_period=997)
-    np.testing.assert_allclose(stepped.position, path.position, atol=1e-12)
 
 
 def test_steps_of_no_length_are_none() -> None:
@@ -299,50 +280,20 @@ def test_steps_of_no_length_are_none() -> None:
     )  # fmt: skip
     one, other = reference_motion(driven(wave)), reference_motion(driven(padded))
     assert float(one.velocity) == pytest.approx(float(other.velocity), abs=1e-14)
-    for steps in (8, 100, 1001):  # some of which end at the jumps
-        one, other = (
-            stepped_motion(driven(each), planar=True, steps_per_period=steps)
-            for each in (wave, padded)
-        )
-        assert float(one.velocity) == pytest.approx(float(other.velocity), abs=1e-12)
+    one, other = (motion_by_events(driven(each), BLOCK_ON_FLOOR, **EXACTLY)
+                  for each in (wave, padded))  # fmt: skip
+    assert float(one.velocity) == pytest.approx(float(other.velocity), abs=1e-12)
 
 
-def test_steps_end_at_jumps_and_none_is_next_to_none() -> None:
-    wave = levels([0.1, 0.25, 0.25, 0.35 + 1e-17, 0.8, 1.0], along=[1.0, -0.5, 7.0, 0.2, -0.3, 0.4])
-    wave.steps[ALONG, 5] = -wave.steps[ALONG, :5] @ [0.1, 0.15, 0.0, 0.1, 0.45] / 0.2
-    column = Wave(wave.harmonics[..., np.newaxis], wave.steps[..., np.newaxis])
-    for steps in (8, 20, 1000, 1001):
-        for begin in (0.0, -TURN / steps / 2, 33.0):
-            rows = Drive(*drives_of(column, steps, begin)[0])
-            assert rows.length.sum() == pytest.approx(TURN, abs=1e-12)
-            assert np.all((rows.length > 1e-9 / steps) & (rows.share < 1.0 + 1e-9))
-            assert rows.along @ rows.length == pytest.approx(0.0, abs=1e-11)
-            starts = begin + np.cumsum(rows.length) - rows.length
-            jumps = np.sort(np.mod(starts[rows.jump > 0.0] + 0.5, TURN)) - 0.5
-            expected = TURN * np.array([0.0, 0.1, 0.25, 0.35, 0.8])
-            np.testing.assert_allclose(jumps, expected, atol=1e-8)
-
-
-def test_jumps_at_ends_of_steps_leave_a_solution_at_the_wall() -> None:
+def test_jumps_leave_a_solution_at_the_wall() -> None:
     wave = levels(
         [0.1, 0.35, 0.8, 1.0], along=[-2.3, 1.2, 0.4, -1.25], normal=[1.1, -0.2, -0.4, 0.6],
         across=[-0.2, -0.3, 0.2, -0.025],
     )  # fmt: skip
     groups = driven(wave, gravity_number_across=0.2, wall_friction=0.3, curvature_number=0.01)
-    ratio, exact, stepped = disagree(groups, WALL)
-    assert exact.status == stepped.status == STATUS["periodic"]
+    ratio, exact, found = disagree(groups, WALL)
+    assert exact.status == found.status == STATUS["periodic"]
     assert ratio < 1.0
-
-
-@pytest.mark.parametrize("seed", [0, 1])
-def test_a_path_may_begin_at_any_phase(seed: int) -> None:
-    groups = driven(random_wave(np.random.default_rng(seed), across=0.3))
-    start: dict[str, Any] = {"position": (0.0, 0.0, 0.1), "velocity": (0.3, 0.1, 0.5)}
-    phases = 7.7 + np.linspace(0.0, 12.0, 9)
-    exact = reference_path(groups, phases=phases, **start)
-    stepped = stepped_path(groups, phases=phases, steps_per_period=5000, **start)
-    np.testing.assert_allclose(stepped.position, exact.position, atol=3e-3)
-    np.testing.assert_allclose(stepped.velocity, exact.velocity, atol=3e-3)
 
 
 def test_a_jump_may_come_amid_the_last_hops() -> None:
@@ -381,11 +332,11 @@ def test_pieces_tell_the_push_and_the_speed_up_to_both_ends(begin: float) -> Non
 
 
 def disagree(groups: Groups, contacts: Contacts) -> tuple[float, Motion, Motion]:
-    """Return how far time stepping is from the reference, over what both state."""
+    """Return how far events are from the reference, over what both state."""
     exact = reference_motion(groups, contacts)
-    stepped = stepped_motion(groups, contacts, planar=groups.planar and not contacts.wall)
-    stated = sum(float(one.error + one.spread) for one in (exact, stepped))
-    return abs(float(exact.velocity - stepped.velocity)) / max(stated, 1e-300), exact, stepped
+    found = motion_by_events(groups, contacts, **EXACTLY)
+    stated = sum(float(one.error + one.spread) for one in (exact, found)) + 1e-12
+    return abs(float(exact.velocity - found.velocity)) / stated, exact, found
 
 
 @pytest.mark.by_day(2)
@@ -399,7 +350,7 @@ def disagree(groups: Groups, contacts: Contacts) -> tuple[float, Motion, Motion]
     ],
     ids=["plane", "space", "cylinder", "wall"],
 )
-def test_time_stepping_is_within_its_error_of_the_reference(
+def test_events_are_within_both_errors_of_the_reference(
     contacts: Contacts, across: float, seeds: int
 ) -> None:
     more = {"gravity_number_across": 0.2, "wall_friction": 0.3, "curvature_number": 0.01}
@@ -410,8 +361,8 @@ def test_time_stepping_is_within_its_error_of_the_reference(
             random_wave(random, across), random.uniform(0.15, 0.6), restitution=0.3 * (seed % 2),
             **(more if contacts.wall else {}),
         )  # fmt: skip
-        ratio, exact, stepped = disagree(groups, contacts)
-        assert int(stepped.status) != STATUS["no_solution"]
+        ratio, exact, found = disagree(groups, contacts)
+        assert int(found.status) != STATUS["no_solution"]
         if exact.status == STATUS["periodic"]:
             assert float(exact.error) < 1e-9
         off.append(ratio)
@@ -424,16 +375,18 @@ def test_cells_of_a_grid_are_those_of_single_waves() -> None:
     for wave in waves:
         wave.steps[ALONG] -= wave.steps[ALONG] @ np.array([0.2, 0.4, 0.4])
     grid = Wave(np.zeros((3, 2, 0, 5)), np.stack([wave.steps for wave in waves], axis=-1))
-    many = stepped_motion(
-        driven(waves[0])._replace(drive_number_along=bound(grid, ALONG), wave=grid), planar=True
-    )
+    many = motion_by_events(
+        driven(waves[0])._replace(drive_number_along=bound(grid, ALONG), wave=grid),
+        BLOCK_ON_FLOOR, **EXACTLY,
+    )  # fmt: skip
     for n, wave in enumerate(waves):
-        assert float(stepped_motion(driven(wave), planar=True).velocity) == many.velocity[n]
+        one = motion_by_events(driven(wave), BLOCK_ON_FLOOR, **EXACTLY)
+        assert float(one.velocity) == many.velocity[n]
 
 
 def test_a_wave_that_does_not_close_is_no_drive() -> None:
     open_wave = {"acceleration_along_1": "4 m/s^2", "acceleration_along_2": ["-4 m/s^2", "3 m/s^2"]}
-    for method in ("reference", "time-stepping", "regularised-LSODA"):
+    for method in ("events", "reference"):
         dataset = follow(method, {**open_wave, "friction": 0.3})
         assert dataset.motion_status.values[1] == STATUS["no_drive"]
         assert np.isnan(dataset.conveying_velocity.values).tolist() == [False, True]
@@ -441,33 +394,10 @@ def test_a_wave_that_does_not_close_is_no_drive() -> None:
         reference_path(driven(levels([1.0], along=[math.nan])), phases=[0.0, 1.0])
 
 
-def stiff(groups: Groups) -> Motion:
-    return regularised_motion(
-        groups, slip_speed=1e-3, contact_stiffness=1e6, tolerance=1e-6, max_periods=60,
-        solver="LSODA", planar=groups.planar,
-    )  # fmt: skip
-
-
-@pytest.mark.by_day(2)
-@pytest.mark.parametrize(
-    "wave",
-    [
-        levels([5 / 12, 7 / 12, 1.0], along=[-0.4, 2.0, -0.4]),
-        harmonics((ALONG, 1, 0.8, 0.0), (ALONG, 2, 0.5, 0.5), (NORMAL, 1, 0.6, 1.0)),
-        harmonics((ALONG, 1, 0.8, 0.0), (1, 2, 0.5, 0.5), (NORMAL, 3, 0.6, 1.0)),
-    ],
-)
-def test_a_stiff_integrator_is_within_its_error_of_the_reference(wave: Wave) -> None:
-    groups = driven(wave)
-    found, exact = stiff(groups), reference_motion(groups)
-    assert found.status == STATUS["periodic"]
-    assert abs(float(found.velocity - exact.velocity)) < float(found.error) < 0.05
-
-
 def test_a_course_shows_the_track() -> None:
     parameters, _ = quaid(0.4, 2.0, 0.5, 0.3)
     dataset = run_study(parse_study({
-        "kind": "simulate", "scene": "rectangle-on-plane", "method": "time-stepping",
+        "kind": "simulate", "scene": "rectangle-on-plane", "method": "events",
         "outputs": ["conveying_velocity"], "trajectory": 600,
         "parameters": {"gravity": G, "frequency": "50 Hz", **parameters},
     }))  # fmt: skip

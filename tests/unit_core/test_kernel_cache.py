@@ -336,14 +336,13 @@ wave = {"amplitude_along_1": "0.3 mm", "amplitude_along_2": "0.1 mm", "phase_alo
         "amplitude_normal_1": "0.1 mm"}
 tracks = {"rectangle-on-plane": {}, "cylinder-on-plane": {}, "rectangle-on-track": {"radius": 0.2}}
 for scene, more in tracks.items():
-    for method in ("events", "time-stepping"):
-        for drive in (sine, wave):
-            energy = {"outputs": ["friction_power"]} if method == "events" else {}
-            hops = {"outputs": ["efficiency", "hop_height"]}
-            for rest in ({}, {"trajectory": 10}, hops, energy):
-                parameters = {"frequency": 50, "friction": 0.3, **drive, **more}
-                study = {"kind": "simulate", "scene": scene, "method": method, "max_periods": 20}
-                tabulate(prepare_content(study | {"parameters": parameters} | rest))
+    for drive in (sine, wave):
+        energy = {"outputs": ["friction_power"]}
+        hops = {"outputs": ["efficiency", "hop_height"]}
+        for rest in ({}, {"trajectory": 10}, hops, energy):
+            parameters = {"frequency": 50, "friction": 0.3, **drive, **more}
+            study = {"kind": "simulate", "scene": scene, "max_periods": 20}
+            tabulate(prepare_content(study | {"parameters": parameters} | rest))
 print(stopwatch.spent - spent)
 import numba
 numba.njit(lambda: 1)()

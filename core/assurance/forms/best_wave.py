@@ -1,7 +1,7 @@
 """O, the fastest level wave under a largest acceleration: what it reaches, and that none beats it.
 
 The value is that of Umbanhowar and Lynch's three phases; it stands here as it is published, and in
-`vibrafeed.core.motion.best_wave` as the program computes it.
+`vibrafeed.core.motion.limits` as the program computes it.
 """
 
 from __future__ import annotations

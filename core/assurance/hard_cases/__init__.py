@@ -14,7 +14,6 @@ from vibrafeed.core.assurance.hard_cases.drives import (
 from vibrafeed.core.assurance.hard_cases.friction import (
     little_and_much_friction,
     met_thresholds,
-    stiff_friction,
 )
 from vibrafeed.core.assurance.hard_cases.rebounds import chatter, full_rebound, stiff_floor
 from vibrafeed.core.assurance.hard_cases.scales import grids, masses_and_sizes
@@ -37,7 +36,6 @@ FAMILIES: tuple[Callable[[], list[Case]], ...] = (
     subnormal_amplitudes,
     angles,
     met_thresholds,
-    stiff_friction,
     stiff_floor,
     masses_and_sizes,
     grids,

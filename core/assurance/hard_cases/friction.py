@@ -1,21 +1,16 @@
-"""Hard for friction: none, far too much, met with equality, regularised steeply."""
+"""Hard for friction: none, far too much, met with equality."""
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
-from scipy.integrate import solve_ivp
-
 from vibrafeed.core.assurance import textbook
-from vibrafeed.core.assurance.case import Case, CaseValues, Truth
+from vibrafeed.core.assurance.case import Case, Truth
 from vibrafeed.core.assurance.hard_cases.studies import (
     DRIVE,
-    WORKED,
     G,
     W,
     by_reference,
-    from_study,
     hard_case,
     hopping,
     motion,
@@ -23,7 +18,6 @@ from vibrafeed.core.assurance.hard_cases.studies import (
     track,
 )
 from vibrafeed.core.assurance.textbook import EPSILON, exact
-from vibrafeed.core.motion.methods.regularised.laws import Cell, laws
 
 
 def little_and_much_friction() -> list[Case]:
@@ -156,66 +150,3 @@ def met_thresholds() -> list[Case]:
         "acceleration_x", Truth(0.0, 0.0, "nothing acts"), ("stick",),
     ))  # fmt: skip
     return cases
-
-
-def stiff_friction() -> list[Case]:
-    """Return hard cases of regularised friction, with slip speeds down to 1e-12.
-
-    Friction is a smooth function that rises over this speed. The smaller it is, the stiffer the
-    equations: implicit integrators have to keep to the mean velocity of Coulomb's law, and an
-    explicit one is shown to need a thousand times the evaluations.
-    """
-    family = "regularised friction down to 1e-12"
-    slides = {"frequency": 60.0, "amplitude": 24e-6, "beta": 20.0, "gravity": 9.8,
-              "friction_static": 0.35, "friction_kinetic": 0.25}  # fmt: skip
-    exact_mean = Truth(4.3067566120832e-4, 1e-16, WORKED)
-    soft = "friction so soft takes a third off the mean, and the estimate is 4 times that"
-    cases = [hard_case(
-        "regularised as regularised-BDF, slip speed 0.001", family,
-        "a mean that is far from that of Coulomb's law",
-        motion("regularised", **slides, slip_speed=1e-3, tolerance=1e-6), "conveying_velocity",
-        from_study(motion("regularised-BDF", **slides, slip_speed=1e-3, tolerance=1e-6),
-                   "conveying_velocity", 1e-4, "another integrator; a hundred steps a period, each "
-                   "to 1e-6"),
-        ("periodic",), blunt=soft,
-    )]  # fmt: skip
-    for slip in (1e-3, 1e-6, 1e-9, 1e-12):
-        for solver in ("regularised", "regularised-BDF"):
-            cases.append(hard_case(
-                f"{solver}, slip speed {slip:g}", family, "decay rates of 1 over the slip speed",
-                motion(solver, **slides, slip_speed=slip, tolerance=min(1e-6, slip / 10)
-                       if slip >= 1e-6 else 1e-7),
-                "conveying_velocity", exact_mean, ("periodic",), states_error=True,
-                blunt=soft if slip == 1e-3 else "",
-            ))  # fmt: skip
-    cases.append(hard_case(
-        "an explicit integrator crawls", family, "its steps are bound by stability",
-        {}, "", Truth(1000.0, 0.0, "evaluations of RK45 for one of Radau"), relation="at least",
-        compute=_explicit_crawls,
-    ))  # fmt: skip
-    cases.append(hard_case(
-        "slip speed 1e-13", family, "just out of bounds",
-        motion("regularised", **slides, slip_speed=1e-13), refused="slip_speed",
-    ))  # fmt: skip
-    return cases
-
-
-def _explicit_crawls() -> CaseValues:
-    """Measure how many more evaluations an explicit integrator needs than an implicit one.
-
-    The value is the ratio of evaluations per period of RK45 to those of Radau, for regularised
-    friction with a slip speed of 1e-9 (dimensionless); RK45 runs over a small part of a period
-    only.
-    """
-    slip, span = 1e-9, 1e-5
-    drive = 24e-6 * (2 * math.pi * 60) ** 2 / 9.8
-    angle = math.radians(20)
-    cell = Cell(laws(0.25, 0.35, 0.0, slip, 1e4), (drive * math.cos(angle),
-                drive * math.sin(angle)), (0.0, 1.0))  # fmt: skip
-    settings = {"rtol": 1e-6, "atol": 1e-6 * np.array([1, 1e-4, slip, 1])}
-    explicit = solve_ivp(cell.rate, (0, span), cell.rest(), "RK45", **settings).nfev
-    whole = (0, 2 * math.pi)
-    implicit = solve_ivp(cell.rate, whole, cell.rest(), "Radau", jac=cell.jacobian, **settings)
-    ratio = explicit * 2 * math.pi / span / implicit.nfev
-    note = f"RK45 needs {ratio:.3g} times the evaluations of Radau at a slip speed of 1e-9"
-    return CaseValues(np.asarray(ratio), frozenset(("attempted",)), note=note)

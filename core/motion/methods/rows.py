@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion import compiled
-from vibrafeed.core.motion.cells import Kernel, run_cells
+from vibrafeed.core.motion.cells import run_cells
 from vibrafeed.core.motion.course import TrajectoryRequest, TrajectoryValues
 from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, table
 from vibrafeed.core.motion.method import Follow, FollowCourse, Method
@@ -24,7 +24,6 @@ from vibrafeed.core.motion.price import Price, Priced
 from vibrafeed.core.motion.result import ANSWERED, STATUS
 from vibrafeed.core.motion.waves import NORMAL, of_columns
 from vibrafeed.core.quantities.row import MAX_NUMBERED
-from vibrafeed.core.scenes import Constraint
 from vibrafeed.core.watch import Watch
 
 PERIODS = 400.0
@@ -40,9 +39,6 @@ Under 2, 3 and 10 harmonics a row of 10 parts takes 1.9, 2.1 and 5.1 times as lo
 sine."""
 FOLLOWED = 0.5
 """Share of the allowed periods that is likely needed: most rows of unequal parts never repeat."""
-
-STEP_SECONDS = 2.5e-8
-"""Seconds of one time step of one part on one core."""
 
 
 class RowParts(NamedTuple):
@@ -143,9 +139,8 @@ class RowMotion(NamedTuple):
 
 
 def row_motion(
-    groups: Groups, parts: RowParts, max_periods: Array, watch: Watch | None = None,
-    *, steps: int | None = None,
-) -> RowMotion:  # fmt: skip
+    groups: Groups, parts: RowParts, max_periods: Array, watch: Watch | None = None
+) -> RowMotion:
     """Return the motion of rows of parts that start at rest on the track, once it repeats.
 
     Parameters
@@ -157,16 +152,13 @@ def row_motion(
         Periods after which a motion counts as aperiodic, or as many more if it still drifts.
     watch
         May stop the work; cells not computed have the status `not_computed`.
-    steps
-        Time steps a period; None to follow rows from event to event, and rows of one friction as
-        one part.
     """
     periods = np.where(np.equal(groups.restitution, 0.0), max_periods, 0.0)
     rows, shape = _cells(groups, parts, periods)
     room, columns = len(parts.friction), RowMotion._fields.index("part_velocity")
     width = columns + 2 * room
     alike, supported = _alike(rows, room), rows[:, compiled.rows.AT.max_periods] > 0.0
-    as_one = alike & supported & (parts.stop == "none" and steps is None)
+    as_one = alike & supported & (parts.stop == "none")
     if as_one.all():
         means, each, status = _as_one(groups, rows, shape, as_one, room, watch)
     else:
@@ -176,10 +168,9 @@ def row_motion(
         status[away] = STATUS["runaway"]
         rest = ~as_one & supported & ~away
         held = _merge_equal_parts(rows[rest], alike[rest], room)
-        kernel = _by_events if steps is None else _stepped(steps)
         if rest.any():
             table_[rest], status[rest] = run_cells(
-                kernel, held, columns=width, piece=16, watch=watch
+                _by_events, held, columns=width, piece=16, watch=watch
             )
             table_[status == STATUS["limit_reached"]] = np.nan
         _spread_to_parts(table_, rows, alike & rest, room, columns)
@@ -228,18 +219,6 @@ def _by_events(
             means, found = table_[some], status[some]
             getattr(compiled.rows, kernel)(cells[some], means, found, stop)
             table_[some], status[some] = means, found
-
-
-def _stepped(steps: int) -> Kernel:
-    """Return the kernel for rows of parts by time stepping, with `steps` steps a period."""
-
-    def kernel(
-        cells: Array, table_: Array, status: NDArray[np.int8], stop: NDArray[np.int8]
-    ) -> None:
-        """Fill the result table of rows by time stepping."""
-        compiled.rows.stepped_rows(steps, cells, table_, status, stop)
-
-    return kernel
 
 
 def _alike(rows: Array, room: int) -> NDArray[np.bool_]:
@@ -473,34 +452,6 @@ def _price(cells: Priced) -> Price:
     return Price(FOLLOWED * most, 5.0 * most)
 
 
-def _follow_steps(contacts: Contacts) -> Follow:
-    """Return the function of the motion equation that follows rows of parts by time stepping.
-
-    Methods are built by such functions from the `contacts` of a system, which a row does not need.
-    """
-    del contacts
-
-    def motion(
-        *, groups: Groups, row: RowParts, steps_per_period: Array, max_periods: Array,
-        watch: Watch | None = None,
-    ) -> RowMotion:  # fmt: skip
-        """Return the motion of a row of parts by time stepping with isotonic contact."""
-        return row_motion(groups, row, max_periods, watch, steps=int(steps_per_period))
-
-    return motion
-
-
-def _price_steps(cells: Priced) -> Price:
-    """Return the likely and the largest time to simulate each row by time stepping [s].
-
-    `cells` describes settings and rows of the cells: steps, periods and the number of parts.
-    """
-    row: RowParts = cells.known["row"]
-    steps = 3.0 * cells.setting("steps_per_period") * cells.setting("max_periods")
-    most = STEP_SECONDS * (2.0 + np.asarray(row.number, dtype=float)) * steps
-    return Price(0.6 * most, most)
-
-
 EVENTS = Method(
     name="events",
     follow=_follow,
@@ -510,24 +461,4 @@ EVENTS = Method(
     seconds_a_cell=_price,
     defaults={"max_periods": PERIODS},
     course=_course,
-    checked_by=("time-stepping",),
-)
-TIME_STEPPING = Method(
-    name="time-stepping",
-    follow=_follow_steps,
-    source="theory 17.4",
-    accuracy="of first order in the step",
-    seconds_a_cell=_price_steps,
-    defaults={"steps_per_period": 1000.0, "max_periods": 100.0},
-    checked_by=("events",),
-    most_steps=25_000_000 * 4,
-    refuses=(
-        Constraint(
-            ("part_restitution",),
-            lambda least, largest: least == largest == 0.0,
-            "time-stepping follows rows whose parts do not rebound from each other",
-            "Leave part_restitution out, or set method = 'events'",
-            variant="time-stepping",
-        ),
-    ),
 )

@@ -2,19 +2,13 @@
 
 Motion in the plane of the transport and the normal, with pitch (theory 2, 6); the plane may vibrate
 and climb. The part is a rectangle, a cylinder seen along its side (a rectangle with the cylinder's
-moment of inertia) or a ball. Two methods, which check each other:
-
-``"events"``
-    From event to event: free flight in closed form, motion on one corner or on a side with the
-    contact laws of accelerations (theory 2.3, 2.4) by Runge-Kutta steps of order 4 in pitch and
-    slide alone, so that nothing sinks; impacts, lift-off, stick and slip, and tipping at their own
-    time, found within the step; impacts by the laws of theory 5.3. Endless series of ever smaller
-    impacts, bounces as well as rocking, end where the velocity off the plane falls below 1e-6 of
-    sqrt(acceleration * half diagonal). After many impacts with much restitution the motion is
-    chaotic, and its details depend on the last digit.
-``"stepping"``
-    The midpoint rule of Moreau and Jean with all corners (theory 13.9), Moreau's impact law and
-    projected Gauss-Seidel; error of the order of the step.
+moment of inertia) or a ball. It is followed from event to event: free flight in closed form, motion
+on one corner or on a side with the contact laws of accelerations (theory 2.3, 2.4) by Runge-Kutta
+steps of order 4 in pitch and slide alone, so that nothing sinks; impacts, lift-off, stick and slip,
+and tipping at their own time, found within the step; impacts by the law of Pfeiffer and Glocker
+(theory 5.3). Endless series of ever smaller impacts, bounces as well as rocking, end where the
+velocity off the plane falls below 1e-6 of sqrt(acceleration * half diagonal). After many impacts
+with much restitution the motion is chaotic, and its details depend on the last digit.
 
 All values are SI. Other motions of this package come in the scales of the drive; tumbling does not:
 its size enters, the plane may be at rest, and it takes seconds, not periods. Its own scale is the
@@ -24,7 +18,7 @@ of one shape and one ratio of drive to that scale tumble alike.
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,18 +26,85 @@ from numpy.typing import ArrayLike, NDArray
 from vibrafeed.core.mechanics.angles import cosine, sine
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.motion import compiled
-from vibrafeed.core.motion.bodies import Part
 from vibrafeed.core.motion.cells import run_cells
 from vibrafeed.core.motion.course import TrajectoryRequest, TrajectoryValues
 from vibrafeed.core.motion.groups import Contacts, table
 from vibrafeed.core.motion.method import Follow, FollowCourse, Method
-from vibrafeed.core.motion.price import Price, Priced, Pricing
+from vibrafeed.core.motion.price import Price, Priced
 from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.scenes import cylinder_isolated, rectangle_isolated
 from vibrafeed.core.scenes.scene import STANDARD_GRAVITY
 from vibrafeed.core.watch import Watch
 
-Law = Literal["pfeiffer_glocker", "moreau"]
-Way = Literal["events", "stepping"]
+
+class Body(NamedTuple):
+    """The numbers of a part's motion (theory 2.1); `turning` is 0 of a ball, which has no sides."""
+
+    half_diagonal: Array
+    inertia_ratio: Array
+    corner_angle: Array
+    turning: Array
+
+
+class TumblingRectangle(NamedTuple):
+    """A rectangular part; at pitch 0 it lies on a side of its length [m]."""
+
+    length: ArrayLike
+    height: ArrayLike
+
+    def body(self) -> Body:
+        """Return half diagonal [m], inertia ratio [1] and corner angle [rad] of the rectangle.
+
+        With them a tumbling part is simulated (theory 2.1); the fourth number, 1, says that it has
+        corners.
+        """
+        h, b = (np.asarray(side, dtype=float) for side in self)
+        return Body(
+            rectangle_isolated.half_diagonal(height=b, length=h),
+            rectangle_isolated.inertia_ratio(),
+            rectangle_isolated.corner_angle(height=b, length=h),
+            np.ones(()),
+        )
+
+
+class TumblingCylinder(NamedTuple):
+    """A cylindrical part whose axis stays in the plane of motion; at pitch 0 it lies on its side.
+
+    Its rim strikes the plane; it does not roll about its axis [m].
+    """
+
+    length: ArrayLike
+    diameter: ArrayLike
+
+    def body(self) -> Body:
+        """Return half diagonal [m], inertia ratio [1] and corner angle [rad] of the part's outline.
+
+        The outline is a rectangle, on its long side or standing. With them a tumbling part is
+        simulated (theory 6); the fourth number, 1, says that it has corners.
+        """
+        h, d = (np.asarray(side, dtype=float) for side in self)
+        direction = cylinder_isolated.corner_direction(diameter=d, length=h)
+        return Body(
+            cylinder_isolated.half_diagonal(diameter=d, length=h),
+            cylinder_isolated.inertia_ratio(corner_direction=direction),
+            cylinder_isolated.corner_angle(diameter=d, length=h),
+            np.ones(()),
+        )
+
+
+class Ball(NamedTuple):
+    """A ball, whose one contact lies below its centre [m]."""
+
+    radius: ArrayLike
+
+    def body(self) -> Body:
+        """Return the radius of the ball and its inertia ratio m R^2/I = 5/2; it has no corners."""
+        radius = np.asarray(self.radius, dtype=float)
+        return Body(radius, np.full((), 2.5), np.full((), np.pi / 2), np.zeros(()))
+
+
+Part = TumblingRectangle | TumblingCylinder | Ball
+
 
 STEPS_A_PERIOD = 64  # fewest default steps a period of the drive
 STEP_IN_FALLS = 0.02  # largest default step, over sqrt(half diagonal/gravity)
@@ -55,6 +116,7 @@ _DERIVED = frozenset({
     "drive_normal", "circular_frequency", "time_step",
 })  # fmt: skip
 """Numbers of a cell that are computed from the inputs."""
+STEP, SETTLES = 1.2e-6, 1.6e-4  # s: computing of a step, and until a part without rebound rests
 SHAKEN = 0.35  # normal drive over the weight, above which a part seldom comes to rest
 
 
@@ -88,9 +150,7 @@ class Throw(NamedTuple):
         Velocity of the centre at the start.
     time_step : array_like, optional
         Largest step; by default 1/50 of sqrt(half diagonal/gravity), 1/64 of a period at most.
-        Steps are shorter where the part turns fast. ``"stepping"`` is of first order in it.
-    law : {"pfeiffer_glocker", "moreau"}
-        Impact law; ``"stepping"`` knows Moreau's only.
+        Steps are shorter where the part turns fast.
     """
 
     part: Part
@@ -110,7 +170,6 @@ class Throw(NamedTuple):
     velocity_upward: ArrayLike = 0.0
     pitch_rate: ArrayLike = 0.0
     time_step: ArrayLike | None = None
-    law: Law = "pfeiffer_glocker"
 
 
 class Tumble(NamedTuple):
@@ -184,7 +243,7 @@ class TumblePath(NamedTuple):
     touching: Mask
 
 
-def tumbling_motion(throw: Throw, *, method: Way = "events", watch: Watch | None = None) -> Tumble:
+def tumbling_motion(throw: Throw, *, watch: Watch | None = None) -> Tumble:
     """Return the tumbling of parts on a plane from the start to the end of the duration.
 
     Wrong values, such as a restitution above 1, raise ValueError. Where a computed number is
@@ -193,37 +252,32 @@ def tumbling_motion(throw: Throw, *, method: Way = "events", watch: Watch | None
     Parameters
     ----------
     throw : Throw
-        The parts, the plane, the start and the law of impact.
-    method : {"events", "stepping"}
-        From event to event, or the midpoint rule of Moreau and Jean, which has only Moreau's law of
-        impact.
+        The parts, the plane and the start.
     watch : Watch, optional
         Shows progress, and may stop the work.
     """
     cells, shape = _cells(throw)
-    _check(method, throw.law)
-    events = method == "events"
-    run = compiled.tumbling.tumble_events if events else compiled.tumbling.tumble_steps
     columns_of_all = len(Tumble._fields) - 1
     table = np.full((len(cells), columns_of_all), np.nan)
     status = np.full(len(cells), STATUS["limit_reached"], dtype=np.int8)
     known = _can_be_followed(cells)
     table[known], status[known] = run_cells(
-        run, cells[known], piece=16, columns=columns_of_all, watch=watch
+        compiled.tumbling.tumble_events,
+        cells[known],
+        piece=16,
+        columns=columns_of_all,
+        watch=watch,
     )
     columns = [column.reshape(shape) for column in table.T]
     return Tumble(**dict(zip(Tumble._fields, columns, strict=False)), status=status.reshape(shape))
 
 
-def tumbling_path(
-    throw: Throw, *, times: ArrayLike, method: Way = "events", watch: Watch | None = None
-) -> TumblePath:
+def tumbling_path(throw: Throw, *, times: ArrayLike, watch: Watch | None = None) -> TumblePath:
     """Return the motion of one tumbling part at given ascending times, from 0 on [s].
 
     Every field of `throw`, the record of part, plane and start, is a single value; its duration
-    does not matter. After the part has come to rest for good its state stays. ``"events"`` gives
-    the states at the very times, ``"stepping"`` those of the first step that reaches each. NaN
-    where `watch` stopped the work before. Raises ValueError if times do not ascend or a field is an
+    does not matter. After the part has come to rest for good its state stays. NaN where `watch`
+    stopped the work before. Raises ValueError if times do not ascend or a field is an
     array.
     """
     moments = np.atleast_1d(np.asarray(times, dtype=float))
@@ -236,12 +290,10 @@ def tumbling_path(
             "the path of one part takes single values: every argument has to be a "
             "number, not an array"
         )
-    _check(method, throw.law)
-    run = compiled.tumbling.path_events if method == "events" else compiled.tumbling.path_steps
     rows = np.full((moments.size, compiled.tumbling.PATH_COLUMNS), np.nan)
     if _can_be_followed(cells)[0]:
         with (watch or Watch()).flag() as stop:
-            run(cells[0], moments, rows, stop)
+            compiled.tumbling.path_events(cells[0], moments, rows, stop)
     numbers = dict(zip(TumblePath._fields[1:9], rows.T[1:9].copy(), strict=True))
     return TumblePath(time=moments, **numbers, touching=rows[:, 9:] == 1)
 
@@ -274,10 +326,6 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
     for name, values in {"duration": throw.duration, "gravity": throw.gravity}.items():
         if not np.all(np.asarray(values) > 0):
             raise ValueError(f"{name} has to be positive")
-    laws = {
-        "pfeiffer_glocker": compiled.tumbling.PFEIFFER_GLOCKER,
-        "moreau": compiled.tumbling.MOREAU,
-    }
     body = throw.part.body()
     circular_frequency = 2 * np.pi * np.asarray(throw.frequency, dtype=float)
     acceleration = np.asarray(throw.amplitude, dtype=float) * circular_frequency**2
@@ -294,7 +342,6 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
             throw.friction_kinetic if throw.friction_static is None else throw.friction_static
         ),
         "time_step": _step_of(throw),
-        "law": laws[throw.law],
     }
     rows, shape = table(inputs[name] for name in compiled.tumbling.Cell._fields)
     named = dict(zip(compiled.tumbling.Cell._fields, rows.T, strict=True))
@@ -324,34 +371,15 @@ def _can_be_followed(rows: NDArray[np.float64]) -> Mask:
     return valid
 
 
-def _check(method: Way, law: Law) -> None:
-    """Raise ValueError if a way of simulating tumbling parts is unknown or lacks the impact law.
+def _follow(contacts: Contacts) -> Follow:
+    """Return the tumbling equation's function, which does not need the `contacts`."""
+    del contacts
 
-    `method` is "events" or "stepping"; the latter has `law` "moreau" only.
-    """
-    if method not in ("events", "stepping"):
-        raise ValueError("the argument method has to be 'events' or 'stepping'")
-    if method == "stepping" and law != "moreau":
-        raise ValueError("the method 'stepping' has Moreau's impact law only: set law to 'moreau'")
+    def tumble(*, throw: Throw, watch: Watch | None = None) -> Tumble:
+        """Return the tumbling of the part from its start to the end of the duration."""
+        return tumbling_motion(throw, watch=watch)
 
-
-def _by(name: str, way: Way, law: Law, **known: Any) -> Method:
-    """Return the simulation method of a tumbling part with this way of stepping and impact law.
-
-    `name` is the method's name in studies; `known` holds the other fields of `Method`.
-    """
-
-    def follow(contacts: Contacts) -> Follow:
-        """Return the tumbling equation's function."""
-        del contacts
-
-        def tumble(*, throw: Throw, watch: Watch | None = None) -> Tumble:
-            """Return the tumbling of the part from its start to the end of the duration."""
-            return tumbling_motion(throw._replace(law=law), method=way, watch=watch)
-
-        return tumble
-
-    return Method(name=name, follow=follow, **known)
+    return tumble
 
 
 def _trajectory(contacts: Contacts) -> FollowCourse:
@@ -383,45 +411,28 @@ def _trajectory(contacts: Contacts) -> FollowCourse:
     return trajectory
 
 
-def _pricing(step: float, settles: float, rebounds: float) -> Pricing:
-    """Return the function that estimates the computing time of cells of tumbling parts.
+def _price(cells: Priced) -> Price:
+    """Return the time to simulate cells, from their duration and restitution.
 
-    `step` is the time to compute one step in s. A part that the plane does not shake off comes to
-    rest after `settles` exp(`rebounds` times restitution) seconds of computing, and the rest of its
+    A part that the plane does not shake off comes to rest after some computing, and the rest of its
     duration costs nothing.
     """
-
-    def price(cells: Priced) -> Price:
-        """Return the time to simulate cells, from their duration and restitution."""
-        throw: Throw = cells.known["throw"]
-        duration = np.asarray(throw.duration, dtype=float)
-        steps = np.minimum(duration / _step_of(throw), MAX_STEPS)
-        push = np.asarray(throw.amplitude) * (2 * np.pi * np.asarray(throw.frequency)) ** 2
-        lift = push * np.sin(np.asarray(throw.beta)) / np.asarray(throw.gravity)
-        rest = settles * np.exp(rebounds * np.asarray(throw.restitution))
-        likely = np.where(lift > SHAKEN, steps * step, np.minimum(rest, steps * step))
-        return Price(likely, 20.0 * steps * step)
-
-    return price
+    throw: Throw = cells.known["throw"]
+    duration = np.asarray(throw.duration, dtype=float)
+    steps = np.minimum(duration / _step_of(throw), MAX_STEPS)
+    push = np.asarray(throw.amplitude) * (2 * np.pi * np.asarray(throw.frequency)) ** 2
+    lift = push * np.sin(np.asarray(throw.beta)) / np.asarray(throw.gravity)
+    rest = SETTLES * np.exp(3.9 * np.asarray(throw.restitution))
+    likely = np.where(lift > SHAKEN, steps * STEP, np.minimum(rest, steps * STEP))
+    return Price(likely, 20.0 * steps * STEP)
 
 
-EVENTS = _by(
-    "events",
-    "events",
-    "pfeiffer_glocker",
+EVENTS = Method(
+    name="events",
+    follow=_follow,
     source="theory 2.3, 5.3",
     accuracy="of fourth order in the step while a corner or a side is on the plane, some 1e-8 of "
     "the energy; exact in flight; endless runs of impacts are cut off at 1e-6 of the fall's speed",
-    seconds_a_cell=_pricing(1.2e-6, 1.6e-4, 3.9),
+    seconds_a_cell=_price,
     course=_trajectory,
-    checked_by=("time-stepping",),
-)
-TIME_STEPPING = _by(
-    "time-stepping",
-    "stepping",
-    "moreau",
-    source="theory 13.9",
-    accuracy="of first order in the step",
-    seconds_a_cell=_pricing(8e-7, 1.6e-4, 0.9),
-    checked_by=("events",),
 )

@@ -338,7 +338,7 @@ def test_run_simulates(motion):
 
 def test_a_dry_run_of_a_simulation_loads_no_compiler(motion):
     dry = ["run", str(motion), "--dry-run"]
-    method = ["scenes", "rectangle-on-track", "--method", "time-stepping"]
+    method = ["scenes", "rectangle-on-track", "--method", "reference"]
     assert loaded(dry, method) == [[], []]
 
 

@@ -14,7 +14,6 @@ from vibrafeed.core.assurance import leaving_out
 from vibrafeed.core.assurance.leaving_out import (
     HEAVY,
     SETTINGS,
-    carried,
     cheapest,
     counted,
     measure,
@@ -24,7 +23,6 @@ from vibrafeed.core.assurance.leaving_out import (
     to_table,
 )
 from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.motion.methods import stepping
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.scenes import ALIASES, SCENES
 
@@ -140,42 +138,6 @@ def test_the_count_sees_what_is_not_needed():
     assert calls != expected_calls(scene, "physical", ["throw_number"], given)
 
 
-def test_nothing_across_is_carried_where_nothing_drives_across(monkeypatch):
-    scene = SYSTEMS["rectangle-on-plane"]
-    content = study_of(scene, "time-stepping", "conveying_velocity")
-
-    run = stepping.stepped_motion
-
-    def refuse(*arguments, planar, **settings):
-        assert planar, "a motion in space was asked for"
-        return run(*arguments, planar=planar, **settings)
-
-    along = {**content, "parameters": {**content["parameters"], "alpha": 0.0}}
-    monkeypatch.setattr(stepping, "stepped_motion", refuse)
-    kinds.tabulate(prepare_content(along))
-    with pytest.raises(AssertionError, match="in space"):
-        kinds.tabulate(prepare_content(content))
-    assert carried(scene, along["parameters"])[0] == ("along", "normal")
-    assert carried(scene, content["parameters"])[0] == ("along", "across", "normal")
-    track, cylinder = SYSTEMS["rectangle-on-track"], SYSTEMS["cylinder-on-plane"]
-    assert carried(track, {})[1] == ("floor", "wall")
-    assert "spin" in carried(cylinder, {"alpha": 5.0})[0]
-    assert "pitch" in carried(SYSTEMS["rectangle-isolated"], {})[0]
-    assert carried(SCENES["rectangle-on-track"], {}) == ((), ())
-
-
-def test_states_are_as_wide_as_what_is_carried():
-    from vibrafeed.core.motion.kernels.stepping import FLOOR, PLANAR, WALL, WIDTHS
-
-    # A position (but across without a wall) and a velocity each, spin, and what contacts remember:
-    # what static friction spares, whether it presses, and whether it leans.
-    assert (WIDTHS[PLANAR], WIDTHS[FLOOR], WIDTHS[WALL]) == (
-        2 + 2 + 2,
-        2 + 3 + 1 + 2,
-        3 + 3 + 1 + 3,
-    )
-
-
 def test_memory_follows_the_output_and_not_the_grid():
     scene = SCENES["rectangle-on-plane"]
     little = measure(scene, "physical", "throw_number")
@@ -213,7 +175,6 @@ def test_the_report_has_a_row_for_each(monkeypatch):
     assert {(row.kind, row.variant) for row in rows} == {
         ("sweep", SCENES["rectangle-isolated"].default_variant),
         ("simulate", "events"),
-        ("simulate", "time-stepping"),
     }
     for row in rows:
         assert 0 < row.equations <= row.of

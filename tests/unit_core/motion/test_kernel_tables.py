@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from vibrafeed.core.motion.groups import Groups, cells_of
-from vibrafeed.core.motion.kernels import cells, results, stepping, tumbling
-from vibrafeed.core.motion.kernels.stepping import tables as stepping_tables
+from vibrafeed.core.motion.kernels import cells, results, tumbling
 from vibrafeed.core.motion.kernels.tumbling import tables as tumbling_tables
 from vibrafeed.core.motion.methods.tumbling import Tumble, TumblePath
 from vibrafeed.core.motion.result import Motion
@@ -41,10 +40,3 @@ def test_a_cell_is_read_by_the_names_of_its_fields():
     for tables in (cells, tumbling_tables):
         row = np.arange(len(tables.Cell._fields)) + 0.5
         assert tables.cell_of(row) == tables.Cell(*row.tolist())
-
-
-def test_a_scene_of_time_stepping_stops_where_its_coordinates_end():
-    names = stepping_tables.State._fields
-    planar_width, floor_width, _ = stepping.WIDTHS
-    assert not {"uy", "spin", "y", "leaning"} & set(names[:planar_width])
-    assert not {"y", "leaning"} & set(names[:floor_width])

@@ -120,7 +120,7 @@ SLIPPERY = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("method", ["events", "reference", "time-stepping"])
+@pytest.mark.parametrize("method", ["events", "reference"])
 @pytest.mark.parametrize(("given", "known"), SLIPPERY)
 def test_where_the_slip_runs_away_friction_alone_holds_the_part(given, known, method):
     for way in (1, -1):

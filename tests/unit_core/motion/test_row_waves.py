@@ -1,4 +1,4 @@
-"""Rows under waves, from event to event: the sine, one part, time stepping, and laws."""
+"""Rows under waves, from event to event: the sine, one part, and laws."""
 
 from __future__ import annotations
 
@@ -141,23 +141,6 @@ def test_steps_off_the_floor_move_three_parts_as_one():
     for name in drive["outputs"]:
         assert row[name].values == pytest.approx(one[name].values, abs=1e-10)
     assert one.flight_fraction.values[1] > 0.1
-
-
-# --- another method: time stepping
-
-
-@pytest.mark.parametrize("stop", STOPS)
-def test_time_stepping_comes_nearer_with_its_step(stop):
-    random, seen = np.random.default_rng(20 + stop), []
-    for _ in range(count(6, 67)):
-        row = random_row(random, normal=random.choice([0.3, 1.2]))
-        of_row = cell(**row, stop=stop, most=3)
-        exact, _ = followed(of_row)
-        apart = [abs(followed(of_row, steps)[0]["velocity"] - exact["velocity"])
-                 for steps in (200, 3200)]  # fmt: skip
-        seen.append(apart)
-    coarse, fine = np.mean(seen, axis=0)
-    assert fine < 0.15 * coarse  # of first order it is a sixteenth
 
 
 # --- laws

@@ -17,7 +17,7 @@ from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.motion.kernels.rows import path_of_row
 from vibrafeed.core.motion.kernels.rows.contact import collide, pooled, start
-from vibrafeed.core.motion.kernels.rows.tables import row_of
+from vibrafeed.core.motion.kernels.rows.tables import row_at
 from vibrafeed.core.quantities import REGIMES
 
 ROOT = Path(__file__).parents[3]
@@ -30,7 +30,7 @@ def test_contact_is_isotonic_regression():
     random = np.random.default_rng(1)
     for _ in range(count(300, 5000)):
         n = int(random.integers(2, 9))
-        row = row_of(cell(1, 0, random.uniform(0.1, 0.9, n), mass=random.uniform(0.2, 3.0, n)))
+        row = row_at(cell(1, 0, random.uniform(0.1, 0.9, n), mass=random.uniform(0.2, 3.0, n)), 0.0)
         row.value[:] = random.normal(size=n)
         found = isotonic_regression(row.value.copy(), weights=row.mass)
         blocks = pooled(row, 0, n)
@@ -43,7 +43,7 @@ def test_starts_obey_friction_and_push_only():
     for _ in range(count(300, 5000)):
         n = int(random.integers(2, 9))
         static = random.uniform(0.1, 0.9, n)
-        row = row_of(cell(1, 0, static, mass=random.uniform(0.2, 3.0, n)))
+        row = row_at(cell(1, 0, static, mass=random.uniform(0.2, 3.0, n)), 0.0)
         push, load = random.uniform(-1.0, 1.0), random.uniform(0.2, 1.5)
         start(row, push, load, -1)
         way = np.sign(push)
@@ -65,7 +65,7 @@ def test_collisions_keep_momentum_and_gain_no_energy(restitution):
     random = np.random.default_rng(3)
     for _ in range(count(200, 3000)):
         n = int(random.integers(2, 8))
-        row = row_of(cell(1, 0, [0.3] * n, mass=random.uniform(0.2, 3.0, n)))
+        row = row_at(cell(1, 0, [0.3] * n, mass=random.uniform(0.2, 3.0, n)), 0.0)
         row.speed[:] = random.normal(size=n)
         hit = int(np.argmin(np.diff(row.speed)))
         before = row.speed.copy()
@@ -177,10 +177,9 @@ def test_what_is_wrong_is_said_with_its_place(more, place, says):
         {"frequency": 50, "acceleration_normal_1": 2, "duration_1": 1, "duration_2": 1},
     ],
 )
-def test_both_methods_take_every_drive_of_the_plane(drive):
+def test_rows_take_every_drive_of_the_plane(drive):
     study = {**STUDY, "parameters": {**drive, "part_friction_1": 0.3, "part_friction_2": 0.4}}
-    for method in ("events", "time-stepping"):
-        assert prepare_content({**study, "method": method}).plan.variant == method
+    assert prepare_content(study).plan.variant == "events"
 
 
 def regimes(outputs=("platoons",), **given):
@@ -210,13 +209,11 @@ SLOPE = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("method", ["events", "time-stepping"])
 @pytest.mark.parametrize(("gamma", "friction", "away"), SLOPE)
-def test_parts_that_run_down_a_slope_for_ever_have_no_mean_velocity(gamma, friction, away, method):
+def test_parts_that_run_down_a_slope_for_ever_have_no_mean_velocity(gamma, friction, away):
     found = vibrafeed.simulate(
         scene="row-on-plane", outputs=["conveying_velocity"], frequency=50, amplitude="0.1 mm",
         beta=20, gamma=gamma, part_friction_1=friction[0], part_friction_2=friction[1],
-        method=method,
     )  # fmt: skip
     assert (found.regime == REGIMES["runaway"].value) == away
     assert np.isnan(found.conveying_velocity) == away
@@ -231,10 +228,9 @@ def test_a_stop_holds_the_parts_in_front_on_a_slope_and_not_those_behind():
     assert found.regime.values.tolist() == [REGIMES["blocked"].value, REGIMES["runaway"].value]
 
 
-@pytest.mark.parametrize("method", ["events", "time-stepping"])
-def test_parts_that_rebound_from_the_floor_are_followed_by_no_method(method):
+def test_parts_that_rebound_from_the_floor_are_followed_by_no_method():
     outputs = ["conveying_velocity", "feed_rate"]
-    given = {**APART, "length": "12 mm", "method": method}
+    given = {**APART, "length": "12 mm"}
     found, names = regimes(outputs, restitution=[0.0, 0.2], **given)
     assert names[0] != names[1] == "not_supported"
     for output in outputs:

@@ -70,26 +70,7 @@ def test_rows_of_unequal_parts_press_on_a_stop_of_the_track_block_by_block():
     assert found["stop_peak"] == pytest.approx(force.max(), abs=1e-8)
 
 
-# --- another method
-
-
-HELD = [
-    (2.0, 0.6, [0.4, 0.3], {"stop": IN_SPACE}),
-    (2.0, 1.6, [0.4, 0.3], {"stop": IN_SPACE, "gs": -0.1}),
-    (2.0, 1.3, [0.4, 0.3], {"stop": IN_SPACE, "gs": 0.05}),
-    (1.5, 0.9, [0.4, 0.3, 0.5], {"stop": ON_TRACK}),
-    (1.5, 1.9, [0.4, 0.3, 0.5], {"stop": ON_TRACK, "gap": [1.0, 0.5], "stop_gap": 3.0}),
-    (1.5, 0.9, [0.4, 0.3, 0.5], {"stop": IN_SPACE, "gap": [1.0, 0.5], "stop_gap": 3.0}),
-]
-
-
-@pytest.mark.parametrize(("px", "pz", "friction", "more"), HELD)
-def test_time_stepping_finds_the_force_on_the_stop(px, pz, friction, more):
-    row = cell(px, pz, friction, most=120, **more)
-    exact, _ = followed(row)
-    steps, _ = followed(row, 1000)
-    for column in ("stop_force", "stop_contact"):
-        assert steps[column] == pytest.approx(exact[column], abs=6e-3), column
+# --- laws
 
 
 def random_row(random, most=60):
@@ -102,25 +83,6 @@ def random_row(random, most=60):
         stop=int(random.integers(3)), stop_gap=random.choice([0.0, 0.4]),
         gap=random.choice([0.0, 0.3], n - 1),
     )  # fmt: skip
-
-
-def test_events_and_time_stepping_agree_within_their_errors_which_fall_with_the_step():
-    random, rows = np.random.default_rng(38), count(8, 200)
-    apart, beyond = [], 0
-    for _ in range(rows):
-        row = random_row(random, 80)
-        exact, name = followed(row)
-        found = [followed(row, steps)[0] for steps in (250, 1000)]
-        errors = [abs(one["velocity"] - exact["velocity"]) for one in found]
-        beyond += errors[1] > found[1]["error"] + exact["error"]
-        if name == "periodic":
-            apart.append(errors)
-    assert beyond <= 0.02 * rows
-    first, second = np.median(np.array(apart) + 1e-15, axis=0)
-    assert second < 0.5 * first  # of first order it is a quarter
-
-
-# --- laws
 
 
 def test_laws_of_rows_on_stops():
@@ -244,40 +206,33 @@ def test_drawn_deviations_are_those_of_their_seed():
          "parameters.track_stop_gap"),
         ({"friction_spread": 0.1, "part_friction_1": 0.3, "friction": 0.3, "parts": 3},
          "parameters.friction_spread"),
-        ({"part_restitution": 0.3, "friction": 0.3, "parts": 2, "method": "time-stepping"},
-         "parameters.part_restitution"),
     ],
 )  # fmt: skip
 def test_what_excludes_each_other_is_said(more, place):
-    parameters = {key: value for key, value in {**DRIVEN, **more}.items() if key not in
-                  ("scene", "method")}  # fmt: skip
+    parameters = {key: value for key, value in {**DRIVEN, **more}.items() if key != "scene"}
     study = {"kind": "simulate", "scene": "row-on-plane", "parameters": parameters}
-    if "method" in more:
-        study["method"] = more["method"]
     with pytest.raises(StudyError) as caught:
         prepare_content(study)
     assert place in [one.place for one in caught.value.problems]
 
 
-def test_a_row_is_verified_by_the_other_method():
-    found = vibrafeed.simulate(
-        **DRIVEN, part_friction_1=[0.3, 0.4], part_friction_2=0.35, verify=2,
-        outputs=["conveying_velocity"], max_periods=80,
-    )  # fmt: skip
-    assert found.attrs["verified_against"] == "the method time-stepping"
-    assert "verified_failed" not in found.attrs
+def test_no_method_verifies_a_row():
+    with pytest.raises(StudyError, match="no other method"):
+        vibrafeed.simulate(
+            **DRIVEN, part_friction_1=[0.3, 0.4], part_friction_2=0.35, verify=2,
+            outputs=["conveying_velocity"],
+        )  # fmt: skip
 
 
-def test_harmonics_move_rows_by_steps():
+def test_one_harmonic_moves_rows_as_the_sine_does():
     sine = vibrafeed.simulate(
-        **DRIVEN, part_friction_1=0.3, part_friction_2=0.4, outputs=["conveying_velocity"],
-        method="time-stepping",
-    )  # fmt: skip
+        **DRIVEN, part_friction_1=0.3, part_friction_2=0.4, outputs=["conveying_velocity"]
+    )
     angle = np.radians(40)
     wave = vibrafeed.simulate(
         scene="row-on-plane", frequency=50, amplitude_along_1=3e-4 * np.cos(angle),
         amplitude_normal_1=3e-4 * np.sin(angle), part_friction_1=0.3, part_friction_2=0.4,
-        outputs=["conveying_velocity"], method="time-stepping",
+        outputs=["conveying_velocity"],
     )  # fmt: skip
     assert float(wave.conveying_velocity) == pytest.approx(float(sine.conveying_velocity), rel=1e-6)
 

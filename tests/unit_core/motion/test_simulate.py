@@ -16,7 +16,7 @@ from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, parse_study, prepare_content
 from vibrafeed.core.kinds import run_study, tabulate
 from vibrafeed.core.motion import SYSTEMS
-from vibrafeed.core.motion.rates import effective_distance, parts_per_minute, velocity_for
+from vibrafeed.core.motion.feeding import effective_distance, parts_per_minute, velocity_for
 from vibrafeed.core.motion.systems import CONTACTS
 from vibrafeed.core.quantities import MOTION_STATUSES
 from vibrafeed.core.watch import Watch
@@ -71,30 +71,12 @@ class TestMethods:
                 prepared = prepare_content(study(name, method=method, parameters=curved))
                 assert 0 < prepared.seconds_a_cell < 60, (name, method)
 
-    @pytest.mark.by_day(1)
-    @pytest.mark.parametrize("method", ["regularised", "regularised-BDF", "regularised-LSODA"])
-    def test_every_stiff_solver_agrees_within_its_error(self, method):
-        # Sliding, without hops: a second a solver.
-        slides = {"amplitude": "0.1 mm", "friction": 0.3}
-        outputs = ["conveying_velocity", "conveying_velocity_error"]
-        true = run(outputs=outputs, parameters=slides)
-        found = run(method=method, outputs=outputs, parameters=slides)
-        apart = abs(float(found.conveying_velocity - true.conveying_velocity))
-        assert apart <= float(found.conveying_velocity_error) < 0.1 * abs(true.conveying_velocity)
-
     def test_every_method_agrees_within_its_error(self):
-        for method in ("events", "time-stepping", "reference"):
+        for method in ("events", "reference"):
             found = run(method=method, outputs=["conveying_velocity", "conveying_velocity_error"])
             away = abs(float(found.conveying_velocity) - HOP_SPEED)
             # The reference's own estimate is that of a transient only; it has some nine digits.
             assert away <= float(found.conveying_velocity_error) + 1e-9 * HOP_SPEED, method
-
-    def test_regularised_methods_agree_within_their_error(self):
-        found = run_study(load_study(CONFIGS / "regularised.toml"))
-        # Its friction is 0.25 throughout: the exact motion is that of the events.
-        exact = run(parameters={"amplitude": "24 um", "beta": "20 deg", "friction": 0.25})
-        away = abs(float(found.conveying_velocity) - float(exact.conveying_velocity))
-        assert away <= float(found.conveying_velocity_error)
 
     def test_a_block_and_a_cylinder_differ_across_the_track_only(self):
         changes = {"parameters": {"alpha": "30 deg"}, "max_periods": 40}
@@ -102,15 +84,12 @@ class TestMethods:
         assert float(block.conveying_velocity) != float(cylinder.conveying_velocity)
 
     def test_the_track_without_wall_load_is_a_plane(self):
-        method = {"method": "time-stepping", "steps_per_period": 200}
-        found = run(scene="rectangle-on-track", **method)
-        plane = run(**method)
-        away = abs(float(found.conveying_velocity) - float(plane.conveying_velocity))
-        assert away <= 1e-2 * HOP_SPEED  # both are of first order with 200 steps
+        found, plane = run(scene="rectangle-on-track"), run()
+        assert float(found.conveying_velocity) == float(plane.conveying_velocity)
 
 
 class TestWall:
-    @pytest.mark.parametrize("method", ["events", "time-stepping", "reference"])
+    @pytest.mark.parametrize("method", ["events", "reference"])
     def test_it_is_like_the_floor_unless_it_is_given(self, method):
         found = [
             float(
@@ -125,10 +104,8 @@ class TestWall:
             )
         ]
         assert found[0] == found[1]
-        # By the reference; time stepping is of first order.
-        close = 5e-3 if method == "time-stepping" else 1e-8
-        assert found[0] == pytest.approx(0.03868874124, rel=close)
-        assert found[2] == pytest.approx(0.03827239394, rel=close)
+        assert found[0] == pytest.approx(0.03868874124, rel=1e-8)  # by the reference
+        assert found[2] == pytest.approx(0.03827239394, rel=1e-8)
 
     def test_it_rebounds_by_its_own_restitution(self):
         given = {"scene": "rectangle-on-track"}
@@ -206,20 +183,6 @@ class TestDatasets:
         way = float(found.position_along[-1])
         assert way * 60 == pytest.approx(HOP_SPEED, rel=1e-11)
 
-    def test_the_course_by_time_stepping(self):
-        times = np.linspace(0, 1 / 60, 401).tolist()
-        exact = run(trajectory=times)
-        steps = run(method="time-stepping", trajectory=times, max_periods=40)
-        # First order: a step of 2 pi/2001, in which the velocity changes by the drive's 5.8 g at
-        # most; the errors of some ten events and of the cycle before them add up.
-        bar = 5.8 * 2 * np.pi / 2001 * 10
-        for name, scale in (("position_along", "length_scale"),
-                            ("height_above_floor", "length_scale"),
-                            ("track_normal", "length_scale")):  # fmt: skip
-            away = np.abs(exact[name] - steps[name]) / float(exact[scale])
-            assert float(away.max()) <= bar, name
-        assert float((exact.motion_mode == steps.motion_mode).mean()) > 0.98
-
     def test_the_course_at_the_wall(self):
         found = run(scene="rectangle-on-track", trajectory=100,
                     parameters={"alpha": "10 deg", "delta": "5 deg"})  # fmt: skip
@@ -240,21 +203,19 @@ class TestDatasets:
         end = found.isel(cycle_time=-1)
         assert float(end.path_height) == pytest.approx(0.004, abs=1e-9)  # on its side
         assert int(end.path_corners) == 2
-        by_steps = run_study(parse_study({
-            "kind": "simulate", "scene": "rectangle-isolated", "method": "time-stepping",
+        other = run_study(parse_study({
+            "kind": "simulate", "scene": "rectangle-isolated",
             "outputs": ["resting_side", "final_pitch"],
             "parameters": {"length": "20 mm", "height": "12 mm", "drop_height": "5 mm",
                            "pitch": "20 deg", "friction": 0.3, "restitution": 0.1,
                            "duration": "1 s"},
         }))  # fmt: skip
-        assert int(by_steps.resting_side) == 1
+        assert int(other.resting_side) == 1
 
     @pytest.mark.parametrize("scene", SYSTEMS)
     def test_every_output_of_every_system_by_every_method(self, scene):
         """Each method gives all of its outputs on one easy point."""
         for method, system in ((m, SYSTEMS[scene]) for m in SYSTEMS[scene].variants):
-            if method in ("regularised-BDF", "regularised-LSODA"):
-                continue  # the same equations as regularised
             parameters = {
                 name: value
                 for name, value in {
@@ -265,7 +226,7 @@ class TestDatasets:
                 }.items()
                 if name in needed(system, method)
             }  # fmt: skip
-            if method == "regularised" or scene == "disc-on-edge":  # it is to roll, not to slip
+            if scene == "disc-on-edge":  # it is to roll, not to slip
                 parameters |= {"amplitude": "24 um", "friction": 0.25, "beta": "20 deg"}
             if scene == "row-on-plane":  # parts that rebound from the floor hop out of step
                 parameters["restitution"] = 0
@@ -278,13 +239,7 @@ class TestDatasets:
                 if name not in ("settling_time", "fastest_velocity", "share_of_fastest") and not (
                     name.startswith("platoon_") and name[-1] != "1"
                 ):
-                    if method == "time-stepping" and name in NOT_BY_STEPS:
-                        continue
                     assert np.isfinite(found[name]).all(), (method, name)
-
-
-NOT_BY_STEPS = {"collisions_per_period", "impact_energy", "stop_impulse", "stop_force_peak"}
-"""Of a row: within a step of time its collisions cannot be told from its contacts."""
 
 
 def needed(system, method) -> set[str]:
@@ -314,7 +269,7 @@ class TestStopping:
                            regimes.attributes["flag_values"], strict=True))  # fmt: skip
         assert (regimes.values[left] == by_name["unresolved"]).all()
 
-    @pytest.mark.parametrize("method", ["events", "time-stepping", "reference", "regularised"])
+    @pytest.mark.parametrize("method", ["events", "reference"])
     def test_a_deadline_in_the_past_starts_nothing(self, method):
         prepared = prepare_content(study(method=method))
         table = tabulate(prepared, Watch(deadline=time.monotonic() - 1))
@@ -331,9 +286,9 @@ class TestProblems:
     def test_everything_at_once(self):
         found = problems(
             scene="rectangle-on-plane", method="event", outputs=["conveying_velocty"],
-            tolerance=2, steps=9, parameters={"friction": None, "mass": "3 g", "betta": 3},
+            tolerance=2, periods=9, parameters={"friction": None, "mass": "3 g", "betta": 3},
         )  # fmt: skip
-        assert "Did you mean 'steps_per_period'" in found["steps"]
+        assert "Did you mean 'max_periods'" in found["periods"]
         assert "2 is too large. Write at most 1" in found["tolerance"]
         assert "Did you mean 'beta'" in found["parameters.betta"]
         assert "Did you mean 'events'" in found["method"]
@@ -355,12 +310,20 @@ class TestProblems:
         assert found[0] == float(run(method="events").conveying_velocity)
 
     def test_settings_belong_to_methods(self):
-        told = problems(steps_per_period=100)["steps_per_period"]
-        assert told == (
-            "the method events does not use it. Remove it, or set method to time-stepping"
+        told = problems(method="reference", tolerance=1e-9)["tolerance"]
+        assert told == ("the method reference does not use it. Remove it, or set method to events")
+
+    @pytest.mark.parametrize("method", ["time-stepping", "regularised", "regularised-LSODA"])
+    def test_a_method_of_old_names_the_one_that_stays(self, method):
+        assert "This method is gone: 'events' is exact" in problems(method=method)["method"]
+
+    @pytest.mark.parametrize("key", ["steps_per_period", "slip_speed", "contact_stiffness"])
+    def test_a_setting_of_old_says_that_it_is_gone(self, key):
+        told = problems(**{key: 100})[key]
+        assert (
+            told == f"'{key}' is not a key of kind 'simulate'. Remove it: its method is gone, "
+            "and 'events' is exact without it"
         )
-        assert "does not use it" in problems(slip_speed=1e-4)["slip_speed"]
-        assert "does not use it" in problems(method="time-stepping", tolerance=1e-9)["tolerance"]
 
     def test_scenes_that_are_snapshots_only(self):
         found = problems(scene="rectangle-pair-impact", parameters=dict.fromkeys(HOP))
@@ -388,18 +351,17 @@ class TestProblems:
         found = problems(trajectory=50, parameters={"friction": [0.1, 0.2]})
         assert "trajectory shows one point" in found["trajectory"]
 
-    @pytest.mark.parametrize("method", ["reference", "regularised"])
-    def test_some_methods_give_means_only(self, method):
-        found = problems(method=method, trajectory=50)["trajectory"]
-        assert "Set method to events or time-stepping" in found
+    def test_the_reference_gives_means_only(self):
+        found = problems(method="reference", trajectory=50)["trajectory"]
+        assert "Set method to events" in found
 
     def test_settings_and_courses_are_told_beside_all_else(self):
         found = problems(
-            method="events", slip_speed=1e-4, trajectory=10,
+            method="reference", tolerance=1e-4, trajectory=10,
             parameters={"friction": [0.1, 0.2], "alpha": 3, "frequency": 0, "mass": 3},
         )  # fmt: skip
         assert set(found) == {
-            "slip_speed", "trajectory", "parameters.frequency", "parameters.mass",
+            "tolerance", "trajectory", "parameters.frequency", "parameters.mass",
         }  # fmt: skip
 
     def test_reference_keeps_to_friction_that_it_can_integrate(self):
@@ -421,18 +383,15 @@ class TestNoAnswer:
 
     def test_a_part_that_never_lands_has_no_mean(self):
         given = {"amplitude": "1 m", "alpha": "10 deg"}
-        for more in ({}, {"method": "time-stepping", "steps_per_period": 50}):
-            found = run(parameters=given, **more)
-            assert int(found.motion_status) == MOTION_STATUSES["limit_reached"].value
-            assert np.isnan(found.conveying_velocity)
+        found = run(parameters=given)
+        assert int(found.motion_status) == MOTION_STATUSES["limit_reached"].value
+        assert np.isnan(found.conveying_velocity)
 
     @pytest.mark.parametrize("amplitude", [0, 5e-324, 1e-300, 1e300])
     def test_amplitudes_at_the_ends_of_floating_numbers(self, amplitude):
-        for method in ("events", "time-stepping"):
-            found = run(method=method, parameters={"amplitude": amplitude})
-            answered = np.isfinite(found.conveying_velocity)
-            flag = int(found.motion_status)
-            assert answered == (flag in (1, 2, 3, 5)), method
+        found = run(parameters={"amplitude": amplitude})
+        answered = np.isfinite(found.conveying_velocity)
+        assert answered == (int(found.motion_status) in (1, 2, 3, 5))
 
 
 class TestRates:

@@ -27,15 +27,8 @@ PIN = {
 ENDLESS = {
     "events": ("rectangle-on-plane", WAVE, {"max_periods": 1_000_000}),
     "events in space": ("rectangle-on-track", CURVE, {"max_periods": 1_000_000}),
-    "time-stepping": (
-        "rectangle-on-track", CURVE, {"max_periods": 25_000, "steps_per_period": 1000}
-    ),
     "reference": ("rectangle-on-plane", HOPS, {"max_periods": 1_000_000}),
-    "regularised": ("rectangle-on-plane", HOPS, {"max_periods": 1_000_000}),
-    "regularised-BDF": ("rectangle-on-plane", HOPS, {"max_periods": 1_000_000}),
-    "regularised-LSODA": ("rectangle-on-plane", HOPS, {"max_periods": 1_000_000}),
     "events tumbling": ("rectangle-isolated", {**PIN, "duration": 10_000}, {}),
-    "time-stepping tumbling": ("rectangle-isolated", {**PIN, "duration": 10_000}, {}),
 }  # fmt: skip
 """Of each method a study of one cell that takes long: scene, parameters, settings."""
 

@@ -6,7 +6,6 @@ from vibrafeed.core.motion.kernels.rows.cells import (
     row_cells,
     waved_row_cells,
 )
-from vibrafeed.core.motion.kernels.rows.stepping import stepped_rows
 from vibrafeed.core.motion.kernels.rows.tables import AT, HEAD, OWN, ROW_COLUMNS, Head, RowColumns
 
 __all__ = [
@@ -19,6 +18,5 @@ __all__ = [
     "path_of_row",
     "path_of_waved_row",
     "row_cells",
-    "stepped_rows",
     "waved_row_cells",
 ]

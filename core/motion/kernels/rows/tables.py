@@ -132,15 +132,6 @@ def drive_of(cell: Floats) -> Drive:
 
 
 @compiled
-def row_of(cell: Floats) -> Row:
-    """Return the row of a cell, with all parts at rest on the track.
-
-    `cell` has the columns of `Head`, then the parts and the wave.
-    """
-    return row_at(cell, backward_speed(drive_of(cell)))
-
-
-@compiled
 def row_at(cell: Floats, backward: float) -> Row:
     """Return the parts of a row at rest on the track, as the state from which they are followed.
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 
-from vibrafeed.core.compiled import borrowing
+from vibrafeed.core.compiled import borrowing, compiled
 from vibrafeed.core.motion.kernels.arrays import Flags, Floats
 from vibrafeed.core.motion.kernels.cells import Cell
 from vibrafeed.core.motion.kernels.rebounds import SETTLED_EXACTLY, SETTLED_TIME
-from vibrafeed.core.motion.kernels.stepping.contacts import friction_impulse
 from vibrafeed.core.motion.kernels.track import drive
 from vibrafeed.core.motion.kernels.track.modes import Begin, StepSettings
 from vibrafeed.core.motion.kernels.track.tables import (
@@ -27,11 +26,47 @@ MAX_SWEEPS = 500
 """Of two impacts at once: a sweep shrinks what is left by mu_k mu_w, at 0.93 to 1e-16 after
 these."""
 STEADY = 1e-16  # change of the impulses over the speeds of impact, below which sweeps end
+MAX_NEWTON = 60
+"""Newton's steps from the left on a concave function: even if each did no more than halve the
+error, 47 would end it."""
 GONE = 2.0
 """In tolerances: a slip no larger than this is none; it is looked for at one tolerance."""
 NEAR_STOP = 3.0
 """In tolerances: the square of what is left of a slip over its least rate of closing, below which
 it ends on a straight line."""
+
+
+@compiled
+def friction_impulse(
+    slip_1: float, slip_2: float, hold: float, slide: float, response: float
+) -> tuple[float, float, bool]:
+    """Return the friction impulse (two components) at one contact, and True if it sticks.
+
+    Per mass, in g/w (w = 2 pi f). The slip (`slip_1`, `slip_2`) is that without the impulse; a unit
+    impulse changes it by 1 and by r = `response`. It sticks if an impulse of at most `hold` can
+    stop it; else the impulse is -q e, with q = `slide` and e = (s_1/(z + q), s_2/(z + r q)) along
+    the slip that is left, where |e| = 1 gives z: the secular equation of theory 7.3.
+    """
+    stop_2 = slip_2 / response
+    if slip_1 * slip_1 + stop_2 * stop_2 <= hold * hold:
+        return -slip_1, -stop_2, True
+    left = math.hypot(slip_1, slip_2)
+    if response == 1.0:
+        return -slide * slip_1 / left, -slide * slip_2 / left, False
+    # Newton on 1/|e(z)| = 1, concave: from below the root it rises and cannot overshoot.
+    z = max(0.0, abs(slip_1) - slide, abs(slip_2) - response * slide, left - response * slide)
+    e_1, e_2 = 0.0, 0.0
+    for _ in range(MAX_NEWTON):
+        e_1 = slip_1 / (z + slide)
+        e_2 = slip_2 / (z + response * slide)
+        square = e_1 * e_1 + e_2 * e_2
+        slope = e_1 * e_1 / (z + slide) + e_2 * e_2 / (z + response * slide)
+        step = square * (math.sqrt(square) - 1.0) / slope
+        z += step
+        if not step > 1e-14 * left:
+            break
+    size = math.hypot(e_1, e_2)
+    return -slide * e_1 / size, -slide * e_2 / size, False
 
 
 @borrowing

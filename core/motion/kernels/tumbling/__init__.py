@@ -5,34 +5,18 @@ at the distance rho; the pitch counts clockwise and adds to a (theory 2.1). The 
 numbers of one cell and its state, an array that holds place, motion and the energy lost so far.
 
 `geometry`: corners and sides; `forces`: accelerations and forces of contact; `carry`: a step with
-one support; `impact`: impacts; `support`: what carries the part; `run`: what both methods share;
-`events` and `steps`: the two methods; `cells`: many cells, and one path.
+one support; `impact`: impacts; `support`: what carries the part; `run`: its start, records and
+results; `events`: from event to event; `cells`: many cells, and one path.
 """
 
-from vibrafeed.core.motion.kernels.tumbling.cells import (
-    path_events,
-    path_steps,
-    tumble_events,
-    tumble_steps,
-)
-from vibrafeed.core.motion.kernels.tumbling.tables import (
-    COLUMN,
-    MOREAU,
-    PATH,
-    PATH_COLUMNS,
-    PFEIFFER_GLOCKER,
-    Cell,
-)
+from vibrafeed.core.motion.kernels.tumbling.cells import path_events, tumble_events
+from vibrafeed.core.motion.kernels.tumbling.tables import COLUMN, PATH, PATH_COLUMNS, Cell
 
 __all__ = [
     "COLUMN",
-    "MOREAU",
     "PATH",
     "PATH_COLUMNS",
-    "PFEIFFER_GLOCKER",
     "Cell",
     "path_events",
-    "path_steps",
     "tumble_events",
-    "tumble_steps",
 ]

@@ -15,7 +15,7 @@ from vibrafeed.core.motion.kernels.tumbling.geometry import (
     slip_of,
     speed_scale,
 )
-from vibrafeed.core.motion.kernels.tumbling.tables import MOREAU, SLOW, STATE, TOUCH, Cell
+from vibrafeed.core.motion.kernels.tumbling.tables import SLOW, STATE, TOUCH, Cell
 
 
 @compiled
@@ -124,12 +124,12 @@ def compress(
 def strike(cell: Cell, state: Floats, after: Floats) -> bool:
     """Apply an impact of the touching corners of a part to its state; True if there was one.
 
-    There is none if no touching corner approaches the plane. A compression first stops the
-    approach. Moreau's law then scales this change by 1 + eps; the law of Pfeiffer and Glocker adds
-    an expansion with eps times the normal impulses, and friction that may stop the slip (theory
-    5.3). If a corner still approaches, as may be with two corners, further compressions follow.
+    There is none if no touching corner approaches the plane. By the law of Pfeiffer and Glocker a
+    compression first stops the approach, and an expansion follows with eps times the normal
+    impulses, and friction that may stop the slip (theory 5.3). If a corner still approaches, as may
+    be with two corners, further compressions follow.
 
-    `cell` holds the numbers of the part and its law, `state` the columns of `STATE` (SI), changed
+    `cell` holds the numbers of the part, `state` the columns of `STATE` (SI), changed
     in place, with the kinetic energy lost per mass added; `after` is a work array of the same size.
     """
     touch, slow = TOUCH * cell.half_diagonal, SLOW * speed_scale(cell)
@@ -153,23 +153,19 @@ def strike(cell: Cell, state: Floats, after: Floats) -> bool:
     before = kinetic(cell, state)
     eps = cell.restitution
     first, second, _ = compress(cell, state, right, left, after)
-    if cell.law == MOREAU:
-        for rate in (STATE.along_rate, STATE.up_rate, STATE.pitch_rate):
-            state[rate] += (1.0 + eps) * (after[rate] - state[rate])
-    else:
-        copy(after, state)
-        s, c = corner_at(cell, right, state[STATE.pitch])
-        push(cell, state, s, c, eps * first, 0.0)
-        rate = right
-        if left >= 0:
-            s_l, c_l = corner_at(cell, left, state[STATE.pitch])
-            push(cell, state, s_l, c_l, eps * second, 0.0)
-            if first == 0.0:
-                rate, s, c = left, s_l, c_l
-        limit = cell.friction_kinetic * eps * (first + second)
-        _, _, tt = delassus(cell, s, c)
-        wanted = -slip_of(cell, state, rate) / tt
-        push(cell, state, s, c, 0.0, min(max(wanted, -limit), limit))
+    copy(after, state)
+    s, c = corner_at(cell, right, state[STATE.pitch])
+    push(cell, state, s, c, eps * first, 0.0)
+    rate = right
+    if left >= 0:
+        s_l, c_l = corner_at(cell, left, state[STATE.pitch])
+        push(cell, state, s_l, c_l, eps * second, 0.0)
+        if first == 0.0:
+            rate, s, c = left, s_l, c_l
+    limit = cell.friction_kinetic * eps * (first + second)
+    _, _, tt = delassus(cell, s, c)
+    wanted = -slip_of(cell, state, rate) / tt
+    push(cell, state, s, c, 0.0, min(max(wanted, -limit), limit))
     for _ in range(20):
         least = gap_rate_of(cell, state, right)
         if left >= 0:

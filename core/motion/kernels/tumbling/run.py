@@ -1,4 +1,4 @@
-"""Parts that runs from event to event and runs by time stepping share."""
+"""Start, records and results of a run of a tumbling part."""
 
 from __future__ import annotations
 

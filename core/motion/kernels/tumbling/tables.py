@@ -9,8 +9,6 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 from vibrafeed.core.compiled import compiled
 from vibrafeed.core.motion.kernels.arrays import Floats
 
-PFEIFFER_GLOCKER, MOREAU = 0, 1  # laws of impact
-
 FREE, FLAT, PARADOX = -1, -2, -3
 """What carries the part, if not the corner with that number: nothing, a side, and contact laws
 without one solution."""
@@ -33,7 +31,7 @@ Cell = namedtuple(
     "Cell",
     "half_diagonal inertia_ratio corner_angle turning pull_along pull_normal drive_along "
     "drive_normal circular_frequency start_phase friction_kinetic friction_static restitution "
-    "gap_normal pitch velocity_along velocity_upward pitch_rate duration time_step law",
+    "gap_normal pitch velocity_along velocity_upward pitch_rate duration time_step",
 )
 """The numbers of one cell, SI; a row of the kernels' table in this order.
 

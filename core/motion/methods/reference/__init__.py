@@ -18,12 +18,12 @@ from numpy.typing import ArrayLike
 
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.course import Path
 from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, each
 from vibrafeed.core.motion.method import Follow, Method
 from vibrafeed.core.motion.methods.reference.laws import UX, UZ, ReferenceLaws, X, Y, Z
 from vibrafeed.core.motion.methods.reference.part import FailedError, Part
 from vibrafeed.core.motion.methods.reference.repeats import PERIOD, ReferenceRun
-from vibrafeed.core.motion.path import Path
 from vibrafeed.core.motion.price import Price, Priced
 from vibrafeed.core.motion.result import STATUS, Motion, motion_of, with_whole_shares
 from vibrafeed.core.scenes import Constraint
@@ -41,7 +41,6 @@ def reference_path(
     contacts: Contacts = BLOCK_ON_FLOOR,
     *,
     phases: ArrayLike,
-    absolute_speed: bool = True,
     position: Sequence[float] = (0.0, 0.0, 0.0),
     velocity: Sequence[float] = (0.0, 0.0, 0.0),
     spin: float = 0.0,
@@ -52,9 +51,8 @@ def reference_path(
 
     Parameters
     ----------
-    groups, contacts, absolute_speed
-        Dimensionless groups of the part, the surfaces that it can touch, and True if the speed in
-        space counts in a curve, as in `reference_motion`.
+    groups, contacts
+        Dimensionless groups of the part, and the surfaces that it can touch.
     phases : array_like, shape (n,)
         Ascending, in rad; the given state is that at the first.
     position, velocity : sequence of 3 floats
@@ -73,7 +71,7 @@ def reference_path(
     if not _is_finite(groups):
         raise ValueError("groups must be finite")
     state = np.array([*position, *velocity, spin], dtype=np.float64)
-    part = Part(ReferenceLaws(groups, contacts, absolute_speed), state)
+    part = Part(ReferenceLaws(groups, contacts), state)
     part.phase = float(asked[0])
     rows = np.full((asked.size, 7), np.nan)
     with contextlib.suppress(FailedError):  # what was not reached stays NaN
@@ -85,7 +83,6 @@ def reference_motion(
     groups: Groups,
     contacts: Contacts = BLOCK_ON_FLOOR,
     *,
-    absolute_speed: bool = True,
     max_periods: int = 100,
     watch: Watch | None = None,
 ) -> Motion:
@@ -105,9 +102,6 @@ def reference_motion(
         Dimensionless numbers of one part.
     contacts : Contacts
         The surfaces that it can touch, and if it rolls.
-    absolute_speed : bool
-        If the centripetal acceleration is that of the speed in space; else of the speed relative to
-        the track.
     max_periods : int
         Periods after which the motion counts as aperiodic.
     watch : Watch, optional
@@ -122,7 +116,7 @@ def reference_motion(
         return _nothing()
     if max(np.abs(part).max(initial=0.0) for part in _numbers(groups)) > LARGEST:
         return _nothing("limit_reached")
-    run = ReferenceRun(ReferenceLaws(groups, contacts, absolute_speed), watch or Watch())
+    run = ReferenceRun(ReferenceLaws(groups, contacts), watch or Watch())
     for _ in range(max_periods):
         try:
             run.follow()
@@ -295,7 +289,7 @@ REFERENCE = Method(
     accuracy="about twelve digits, where the motion repeats",
     seconds_a_cell=_price,
     defaults={"max_periods": 100.0},
-    checked_by=("events", "time-stepping"),
+    checked_by=("events",),
     refuses=tuple(
         Constraint(
             (name,),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,10 +15,11 @@ from vibrafeed.core.motion.methods.reference.polynomials import (
     MEAN,
     MEAN_TWICE,
     crossings,
+    fall_from_start,
     first_fall,
     values,
 )
-from vibrafeed.core.motion.methods.reference.stretch import Stretch, solve
+from vibrafeed.core.motion.methods.reference.stretch import USUAL, Care, Stretch, solve
 from vibrafeed.core.watch import Watch
 
 STOPPED = 1e-13
@@ -27,9 +27,6 @@ STOPPED = 1e-13
 
 TOUCHING = 1e-14
 """A part nearer to a contact than this, in g/w^2, touches it if it is pressed on."""
-
-GRAZES = 1e-13
-"""A condition that starts at 0 and ends below minus this, in g or g/w, fell at once."""
 
 PRESSED = 1e-12
 """In g: a part that friction of the floor holds at the wall presses on it above this."""
@@ -47,51 +44,6 @@ is left."""
 MAX_EVENTS = 20_000
 """Most events and stretches of one period: hops at restitution 0.999 are 16,000 until they have
 shrunk to 1e-7. More is a failure."""
-
-
-@dataclass(frozen=True)
-class Care:
-    """The accuracy settings with which a part is followed.
-
-    Attributes
-    ----------
-    tail : float
-        What the last coefficients of a slip's change may be, in g/w.
-    longest : float
-        Stretch of phase.
-    closing : float
-        A slip that turns, smaller than this in g/w, is followed to its stop along a straight line.
-    hop : float
-        Rebound times the duration of all hops left, below which a run of hops ends.
-    """
-
-    tail: float
-    longest: float
-    closing: float
-    hop: float
-
-
-USUAL = Care(tail=1e-12, longest=1.0, closing=1e-7, hop=1e-15)
-FINER = Care(tail=1e-13, longest=0.45, closing=3e-8, hop=1e-16)
-
-
-def fall_from_start(condition: Array) -> float:
-    """Return the point, from 0 to 1, at which a condition first falls through 0; else infinity.
-
-    `condition` holds Chebyshev coefficients over a stretch. One that is 0 at the start but for
-    rounding, and below it at the end, has fallen at the start.
-    """
-    at = first_fall(condition)
-    return 0.0 if at > 1.0 and condition.sum() < -GRAZES else at
-
-
-def sample(stretch: Stretch, phases: Array, end: float, rows: Array) -> None:
-    """Fill the states at those of the asked phases that lie within a stretch, up to phase `end`.
-
-    `rows` has a state, shape (7,), for each of the `phases`.
-    """
-    for k in np.nonzero((phases > stretch.start) & (phases <= end))[0]:
-        rows[k] = stretch.state((phases[k] - stretch.start) / stretch.length)
 
 
 class Tally:
@@ -345,7 +297,7 @@ class Part:
             if at == 1.0 and end - reached < 1e-15 * (1.0 + end):
                 reached = end
             if asked is not None and rows is not None:
-                sample(stretch, asked, reached, rows)
+                stretch.sample(asked, reached, rows)
             self.phase, self.state = reached, stretch.state(at)
             opened = self.happen(event, mode)
             still = still + 1 if reached == stretch.start else 0

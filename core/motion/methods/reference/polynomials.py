@@ -22,6 +22,9 @@ TERMS = NODES + 2
 NOISE = 1e-15
 """A polynomial below this, all along a stretch, has no sign there: it is 0 up to rounding."""
 
+GRAZES = 1e-13
+"""A condition that starts at 0 and ends below minus this, in g or g/w, fell at once."""
+
 NARROWEST = 2.0**-44
 """Width of a stretch, of 1, below which it is not cut into halves."""
 
@@ -140,6 +143,16 @@ def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
 def first_fall(coefficients: Array) -> float:
     """Return the first point, from 0 to 1, at which a polynomial falls through 0; else infinity."""
     return next((at for at, sense in crossings(coefficients) if sense < 0), math.inf)
+
+
+def fall_from_start(condition: Array) -> float:
+    """Return the point, from 0 to 1, at which a condition first falls through 0; else infinity.
+
+    `condition` holds Chebyshev coefficients over a stretch. One that is 0 at the start but for
+    rounding, and below it at the end, has fallen at the start.
+    """
+    at = first_fall(condition)
+    return 0.0 if at > 1.0 and condition.sum() < -GRAZES else at
 
 
 def _root(c: Array, slope: Array, low: float, high: float) -> float:

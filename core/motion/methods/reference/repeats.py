@@ -15,14 +15,8 @@ import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.methods.reference.laws import SPIN, UX, UY, UZ, ReferenceLaws, X, Y, Z
-from vibrafeed.core.motion.methods.reference.part import (
-    FINER,
-    USUAL,
-    Care,
-    FailedError,
-    Part,
-    Tally,
-)
+from vibrafeed.core.motion.methods.reference.part import FailedError, Part, Tally
+from vibrafeed.core.motion.methods.reference.stretch import FINER, USUAL, Care
 from vibrafeed.core.motion.waves import size
 from vibrafeed.core.watch import Watch
 

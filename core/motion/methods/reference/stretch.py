@@ -48,6 +48,32 @@ LAST = FROM_NODES[NODES - 2 : NODES]
 UNIT = np.eye(NODES)
 
 
+@dataclass(frozen=True)
+class Care:
+    """The accuracy settings with which a part is followed.
+
+    Attributes
+    ----------
+    tail : float
+        What the last coefficients of a slip's change may be, in g/w.
+    longest : float
+        Stretch of phase.
+    closing : float
+        A slip that turns, smaller than this in g/w, is followed to its stop along a straight line.
+    hop : float
+        Rebound times the duration of all hops left, below which a run of hops ends.
+    """
+
+    tail: float
+    longest: float
+    closing: float
+    hop: float
+
+
+USUAL = Care(tail=1e-12, longest=1.0, closing=1e-7, hop=1e-15)
+FINER = Care(tail=1e-13, longest=0.45, closing=3e-8, hop=1e-16)
+
+
 class Slip(NamedTuple):
     """A slip at the nodes of a stretch: size in g/w, its rate in g, and direction.
 
@@ -93,6 +119,14 @@ class Stretch:
     def state(self, at: float) -> Array:
         """Return the state at a point from 0 to 1."""
         return values(self.states, at)
+
+    def sample(self, phases: Array, end: float, rows: Array) -> None:
+        """Fill the states at those of the asked phases that lie within it, up to phase `end`.
+
+        `rows` has a state, shape (7,), for each of the `phases`.
+        """
+        for k in np.nonzero((phases > self.start) & (phases <= end))[0]:
+            rows[k] = self.state((phases[k] - self.start) / self.length)
 
 
 def solve(

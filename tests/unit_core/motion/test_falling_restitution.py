@@ -1,4 +1,4 @@
-"""Floors that give: falling restitution against a compliant contact, linings, damping."""
+"""Restitution that falls with the speed of impact, against a compliant contact."""
 
 from __future__ import annotations
 
@@ -191,7 +191,6 @@ def test_it_is_left_out_of_a_study_that_does_not_ask_for_it():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"method": "time-stepping"}, "follows parts of one restitution"),
         ({"alpha": 10}, "in the plane of the track"),
         ({"scene": "rectangle-on-track", "delta": 5}, "in the plane of the track"),
         ({"scene": "rectangle-on-track", "radius": "0.2 m"}, "in the plane of the track"),
@@ -261,81 +260,3 @@ def test_round_parts_have_derivatives(scene):
     kap = 2.5 if scene == "sphere-on-plane" else 2.0
     elasticity = float(found.sensitivity_conveying_velocity_to_rolling_factor)
     assert elasticity == pytest.approx(1 / (1 + kap), rel=1e-6)
-
-
-# --- linings
-
-
-def test_a_soft_lining_is_said_beside_the_motion():
-    lined = {"restitution": 0.3, "restitution_speed": None, "mass": "5 g",
-             "lining_stiffness": ["5 N/mm", "20 N/mm", "200 N/mm"]}  # fmt: skip
-    given = {k: v for k, v in {**HOPS, **lined}.items() if v is not None}
-    found = vibrafeed.simulate(outputs=["conveying_velocity", "stiffness_ratio"], **given)
-    plain = {k: v for k, v in given.items() if k not in ("mass", "lining_stiffness")}
-    rigid = vibrafeed.simulate(outputs=["conveying_velocity"], **plain)
-    assert found.regime.values.tolist()[0] == REGIMES["soft_contact"].value
-    assert set(found.regime.values[1:].tolist()) == {int(rigid.regime)}
-    assert np.all(found.conveying_velocity.values == rigid.conveying_velocity.values)
-    assert found.stiffness_ratio.values == pytest.approx(
-        np.sqrt(np.array([5e3, 2e4, 2e5]) / 5e-3) / (2 * np.pi * 50), rel=1e-14
-    )
-
-
-def test_a_sprung_floor_has_the_lining_and_its_damping():
-    """The method that follows a lining has its stiffness, (f_c/f)^2 times m w^2."""
-    k = 144 * 5e-3 * (2 * np.pi * 50) ** 2
-    given = {
-        "scene": "rectangle-on-plane", "method": "regularised-LSODA", "frequency": 50.0,
-        "amplitude": "0.05 mm", "beta": "30 deg", "friction": 0.3, "contact_damping_ratio": 0.3,
-    }  # fmt: skip
-    lined = vibrafeed.simulate(
-        outputs=["conveying_velocity", "conveying_velocity_error", "restitution_of_damping"],
-        **given, mass="5 g", lining_stiffness=k,
-    )  # fmt: skip
-    sprung = vibrafeed.simulate(
-        outputs=["conveying_velocity", "conveying_velocity_error"], **given, contact_stiffness=144,
-    )  # fmt: skip
-    assert lined.conveying_velocity.values == pytest.approx(
-        sprung.conveying_velocity.values, rel=1e-6
-    )
-    zeta = 0.3
-    e = np.exp(-(np.pi - 2 * np.arcsin(zeta)) * np.tan(np.arcsin(zeta)))
-    assert lined.restitution_of_damping.values == pytest.approx(e, rel=1e-14)
-    # The stiffness is the lining's own: a softer one is another floor, and no measure of an error.
-    assert lined.conveying_velocity_error < 0.1 * sprung.conveying_velocity_error
-    by_e = vibrafeed.simulate(
-        outputs=["conveying_velocity", "damping_of_restitution"], mass="5 g", lining_stiffness=k,
-        **{k: v for k, v in given.items() if k != "contact_damping_ratio"}, restitution=float(e),
-    )  # fmt: skip
-    assert by_e.damping_of_restitution.values == pytest.approx(zeta, rel=1e-12)
-    assert by_e.conveying_velocity.values == pytest.approx(
-        lined.conveying_velocity.values,
-        rel=1e-6,  # the last bit of zeta moves its steps
-    )
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"contact_stiffness": 1e4, "method": "regularised"}, "follows from lining_stiffness"),
-        ({"mass": None}, "mass"),
-        ({"contact_damping_ratio": 0.2}, "contact_damping_ratio"),
-    ],
-)
-def test_what_a_lining_needs(changes, words):
-    given = {
-        "scene": "rectangle-on-plane", "frequency": 50.0, "amplitude": "0.05 mm", "beta": 30,
-        "friction": 0.3, "mass": "5 g", "lining_stiffness": "5 N/mm", **changes,
-    }  # fmt: skip
-    with pytest.raises(StudyError, match=words):
-        vibrafeed.simulate(outputs=["conveying_velocity"],
-                           **{k: v for k, v in given.items() if v is not None})  # fmt: skip
-
-
-def test_a_method_with_a_sprung_floor_does_not_complain_of_a_soft_one():
-    found = vibrafeed.simulate(
-        scene="rectangle-on-plane", method="regularised-LSODA", outputs=["conveying_velocity"],
-        frequency=50.0, amplitude="0.02 mm", beta=30, friction=0.3, mass="5 g",
-        lining_stiffness="5 N/mm",
-    )  # fmt: skip
-    assert found.regime.values != REGIMES["soft_contact"].value
