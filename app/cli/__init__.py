@@ -34,8 +34,6 @@ COMMANDS: Final = MappingProxyType(
         "sheet": "Write a one-page PDF summary of a result: parameters, outputs, a picture.",
         "drive": "Fit the harmonics of a drive, with errors, to an accelerometer recording.",
         "report": "Measure accuracy and run time of methods; write a page, pictures and datasets.",
-        "atlas": "Write the atlas that `vibrafeed lookup` reads, or the book of charts, or both.",
-        "lookup": "Look up speed, regime and shares of motion in an atlas, each with its error.",
         "scenes": "Print the catalogue: scenes, parameters, outputs, units, equations, validity.",
         "friction": "Print published coefficients of friction and restitution, with their sources.",
         "leaves": "Print published moduli and densities of leaf springs, with their sources.",
