@@ -235,7 +235,7 @@ def _problems_of_picture(plot: Path | None) -> list[Problem]:
     problems. The only problem is a suffix of no known format. Exits with a message how to install
     matplotlib if that is missing.
     """
-    from vibrafeed.core.plots.problem import PlotError
+    from vibrafeed.core.plots.pictures import PlotError
 
     if plot is None:
         return []

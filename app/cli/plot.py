@@ -28,7 +28,7 @@ def plot(
         typer.Option(
             "-o",
             "--output",
-            help="Picture to write: .png, .svg or .pdf; .gif or .mp4 for an animation. By "
+            help="Picture to write: .png, .svg or .pdf; .gif for an animation. By "
             "default .png and .svg (an animation: .gif) in the folder of the result, "
             "named after the result, --variable and --kind.",
         ),

@@ -107,9 +107,8 @@ def page(text: str) -> str:
 
 
 def draw_picture(number: int) -> None:
-    """Draw a figure in the form that its title names, as a small PNG."""
-    kind = "surface" if "(surface)" in (study(number).title or "") else "contour"
-    figure = draw(data(number), variable=study(number).outputs[0], kind=kind)
+    """Draw a figure as a small PNG."""
+    figure = draw(data(number), variable=study(number).outputs[0], kind="contour")
     picture = io.BytesIO()
     figure.savefig(picture, format="png", dpi=DPI)
     with Image.open(picture) as image:

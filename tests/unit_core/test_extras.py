@@ -74,7 +74,7 @@ def test_every_package_that_is_imported_is_declared():
 
 def test_who_only_computes_needs_no_package_of_the_service():
     """What a module of the base imports, the base declares, but for what it loads when asked."""
-    asked = {"matplotlib", "mpl-toolkits", "pillow", "imageio-ffmpeg", "pyarrow", "obstore"}
+    asked = {"matplotlib", "pillow", "pyarrow", "obstore"}
     asked |= {"distributed"}  # of `vibrafeed run --scheduler`
     distributions = packages_distributions()
     for module, files in imported().items():

@@ -12,8 +12,7 @@ from scipy.spatial import ConvexHull
 
 import vibrafeed
 from vibrafeed.core.plots.bodies import convex_hull
-from vibrafeed.core.plots.pictures import NAMES
-from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.pictures import NAMES, PlotError
 
 CODE = """
 import sys
@@ -38,8 +37,8 @@ def test_a_contour_loads_no_other_picture_and_no_study():
     loaded = subprocess.run(
         [sys.executable, "-c", CODE], capture_output=True, text=True, check=True
     ).stdout.split()
-    assert "vibrafeed.core.plots.contour" in loaded
-    others = ("calibration", "uncertain", "front", "positions", "motion", "movie", "landscape")
+    assert "vibrafeed.core.plots.maps" in loaded
+    others = ("calibration", "uncertain", "front", "rows", "motion", "movie", "landscape")
     assert not {f"vibrafeed.core.plots.{name}" for name in others} & set(loaded)
     assert not {"vibrafeed.core.plan", "numba", "scipy.spatial", "scipy.optimize"} & set(loaded)
 

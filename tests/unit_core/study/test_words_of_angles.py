@@ -18,7 +18,7 @@ from vibrafeed.core.intake import (
     study_of,
 )
 from vibrafeed.core.plots.fixed import read_fixed
-from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.quantities import QUANTITIES, WORDS
 from vibrafeed.core.suggestions import suggestion
 from vibrafeed.core.sweep.chunk_wishes import read_wishes
