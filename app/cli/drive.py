@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.missing import needing
+from vibrafeed.app.cli.console import needing
 from vibrafeed.app.cli.options import FAILED, Json, Units
 from vibrafeed.app.cli.studies import refuse, warn
 from vibrafeed.core.errors import Problem, StudyError

@@ -28,7 +28,7 @@ def names(requirements: list[str]) -> set[str]:
 
 
 def of_service(file: str) -> bool:
-    """True for the files that only `vibrafeed serve`, `key` and `scrub` load."""
+    """True for the files that only `vibrafeed serve` and `key` load."""
     base = ["accuracy", "blocks", "errors", "manifest", "shares", "studies"]
     if file.startswith("app/jobs/"):
         return Path(file).stem not in base
