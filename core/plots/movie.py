@@ -14,7 +14,7 @@ from vibrafeed.core.dataset.files import whole
 from vibrafeed.core.plots.animation import Frame, draw_frames
 from vibrafeed.core.plots.film import FRAMES_PER_SECOND, read_film
 from vibrafeed.core.plots.pictures import PlotError
-from vibrafeed.core.plots.rows import FIRST, draw_lane
+from vibrafeed.core.plots.positions import FIRST, draw_lane
 from vibrafeed.core.plots.style import Options, Style
 from vibrafeed.core.plots.text import units_of
 

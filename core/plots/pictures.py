@@ -151,7 +151,7 @@ PICTURES = {
             _has_uncertain_parameters,
         ),
         Picture("front", "a trade-off of two outputs", "front", ("at",), _is_front),
-        Picture("positions", "where the parts of a row are over time", "rows", (), _is_row),
+        Picture("positions", "where the parts of a row are over time", "positions", (), _is_row),
         Picture("trajectory", "the motion of one part", "motion", (), _is_motion),
         Picture("animation", "the same, moving; a GIF file", "movie", (), _none),
         Picture(

@@ -38,7 +38,7 @@ def test_a_contour_loads_no_other_picture_and_no_study():
         [sys.executable, "-c", CODE], capture_output=True, text=True, check=True
     ).stdout.split()
     assert "vibrafeed.core.plots.maps" in loaded
-    others = ("calibration", "uncertain", "front", "rows", "motion", "movie", "landscape")
+    others = ("calibration", "uncertain", "front", "positions", "motion", "movie", "landscape")
     assert not {f"vibrafeed.core.plots.{name}" for name in others} & set(loaded)
     assert not {"vibrafeed.core.plan", "numba", "scipy.spatial", "scipy.optimize"} & set(loaded)
 
