@@ -96,8 +96,8 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     style, units = options.style, options.units
     prepared = prepared_of(dataset)
     problem = prepared.problem
-    names = options.axes or problem.names[:2]
-    if len(names) > 2 or not set(names) <= set(problem.names):
+    names = options.axes[::-1] if options.axes else problem.names[:2]  # the last is across
+    if len(names) > 2 or len({*names}) < len(names) or not {*names} <= {*problem.names}:
         fix = f"Name one or two of {', '.join(problem.names)}"
         raise PlotError("axes", "a landscape is drawn over variables of the optimisation", fix)
     positions = design_positions(dataset, prepared, options)

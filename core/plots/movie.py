@@ -23,11 +23,6 @@ COLOURS = 32  # enough for smooth text
 SAMPLED = 8  # frames from which the colours are taken
 
 
-def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """Return False: animations are only drawn on request."""
-    return False
-
-
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """Raise `PlotError`, since animations are files written by `animate`, not figures."""
     fix = "Call vibrafeed.animate, or end the name in .gif"
