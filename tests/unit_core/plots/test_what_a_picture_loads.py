@@ -16,9 +16,9 @@ from vibrafeed.core.plots.pictures import NAMES, PlotError
 
 CODE = """
 import sys
+from vibrafeed.core.plots import draw  # before xarray, whose accessor loads studies
 import numpy as np
 import xarray
-from vibrafeed.core.plots import draw
 values = np.arange(144.0).reshape(12, 12)
 dataset = xarray.Dataset(
     {
