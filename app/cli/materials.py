@@ -9,8 +9,7 @@ import typer
 
 from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import FAILED, Json
-from vibrafeed.core import materials as published
-from vibrafeed.core.materials import shown
+from vibrafeed.core.materials import OF_LEAVES, friction, leaf_springs, shown
 
 PAIRS = ("pair", "surface", "static", "kinetic", "from")
 REBOUNDS = ("pair", "restitution", "note", "from")
@@ -30,7 +29,7 @@ def materials(
 ) -> None:
     """Print published coefficients of friction and restitution, with their sources."""
     asked = " ".join(words or ())
-    table = (published.leaf_springs if leaves else published.friction)(asked)
+    table = (leaf_springs if leaves else friction)(asked)
     if as_json:
         console.document(table)
         return
@@ -78,7 +77,7 @@ def _show_leaves(rows: Collection[Mapping[str, Any]], numbers: Mapping[str, str]
         (
             row["material"],
             _join_texts(row["form"], row["note"]),
-            *(shown(row, name) for name in published.OF_LEAVES),
+            *(shown(row, name) for name in OF_LEAVES),
             numbers[row["source"]],
         )
         for row in rows

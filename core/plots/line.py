@@ -25,11 +25,12 @@ from vibrafeed.core.plots.parts import (
 )
 from vibrafeed.core.plots.regimes import HATCH_WIDTH, MOTION, PLAIN, Look, swatch
 from vibrafeed.core.plots.selection import FEW, PlotAxis, Selection, thin
-from vibrafeed.core.plots.sliced import fits as fits
-from vibrafeed.core.plots.sliced import render
+from vibrafeed.core.plots.sliced import fits, render
 from vibrafeed.core.plots.style import Options, Style, mix
 from vibrafeed.core.plots.text import axis_label, number, short_label, with_unit
 from vibrafeed.core.quantities.pictures import LEVELS
+
+__all__ = ["draw", "fits"]
 
 MAX_CURVES = FEW
 MAX_MARKED = 12  # points of a curve that are marked: between them nothing was computed

@@ -34,11 +34,12 @@ from vibrafeed.core.plots.parts import (
 )
 from vibrafeed.core.plots.regimes import HATCH_WIDTH, ON_FILL, Look, shade, swatch, veiled_swatch
 from vibrafeed.core.plots.selection import PlotAxis, Selection
-from vibrafeed.core.plots.sliced import fits as fits
-from vibrafeed.core.plots.sliced import render
+from vibrafeed.core.plots.sliced import fits, render
 from vibrafeed.core.plots.style import NARROW, RGB, SMALL, Options, Style, mix
 from vibrafeed.core.plots.text import number, with_unit, words
 from vibrafeed.core.quantities.pictures import LEVELS
+
+__all__ = ["draw", "fits"]
 
 MAX_POINTS = 500  # of an axis of cells; one is then two points of the picture wide
 MAX_CONTOUR_POINTS = 1000  # of an axis of contours; a picture shows no more
