@@ -26,7 +26,7 @@ USER 10001
 # named, as in --build-arg NUMBA_CPU_NAME=x86-64-v3 (run with the same name); elsewhere the service
 # compiles when it starts, beside its work.
 ARG NUMBA_CPU_NAME
-RUN vibrafeed warm
+RUN python -m vibrafeed.core.warm
 VOLUME /var/lib/vibrafeed
 EXPOSE 8000
 HEALTHCHECK --interval=30s --timeout=5s --start-period=10s \

@@ -17,7 +17,7 @@ def page() -> str:
         "# Coefficients of friction",
         "",
         "Written by `python -m benchmarks.friction_page` from `core/materials/friction.toml`.",
-        "The same table: `vibrafeed friction`, `GET /friction`, `vibrafeed.friction()`.",
+        "The same table: `vibrafeed materials`, `GET /friction`, `vibrafeed.friction()`.",
         "",
         "## How far to trust them",
         "",

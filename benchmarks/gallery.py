@@ -59,12 +59,9 @@ class Picture:
 
 GALLERY = (
     Picture(
-        "amplitude.png", "What happens when I turn up the amplitude?", ("amplitude",),
-        "-k thresholds",
-        "the answer stands in the picture as words and numbers, and each threshold is as "
-        "exact as the steps of the study allow; two thresholds that lie closer than a letter "
-        "make a stair of labels, and the curve itself says little between 0.77 and 0.88 mm, "
-        "where it is flat.",
+        "amplitude.png", "What happens when I turn up the amplitude?", ("amplitude",), "-k line",
+        "where the part begins to hop, and where it no longer repeats every period, stands in the "
+        "colours behind the curve; the borders are those of the grid.",
     ),
     Picture(
         "drive-levels.png", "How fast, and in which way, over amplitude and angle?", ("drive",),
@@ -97,7 +94,7 @@ GALLERY = (
         "-v conveying_velocity",
         "the message is plain: with oil the same drive runs backward until 0.39 mm, and "
         "beyond it oil hardly matters; what the part does along the way is not shown, so look "
-        "at the thresholds of each, too.",
+        "at each by itself, too.",
     ),
     Picture(
         "hop.png", "What does one part do in a period?", ("hop",), "",
@@ -130,23 +127,11 @@ GALLERY = (
         "many small impacts at its end pass too fast to be counted even twenty times slower.",
     ),
     Picture(
-        "designs.png", "Which of a thousand designs are fast, and what do they share?",
-        ("designs",), "-k parallel",
-        "dark lines show what fast designs share, a large amplitude and little climb, and the "
-        "red one what the fastest is; a thousand lines say nothing of a single other design, "
-        "and friction, which matters less, looks as busy as the rest.",
-    ),
-    Picture(
         "accelerations.png", "What does the formula of the thesis say?", ("accelerations",),
         "-k contour -v acceleration_x",
         "the border between slip and flight is plain, and what lies above it is pale and "
         "hatched as it should be; the numbers of the upper half are of no use, so half of the "
         "picture says where not to look.",
-    ),
-    Picture(
-        "surface.png", "The same as a relief", ("accelerations",), "-k surface -v acceleration_x",
-        "the shape is grasped at once, and grey shows where the formula ends; no number can "
-        "be read off it, and the contour above says all of it better.",
     ),
     Picture(
         "front.png", "What does speed cost across the track?", ("front",), "-k front",

@@ -8,7 +8,7 @@ two axes, which stay. In order:
 - `vibrafeed run --dry-run` of the whole, its hundredth and a thousandth, and what they cost;
 - the thousandth and the hundredth at once, on all cores;
 - the hundredth in shares, a process with a core of its own for each at a time. One is killed by
-  SIGKILL half way; `vibrafeed join` says which is missing, and it is computed again;
+  SIGKILL half way; a run without `--share` says which is missing, and it is computed again;
 - whether both results have the same values, to the bit;
 - the whole, by some of 2,048 shares of it, drawn at random and computed on all cores: what a cell
   takes hangs on the lengths of axes. Its error is twice that of their mean.
@@ -160,12 +160,12 @@ class Shares:
             killed = self.count // 2
             for share in range(1, self.count):
                 pool.submit(self.compute, share, half if share == killed else None)
-        said = command("join", self.sweep.file, "-o", self.result)
+        said = command("run", self.sweep.file, "-o", self.result)
         print(f"join: {' '.join((said.stdout + said.stderr).split())}", flush=True)
         for share in set(range(self.count)) - set(self.seconds):
             self.compute(share)
         joining = time.perf_counter()
-        command("join", self.sweep.file, "-o", self.result).check_returncode()
+        command("run", self.sweep.file, "-o", self.result).check_returncode()
         print(f"joined in {time.perf_counter() - joining:.1f} s", flush=True)
         return time.perf_counter() - started
 

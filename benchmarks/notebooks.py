@@ -41,8 +41,10 @@ def _outputs(code: str, names: dict[str, Any]) -> list[dict[str, Any]]:
         )
     if value is not None:
         data = {"text/plain": _lines(repr(value))}
-        if hasattr(value, "_repr_png_"):
-            data["image/png"] = base64.b64encode(value._repr_png_()).decode()
+        if hasattr(value, "savefig"):
+            picture = io.BytesIO()
+            value.savefig(picture, format="png")
+            data["image/png"] = base64.b64encode(picture.getvalue()).decode()
         elif hasattr(value, "_repr_html_"):
             data["text/html"] = _lines(value._repr_html_())
         outputs.append({"data": data, "metadata": {}, "output_type": "display_data"})

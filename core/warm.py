@@ -3,13 +3,19 @@
 Each package of kernels has studies that need all of it. The first of them needs what the first
 study of a user does; these come before the rest. Packages are compiled in several processes at a
 time. Where everything is compiled already, it takes no time.
+
+`python -m vibrafeed.core.warm` does it; the code is kept in NUMBA_CACHE_DIR, or among the user's
+caches.
 """
 
 from __future__ import annotations
 
+import argparse
 import multiprocessing
 import os
+import sys
 import threading
+import time
 from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
@@ -76,11 +82,6 @@ def end_with_parent() -> None:
     threading.Thread(target=watch, daemon=True).start()
 
 
-def is_warm() -> bool:
-    """True if every kernel has been compiled for this processor, and kept."""
-    return bool(_cache().are_kept(STUDIES))
-
-
 def carry_out(package: str, part: slice = slice(None)) -> None:
     """Run studies that use all kernels of a package, which compiles them.
 
@@ -95,3 +96,30 @@ def _cache() -> Any:
     from vibrafeed.core import kernel_cache
 
     return kernel_cache
+
+
+def main() -> int:
+    """Compile everything for this processor; return the exit code of the program."""
+    parser = argparse.ArgumentParser(
+        "python -m vibrafeed.core.warm", description="Compile the simulation code."
+    )
+    parser.add_argument(
+        "--processes", type=int, default=os.cpu_count() or 1,
+        help="largest number of processes that compile at a time",
+    )  # fmt: skip
+    processes = parser.parse_args().processes
+    started = time.perf_counter()
+    folder = compile_kernels(max(1, processes))
+    if folder is None:
+        sys.stderr.write(
+            "Compiled code cannot be kept: no folder can be written. "
+            "Set NUMBA_CACHE_DIR to one that can.\n"
+        )
+        return 1
+    seconds = time.perf_counter() - started
+    sys.stdout.write(f"All code is compiled, and stored in {folder}: {seconds:.1f} s.\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -41,7 +41,7 @@ ALLOWED = {
     # Released keys of replies and files, and what they are called in the code.
     "vibrafeed.core.errors.Problem.place": "`place` of a problem, in replies and in messages",
     "vibrafeed.app.web.replies.ProblemItem.place": "the same, in the OpenAPI document",
-    "vibrafeed.core.plots.problem.PlotError.__init__.place": "the same",
+    "vibrafeed.core.plots.pictures.PlotError.__init__.place": "the same",
     "vibrafeed.core.intake.section.Stranger.place": "the same, of a key that nothing knows",
     "vibrafeed.core.intake.section.Section.place": "makes it",
     "vibrafeed.core.study.*.places": "where each parameter's problem is said to be",

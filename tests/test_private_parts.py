@@ -16,7 +16,6 @@ BEHIND = {
     "core/compiled.py": "tests/unit_core/test_compiling.py",
     "core/dataset/chunks.py": "tests/unit_core/dataset/test_chunks.py",
     "core/dataset/workbook.py": "tests/unit_core/dataset/test_formats.py",
-    "core/plots/matplotlib_parts.py": "tests/unit_core/plots/test_matplotlib_parts.py",
 }
 """The files that reach into libraries, and their tests."""
 

@@ -14,8 +14,7 @@ Functions
   `calibrate` carry out a study and return an xarray dataset; `open_lazily` opens a sweep
   of any size. `study` and `load_study` make a study without carrying it out.
 - `plot` draws a dataset, `animate` the motion of a part.
-- `lookup` reads speeds from an atlas, which `open_atlas` opens. `drive_error` tells how
-  far the errors of a measured drive move a velocity.
+- `drive_error` tells how far the errors of a measured drive move a velocity.
 - `friction`, `leaf_springs` give published values; `parts_per_minute`, `velocity_for` and
   `effective_distance` turn velocities into rates.
 - `QUANTITIES` and `REGIMES` describe every name and flag of a dataset.
@@ -93,8 +92,6 @@ from vibrafeed._functions import (
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from vibrafeed.core.atlas.lookup import lookup
-    from vibrafeed.core.atlas.read import open_atlas
     from vibrafeed.core.errors import LimitError, Problem, StudyError, VibrafeedError
     from vibrafeed.core.intake import load_study
     from vibrafeed.core.materials import friction, leaf_springs
@@ -116,14 +113,12 @@ __all__ = [
     "QUANTITIES", "REGIMES", "CalibrateStudy", "DriveError", "LimitError", "OptimiseStudy",
     "Problem", "SensitivityStudy", "SimulateStudy", "Study", "StudyError", "SweepStudy",
     "VibrafeedError", "__version__", "animate", "calibrate", "drive_error",
-    "effective_distance", "friction", "leaf_springs", "load_study", "lookup", "open_atlas",
-    "open_lazily", "optimise", "parts_per_minute", "plot", "scene", "scenes", "sensitivity",
+    "effective_distance", "friction", "leaf_springs", "load_study", "open_lazily",
+    "optimise", "parts_per_minute", "plot", "scene", "scenes", "sensitivity",
     "simulate", "study", "sweep", "velocity_for",
 ]  # fmt: skip
 
 _HOMES = {
-    "atlas.lookup": ("lookup",),
-    "atlas.read": ("open_atlas",),
     "errors": ("LimitError", "Problem", "StudyError", "VibrafeedError"),
     "intake": ("load_study",),
     "materials": ("friction", "leaf_springs"),

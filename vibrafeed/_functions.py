@@ -418,9 +418,9 @@ def plot(
         Values of other dimensions, numbers in the unit of the dataset or text with a
         unit; the middle one if left out.
     kind : str, optional
-        The name of a picture: posterior, speeds, residuals, distribution, indices, effects,
-        tornado, front, positions, trajectory, animation, landscape, profiles, values, line, map,
-        contour, levels, surface, thresholds or parallel; the first that fits if left out.
+        The name of a picture: posterior, speeds, distribution, indices, tornado, front,
+        positions, trajectory, animation, landscape, bodies, line, map, contour or levels; the
+        first that fits if left out.
     title : str, optional
         The name of the picture; that of what it shows if left out.
     units : str or sequence of str, optional
@@ -465,9 +465,9 @@ def animate(
     slow: float | None = None, title: str | None = None, units: Named | None = None,
     dark: bool = False, small: bool = False,
 ) -> None:  # fmt: skip
-    """Write the motion of one part as an animation, GIF or MP4 by the suffix of the file.
+    """Write the motion of one part as an animation, a GIF file.
 
-    It needs matplotlib, and imageio-ffmpeg for MP4: the extra `video`.
+    It needs matplotlib and pillow, of the extra `plot`.
 
     Parameters
     ----------

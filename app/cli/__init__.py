@@ -16,8 +16,8 @@ import typer
 from typer.core import TyperCommand
 
 from vibrafeed import core
-from vibrafeed.app.cli.missing import needing
-from vibrafeed.app.cli.options import Group
+from vibrafeed.app.cli.console import needing
+from vibrafeed.app.cli.options import INVALID_INPUT, Group
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.system import write_utf8
 
@@ -28,30 +28,36 @@ COMMANDS: Final = MappingProxyType(
         "output's suffix.",
         "convert": "Convert a study to TOML, JSON, a command that posts it, or a Python call.",
         "export": "Convert a result to another format, given by the suffix of the output.",
-        "join": "Join the shares computed by `vibrafeed run --share` into one result.",
         "plot": "Draw a result: an output with its regimes, a map of regimes, or the motion of "
-        "one share.",
+        "one part.",
         "sheet": "Write a one-page PDF summary of a result: parameters, outputs, a picture.",
         "drive": "Fit the harmonics of a drive, with errors, to an accelerometer recording.",
         "report": "Measure accuracy and run time of methods; write a page, pictures and datasets.",
-        "atlas": "Write the atlas that `vibrafeed lookup` reads, or the book of charts, or both.",
-        "lookup": "Look up speed, regime and shares of motion in an atlas, each with its error.",
         "scenes": "Print the catalogue: scenes, parameters, outputs, units, equations, validity.",
-        "friction": "Print published coefficients of friction and restitution, with their sources.",
-        "leaves": "Print published moduli and densities of leaf springs, with their sources.",
-        "schema": "Print the JSON Schema of studies, for editors.",
+        "materials": "Print published friction, restitution and leaf springs, with their sources.",
         "serve": "Serve the HTTP interface.",
-        "scrub": "Compare all results of a service with their digests; exit with code 1 if one is "
-        "damaged.",
         "validate": "Solve problems with known results, and report the errors.",
-        "warm": "Compile the simulation code for this processor, once; takes about a minute.",
         "key": "Keys for the HTTP interface.",
     }
 )
 """Each command and the line that lists it; the file of its name has the function of its name."""
 
-SERVICE: Final = ("serve", "scrub", "key")
-"""The commands that need the extra of that name."""
+GONE: Final = MappingProxyType(
+    {
+        "atlas": "The notebook docs/notebooks/five-number-chart.ipynb draws the chart of speeds",
+        "friction": "vibrafeed materials prints it",
+        "join": "vibrafeed run STUDY -o RESULT joins the shares that lie beside the result",
+        "leaves": "vibrafeed materials --leaves prints them",
+        "lookup": "vibrafeed run computes the speed; vibrafeed new writes the study",
+        "schema": "vibrafeed scenes --schema prints it",
+        "scrub": "The service looks through its results by itself",
+        "warm": "python -m vibrafeed.core.warm compiles everything",
+    }
+)
+"""Commands of former versions, and what does the same."""
+
+SERVICE: Final = ("serve", "key")
+"""The commands that need the extra `serve`."""
 
 
 STYLE: Final[Any] = {"pretty_exceptions_enable": False, "rich_markup_mode": None}
@@ -93,6 +99,9 @@ class Commands(Group):
         The module of the command, with its options, is imported only now. `args` are all words that
         were typed.
         """
+        if args and args[0] in GONE:
+            typer.echo(f"There is no command {args[0]}. {GONE[args[0]]}.", err=True)
+            raise typer.Exit(INVALID_INPUT)
         name, _, rest = super().resolve_command(ctx, args)
         return name, name and loaded(name), rest
 

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vibrafeed.app.cli.studies import content_of, name_of, refuse, warn
-from vibrafeed.app.cli.texts import refuse_taken, write_text
+from vibrafeed.app.cli.studies import content_of, name_of, refuse, refuse_taken, warn, write_text
 from vibrafeed.core.errors import Problem, StudyError
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.missing import needing
+from vibrafeed.app.cli.console import needing
 from vibrafeed.app.cli.options import FAILED, Json, Units
 from vibrafeed.app.cli.studies import refuse, warn
 from vibrafeed.core.errors import Problem, StudyError
@@ -235,7 +235,7 @@ def _problems_of_picture(plot: Path | None) -> list[Problem]:
     problems. The only problem is a suffix of no known format. Exits with a message how to install
     matplotlib if that is missing.
     """
-    from vibrafeed.core.plots.problem import PlotError
+    from vibrafeed.core.plots.pictures import PlotError
 
     if plot is None:
         return []

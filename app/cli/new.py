@@ -10,8 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from vibrafeed.app.cli.questions import QUESTIONS, Question
-from vibrafeed.app.cli.studies import STANDARD, refuse, warn
-from vibrafeed.app.cli.texts import refuse_taken, write_text
+from vibrafeed.app.cli.studies import STANDARD, refuse, refuse_taken, warn, write_text
 from vibrafeed.core.errors import Problem
 from vibrafeed.core.kinds import KINDS
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.missing import needing
+from vibrafeed.app.cli.console import needing
 from vibrafeed.app.cli.options import FAILED
 from vibrafeed.app.cli.studies import refuse, refuse_existing
 from vibrafeed.core.errors import Problem
@@ -28,7 +28,7 @@ def plot(
         typer.Option(
             "-o",
             "--output",
-            help="Picture to write: .png, .svg or .pdf; .gif or .mp4 for an animation. By "
+            help="Picture to write: .png, .svg or .pdf; .gif for an animation. By "
             "default .png and .svg (an animation: .gif) in the folder of the result, "
             "named after the result, --variable and --kind.",
         ),

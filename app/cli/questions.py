@@ -218,7 +218,7 @@ QUESTIONS: Final = (
     ),
     Question(
         "friction", "Friction between part and track", "0.3", parameter="friction",
-        says="Coefficient of friction between part and track; `vibrafeed friction` lists some.",
+        says="Coefficient of friction between part and track; `vibrafeed materials` lists some.",
         needs=_DRIVEN,
     ),
     Question(

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import shutil
+import sys
+import tempfile
 import time
-from contextlib import nullcontext
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Annotated
 
@@ -11,11 +15,12 @@ import typer
 
 from vibrafeed import core
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.missing import needing
 from vibrafeed.app.cli.options import FAILED, NO_SOLUTION, Json, Units
-from vibrafeed.app.cli.pipes import is_standard, standard_output
 from vibrafeed.app.cli.studies import Batch, prepare_all, refuse
 from vibrafeed.core.errors import Problem
+
+FORM = ".csv"
+"""What goes to standard output unless another suffix is named, as in ``-.nc``."""
 
 
 def run(
@@ -102,7 +107,7 @@ def run(
         str | None,
         typer.Option(
             help="Compute one share of a sweep: 17/4096 is share 17, counted from 0, of "
-            "4096. `vibrafeed join` joins all shares."
+            "4096. Run without --share, the same command joins them."
         ),
     ] = None,
     scheduler: Annotated[
@@ -116,8 +121,8 @@ def run(
         int | None,
         typer.Option(
             min=1,
-            help="Number of shares into which --scheduler divides the sweep; by default set "
-            "by the size of the sweep.",
+            help="Number of shares into which --scheduler divides the sweep, by default set by "
+            "the size of the sweep; or of those to join, if there are several.",
         ),
     ] = None,
 ) -> None:
@@ -129,11 +134,13 @@ def run(
     failed, or that a study was stopped, by Ctrl-C or the time limit, while it was computed or
     verified: what was finished is written, of a large sweep where --resume finds it. Exit code 3:
     all is done, and an optimisation has no solution.
+
+    Shares that lie beside the result are joined: each is checked by its digest. Of shares that are
+    missing or damaged the numbers are printed, as a job queue takes them, with exit code 1.
     """
-    from vibrafeed.app.cli.existing import complete_already, refuse_others
     from vibrafeed.app.cli.running import Running, history_of
-    from vibrafeed.app.cli.shares import run_share
-    from vibrafeed.app.cli.targets import targets_of
+    from vibrafeed.app.cli.shares import join_if_there, run_on_scheduler, run_share
+    from vibrafeed.app.cli.targets import complete_already, refuse_others, targets_of
     from vibrafeed.app.cli.units import units_asked
 
     in_shares = share is not None or scheduler is not None
@@ -152,10 +159,9 @@ def run(
             if share is not None:
                 run_share(studies, targets, share)
             elif scheduler is not None:
-                with needing("cluster", "distributed"):
-                    from vibrafeed.app.cli.scheduler import run_on_scheduler
                 refuse_others(studies, targets, force=force)
-                run_on_scheduler(studies, targets, scheduler, shares, history_of(files[0]))
+                with console.needing("cluster", "distributed"):
+                    run_on_scheduler(studies, targets, scheduler, shares, history_of(files[0]))
             return
         running = Running(
             plain=plain,
@@ -170,6 +176,10 @@ def run(
             else nullcontext(output) as place
         ):
             targets = targets_of(studies, place)
+            if joined := join_if_there(studies, targets, shares, force=force):
+                if as_json:
+                    console.document({"vibrafeed": core.__version__, "results": [joined]})
+                return
             complete = complete_already(studies, targets, resume=resume, force=force)
             try:
                 sound = running.carry_out(studies, targets, complete)
@@ -229,3 +239,43 @@ def _refuse_together(*, as_json: bool, to_standard: bool, in_shares: bool) -> No
         )
     if problem is not None:
         refuse({Path("options"): [problem]})
+
+
+def is_standard(output: str | None) -> bool:
+    """True if an output path means standard output: `-`, or `-` with a suffix such as `-.csv`."""
+    return output is not None and (output == "-" or output.startswith("-."))
+
+
+@contextmanager
+def standard_output(output: str, studies: int) -> Iterator[str]:
+    """Yield the name of a temporary file whose content is written to standard output at the end.
+
+    `output` is `-`, or `-` with a suffix; `studies` is the number of studies. Exits if there are
+    several, or if the format cannot go there.
+    """
+    suffix = output[1:] or FORM
+    problem = None
+    if studies > 1:
+        problem = Problem(
+            "output",
+            f"standard output takes the result of one study, not of {studies} studies",
+            "Give a folder for the results, such as -o results/",
+        )
+    elif suffix == ".zarr":
+        fix = "Give a name that ends in .zarr, or write -o - for CSV"
+        problem = Problem(
+            "output", "a Zarr group consists of many files, which standard output cannot take", fix
+        )
+    elif suffix != FORM and sys.stdout.isatty():
+        fix = f"Write -o - for CSV, or send it on: -o {output} > result{suffix}"
+        problem = Problem("output", f"a terminal cannot show {suffix}", fix)
+    if problem is not None:
+        refuse({Path("--output"): [problem]})
+    with tempfile.TemporaryDirectory(prefix="vibrafeed-") as folder:
+        path = Path(folder) / f"result{suffix}"
+        try:
+            yield str(path)
+        finally:
+            if path.exists():
+                with path.open("rb") as file:
+                    shutil.copyfileobj(file, typer.get_binary_stream("stdout"))

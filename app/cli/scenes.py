@@ -42,6 +42,9 @@ def scenes(
             "the closed-form equations."
         ),
     ] = None,
+    schema: Annotated[
+        bool, typer.Option("--schema", help="Print the JSON Schema of studies, for editors.")
+    ] = False,
     units: Units = None,
     as_json: Json = False,
 ) -> None:
@@ -50,6 +53,9 @@ def scenes(
     from vibrafeed.app.cli.units import units_asked
     from vibrafeed.core.catalogue import describe, describe_all
 
+    if schema:
+        _print_schema()
+        return
     shown = units_asked(units)
     try:
         document = describe_all() if name is None else describe(name, variant, method=method)
@@ -61,3 +67,10 @@ def scenes(
         catalogue.show_scenes(document)
     else:
         catalogue.show_scene(document, shown)
+
+
+def _print_schema() -> None:
+    """Print the schema, which takes a second to make; the text is kept until a source changes."""
+    from vibrafeed.app.kept_texts import study_schema_text
+
+    typer.echo(study_schema_text())

@@ -1,4 +1,4 @@
-"""Shares of sweeps: one of them, and their joining."""
+"""Shares of sweeps: one of them, all on a Dask scheduler elsewhere, and their joining."""
 
 from __future__ import annotations
 
@@ -6,16 +6,18 @@ import re
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import FAILED
 from vibrafeed.app.cli.studies import interruption, refuse
+from vibrafeed.app.cli.targets import refuse_others
 from vibrafeed.core.dataset.records import Records
-from vibrafeed.core.errors import Problem, VibrafeedError
+from vibrafeed.core.errors import Problem, StoppedError, VibrafeedError
 from vibrafeed.core.plan.shares import ARRAYS, MAX_SHARES, SHARDS, SharesMissingError, ranges
 from vibrafeed.core.sweep.targets import is_zarr
 from vibrafeed.core.watch import Watch
@@ -52,6 +54,95 @@ def run_share(studies: Mapping[Path, Prepared], targets: Mapping[Path, str], sha
     console.say(f"{path}: {name}, {last - first:,} boxes: {seconds:.1f} s")
 
 
+def run_on_scheduler(
+    studies: Mapping[Path, Prepared],
+    targets: Mapping[Path, str],
+    address: str,
+    count: int | None,
+    history: str,
+) -> None:
+    """Compute all missing shares of a study on a Dask cluster, and join them into its result.
+
+    Parameters
+    ----------
+    studies, targets : mapping
+        The study and the path or URL of its result, by the study's file; one entry.
+    address : str
+        Address of the Dask scheduler.
+    count : int or None
+        Number of shares; by default that of stored shares, else one that suits the study.
+    history : str
+        The CF attribute of the result.
+    """
+    import distributed
+
+    from vibrafeed.app.jobs.shares import compute_share, sensible_count
+
+    path, target = single_study(studies, targets)
+    target = target if "://" in target else str(Path(target).resolve())
+    sweep = studies[path]
+    shares_of(path, sweep, target, 1)  # which it may not have there
+    begun = counts_of(target)
+    if count is None:
+        count = begun.pop() if len(begun) == 1 else sensible_count(sweep)
+    shares = shares_of(path, sweep, target, count)
+    missing = [share for share in range(count) if not shares.is_there(share)]
+    console.say(f"{path}: {len(missing):,} of {count:,} shares to compute on {address}")
+    with (
+        report_errors(path, target),
+        distributed.Client(address, timeout=20) as client,  # type: ignore[no-untyped-call]
+        interruption() as interrupted,
+        console.progress(path.name) as advance,
+    ):
+        study = sweep.study.canonical()
+        numbers = {
+            client.submit(compute_share, study, target, count, share, pure=False, retries=2): share
+            for share in missing
+        }
+        done = distributed.as_completed(list(numbers), with_results=True)  # type: ignore[no-untyped-call]
+        for future, record in done:
+            if interrupted():
+                client.cancel(list(numbers))
+                raise StoppedError(
+                    "the sweep was stopped; run the same command again to compute what is missing"
+                )
+            shares.keep(numbers.pop(future), record)
+            advance(1 / len(missing))
+    join_shares(path, shares, history)
+
+
+def join_if_there(
+    studies: Mapping[Path, Prepared], targets: Mapping[Path, str], count: int | None, *, force: bool
+) -> dict[str, Any] | None:
+    """Join the shares that lie beside the result of a single study; return facts, None without any.
+
+    Parameters
+    ----------
+    studies, targets : mapping
+        The studies and the paths or URLs of their results, by the study's file.
+    count : int or None
+        Number of shares; None if that of the stored ones is the only one.
+    force : bool
+        True to replace the result of another study.
+    """
+    if len(studies) > 1:
+        return None
+    ((path, target),) = targets.items()
+    with report_errors(path, target):
+        counts = counts_of(target)
+    if not counts:
+        return None
+    if count is None and len(counts) > 1:
+        told = f"there are shares of {', '.join(map(str, sorted(counts)))} beside {target}"
+        refuse({path: [Problem("shares", told, "Give --shares")]})
+    refuse_others(studies, targets, force=force)
+    stamp = datetime.now(UTC).isoformat(timespec="seconds")
+    shares = shares_of(path, studies[path], target, count or counts.pop())
+    join_shares(path, shares, f"{stamp} vibrafeed run {path.name}")
+    facts = {"study": str(path), "result": shares.where, "cells": shares.cells}
+    return facts | {"shares": shares.count}
+
+
 def join_shares(path: Path, shares: Shares, history: str) -> None:
     """Join the computed shares of a study into its result, and print the size of the result.
 
@@ -74,7 +165,7 @@ def join_shares(path: Path, shares: Shares, history: str) -> None:
         except SharesMissingError as error:
             console.fail(f"{path}: of {shares.count:,} shares {error}.")
             again = ranges(error.numbers)
-            console.fail(f"Compute these again (--array={again}), and join again.")
+            console.fail(f"Compute these again (--array={again}), then run the study again.")
             raise typer.Exit(FAILED) from None
     console.say(
         f"{path} -> {shares.where}: {shares.cells:,} cells in {shares.count:,} shares, "

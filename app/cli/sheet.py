@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.missing import needing
+from vibrafeed.app.cli.console import needing
 from vibrafeed.app.cli.options import FAILED, Units
 from vibrafeed.app.cli.studies import refuse, refuse_existing
 

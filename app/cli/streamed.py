@@ -13,6 +13,7 @@ from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import FAILED
 from vibrafeed.app.cli.results import show_result, streamed_facts
 from vibrafeed.app.cli.studies import interruption, refuse
+from vibrafeed.app.cli.targets import REMOVE
 from vibrafeed.core.dataset.files import partial
 from vibrafeed.core.errors import Problem, VibrafeedError
 from vibrafeed.core.kinds import is_whole, not_verified
@@ -21,8 +22,6 @@ from vibrafeed.core.sweep.size import bytes_in_file
 from vibrafeed.core.sweep.stream import outline_table, stream
 from vibrafeed.core.sweep.targets import is_complete, is_zarr, open_target
 from vibrafeed.core.watch import Watch
-
-OTHERWISE = "Remove the existing output, or give another name"
 
 
 def run_streamed(
@@ -78,7 +77,7 @@ def run_streamed(
         except BlockingIOError:
             refuse({path: [Problem("output", f"another run is writing {target}", "Wait for it")]})
         except FileExistsError as error:
-            refuse({path: [Problem("output", str(error), OTHERWISE)]})
+            refuse({path: [Problem("output", str(error), REMOVE)]})
         except OSError as error:
             console.fail(f"{target} cannot be written: {error.strerror or error}.")
             raise typer.Exit(FAILED) from None
@@ -143,7 +142,7 @@ def _check_disk_space(
         return size
     file = Path(target)
     if is_zarr(target) and file.exists():
-        refuse({path: [Problem("output", f"{target} exists already", OTHERWISE)]})
+        refuse({path: [Problem("output", f"{target} exists already", REMOVE)]})
     free = shutil.disk_usage(file.parent).free
     begun = partial(file)
     if begun.exists():  # what it takes is used again, or given back

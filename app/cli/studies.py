@@ -1,4 +1,4 @@
-"""The form of hard cases: studies by their numbers, and truths from elsewhere."""
+"""Studies from files: read, checked and refused; Ctrl-C; and text files that commands write."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import typer
 
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.options import INVALID_INPUT
+from vibrafeed.app.cli.options import FAILED, INVALID_INPUT
 from vibrafeed.core.compiling import stopwatch
 from vibrafeed.core.errors import LimitError, Problem, StudyError
 
@@ -244,3 +244,22 @@ def refuse_existing(source: str, target: str, *, force: bool) -> None:
     if not force and "://" not in target and Path(target).is_file():
         problem = Problem("output", f"{target} exists already", REPLACE)
         refuse({Path(source): [problem]})
+
+
+def refuse_taken(file: Path, option: str, *, force: bool) -> None:
+    """Exit if a file exists and `--force` is not given.
+
+    `option` names the argument in the message.
+    """
+    if file.exists() and not force:
+        fix = "Add --force to replace it, or give another name"
+        refuse({file: [Problem(option, "the file exists already", fix)]})
+
+
+def write_text(file: Path, text: str) -> None:
+    """Write text to a file; print the reason and exit if it cannot be written."""
+    try:
+        file.write_text(text, encoding="utf-8")
+    except OSError as error:
+        console.fail(f"{file}: {error.strerror or error}.")
+        raise typer.Exit(FAILED) from None

@@ -11,10 +11,9 @@ import typer
 
 from vibrafeed import core
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.layout import plain_lines
+from vibrafeed.app.cli.console import plain_lines
 from vibrafeed.app.cli.options import FAILED
-from vibrafeed.app.cli.studies import interruption, refuse
-from vibrafeed.app.cli.texts import refuse_taken, write_text
+from vibrafeed.app.cli.studies import interruption, refuse, refuse_taken, write_text
 from vibrafeed.core.errors import Problem, StudyError
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ POLITE = 15  # niceness: whoever asks comes first
 
 
 class Warmth:
-    """Has `vibrafeed warm` run in a process of its own.
+    """Has `vibrafeed.core.warm` run in a process of its own.
 
     Attributes
     ----------
@@ -40,14 +40,14 @@ class Warmth:
             await asyncio.gather(self._task, return_exceptions=True)
 
     async def _run(self) -> None:
-        """Compile missing kernels by `vibrafeed warm`, in a process of low priority.
+        """Compile missing kernels by `vibrafeed.core.warm`, in a process of low priority.
 
         `is_warm` is True afterwards if the process succeeded; its errors go to the log. The process
         is killed if this is cancelled.
         """
         try:
             process = await asyncio.create_subprocess_exec(
-                sys.executable, "-m", "vibrafeed", "warm", "--processes", "1",
+                sys.executable, "-m", "vibrafeed.core.warm", "--processes", "1",
                 stdin=asyncio.subprocess.DEVNULL,
                 stdout=asyncio.subprocess.DEVNULL,
                 stderr=asyncio.subprocess.PIPE,

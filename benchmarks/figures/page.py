@@ -11,7 +11,7 @@ from PIL import Image
 from benchmarks.figures import plane, track
 from benchmarks.figures.judgement import Judgement
 from benchmarks.figures.measures import beyond_lift_off, share, wall_pulls
-from benchmarks.figures.studies import ROOT, data, path_of, picture_of, study
+from benchmarks.figures.studies import ROOT, data, is_surface, path_of, picture_of, study
 from vibrafeed.core.plots import draw
 
 PAGE = ROOT / "docs" / "thesis.md"
@@ -91,7 +91,8 @@ def _figures(judged: Mapping[Callable[[], list[Judgement]], list[Judgement]]) ->
             yield f"| {' | '.join(cells)} |"
         yield ""
         for number in group:
-            yield f"![Figure 5.{number}: {_subject(number)}](figures/{picture_of(number).name})"
+            if not is_surface(number):
+                yield f"![Figure 5.{number}: {_subject(number)}](figures/{picture_of(number).name})"
 
 
 def _subject(number: int) -> str:
@@ -107,9 +108,8 @@ def page(text: str) -> str:
 
 
 def draw_picture(number: int) -> None:
-    """Draw a figure in the form that its title names, as a small PNG."""
-    kind = "surface" if "(surface)" in (study(number).title or "") else "contour"
-    figure = draw(data(number), variable=study(number).outputs[0], kind=kind)
+    """Draw a figure as a small PNG."""
+    figure = draw(data(number), variable=study(number).outputs[0], kind="contour")
     picture = io.BytesIO()
     figure.savefig(picture, format="png", dpi=DPI)
     with Image.open(picture) as image:

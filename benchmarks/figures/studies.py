@@ -23,8 +23,13 @@ def path_of(number: int) -> Path:
 
 
 def picture_of(number: int) -> Path:
-    """Return the path of the picture of figure 5.number."""
-    return PICTURES / f"fig-5-{number}.png"
+    """Return the path of the picture of figure 5.number; a surface's is that of its contours."""
+    return PICTURES / f"fig-5-{number + is_surface(number)}.png"
+
+
+def is_surface(number: int) -> bool:
+    """True if figure 5.number is a surface; the next one has contour lines of the same data."""
+    return "(surface)" in (study(number).title or "")
 
 
 @cache

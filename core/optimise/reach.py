@@ -160,7 +160,7 @@ class Way:
 WIDER = 4.0
 """Times the frequency, either way, among which another one is looked for."""
 MAX_FRICTION = 0.8
-"""Of a track that is lined with rubber, about: `vibrafeed friction rubber`."""
+"""Of a track that is lined with rubber, about: `vibrafeed materials rubber`."""
 OF_A_LINE = ("amplitude", "beta")
 """What a straight drive is chosen by."""
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from vibrafeed.core.plots.files import draw_file, save
     from vibrafeed.core.plots.fixed import read_fixed
     from vibrafeed.core.plots.measured import draw_fit
-    from vibrafeed.core.plots.problem import PlotError
+    from vibrafeed.core.plots.pictures import PlotError
     from vibrafeed.core.plots.sheet import write_sheet
 else:  # the table of pictures is read without matplotlib
     __getattr__ = lazily(
@@ -25,7 +25,7 @@ else:  # the table of pictures is read without matplotlib
             "files": ("draw_file", "save"),
             "fixed": ("read_fixed",),
             "measured": ("draw_fit",),
-            "problem": ("PlotError",),
+            "pictures": ("PlotError",),
             "sheet": ("write_sheet",),
         },
     )

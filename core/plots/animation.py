@@ -117,7 +117,7 @@ def frames_of(
         for axes, artist in artists:
             axes.draw_artist(artist)
         frame = np.asarray(canvas.buffer_rgba())[..., :3]
-        yield frame[: frame.shape[0] // 2 * 2, : frame.shape[1] // 2 * 2].copy()  # even, for MP4
+        yield frame.copy()
 
 
 class _Moving:

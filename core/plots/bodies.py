@@ -8,10 +8,15 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, Polygon
 from numpy.typing import NDArray
 
-from vibrafeed.core.plots.style import Style, mix
+from vibrafeed.core.plots.fixed import fixed_positions
+from vibrafeed.core.plots.heading import finish, source_of
+from vibrafeed.core.plots.pictures import PlotError, is_pair
+from vibrafeed.core.plots.selection import check_result, held_at, held_fixed
+from vibrafeed.core.plots.style import Options, Style, mix
 from vibrafeed.core.plots.text import number
 
 BODIES = (1, 2)
@@ -32,9 +37,40 @@ class Outline(NamedTuple):
     velocity: Array
 
 
-def is_pair(dataset: xarray.Dataset) -> bool:
-    """True if a dataset is the result of an impact of two bodies."""
-    return {f"position_x_{body}" for body in BODIES} <= {str(name) for name in dataset.coords}
+def fits(dataset: xarray.Dataset, options: Options) -> bool:
+    """True if nothing else is asked for of an impact."""
+    return (options.variable, options.axes) == (None, None)
+
+
+def draw(dataset: xarray.Dataset, options: Options) -> Figure:
+    """Return the picture of two bodies as they lie and move before their impact, from each side.
+
+    Ranged parameters are held at `options.at`, by default at their middle values.
+
+    Raises
+    ------
+    PlotError
+        If the dataset is no impact of two bodies, or does not have a value that is asked for.
+    """
+    check_result(dataset)
+    if not is_pair(dataset):
+        raise PlotError("dataset", "it holds no impact of two bodies", "Draw another kind")
+    style, units = options.style, options.units
+    loose = [str(name) for name in dataset.dims]
+    positions = fixed_positions(dataset, options.at, loose, (), nearest=options.nearest)
+    bodies, seen = read_bodies(dataset, positions), views(dataset)
+    figure = style.sheet(height=4.4)
+    panels = np.ravel(figure.subplots(1, len(seen), squeeze=False))
+    for panel, view in zip(panels, seen, strict=True):
+        draw_bodies(panel, bodies, view, style)
+    held = [held_at(dataset[name], units, position) for name, position in positions.items()]
+    finish(
+        figure, panels[0], style, name=options.title or "Two bodies before their impact",
+        facts=[*held, *held_fixed(dataset, units)], source=source_of(dataset),
+    )  # fmt: skip
+    note = arrows_in_words(bodies)
+    figure.supxlabel(note, fontsize=style.text(8.5), color=style.quiet, x=0.02, ha="left")
+    return figure
 
 
 def views(dataset: xarray.Dataset) -> tuple[tuple[int, int], ...]:

@@ -1,4 +1,4 @@
-"""Pictures of a calibration: the posterior, speeds measured and predicted, and residuals."""
+"""Pictures of a calibration: the posterior, and speeds measured and predicted."""
 
 from __future__ import annotations
 
@@ -15,10 +15,8 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from vibrafeed.core.plots.heading import finish, source_of
-from vibrafeed.core.plots.options import Options
-from vibrafeed.core.plots.pictures import is_calibration
-from vibrafeed.core.plots.problem import PlotError
-from vibrafeed.core.plots.style import Style, mix
+from vibrafeed.core.plots.pictures import PlotError, is_calibration
+from vibrafeed.core.plots.style import Options, Style, mix
 from vibrafeed.core.plots.text import axis_label, number, scaled, shown_in, with_unit
 from vibrafeed.core.study.shown import ShownUnits
 
@@ -36,7 +34,7 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the picture of a calibration, by `options.kind`: posterior, speeds or residuals.
+    """Return the picture of a calibration, by `options.kind`: posterior or speeds.
 
     Raises
     ------
@@ -226,51 +224,6 @@ def _draw_speeds(
     )  # fmt: skip
 
 
-def _draw_residuals(
-    dataset: xarray.Dataset, style: Style, units: ShownUnits, title: str | None
-) -> Figure:
-    """Return the picture of the residuals of a calibration's runs: measured less predicted values.
-
-    Each run has bars: 95 % of the posterior, and twice the error of the measurement. `units` are
-    those that the reader wants, `title` replaces the name of the picture.
-    """
-    measured, factor, unit = _measured(dataset, units)
-    figure = style.sheet()
-    axes = figure.add_subplot()
-    best = np.asarray(dataset["predicted_best"].values) * factor
-    ends = [
-        np.asarray(dataset[f"predicted_{end}_95"].values) * factor - best
-        for end in ("lower", "upper")
-    ]
-    residual, error = measured - best, _whole_error(dataset) * factor
-    runs = np.asarray(dataset["run"].values)
-    known = np.isfinite(residual)
-    axes.axhline(0.0, color=style.ink, lw=style.width(1.0), zorder=1)
-    axes.vlines(
-        runs[known], ends[0][known], ends[1][known], lw=style.width(5.0),
-        color=mix(style.ground, style.curve, DEEP), zorder=2,
-    )  # fmt: skip
-    axes.errorbar(
-        runs[known], residual[known], yerr=2.0 * error[known], fmt="o", color=style.curve,
-        ecolor=style.quiet, elinewidth=style.width(1.0), ms=style.width(5), mec=style.ground,
-        zorder=3,
-    )  # fmt: skip
-    axes.set_xlabel("Run")
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.set_xlim(runs[0] - 0.7, runs[-1] + 0.7)
-    axes.set_ylabel(f"Measured less predicted ({unit})")
-    style.add_grid(axes)
-    entries: list[Artist] = [
-        Line2D([], [], color=style.curve, marker="o", lw=0, label="residual"),
-        Line2D([], [], color=style.quiet, label="twice the error, discrepancy included"),
-        Patch(color=mix(style.ground, style.curve, DEEP), label="95 % of the posterior"),
-    ]
-    return finish(
-        figure, axes, style, name=title or "What the best values leave",
-        facts=_facts(dataset, factor, unit), source=source_of(dataset), entries=entries,
-    )  # fmt: skip
-
-
 def _measured(dataset: xarray.Dataset, units: ShownUnits) -> tuple[Array, float, str]:
     """Return the measured values of a calibration's runs, the factor to their unit, and the unit.
 
@@ -332,6 +285,5 @@ def _number(axes: Axes, x: Array, y: Array, known: NDArray[np.bool_], style: Sty
 KINDS: dict[str, Callable[[xarray.Dataset, Style, ShownUnits, str | None], Figure]] = {
     "posterior": _draw_posterior,
     "speeds": _draw_speeds,
-    "residuals": _draw_residuals,
 }
 """Pictures of a calibration."""

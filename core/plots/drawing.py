@@ -10,10 +10,8 @@ import xarray
 from matplotlib.figure import Figure
 
 from vibrafeed.core.plots.fixed import in_letters
-from vibrafeed.core.plots.options import Options
-from vibrafeed.core.plots.pictures import NAMES, PICTURES, is_calibration
-from vibrafeed.core.plots.problem import PlotError
-from vibrafeed.core.plots.style import Style
+from vibrafeed.core.plots.pictures import GONE, NAMES, PICTURES, PlotError, is_calibration
+from vibrafeed.core.plots.style import Options, Style
 from vibrafeed.core.plots.text import units_of
 from vibrafeed.core.plots.together import draw_together
 from vibrafeed.core.quantities import letter_of
@@ -79,7 +77,7 @@ def draw(
     >>> from vibrafeed.core.intake import load_study
     >>> from vibrafeed.core.kinds import run_study
     >>> dataset = run_study(load_study(Path("configs/figures/fig-5-1.toml")))
-    >>> figure = draw(dataset, axes=("beta", "alpha"), kind="surface")
+    >>> figure = draw(dataset, axes=("beta", "alpha"), kind="contour")
     """
     datasets = _datasets(dataset)
     dataset = datasets[0]
@@ -89,7 +87,8 @@ def draw(
         units_of(dataset, units),
     )  # fmt: skip
     if kind is not None and kind not in PICTURES:
-        raise PlotError("kind", f"'{kind[:40]}' is unknown", suggestion(kind, NAMES))
+        fix = GONE.get(kind) or suggestion(kind, NAMES)
+        raise PlotError("kind", f"'{kind[:40]}' is unknown", fix)
     if nearest and not at:
         message = "nearest is given, but no value of at"
         raise PlotError("nearest", message, "Give at, or leave nearest out")

@@ -14,8 +14,7 @@ from matplotlib.figure import Figure
 from vibrafeed.core.dataset.files import whole
 from vibrafeed.core.plots.drawing import draw
 from vibrafeed.core.plots.fixed import read_fixed
-from vibrafeed.core.plots.pictures import MOVING
-from vibrafeed.core.plots.problem import PlotError, unreadable
+from vibrafeed.core.plots.pictures import PlotError, unreadable
 
 DPI = 150  # dots per inch of a PNG
 FORMATS = {".png": "png", ".svg": "svg", ".pdf": "pdf"}
@@ -44,8 +43,7 @@ def draw_file(
     file : Path, or a sequence of them
         The NetCDF files.
     targets : sequence of Path
-        The pictures, PNG, SVG or PDF by their suffix, GIF or MP4 of an animation; existing ones are
-        replaced.
+        The pictures, PNG, SVG, PDF or GIF (of a motion) by suffix; existing ones are replaced.
     variable, axes, kind
         Output, axes and kind of picture, as for `draw`; by default what suits the data.
     at : mapping of str to str, optional
@@ -62,7 +60,7 @@ def draw_file(
         is left behind.
     """
     files = [file] if isinstance(file, Path) else list(file)
-    moving = kind == "animation" or any(target.suffix.lower() in MOVING for target in targets)
+    moving = kind == "animation" or any(target.suffix.lower() == ".gif" for target in targets)
     if moving:
         _animate_file(files, targets, (variable, axes, at), kind, slow, look)
         return
@@ -70,7 +68,7 @@ def draw_file(
         raise PlotError(
             "slow",
             "slow is given, but only an animation has a slow-motion factor",
-            "Give the picture a name that ends in .gif or .mp4, or leave out slow",
+            "Give the picture a name that ends in .gif, or leave out slow",
         )
     for target in targets:
         check_format(target)
@@ -95,7 +93,7 @@ def _animate_file(
     Parameters
     ----------
     files, targets : sequence of Path
-        One result file, and the animations to write, GIF or MP4.
+        One result file, and the animations to write.
     chosen : sequence
         The options variable, axes and at, which an animation does not take.
     kind, slow : str or None, float or None
@@ -132,7 +130,8 @@ def check_format(target: Path) -> None:
     """Raise `PlotError` if pictures cannot be saved in the format of a file name."""
     if target.suffix.lower() not in FORMATS:
         message = f"'{target.suffix}': unknown picture format"
-        raise PlotError("output", message, "End the name of the picture in .png, .svg or .pdf")
+        fix = "End the name of the picture in .png, .svg or .pdf, of a motion in .gif"
+        raise PlotError("output", message, fix)
 
 
 def save(figure: Figure, target: Path) -> None:

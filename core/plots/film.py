@@ -11,7 +11,7 @@ import xarray
 from numpy.typing import NDArray
 
 from vibrafeed.core.plan.grid import parameter_to_si
-from vibrafeed.core.plots.problem import PlotError, unreadable
+from vibrafeed.core.plots.pictures import PlotError, unreadable
 from vibrafeed.core.plots.selection import held_fixed
 from vibrafeed.core.plots.text import number, shown_in, with_unit
 from vibrafeed.core.plots.trajectory import (

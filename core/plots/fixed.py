@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.quantities import QUANTITIES, by_letters
 from vibrafeed.core.study.units import UnitError, read_number
 from vibrafeed.core.study.values import position_on_axis

@@ -16,12 +16,11 @@ from vibrafeed.core.optimise.codes import STATUS
 from vibrafeed.core.optimise.sentences import criterion_in_words
 from vibrafeed.core.plots.fixed import fixed_positions
 from vibrafeed.core.plots.heading import finish, source_of
-from vibrafeed.core.plots.optimum import prepared_of
-from vibrafeed.core.plots.options import Options
+from vibrafeed.core.plots.landscape import prepared_of
 from vibrafeed.core.plots.parts import plain, set_log
-from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.plots.selection import FEW, axis_of, held_at, held_fixed, thin
-from vibrafeed.core.plots.style import RGB, Style
+from vibrafeed.core.plots.style import RGB, Options, Style
 from vibrafeed.core.plots.text import (
     axis_label,
     long_name,

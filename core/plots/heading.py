@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import xarray
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
+from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
+from matplotlib.transforms import BboxBase
 
-from vibrafeed.core.plots.matplotlib_parts import heading_of
-from vibrafeed.core.plots.names import leave_out_what_meets
 from vibrafeed.core.plots.style import Style
 
 DOT = " \N{MIDDLE DOT} "
@@ -21,6 +24,8 @@ FACTS = 8.5
 LEGEND = 9.0
 HANDLE = 5.0  # widths of a letter: a swatch of the legend, and the gap behind it
 MARGIN = 0.02  # of the width, on either side
+GIVES_WAY = "gives way"
+AIR = 2.0  # dots between texts
 
 
 def finish(
@@ -55,7 +60,7 @@ def finish(
     """
     style.dress(figure)
     _add_legend(figure, entries, note, style)
-    _add_name(figure, name, style)
+    heading = _add_name(figure, name, style)
     # Where the axes begin is known only after a layout, with a text of as many lines.
     top.set_title("\n" if source and facts else " ", loc="left", fontsize=style.text(FACTS),
                   linespacing=1.4, color=style.quiet)  # fmt: skip
@@ -68,8 +73,6 @@ def finish(
     lines = [_packed(figure, facts, room, size), _cut(figure, source, room, size)]
     title = top.set_title("\n".join(filter(None, lines)), loc="left", fontsize=size,
                           linespacing=1.4, color=style.quiet)  # fmt: skip
-    heading = heading_of(figure)
-    assert heading is not None
     start = title.get_window_extent().x0 if title.get_text() else MARGIN * figure.bbox.width
     if start + heading.get_window_extent().width < (1 - MARGIN) * figure.bbox.width:
         heading.set_x(start / figure.bbox.width)
@@ -129,11 +132,8 @@ def _cut(figure: Figure, text: str, width: float, size: float, weight: str = "no
     return ""
 
 
-def _add_name(figure: Figure, name: str, style: Style) -> None:
-    """Add the title `name` to a picture, in two lines if need be; what is longer is cut.
-
-    It is not wider than the figure.
-    """
+def _add_name(figure: Figure, name: str, style: Style) -> Text:
+    """Add the title of a picture, in two lines if need be; what is longer is cut."""
     size, width = style.text(NAME), (1 - 2 * MARGIN) * figure.bbox.width
     words, count = name.split(), 1
     while (
@@ -143,7 +143,9 @@ def _add_name(figure: Figure, name: str, style: Style) -> None:
         count += 1
     rest = _cut(figure, " ".join(words[count:]), width, size, "bold")
     shown = "\n".join(filter(None, [" ".join(words[:count]), rest]))
-    figure.suptitle(shown, x=MARGIN, ha="left", fontsize=size, fontweight="bold", color=style.ink)
+    return figure.suptitle(
+        shown, x=MARGIN, ha="left", fontsize=size, fontweight="bold", color=style.ink
+    )
 
 
 def _add_legend(figure: Figure, entries: Sequence[Artist], note: str, style: Style) -> None:
@@ -174,3 +176,40 @@ def _add_legend(figure: Figure, entries: Sequence[Artist], note: str, style: Sty
         alignment="left",
     )
     legend.get_title().set_color(style.quiet)
+
+
+def gives_way(text: Text) -> None:
+    """Mark a text to be hidden if it would touch others or leave its axes."""
+    text.set_gid(GIVES_WAY)
+
+
+def number_lines(axes: Axes, lines: ContourSet, style: Style, size: float, **look: Any) -> None:
+    """Write its value on each line of equal value; a number gives way to what stands there."""
+    for label in axes.clabel(lines, fontsize=style.text(size), inline=False, **look):
+        gives_way(label)
+        label.set_path_effects([withStroke(linewidth=3.0, foreground=style.ground)])
+
+
+def leave_out_what_meets(figure: Figure) -> None:
+    """Hide less important texts of a figure that touch other texts or leave their axes.
+
+    Less important texts, such as numbers on contour lines, are marked by the group id `GIVES_WAY`.
+    Of two that touch, the one drawn on top (the larger z-order) stays. The figure has to be laid
+    out.
+    """
+    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    shown = [text for text in figure.findobj(Text) if text.get_visible() and text.get_text()]
+    kept = [text.get_window_extent(renderer) for text in shown if text.get_gid() != GIVES_WAY]
+    loose = [text for text in shown if text.get_gid() == GIVES_WAY]
+    for text in sorted(loose, key=lambda text: -text.get_zorder()):
+        box = text.get_window_extent(renderer)
+        frame = text.axes.get_window_extent() if text.axes else figure.bbox
+        if _lies_within(box, frame) and not any(box.padded(AIR).overlaps(other) for other in kept):
+            kept.append(box)
+        else:
+            text.set_visible(False)
+
+
+def _lies_within(box: BboxBase, frame: BboxBase) -> bool:
+    """True if a box lies within a frame."""
+    return bool(frame.x0 < box.x0 and frame.y0 < box.y0 and box.x1 < frame.x1 and box.y1 < frame.y1)

@@ -7,7 +7,7 @@ plain lines: `draw` shows them.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray
@@ -20,26 +20,25 @@ from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.table import quantity_attributes
+from vibrafeed.core.intake import parse_json
 from vibrafeed.core.optimise import Optimisation
 from vibrafeed.core.optimise.afresh import BLOCK, pictured
 from vibrafeed.core.optimise.codes import STATUS
+from vibrafeed.core.optimise.prepare import prepare
 from vibrafeed.core.optimise.problem import Kept, OptimisationProblem, chosen_cells
 from vibrafeed.core.optimise.run import designs_of
 from vibrafeed.core.optimise.sentences import criterion_in_words
 from vibrafeed.core.plan.grid import from_si, to_si
 from vibrafeed.core.plots.fixed import fixed_positions
-from vibrafeed.core.plots.heading import finish, source_of
-from vibrafeed.core.plots.names import number_lines
-from vibrafeed.core.plots.optimum import is_optimum, prepared_of
-from vibrafeed.core.plots.options import Options
-from vibrafeed.core.plots.parts import padded, plain
-from vibrafeed.core.plots.problem import PlotError
-from vibrafeed.core.plots.scale import scale_of
+from vibrafeed.core.plots.heading import finish, number_lines, source_of
+from vibrafeed.core.plots.parts import padded, plain, scale_of
+from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.plots.selection import held_at, held_fixed
-from vibrafeed.core.plots.style import RGB, Style, mix
+from vibrafeed.core.plots.style import RGB, Options, Style, mix
 from vibrafeed.core.plots.text import axis_label, number, scaled, shown_in, with_unit, words
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.quantity import in_sentence
+from vibrafeed.core.study import OptimiseStudy
 from vibrafeed.core.study.shown import ShownUnits
 
 POINTS = {1: 721, 2: 181}  # points along each variable, by the number of variables
@@ -77,47 +76,67 @@ class Landscape(NamedTuple):
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """True if a dataset is drawn as a landscape by default: one optimum of one or two variables.
-
-    `options` are those of the picture; an output or axes that are asked for ask for another
-    picture.
-    """
+    """True if a dataset is one optimum, and no output or axes are asked for."""
     asked = (options.variable, options.axes) != (None, None)
-    if asked or not is_optimum(dataset) or dataset["optimum_status"].size > 1:
-        return False
-    return sum(str(name).startswith("best_") for name in dataset.data_vars) in POINTS
+    return not asked and dataset["optimum_status"].size == 1
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """Return the picture of an objective over one or two variables, with optimum and limits.
 
-    With one variable it is a curve, with two a filled map. Other ranged parameters are held at
-    `options.at`, by default at their middle values.
+    With one variable it is a curve, with two a filled map: those of `options.axes`, else the first
+    two. Further variables are held at the optimum, or in the middle of their bounds if there is
+    none. Ranged parameters are held at `options.at`, by default at their middle values.
 
     Raises
     ------
     PlotError
-        If the study has more than two variables, or the dataset does not have a value of
-        `options.at`.
+        If the dataset is no optimisation, or does not have a variable or a value that is asked for.
     """
     style, units = options.style, options.units
     prepared = prepared_of(dataset)
     problem = prepared.problem
-    if len(problem.names) not in POINTS:
-        message = f"the study has {len(problem.names)} variables, a landscape needs 1 or 2"
-        raise PlotError("dataset", message, "Draw kind profiles, or draw the best values as lines")
+    names = options.axes[::-1] if options.axes else problem.names[:2]  # the last is across
+    if len(names) > 2 or len({*names}) < len(names) or not {*names} <= {*problem.names}:
+        fix = f"Name one or two of {', '.join(problem.names)}"
+        raise PlotError("axes", "a landscape is drawn over variables of the optimisation", fix)
     positions = design_positions(dataset, prepared, options)
-    shown = _computed(dataset, prepared, positions, units)
+    best = dataset.isel({str(name): position for name, position in positions.items()})
+    held = _held(problem, best)
+    shown = _computed(dataset, prepared, positions, units, names, held)
     figure = style.sheet()
     axes = figure.add_subplot()
-    entries = (draw_curve if len(problem.names) == 1 else _draw_plane)(axes, shown, style)
+    entries = (draw_curve if len(names) == 1 else _draw_plane)(axes, shown, style)
     none = "" if shown.best.size else "No choice within the bounds keeps all limits"
+    others = [
+        _fact(name, value, units)
+        for name, value in zip(problem.names, held, strict=True)
+        if name not in names
+    ]
     return finish(
         figure, axes, style, name=options.title or f"Objective: {name_of(problem)}",
-        facts=held_of(dataset, prepared, positions, units),
+        facts=[*held_of(dataset, prepared, positions, units), *others],
         source=source_of(dataset, criterion_in_words(problem)),
         entries=entries, note=none,
     )  # fmt: skip
+
+
+def prepared_of(dataset: xarray.Dataset) -> Optimisation:
+    """Return the optimisation, checked and planned again, of which a dataset is the result.
+
+    The study is read from the dataset's attributes.
+
+    Raises
+    ------
+    PlotError
+        If the dataset is not the result of an optimisation.
+    """
+    text: Any = dataset.attrs.get("study", "")
+    study = parse_json(text) if "optimum_status" in dataset else None
+    if not isinstance(study, OptimiseStudy):
+        fix = "Draw what `vibrafeed run` wrote of a study of kind 'optimise'"
+        raise PlotError("dataset", "the dataset is not the result of an optimisation", fix)
+    return prepare(study)
 
 
 def design_positions(
@@ -178,44 +197,43 @@ def _limit(kept: Kept, units: ShownUnits) -> str:
     return f"{name} {LESS if kept.upper else MORE} {bound}"
 
 
+def _held(problem: OptimisationProblem, best: xarray.Dataset) -> Array:
+    """Return the values of all variables at a single optimum, else in the middle, SI units."""
+    if bool(np.all(np.isin(best["optimum_status"], SOLVED))) and "front" not in best.dims:
+        chosen = {name: best[f"best_{name}"].values for name in problem.names}
+        return np.array([float(to_si(name, value)) for name, value in chosen.items()])
+    return (np.asarray(problem.lower) + np.asarray(problem.upper)) / 2
+
+
+def _fact(name: str, value: float, units: ShownUnits) -> str:
+    return held_at(_array(name, np.asarray(from_si(name, value), dtype=np.float64)), units)
+
+
 def _computed(
     dataset: xarray.Dataset,
     prepared: Optimisation,
     positions: Mapping[str, int],
     units: ShownUnits,
+    names: tuple[str, ...],
+    held: Array,
 ) -> Landscape:
-    """Return the objective of one design on a grid of all its variables.
+    """Return the objective of one design on a grid of some variables, the others held.
 
     Under uncertain parameters it is the worst case, mean or quantile that the optimiser used.
-    `positions` holds the index of each ranged parameter.
+    `positions` holds the index of each ranged parameter, `held` a value of each variable [SI].
     """
-    problem, count = prepared.problem, POINTS[len(prepared.problem.names)]
-    grid = np.stack(np.meshgrid(*_sides(problem, count), indexing="ij"))
-    return _over(dataset, prepared, positions, units, problem.names, grid)
-
-
-def curves_of(
-    dataset: xarray.Dataset, prepared: Optimisation, positions: Mapping[str, int], units: ShownUnits
-) -> list[Landscape]:
-    """Return an optimisation's objective along each variable, the others held at the optimum.
-
-    Without a single optimum they are held in the middle of their bounds. Each curve has the margins
-    of the constraints, too. `dataset` is the result and `prepared` its study; `positions` has the
-    index of each ranged parameter, which together choose the design; `units` are those that the
-    reader wants.
-    """
-    problem, curves = prepared.problem, []
-    best = dataset.isel({str(name): position for name, position in positions.items()})
-    middle = (np.asarray(problem.lower) + np.asarray(problem.upper)) / 2
-    if bool(np.all(np.isin(best["optimum_status"], SOLVED))) and "front" not in best.dims:
-        chosen = {name: best[f"best_{name}"].values for name in problem.names}
-        middle = np.array([float(to_si(name, value)) for name, value in chosen.items()])
-    sides = _sides(problem, POINTS[1])
-    for k, name in enumerate(problem.names):
-        grid = np.repeat(middle[:, None], POINTS[1], axis=1)
-        grid[k] = sides[k]
-        curves.append(_over(dataset, prepared, positions, units, (name,), grid))
-    return curves
+    problem, count = prepared.problem, POINTS[len(names)]
+    sides = dict(zip(problem.names, _sides(problem, count), strict=True))
+    moved = dict(
+        zip(names, np.meshgrid(*(sides[name] for name in names), indexing="ij"), strict=True)
+    )
+    grid = np.stack(
+        [
+            moved.get(name, np.full((count,) * len(names), value))
+            for name, value in zip(problem.names, held, strict=True)
+        ]
+    )
+    return _over(dataset, prepared, positions, units, names, grid)
 
 
 def _sides(problem: OptimisationProblem, count: int) -> list[Array]:

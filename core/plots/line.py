@@ -7,22 +7,30 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
+import xarray
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import FigureBase
+from matplotlib.figure import Figure, FigureBase
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from vibrafeed.core.plots.parts import cell_edges, padded, say_nothing_is_finite, set_log
+from vibrafeed.core.plots.parts import (
+    cell_edges,
+    padded,
+    say_nothing_is_finite,
+    set_log,
+    value_range,
+)
 from vibrafeed.core.plots.regimes import HATCH_WIDTH, MOTION, PLAIN, Look, swatch
-from vibrafeed.core.plots.scale import value_range
 from vibrafeed.core.plots.selection import FEW, PlotAxis, Selection, thin
-from vibrafeed.core.plots.sliced import fits_as, renderer_of
-from vibrafeed.core.plots.style import Style, mix
+from vibrafeed.core.plots.sliced import fits, render
+from vibrafeed.core.plots.style import Options, Style, mix
 from vibrafeed.core.plots.text import axis_label, number, short_label, with_unit
 from vibrafeed.core.quantities.pictures import LEVELS
+
+__all__ = ["draw", "fits"]
 
 MAX_CURVES = FEW
 MAX_MARKED = 12  # points of a curve that are marked: between them nothing was computed
@@ -397,5 +405,12 @@ def _limit(axes: Axes, across: PlotAxis, values: NDArray[np.float64], style: Sty
         axes.axhline(0.0, color=style.quiet, linewidth=0.7, zorder=1)
 
 
-fits = fits_as("line")
-draw = renderer_of(draw_line, "line", beyond="Hatched or dashed")
+def draw(dataset: xarray.Dataset, options: Options) -> Figure:
+    """Return the picture of a slice over one axis, or a family of curves.
+
+    Raises
+    ------
+    PlotError
+        If the dataset does not have what is asked for.
+    """
+    return render(dataset, options, draw_line, "Hatched or dashed")

@@ -13,13 +13,26 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.errors import Problem, VibrafeedError
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-    from vibrafeed.core.plots.options import Options
+    from vibrafeed.core.plots.style import Options
+
+
+class PlotError(VibrafeedError):
+    """A picture cannot be drawn; `problem` says where, why, and what would do."""
+
+    def __init__(self, place: str, message: str, fix: str):
+        self.problem = Problem(place, message, fix)
+        super().__init__(str(self.problem))
+
+
+def unreadable(message: str) -> PlotError:
+    """Return the error of a dataset that lacks what `vibrafeed run` writes."""
+    return PlotError("dataset", message, "Draw a result file that `vibrafeed run` wrote")
 
 
 def is_calibration(dataset: xarray.Dataset) -> bool:
@@ -27,43 +40,44 @@ def is_calibration(dataset: xarray.Dataset) -> bool:
     return "log_density" in dataset.data_vars and "unknowns" in dataset.attrs
 
 
+def is_pair(dataset: xarray.Dataset) -> bool:
+    """True if a dataset is the result of an impact of two bodies."""
+    return {"position_x_1", "position_x_2"} <= {str(name) for name in dataset.coords}
+
+
 def _has_uncertain_parameters(dataset: xarray.Dataset) -> bool:
-    """True if a dataset is a sensitivity study."""
     return "uncertain_parameters" in dataset.attrs
 
 
 def _is_front(dataset: xarray.Dataset) -> bool:
-    """True if a dataset holds a trade-off front."""
     return "knee" in dataset
 
 
 def _is_row(dataset: xarray.Dataset) -> bool:
-    """True if a dataset is of a row of parts."""
     return dataset.attrs.get("scene") == "row-on-plane"
 
 
 def _is_motion(dataset: xarray.Dataset) -> bool:
-    """True if a dataset holds a motion over a cycle, or one part that can be simulated over one."""
     return "cycle_time" in dataset.dims or ("motion_status" in dataset and _is_single(dataset))
 
 
 def _is_optimum(dataset: xarray.Dataset) -> bool:
-    """True if a dataset is the result of an optimisation."""
     return "optimum_status" in dataset
 
 
 def _is_single(dataset: xarray.Dataset) -> bool:
-    """True if a dataset has one cell."""
     return all(values.size == 1 for values in dataset.data_vars.values())
 
 
+def _is_impact(dataset: xarray.Dataset) -> bool:
+    return is_pair(dataset) and _is_single(dataset)
+
+
 def _any(dataset: xarray.Dataset) -> bool:
-    """Return True."""
     return True
 
 
 def _none(dataset: xarray.Dataset) -> bool:
-    """Return False: this picture is drawn on request only."""
     return False
 
 
@@ -125,19 +139,11 @@ PICTURES = {
             is_calibration,
         ),
         Picture(
-            "residuals", "what a calibration leaves unexplained, run by run", "calibration", (),
-            is_calibration,
-        ),
-        Picture(
             "distribution", "how an output with uncertain parameters spreads", "uncertain",
             ONE_DESIGN, _has_uncertain_parameters,
         ),
         Picture(
             "indices", "shares of the variance, by parameter", "uncertain", ONE_DESIGN,
-            _has_uncertain_parameters,
-        ),
-        Picture(
-            "effects", "effects of parameters after Morris", "uncertain", ONE_DESIGN,
             _has_uncertain_parameters,
         ),
         Picture(
@@ -147,37 +153,29 @@ PICTURES = {
         Picture("front", "a trade-off of two outputs", "front", ("at",), _is_front),
         Picture("positions", "where the parts of a row are over time", "positions", (), _is_row),
         Picture("trajectory", "the motion of one part", "motion", (), _is_motion),
-        Picture("animation", "the same, moving; a GIF or MP4 file", "movie", (), _none),
+        Picture("animation", "the same, moving; a GIF file", "movie", (), _none),
         Picture(
-            "landscape", "the objective of an optimisation over its variables", "landscape",
-            ("at",), _is_optimum,
+            "landscape", "the objective of an optimisation over one or two variables",
+            "landscape", ("axes", "at"), _is_optimum,
         ),
-        Picture(
-            "profiles", "the objective along each variable by itself", "profiles", ("at",),
-            _is_optimum,
-        ),
-        Picture(
-            "values", "the values of one design; of an impact, what hits what", "values",
-            ONE_DESIGN, _is_single,
-        ),
+        Picture("bodies", "an impact: what hits what", "bodies", ("at",), _is_impact),
         Picture("line", "an output over one parameter, or a family of lines", "line"),
-        Picture("map", "regimes, or an output whose numbers stand for words", "regime_map"),
-        Picture("contour", "an output over two parameters, in colours", "contour"),
-        Picture("levels", "an output over two parameters, as lines of equal value", "levels"),
-        Picture("surface", "an output over two parameters, in relief", "surface"),
-        Picture(
-            "thresholds", "an output over one parameter, with its thresholds", "thresholds",
-            may_fit=_none,
-        ),
-        Picture(
-            "parallel", "all designs, a line each through all parameters", "parallel",
-            ONE_DESIGN, _none,
-        ),
+        Picture("map", "regimes, or an output whose numbers stand for words", "maps"),
+        Picture("contour", "an output over two parameters, in colours", "maps"),
+        Picture("levels", "an output over two parameters, as lines of equal value", "maps"),
     )
 }  # fmt: skip
 """By name. The first that fits a dataset is drawn where none is named."""
 
-MOVING = (".gif", ".mp4")
-"""Endings of files that move."""
+GONE = {
+    "surface": "Draw kind contour or levels",
+    "parallel": "Draw kind contour over two parameters, at values of the others",
+    "thresholds": "Draw kind line, which shows where the regime changes",
+    "profiles": "Draw kind landscape, with the variable as the axis",
+    "values": "Print them with `vibrafeed run`, or write a page with `vibrafeed sheet`",
+    "effects": "Draw kind indices",
+    "residuals": "Draw kind speeds; the variable residual of the file has them",
+}
+"""Kinds of former versions, and what shows the same."""
 
 NAMES = tuple(PICTURES)

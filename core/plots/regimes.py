@@ -1,4 +1,7 @@
-"""The look of regimes: one hatch and one colour each, the same in every picture."""
+"""The look of regimes: one hatch and one colour each, the same in every picture.
+
+Outputs whose numbers stand for words have colours with names, too, and are not drawn as heights.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +17,10 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.regimes import flags_of
-from vibrafeed.core.plots.islands import without_specks
-from vibrafeed.core.plots.problem import unreadable
+from vibrafeed.core.plots.pictures import unreadable
 from vibrafeed.core.plots.style import LIGHT, RGB, Style, mix
 from vibrafeed.core.plots.text import words
-from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.quantities.pictures import FILLS, INKS
 
 VEIL_STRENGTH = 0.45  # opacity of the veil over values that are not valid
@@ -109,6 +111,16 @@ MOTION = ("stick_slip", "hopping", "hop_after_hop", "period_doubled", "aperiodic
 NOTES = {
     "runaway": "no mean velocity", "unresolved": "no answer", "rolls_and_slips": "not known",
 }  # fmt: skip
+
+
+MOST_CATEGORIES = 8  # categories of a picture; more are drawn as numbers
+NO_VALUE = -1
+
+CATEGORY_FILLS = (
+    "stick", "hopping", "hop_after_hop", "stick_slip", "period_doubled", "slip", "no_motion",
+    "apart",
+)  # fmt: skip
+PALE = "#f2f2f2"
 
 
 @dataclass(frozen=True)
@@ -206,7 +218,6 @@ def shade(
     faces : mapping of Look to RGB
         The colour that each regime has below the shading.
     """
-    bordered = without_specks(regimes)
     for look, face in faces.items():
         inside = (regimes == look.value).astype(float)
         if look.hatch or not look.valid:
@@ -218,7 +229,6 @@ def shade(
             area.set(
                 edgecolor=(*_ink(look, face), strength), linewidth=0.0, hatch_linewidth=HATCH_WIDTH
             )
-        inside = (bordered == look.value).astype(float)
         if inside.min() < inside.max():
             border = axes.contour(
                 x, y, inside, levels=[0.5], colors=[style.ink], linewidths=[style.width(1.1)],
@@ -265,3 +275,44 @@ def _ink(look: Look, face: RGB) -> RGB:
     if not look.valid:
         return look.hatch_ink if look.style.dark else to_rgb(look.colour)
     return to_rgb("#ffffff" if luminance(np.array(face)) < 0.5 else "#000000")
+
+
+def categories_of(array: xarray.DataArray) -> dict[int, str] | None:
+    """Return the names that an output's numbers stand for; None if its values are plain numbers.
+
+    Values that are not finite have the number `NO_VALUE`. None, too, if more than eight occur,
+    which cannot be told apart in a picture.
+    """
+    name = str(array.name)
+    if "flag_values" in array.attrs:
+        named = {value: words(name) for value, name in flags_of(array.attrs).items()}
+        other = "{}"
+    elif name in QUANTITIES and QUANTITIES[name].other_words:
+        named, other = dict(QUANTITIES[name].words), QUANTITIES[name].other_words
+    else:
+        return None
+    present = np.unique(codes_of(array.values)).tolist()
+    if len(present) > MOST_CATEGORIES:
+        return None
+    named[NO_VALUE] = "no value"
+    return {value: named.get(value, other.format(value)) for value in present}
+
+
+def codes_of(values: NDArray[np.generic]) -> NDArray[np.int64]:
+    """Return numbers rounded to integers; those that are not finite become `NO_VALUE`."""
+    numbers = np.asarray(values, dtype=np.float64)
+    finite = np.isfinite(numbers)
+    return np.where(finite, np.where(finite, numbers, 0).round(), NO_VALUE).astype(np.int64)
+
+
+def looks_of_categories(named: Mapping[int, str], style: Style) -> list[Look]:
+    """Return the colour and the name of each category of an output, to fill its cells in a map.
+
+    Some outputs have a name in each cell instead of a number, which files hold as numbers. `named`
+    has the names by number, ascending. "No value" is pale.
+    """
+    looks = []
+    for value, name in named.items():
+        paint = PALE if value == NO_VALUE else FILLS[CATEGORY_FILLS[value % len(CATEGORY_FILLS)]]
+        looks.append(Look(value, name, True, "", paint, 1.8, style, paint))
+    return looks

@@ -12,10 +12,9 @@ import xarray
 from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.regimes import judge_of
-from vibrafeed.core.plots.categories import categories_of, codes_of
-from vibrafeed.core.plots.exact import is_exact
 from vibrafeed.core.plots.fixed import fixed_positions
-from vibrafeed.core.plots.problem import PlotError, unreadable
+from vibrafeed.core.plots.pictures import PlotError, unreadable
+from vibrafeed.core.plots.regimes import categories_of, codes_of
 from vibrafeed.core.plots.text import (
     axis_label,
     demand_in_words,
@@ -29,6 +28,7 @@ from vibrafeed.core.plots.text import (
 )
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.flags import REGIME, is_regime
+from vibrafeed.core.scenes import EXACT, SCENES
 from vibrafeed.core.study.shown import ShownUnits
 from vibrafeed.core.suggestions import suggestion
 
@@ -80,7 +80,7 @@ class Selection:
     fixed : tuple of str
         Name, value and unit of every other dimension and parameter, what was asked for first.
     kind : str
-        contour, surface, line or map.
+        contour, levels, line or map.
     exact : bool
         Whether the values hold in every regime.
     categories : dict of int to str, optional
@@ -152,7 +152,7 @@ def select(
     at : mapping of str to float
         Values of other dimensions, in the unit of the dataset; by default their middle.
     kind : str
-        contour, surface, levels, line or map.
+        contour, levels, line or map.
     units : ShownUnits, optional
         The units that the reader wants.
     nearest : bool
@@ -219,7 +219,7 @@ def _selected(
     whole = _on_map(dataset, variable) if kind == "map" else dataset[_variable(dataset, variable)]
     names = _axes(whole, axes, 1 if kind == "line" else 2)
     categories = None if is_regime(str(whole.name)) else categories_of(whole)
-    if categories and kind in ("contour", "surface", "levels"):
+    if categories and kind in ("contour", "levels"):
         message = f"{whole.name} has a name in each cell, not a number"
         raise PlotError("kind", message, "Leave out kind, or draw kind map")
     if kind != "line" and len(names) == 1:
@@ -393,3 +393,25 @@ def held_at(coordinate: xarray.DataArray, units: ShownUnits, position: int | Non
     shown = shown_in(values, units)
     value = with_unit(number(float(scaled(values, shown.factor))), shown.unit)
     return f"{name} {value}".replace(" ", SPACE)
+
+
+def is_exact(dataset: xarray.Dataset, output: str) -> bool:
+    """True if an output is valid in every regime, so that pictures of it shade none.
+
+    This is so if no condition of the dataset's scene restricts the output.
+    """
+    if output in EXACT:
+        return True
+    name, variant = str(dataset.attrs.get("scene")), str(dataset.attrs.get("variant"))
+    scene = SCENES.get(name)
+    if scene is None or variant not in scene.conditions:
+        return False
+    doubtful = {found for condition in scene.conditions[variant] for found in condition.outputs}
+    return output in scene.producers(variant) and output not in doubtful
+
+
+def check_result(dataset: xarray.Dataset) -> None:
+    """Raise `PlotError` if a dataset is not a result of vibrafeed."""
+    told = "regime" in dataset.data_vars or "reduced" in dataset.attrs
+    if not told or "scene" not in dataset.attrs:
+        raise unreadable("it is not a result of vibrafeed: no regime or no scene")

@@ -17,6 +17,7 @@ from vibrafeed.core.dataset.regimes import percent, regime_shares
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.plots.drawing import draw
 from vibrafeed.core.plots.files import check_format, read, save
+from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.plots.style import Style
 from vibrafeed.core.plots.text import long_name, number, shown_in, units_of, words
 from vibrafeed.core.quantities import FLAGS, QUANTITIES, REGIMES
@@ -65,7 +66,7 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     Raises
     ------
     PlotError
-        If the result has no picture.
+        If a result of several designs has no picture.
     """
     style, shown = Style(), units_of(dataset, units)
     page = Figure(figsize=PAGE, facecolor=style.ground)
@@ -103,13 +104,14 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
         at -= LINE
     assumed = textwrap.wrap(str(dataset.attrs.get("comment", "")), LETTERS + 12)
     foot = BOTTOM + (len(assumed) + 3.5) * 0.8 * LINE
-    picture = io.BytesIO()
-    draw([dataset], units=units).savefig(picture, format="png", dpi=DPI)
-    picture.seek(0)
-    axes = page.add_axes((LEFT, foot, RIGHT - LEFT, at - foot - LINE))
-    axes.imshow(imread(picture), aspect="equal", interpolation="antialiased")
-    axes.set_anchor("N")
-    axes.axis("off")
+    if (drawn := _picture(dataset, units)) is not None:
+        picture = io.BytesIO()
+        drawn.savefig(picture, format="png", dpi=DPI)
+        picture.seek(0)
+        axes = page.add_axes((LEFT, foot, RIGHT - LEFT, at - foot - LINE))
+        axes.imshow(imread(picture), aspect="equal", interpolation="antialiased")
+        axes.set_anchor("N")
+        axes.axis("off")
     at = foot - 0.5 * LINE
     write("What this assumes", size=8, weight="bold")
     for line in assumed:
@@ -119,6 +121,16 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     digest = str(dataset.attrs.get("study_sha256", ""))
     write(f"Study {digest[:16]}; the file has all values.", size=7.5, color=style.quiet)
     return page
+
+
+def _picture(dataset: xarray.Dataset, units: str | None) -> Figure | None:
+    """Return the picture of a result; None of a single design, which may have none."""
+    try:
+        return draw([dataset], units=units)
+    except PlotError:
+        if any(array.size > 1 for array in dataset.data_vars.values()):
+            raise
+        return None
 
 
 def _first(rows: list[tuple[str, str]]) -> list[tuple[str, str]]:

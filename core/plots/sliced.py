@@ -16,14 +16,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase, SubFigure
 
 from vibrafeed.core.dataset.regimes import flags_of
-from vibrafeed.core.plots.bodies import draw_bodies, is_pair, read_bodies, views
-from vibrafeed.core.plots.categories import looks_of_categories
+from vibrafeed.core.plots.bodies import draw_bodies, read_bodies, views
 from vibrafeed.core.plots.heading import finish, source_of
-from vibrafeed.core.plots.options import Options
-from vibrafeed.core.plots.problem import unreadable
-from vibrafeed.core.plots.regimes import PLAIN, Look, looks_of
-from vibrafeed.core.plots.selection import ANY_REGIME, Selection, natural, select
-from vibrafeed.core.plots.style import Style
+from vibrafeed.core.plots.pictures import is_pair
+from vibrafeed.core.plots.regimes import PLAIN, Look, looks_of, looks_of_categories
+from vibrafeed.core.plots.selection import (
+    ANY_REGIME,
+    Selection,
+    check_result,
+    natural,
+    select,
+)
+from vibrafeed.core.plots.style import Options, Style
 from vibrafeed.core.plots.text import long_name
 from vibrafeed.core.quantities import STATUSES
 from vibrafeed.core.quantities.flags import is_regime
@@ -70,79 +74,62 @@ def _add_sketch(sheet: SubFigure, dataset: xarray.Dataset, options: Options) -> 
         draw_bodies(panel, bodies, view, options.style)
 
 
-def check_result(dataset: xarray.Dataset) -> None:
-    """Raise `PlotError` if a dataset is not a result of vibrafeed."""
-    told = "regime" in dataset.data_vars or "reduced" in dataset.attrs
-    if not told or "scene" not in dataset.attrs:
-        raise unreadable("it is not a result of vibrafeed: no regime or no scene")
+def fits(dataset: xarray.Dataset, options: Options) -> bool:
+    """True if a kind of picture suits the axes and values of a dataset best."""
+    check_result(dataset)
+    return natural(dataset, options.variable, options.axes)[0] == options.kind
 
 
-def fits_as(kind: str) -> Callable[[xarray.Dataset, Options], bool]:
-    """Return the test that tells if a kind of picture is the one to draw when none is asked for.
-
-    `kind` is the name of the picture, such as ``"contour"``. The test is called with a dataset and
-    the options of the picture, and is true if that kind suits the dataset's axes and values best.
-    """
-
-    def fits(dataset: xarray.Dataset, options: Options) -> bool:
-        """True if a dataset is drawn as this kind by default."""
-        check_result(dataset)
-        return natural(dataset, options.variable, options.axes)[0] == kind
-
-    return fits
-
-
-def renderer_of(
-    painter: Painter, kind: str, beyond: str
-) -> Callable[[xarray.Dataset, Options], Figure]:
-    """Return the function that draws a slice of a dataset as one kind of picture.
+def render(dataset: xarray.Dataset, options: Options, painter: Painter, beyond: str) -> Figure:
+    """Return the picture of a slice of a dataset.
 
     Parameters
     ----------
+    dataset, options : xarray.Dataset, Options
+        The result, and what is asked for.
     painter : callable
         Draws the selected values into a figure; returns axes and legend entries.
-    kind : str
-        The kind, such as ``"contour"``.
     beyond : str
         Says in a note how regimes look in which formulas do not hold, with ``{pale}`` in place of
         the style's word for pale.
     """
-
-    def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-        """Return the picture of a slice."""
-        check_result(dataset)
-        style = options.style
-        figure = style.sheet()
-        variable, axes = options.variable, options.axes
-        if options.is_natural:
-            _, variable, axes = natural(dataset, variable, axes)
-        selection = select(
-            dataset, variable, axes, options.at, kind, options.units, nearest=options.nearest
-        )
-        if selection.categories:
-            looks = looks_of_categories(selection.categories, style)
-        elif "regime" in dataset:
-            looks = looks_of(selection.regime, selection.regimes, style, exact=selection.exact)
-            looks = [_said(look, dataset, selection.regime) for look in looks]
-        else:
-            looks = [Look(ANY_REGIME, NO_REGIMES, True, *PLAIN, style)]
-        sheet: FigureBase = figure
-        beside: SubFigure | None = None
-        if is_pair(dataset):
-            sheet, beside = np.ravel(figure.subfigures(1, 2, squeeze=False, width_ratios=BESIDE))
-        top, entries = painter(sheet, selection, looks, style)
-        entries = [one for one in entries if not str(one.get_label()).startswith(NO_REGIMES)]
-        if beside is not None:
-            _add_sketch(beside, dataset, options)
-        bare = is_regime(str(selection.variable.name))
-        name = long_name(selection.variable)
-        if bare:
-            name = f"Regimes{name.removeprefix('Regime')}"
-        how = beyond.format(pale="Dim" if style.dark else "Pale")
-        note = f"{how}: {NOT_DESCRIBED}" if any(look.beyond for look in looks) else ""
-        return finish(
-            figure, top, style, name=options.title or name, facts=list(selection.fixed),
-            source=source_of(dataset), entries=entries, note=note,
-        )  # fmt: skip
-
-    return draw
+    check_result(dataset)
+    style = options.style
+    figure = style.sheet()
+    variable, axes = options.variable, options.axes
+    if options.is_natural:
+        _, variable, axes = natural(dataset, variable, axes)
+    selection = select(
+        dataset,
+        variable,
+        axes,
+        options.at,
+        str(options.kind),
+        options.units,
+        nearest=options.nearest,
+    )
+    if selection.categories:
+        looks = looks_of_categories(selection.categories, style)
+    elif "regime" in dataset:
+        looks = looks_of(selection.regime, selection.regimes, style, exact=selection.exact)
+        looks = [_said(look, dataset, selection.regime) for look in looks]
+    else:
+        looks = [Look(ANY_REGIME, NO_REGIMES, True, *PLAIN, style)]
+    sheet: FigureBase = figure
+    beside: SubFigure | None = None
+    if is_pair(dataset):
+        sheet, beside = np.ravel(figure.subfigures(1, 2, squeeze=False, width_ratios=BESIDE))
+    top, entries = painter(sheet, selection, looks, style)
+    entries = [one for one in entries if not str(one.get_label()).startswith(NO_REGIMES)]
+    if beside is not None:
+        _add_sketch(beside, dataset, options)
+    bare = is_regime(str(selection.variable.name))
+    name = long_name(selection.variable)
+    if bare:
+        name = f"Regimes{name.removeprefix('Regime')}"
+    how = beyond.format(pale="Dim" if style.dark else "Pale")
+    note = f"{how}: {NOT_DESCRIBED}" if any(look.beyond for look in looks) else ""
+    return finish(
+        figure, top, style, name=options.title or name, facts=list(selection.fixed),
+        source=source_of(dataset), entries=entries, note=note,
+    )  # fmt: skip

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from io import BytesIO
 
 import matplotlib
 from matplotlib.axes import Axes
@@ -11,11 +12,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap, ListedColormap, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
-from mpl_toolkits.mplot3d import Axes3D  # type: ignore[import-untyped]
 from numpy import linspace
 
-from vibrafeed.core.plots.matplotlib_parts import colour_grid, heading_of
-from vibrafeed.core.plots.picture import NotebookFigure
+from vibrafeed.core.study.shown import ShownUnits
 
 RGB = tuple[float, float, float]
 SMALL = 0.8  # text of a small picture over that of a normal one
@@ -23,6 +22,16 @@ NARROW = 0.55  # width of a small picture over that of a normal one
 LOW = 0.68  # its height: the text below and above takes more of it
 HALF = 0.55  # how bright a colour is on which dark lines are seen better than light ones
 DARKEST = 0.8  # of a scale that ends in a colour on which lines are still seen
+
+
+class NotebookFigure(Figure):
+    """A figure that a notebook shows by itself: matplotlib teaches it that with pyplot only."""
+
+    def _repr_png_(self) -> bytes:
+        """Return the figure as PNG, for notebooks."""
+        buffer = BytesIO()
+        self.savefig(buffer, format="png")
+        return buffer.getvalue()
 
 
 @dataclass(frozen=True)
@@ -140,15 +149,8 @@ class Style:
             for text in (legend.get_title(), *legend.get_texts()):
                 text.set_color(self.ink)
                 text.set_fontsize(self.text(9))
-        heading = heading_of(figure)
-        if heading is not None:
-            heading.set_color(self.ink)
 
     def _dress_axes(self, axes: Axes) -> None:
-        """Apply the style's colours and text sizes to axes, in the plane or in space.
-
-        They are colours of background, frame, ticks and texts.
-        """
         axes.set_facecolor(self.ground)
         for spine in axes.spines.values():
             spine.set_edgecolor(mix(self.ground, self.ink, 0.75))
@@ -157,14 +159,7 @@ class Style:
             which="both", colors=mix(self.ground, self.ink, 0.75), labelcolor=self.ink,
             labelsize=self.text(9.5),
         )  # fmt: skip
-        sides: list[Any] = [axes.xaxis, axes.yaxis]
-        if isinstance(axes, Axes3D):
-            sides.append(axes.zaxis)
-            for side in sides:
-                side.set_pane_color((*to_rgb(mix(self.ground, self.ink, 0.03)), 1.0))
-                colour_grid(side, self.grid)
-                side.line.set_color(mix(self.ground, self.ink, 0.5))
-        for side in sides:
+        for side in (axes.xaxis, axes.yaxis):
             side.label.set_color(self.ink)
             side.label.set_fontsize(self.text(10))
             side.get_offset_text().set_color(self.ink)
@@ -188,3 +183,40 @@ def mix(colour: str | RGB, other: str | RGB, share: float) -> RGB:
 
 
 LIGHT = Style()
+
+
+@dataclass(frozen=True)
+class Options:
+    """The options of a picture; every picture takes the same, and refuses those without effect.
+
+    Attributes
+    ----------
+    kind : str or None
+        The name of the picture; None where the first that fits is drawn.
+    variable : str or None
+        The output; the first that fits if None.
+    axes : tuple of str or None
+        One or two dimensions, the first across.
+    at : mapping of str to float
+        Values of other dimensions, in the unit of the dataset.
+    nearest : bool
+        Whether a value of `at` that the dataset does not have stands for the nearest one.
+    title : str or None
+        The name over the picture; that of what it shows if None.
+    style : Style
+        Colours and sizes.
+    units : ShownUnits
+        Units in which values are read.
+    is_natural : bool
+        Whether the kind is the first that fits, and nobody named it.
+    """
+
+    kind: str | None = None
+    variable: str | None = None
+    axes: tuple[str, ...] | None = None
+    at: Mapping[str, float] = field(default_factory=dict)
+    nearest: bool = False
+    title: str | None = None
+    style: Style = LIGHT
+    units: ShownUnits = field(default_factory=ShownUnits)
+    is_natural: bool = False

@@ -9,7 +9,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.study.shown import Shown, ShownUnits, read_shown

@@ -13,13 +13,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from vibrafeed.core.plots.heading import finish
-from vibrafeed.core.plots.options import Options
-from vibrafeed.core.plots.parts import padded, set_log
-from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.parts import padded, set_log, value_range
+from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.plots.regimes import looks_of
-from vibrafeed.core.plots.scale import value_range
 from vibrafeed.core.plots.selection import Selection, outputs_of, select
-from vibrafeed.core.plots.style import Style
+from vibrafeed.core.plots.style import Options, Style
 from vibrafeed.core.plots.text import long_name, short_label
 from vibrafeed.core.study.shown import ShownUnits
 

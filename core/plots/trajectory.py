@@ -17,7 +17,7 @@ from vibrafeed.core.dataset.regimes import flags_of
 from vibrafeed.core.motion.drives import Shape, shape_of
 from vibrafeed.core.motion.waves import ALONG, NORMAL, TURN, Wave, position_at, speed
 from vibrafeed.core.plots.parts import padded
-from vibrafeed.core.plots.problem import PlotError, unreadable
+from vibrafeed.core.plots.pictures import PlotError, unreadable
 from vibrafeed.core.plots.regimes import HATCH_WIDTH
 from vibrafeed.core.plots.selection import held_fixed
 from vibrafeed.core.plots.style import RGB, Style, mix

@@ -18,7 +18,7 @@ from vibrafeed.app.cli import app, catalogue, console, drives, plans, results
 
 ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(r"^```(\w*)[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
-TABLES = ("scenes", "run", "drive", "friction")
+TABLES = ("scenes", "run", "drive", "materials")
 """The commands that print tables."""
 
 

@@ -27,5 +27,6 @@ def test_a_notebook_says_what_is_stored(path: Path) -> None:
     assert path.stat().st_size < 300_000
 
 
-def test_there_are_two() -> None:
-    assert [path.stem for path in NOTEBOOKS] == ["bowl-study", "friction-hypotheses"]
+def test_there_are_three() -> None:
+    names = ["bowl-study", "five-number-chart", "friction-hypotheses"]
+    assert [path.stem for path in NOTEBOOKS] == names

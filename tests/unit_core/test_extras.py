@@ -28,7 +28,7 @@ def names(requirements: list[str]) -> set[str]:
 
 
 def of_service(file: str) -> bool:
-    """True for the files that only `vibrafeed serve`, `key` and `scrub` load."""
+    """True for the files that only `vibrafeed serve` and `key` load."""
     base = ["accuracy", "blocks", "errors", "manifest", "shares", "studies"]
     if file.startswith("app/jobs/"):
         return Path(file).stem not in base
@@ -74,7 +74,7 @@ def test_every_package_that_is_imported_is_declared():
 
 def test_who_only_computes_needs_no_package_of_the_service():
     """What a module of the base imports, the base declares, but for what it loads when asked."""
-    asked = {"matplotlib", "mpl-toolkits", "pillow", "imageio-ffmpeg", "pyarrow", "obstore"}
+    asked = {"matplotlib", "pillow", "pyarrow", "obstore"}
     asked |= {"distributed"}  # of `vibrafeed run --scheduler`
     distributions = packages_distributions()
     for module, files in imported().items():

@@ -321,7 +321,7 @@ def test_every_package_of_kernels_is_compiled_beforehand():
 
 
 def test_after_warming_every_kernel_file_has_taken_part_and_no_study_waits_for_the_compiler():
-    """Methods, drives and outputs of all kinds find what `vibrafeed warm` has compiled."""
+    """Methods, drives and outputs of all kinds find what `vibrafeed.core.warm` has compiled."""
     code = """
 import sys
 from vibrafeed.core.compiling import stopwatch

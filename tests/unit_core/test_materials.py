@@ -80,7 +80,7 @@ def test_the_page_is_up_to_date() -> None:
 
 
 def test_the_command_line_prints_rows_with_their_sources() -> None:
-    result = CliRunner().invoke(app, ["friction", "abs", "steel"])
+    result = CliRunner().invoke(app, ["materials", "abs", "steel"])
     assert result.exit_code == 0, result.output
     words = " ".join(result.output.split())
     assert "ABS" in words
@@ -88,9 +88,9 @@ def test_the_command_line_prints_rows_with_their_sources() -> None:
     assert "Handbook of Surface Improvement and Modification" in words
     assert "figures to start from" in words
     assert "Lust" not in words
-    whole = CliRunner().invoke(app, ["friction"])
+    whole = CliRunner().invoke(app, ["materials"])
     assert "Polyurethane linings grip" in " ".join(whole.output.split())
-    none = CliRunner().invoke(app, ["friction", "unobtainium"])
+    none = CliRunner().invoke(app, ["materials", "unobtainium"])
     assert none.exit_code == 1
     assert "No row holds all of: unobtainium." in none.output
 
@@ -123,13 +123,13 @@ def test_glass_fibre_scatters_by_three_as_is_said() -> None:
 
 
 def test_the_command_line_prints_leaf_springs() -> None:
-    result = CliRunner().invoke(app, ["leaves", "glass", "epoxy"])
+    result = CliRunner().invoke(app, ["materials", "--leaves", "glass", "epoxy"])
     assert result.exit_code == 0, result.output
     words = " ".join(result.output.split())
     assert "18.6" in words
     assert "Accurate Plastics" in words
     assert "Tokai" not in words
-    none = CliRunner().invoke(app, ["leaves", "unobtainium"])
+    none = CliRunner().invoke(app, ["materials", "--leaves", "unobtainium"])
     assert none.exit_code == 1
     assert "No row holds all of: unobtainium." in none.output
     assert vibrafeed.leaf_springs("steel") == leaf_springs("steel")

@@ -12,7 +12,7 @@ from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.quantities import QUANTITIES, WORDS
 from vibrafeed.core.schema import by_reference
 
-MOST = 300_000  # bytes as `vibrafeed schema` prints it; it was 4.8 million
+MOST = 300_000  # bytes as `vibrafeed scenes --schema` prints it; it was 4.8 million
 NAMED = ("scene", "outputs", "variant", "method")
 """Keys whose values are names that the models do not list."""
 

@@ -82,7 +82,7 @@ async def describe_scene(
     responses=cached_replies("The schema", {"application/json": OBJECT}),
 )
 async def schema(request: Request) -> Response:
-    """Return the JSON Schema of a study, as `vibrafeed schema` prints it."""
+    """Return the JSON Schema of a study, as `vibrafeed scenes --schema` prints it."""
 
     def make() -> bytes:
         """Return its text without line breaks."""

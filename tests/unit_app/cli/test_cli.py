@@ -17,7 +17,7 @@ import xarray
 from typer.testing import CliRunner
 
 from schemas import expanded
-from vibrafeed.app.cli import app
+from vibrafeed.app.cli import COMMANDS, GONE, app
 from waiting import PATIENCE, wait_for
 
 STUDY = """
@@ -54,7 +54,7 @@ def run(*arguments: object):
 LOADED = """
 import json, sys
 from typer.testing import CliRunner
-from vibrafeed.app.cli import app
+from vibrafeed.app.cli import COMMANDS, GONE, app
 heavy, *commands = json.loads(sys.argv[1])
 for command in commands:
     assert CliRunner().invoke(app, command).exit_code == 0, command
@@ -178,9 +178,17 @@ def test_a_target_that_cannot_be_written_is_reported_and_leaves_nothing(study, t
 
 def test_light_commands_load_no_heavy_module(study):
     commands = [
-        ["scenes"], ["scenes", "rectangle-on-track"], ["schema"], ["run", str(study), "--dry-run"],
+        ["scenes"], ["scenes", "rectangle-on-track"], ["scenes", "--schema"],
+        ["run", str(study), "--dry-run"],
     ]  # fmt: skip
     assert loaded(*commands) == [[]] * len(commands)
+
+
+def test_a_command_of_old_names_what_does_the_same():
+    for name, instead in GONE.items():
+        done = run(name, "--any", "words")
+        assert (done.exit_code, done.stderr) == (2, f"There is no command {name}. {instead}.\n")
+    assert not GONE.keys() & COMMANDS.keys()
 
 
 def test_run_loads_what_writing_needs_and_no_more(study):
@@ -201,7 +209,7 @@ def test_scenes_prints_units_equations_and_validity():
 
 
 def test_schema_is_json_that_accepts_the_example():
-    schema = json.loads(run("schema").output)
+    schema = json.loads(run("scenes", "--schema").output)
     for kind, part in zip(
         ("sweep", "simulate", "optimise", "sensitivity", "calibrate"), schema["oneOf"], strict=True
     ):
@@ -215,22 +223,22 @@ def test_the_schema_is_kept_until_a_source_changes(tmp_path, monkeypatch):
     monkeypatch.setattr(
         "vibrafeed.core.schema.study_schema", lambda: {"title": "made", "oneOf": []}
     )
-    printed = run("schema").output
+    printed = run("scenes", "--schema").output
     (kept,) = (tmp_path / "vibrafeed").glob("schema-*.json")
     assert kept.read_text() == printed.rstrip("\n")
     assert json.loads(printed) == {"title": "made", "oneOf": []}
     kept.write_text("{}")
-    assert run("schema").output == "{}\n"  # it is not made again
+    assert run("scenes", "--schema").output == "{}\n"  # it is not made again
     for number in range(10):
         monkeypatch.setattr(
             "vibrafeed.app.kept_texts._digest", lambda number=number: f"other{number}"
         )
         monkeypatch.setattr("vibrafeed.core.schema.study_schema", lambda: {"other": True})
-        assert json.loads(run("schema").output) == {"other": True}
+        assert json.loads(run("scenes", "--schema").output) == {"other": True}
     assert len(list((tmp_path / "vibrafeed").iterdir())) == 8
     (tmp_path / "file").touch()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))  # nothing can be kept there
-    assert json.loads(run("schema").output) == {"other": True}
+    assert json.loads(run("scenes", "--schema").output) == {"other": True}
 
 
 def test_settings_come_from_the_environment(monkeypatch):

@@ -15,7 +15,7 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 from vibrafeed.app.cli import app, console
-from vibrafeed.app.cli.layout import block_lines, plain_lines
+from vibrafeed.app.cli.console import block_lines, plain_lines
 from vibrafeed.app.cli.units import format_number, shown_range
 from vibrafeed.core.study.shown import ShownUnits, read_shown
 
@@ -350,7 +350,7 @@ def test_what_cannot_go_to_standard_output_is_refused(study, tmp_path, monkeypat
         assert refused.exit_code == 2
         assert told in refused.output
     terminal = SimpleNamespace(stdout=SimpleNamespace(isatty=lambda: True))
-    monkeypatch.setattr("vibrafeed.app.cli.pipes.sys", terminal)
+    monkeypatch.setattr("vibrafeed.app.cli.run.sys", terminal)
     refused = run("run", study, "-o", "-.nc")
     assert refused.exit_code == 2
     assert "a terminal cannot show .nc. Write -o - for CSV" in refused.output

@@ -11,9 +11,7 @@ from vibrafeed.app.cli import app
 from vibrafeed.core.extras import installing
 
 
-@pytest.mark.parametrize(
-    "words", [["serve"], ["serve", "--show-settings"], ["key", "list"], ["scrub"]]
-)
+@pytest.mark.parametrize("words", [["serve"], ["serve", "--show-settings"], ["key", "list"]])
 def test_commands_of_the_service_name_its_extra(words, monkeypatch):
     for module in [
         name
@@ -37,7 +35,6 @@ def test_a_cluster_is_no_part_of_the_base(monkeypatch, tmp_path):
         "parameters = { frequency = 50, amplitude = [1e-4, 2e-4], beta = 30, friction = 0.3 }\n"
         '[reduce]\nover = ["amplitude"]\nstatistics = ["max"]\n'
     )
-    monkeypatch.delitem(sys.modules, "vibrafeed.app.cli.scheduler", raising=False)
     monkeypatch.setitem(sys.modules, "distributed", None)
     done = CliRunner().invoke(app, ["run", str(study), "--scheduler", "tcp://127.0.0.1:1"])
     assert (done.exit_code, done.stderr) == (

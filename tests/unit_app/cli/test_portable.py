@@ -215,8 +215,8 @@ for form in ("toml", "json", "curl", "python"):
 vibrafeed("plot sweep.nc")
 vibrafeed("sheet sweep.nc")
 vibrafeed("scenes rectangle-on-plane")
-vibrafeed("friction")
-vibrafeed("leaves")
+vibrafeed("materials")
+vibrafeed("materials --leaves")
 sys.stdin = open("sweep.toml", encoding="utf-8")
 vibrafeed("run - -o -.csv")
 """
@@ -296,7 +296,9 @@ def test_windows_refuses_nothing_of_a_large_file_and_keeps_what_excel_holds(tmp_
 
 
 @pytest.mark.parametrize("code_page", ["cp1251", "cp932"])
-@pytest.mark.parametrize("command", ["scenes rectangle-on-plane", "leaves", "friction"])
+@pytest.mark.parametrize(
+    "command", ["scenes rectangle-on-plane", "materials --leaves", "materials"]
+)
 def test_pipes_take_utf8_whatever_the_code_page(command, code_page, monkeypatch):
     pipe = io.TextIOWrapper(io.BytesIO(), encoding=code_page)
     monkeypatch.setattr(sys, "stdout", pipe)

@@ -180,17 +180,17 @@ def test_the_command_line_computes_shares_and_joins_them(study: Path, tmp_path: 
         done = run("run", study, "--share", f"{number}/3", "-o", where)
         assert done.exit_code == 0, done.output
     assert "exists already" in run("run", study, "--share", "2/3", "-o", where).output
-    failed = run("join", study, "-o", where)
+    failed = run("run", study, "-o", where)
     assert failed.exit_code == 1
     assert "of 3 shares 1 missing: 1." in failed.output
     assert "--array=1" in failed.output
     assert run("run", study, "--share", "1/3", "-o", where).exit_code == 0
-    joined = run("join", study, "-o", where)
+    joined = run("run", study, "-o", where)
     assert joined.exit_code == 0, joined.output
     assert run("run", study, "-o", tmp_path / "one.nc").exit_code == 0
     with xarray.open_dataset(where) as found, xarray.open_dataset(tmp_path / "one.nc") as want:
         assert found.drop_attrs().identical(want.drop_attrs())
-        assert "vibrafeed join study.json" in found.attrs["history"]
+        assert "vibrafeed run study.json" in found.attrs["history"]
         assert found.attrs["elapsed_seconds"] > 0
 
 
@@ -211,9 +211,6 @@ def test_mistakes_are_told(study: Path, tmp_path: Path, share: str, output: str,
 
 
 def test_what_has_no_shares_says_so(study: Path, tmp_path: Path) -> None:
-    done = run("join", study, "-o", tmp_path / "r.nc")
-    assert done.exit_code == 2
-    assert "there is no share beside" in done.output
     study.write_text(json.dumps(SWEEP))
     done = run("run", study, "--share", "0/2", "-o", tmp_path / "r.nc")
     assert done.exit_code == 2

@@ -75,7 +75,7 @@ def test_a_sweep_in_tiles_and_one_in_shares_warn_too(batch):
     joined = folder / "joined.zarr"
     shared = run(batch[1], "-o", joined, "--share", "0/1")
     assert shared.stderr.splitlines()[-1] == "2 warnings"
-    done = CliRunner().invoke(app, ["join", str(batch[1]), "-o", str(joined)])
+    done = run(batch[1], "-o", joined)
     assert f"{batch[1]}: {BETA}" in done.stderr
 
 

@@ -6,9 +6,7 @@ import os
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from vibrafeed.app.cli import app
 from vibrafeed.app.jobs.admission import Admission
 from vibrafeed.app.jobs.ledger import Ledger
 from vibrafeed.app.jobs.manifest import MANIFEST, NETCDF
@@ -67,31 +65,6 @@ def test_each_folder_is_told_as_it_is(store):
         whole: WHOLE, flipped: BROKEN, short: BROKEN, lost: BROKEN, torn: BROKEN,
         orphaned: ORPHANED, waiting: WAITING, "other": ORPHANED,
     }  # fmt: skip
-
-
-def test_the_command_prints_what_is_broken_and_repairs(store, tmp_path):
-    whole, broken = finished(store, 0.1), finished(store, 0.2)
-
-    def run(*options: str):
-        return CliRunner().invoke(app, ["scrub", str(tmp_path), *options])
-
-    result = run()
-    assert result.exit_code == 0, result.output
-    assert "2 whole" in result.output
-    flip(store.folder(broken) / NETCDF)
-    result = run()
-    assert result.exit_code == 1
-    assert "1 broken, 1 whole" in result.output
-    assert broken[:12] in result.output
-    assert NETCDF in result.output
-    assert whole[:12] not in result.output
-    assert store.manifest(broken) is not None  # nothing was changed
-    result = run("--repair")
-    assert result.exit_code == 1
-    assert store.manifest(broken) is None
-    assert store.manifest(whole) is not None
-    assert run().exit_code == 0
-    assert CliRunner().invoke(app, ["scrub", str(tmp_path / "none")]).exit_code == 2
 
 
 def test_a_service_looks_at_some_each_turn_and_at_all_in_the_end(store, tmp_path, monkeypatch):

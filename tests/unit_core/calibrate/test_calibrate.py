@@ -568,7 +568,7 @@ def test_a_study_of_a_file_is_converted_with_it(tmp_path):
 # --- pictures
 
 
-@pytest.mark.parametrize("kind", [None, "posterior", "speeds", "residuals"])
+@pytest.mark.parametrize("kind", [None, "posterior", "speeds"])
 def test_pictures_of_a_calibration_are_drawn(unsettled, kind):
     figure = vibrafeed.plot(unsettled, kind=kind, small=kind == "speeds")
     figure.draw_without_rendering()

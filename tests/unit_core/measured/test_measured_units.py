@@ -1,11 +1,10 @@
-"""Recordings, observations and rows of a look-up share units, encodings and signs of numbers."""
+"""Recordings and observations share units, encodings and signs of numbers."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from vibrafeed.core.atlas.rows import read_rows as read_cases
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake.forms import resolve_files
 from vibrafeed.core.intake.observed import read_rows
@@ -92,12 +91,10 @@ READ = [
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252", "utf-16"])
 def test_all_tables_are_read_in_the_encodings_of_spreadsheets(tmp_path, encoding):
-    runs, cases, drive = (tmp_path / name for name in ("runs.csv", "cases.csv", "drive.csv"))
+    runs, drive = (tmp_path / name for name in ("runs.csv", "drive.csv"))
     text = RUNS if encoding != "cp1252" else RUNS.replace(MINUS, "-")
     runs.write_bytes(text.encode(encoding))
     assert read_rows(runs) == READ
-    cases.write_bytes("amplitude [µm],gamma [°]\n100,-2\n".encode(encoding))
-    assert read_cases(cases) == {"amplitude": (1e-4,), "gamma": (-2.0,)}
     drive.write_bytes(table(time="time [µs]", along="ax [m/s²]").encode(encoding))
     assert signal(drive).accelerations[0, 1] == pytest.approx(np.sin(0.314), abs=1e-5)
 
@@ -112,36 +109,30 @@ def test_a_recording_in_windows_1252_is_sent_whole(tmp_path):
 def test_bytes_that_are_no_text_are_told(tmp_path):
     path = tmp_path / "runs.csv"
     path.write_bytes("amplitude [mm]\n1\n".encode("utf-16-le"))  # without a mark it may be anything
-    for read in (read_rows, read_cases):
-        with pytest.raises(StudyError, match="it is not text in UTF-8, UTF-16 or Windows-1252"):
-            read(path)
+    with pytest.raises(StudyError, match="it is not text in UTF-8, UTF-16 or Windows-1252"):
+        read_rows(path)
 
 
 def test_a_bare_number_never_loses_the_unit_of_its_heading(tmp_path):
     path = tmp_path / "runs.csv"
     for written in ("-.05", f"{MINUS}0.05", "\N{EN DASH}0.05", "+5e-2", ".05", " 0.05", "0.05 "):
         path.write_text(f"gamma [rad],amplitude [mm]\n{written},1.\n", encoding="utf-8")
-        degrees = np.rad2deg(0.05 if written.strip()[0] in "+.0" else -0.05)
-        assert read_cases(path)["gamma"] == pytest.approx((degrees,), rel=1e-15)
-        assert read_cases(path)["amplitude"] == (1e-3,)
         assert str(read_rows(path)[0]["gamma"]).endswith(" rad")
         assert read_rows(path)[0]["amplitude"] == "1. mm"
 
 
-@pytest.mark.parametrize("read", [read_rows, read_cases])
-def test_tables_with_two_decimal_marks_are_refused(tmp_path, read):
-    """3,000 rpm had been read as 3.000 rpm among the rows to look up."""
+def test_tables_with_two_decimal_marks_are_refused(tmp_path):
+    """3,000 rpm had been read as 3.000 rpm."""
     path = tmp_path / "runs.csv"
     for cells in ("3,000;0.3", "3.000;0,3", "3,000;1\n900;1", "3,000 rpm;0.3 mm"):
         path.write_text(f"frequency [rpm];amplitude [mm]\n{cells}\n")
         with pytest.raises(StudyError, match="thousands"):
-            read(path)
+            read_rows(path)
 
 
 def test_a_line_may_name_the_separator_and_a_cell_its_own_unit(tmp_path):
     path = tmp_path / "runs.csv"
     path.write_text("sep=;\n# bowl 3\nfrequency [rpm];amplitude [mm]\n3000;0,3\n50,5 Hz;300 um\n")
-    assert read_cases(path) == {"frequency": (50.0, 50.5), "amplitude": (3e-4, 3e-4)}
     assert read_rows(path) == [
         {"frequency": "3000 rpm", "amplitude": "0.3 mm"},
         {"frequency": "50.5 Hz", "amplitude": "300 um"},

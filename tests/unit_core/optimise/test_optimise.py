@@ -18,7 +18,7 @@ from vibrafeed.core.optimise.codes import STATUS
 from vibrafeed.core.optimise.front import knee
 from vibrafeed.core.optimise.labels import BINDS
 from vibrafeed.core.plots import PlotError, front, landscape
-from vibrafeed.core.plots.options import Options
+from vibrafeed.core.plots.style import Options
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, REGIMES
 from vibrafeed.core.watch import Watch
 

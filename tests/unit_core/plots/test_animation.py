@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import re
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +12,6 @@ from PIL import Image
 
 import vibrafeed
 from vibrafeed.core.errors import VibrafeedError
-from vibrafeed.core.extras import installing
 from vibrafeed.core.plots import PlotError, draw, draw_file
 from vibrafeed.core.plots.animation import COLOURS, draw_frames
 from vibrafeed.core.plots.film import FRAMES_PER_SECOND, amplitude_of, read_film
@@ -94,22 +91,6 @@ def test_a_gif_runs_for_ever_as_slow_as_asked(
         assert picture.info["duration"] == 1000 // FRAMES_PER_SECOND
         assert picture.info["loop"] == 0
     assert target.stat().st_size < 400_000
-
-
-def test_a_film_for_browsers(hop: xarray.Dataset, tmp_path: Path):
-    imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
-    hop.to_netcdf(tmp_path / "hop.nc")
-    draw_file(tmp_path / "hop.nc", [tmp_path / "part.mp4"], slow=5)
-    about = next(imageio_ffmpeg.read_frames(tmp_path / "part.mp4"))
-    assert about["codec"].startswith("h264")
-    assert about["fps"] == FRAMES_PER_SECOND
-
-
-def test_what_is_missing_for_mp4_is_said(hop, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    with pytest.raises(PlotError, match=re.escape(installing("imageio-ffmpeg", "video"))):
-        vibrafeed.animate(hop, tmp_path / "part.mp4")
-    assert not list(tmp_path.iterdir())
 
 
 def test_wrong_requests(hop: xarray.Dataset, tmp_path: Path):

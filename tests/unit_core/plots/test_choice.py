@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 import vibrafeed
 from pictures import SPACE, legend, problem, subtitle
 from vibrafeed.core.plots import draw
-from vibrafeed.core.plots.categories import categories_of
+from vibrafeed.core.plots.regimes import categories_of
 
 ROOT = pathlib.Path(__file__).parents[3]
 
@@ -85,7 +85,7 @@ def test_numbers_that_stand_for_words_are_a_map_with_these_words(motion: xarray.
     assert len(figure.axes) == 1  # no colour bar
     row = draw(motion, variable="period_multiple", kind="line", axes=("amplitude",))
     assert not row.axes[0].get_yticks().size
-    found = problem(motion, variable="period_multiple", kind="surface")
+    found = problem(motion, variable="period_multiple", kind="contour")
     assert found.message == "period_multiple has a name in each cell, not a number"
 
 

@@ -47,7 +47,7 @@ def test_a_robust_landscape_is_that_of_the_worst_case(picture):
     dataset, _ = picture
     prepared = prepare_content(ROBUST)
     assert designs_of(prepared.problem, prepared.designs)
-    shown = _computed(dataset, prepared, {}, ShownUnits("si"))
+    shown = _computed(dataset, prepared, {}, ShownUnits("si"), prepared.problem.names, np.zeros(2))
     places = np.random.default_rng(1).integers(0, shown.value.shape, (40, 2))
     amplitude, beta = (shown.variables[k][places[:, k]] for k in (0, 1))
     # The witness: simulations of the same designs at nodes of the band, each by itself.

@@ -79,3 +79,25 @@ def test_colours_belong_to_what_is_allowed():
     figure = vibrafeed.plot(best, kind="landscape", units="si")
     sets = [one for one in figure.axes[0].collections if isinstance(one, QuadContourSet)]
     assert max(float(one.levels.max()) for one in sets if not one.filled) <= 2.5
+
+
+def test_further_variables_are_held_at_the_optimum():
+    place: dict[str, Any] = {"scene": "rectangle-on-plane", "frequency": 50, "friction": 0.3}
+    best = vibrafeed.optimise(
+        **place, criterion={"kind": "maximise", "output": "acceleration_x"},
+        variables={
+            "amplitude": {"lower": "0.05 mm", "upper": "0.1 mm"},
+            "alpha": {"lower": 0, "upper": 90}, "beta": {"lower": 0, "upper": 60},
+        },
+    )  # fmt: skip
+    curve = vibrafeed.plot(best, kind="landscape", axes="beta", units="si").axes[0].lines[0]
+    beta, drawn = (np.asarray(data)[::60] for data in curve.get_data())
+    held = {name: float(best[f"best_{name}"]) for name in ("amplitude", "alpha")}
+    told = vibrafeed.sweep(**place, **held, beta=beta.tolist(), outputs=["acceleration_x"])
+    np.testing.assert_allclose(drawn, told.acceleration_x.values, rtol=1e-12, atol=1e-12)
+    plane = vibrafeed.plot(best, axes=("amplitude", "beta"), kind="landscape").axes[0]
+    assert plane.get_xlabel().startswith("Amplitude")
+    assert plane.get_ylabel().startswith("Drive elevation")
+    assert f"alpha {held['alpha']:.6g}" in plane.get_title(loc="left").replace("\xa0", " ")
+    with pytest.raises(vibrafeed.VibrafeedError, match="one or two of amplitude, alpha, beta"):
+        vibrafeed.plot(best, kind="landscape", axes="gamma")

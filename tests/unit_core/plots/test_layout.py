@@ -64,7 +64,6 @@ def hop() -> xarray.Dataset:
     "asked",
     [
         {},
-        {"kind": "surface"},
         {"kind": "map"},
         {"kind": "levels"},
         {"kind": "line"},
@@ -83,14 +82,11 @@ def test_closed_forms(plane: xarray.Dataset, asked: dict[str, object], look: dic
     "asked",
     [
         {},
-        {"kind": "surface"},
         {"kind": "map"},
         {"kind": "line", "axes": ("amplitude", "beta")},
         {"variable": "period_multiple"},
         {"variable": "period_multiple", "kind": "line"},
         {"kind": "levels"},
-        {"kind": "thresholds", "axes": ("amplitude",), "at": {"beta": 30}},
-        {"kind": "parallel"},
     ],
     ids=str,
 )
@@ -109,6 +105,8 @@ def test_one_part_and_optima(
         frequency="60 Hz", amplitude="0.1 mm", friction=[0.3, 0.5],
     )  # fmt: skip
     judge(vibrafeed.plot(fronts, **look))
+    impact = vibrafeed.sweep(ROOT / "configs" / "impact-rectangles.toml")
+    judge(vibrafeed.plot(impact, kind="bodies", **look))
 
 
 @pytest.mark.parametrize("look", first_by_day(LOOKS), ids=["light", "small and dark"])
@@ -116,7 +114,7 @@ def test_what_is_uncertain(look: dict[str, bool]):
     told = vibrafeed.sensitivity(
         scene="rectangle-on-plane", outputs=["acceleration_x", "throw_number"], frequency=50,
         beta=20, gamma=[0, 2], samples=256,
-        analyses=["distribution", "sobol", "morris", "budget"],
+        analyses=["distribution", "sobol", "budget"],
         uncertain={"amplitude": {"mean": "0.1 mm", "deviation": "1 um"},
                    "friction": {"lower": 0.2, "most_likely": 0.3, "upper": 0.35}},
         demands=[{"output": "acceleration_x", "at_least": 1.5, "at_most": 3}],
@@ -124,7 +122,6 @@ def test_what_is_uncertain(look: dict[str, bool]):
     for kind, name in (
         (None, "Distribution of the acceleration along the track"),
         ("indices", "Where the variance of the"),
-        ("effects", "Which parameters the"),
         ("tornado", "What each tolerance does to the"),
     ):
         figure = vibrafeed.plot(told, kind=kind, at={"gamma": 0}, **look)
@@ -136,7 +133,7 @@ def test_what_is_uncertain(look: dict[str, bool]):
     for dataset, asked in (
         (without, {"kind": "indices"}),
         (told, {"kind": "tornado", "variable": "speed"}),
-        (told.drop_attrs(), {"kind": "effects"}),
+        (told.drop_attrs(), {"kind": "indices"}),
     ):
         with pytest.raises(PlotError):
             vibrafeed.plot(dataset, **asked, **look)
@@ -146,7 +143,7 @@ def test_what_is_uncertain(look: dict[str, bool]):
 def test_a_sentence_where_no_value_is_finite(motion: xarray.Dataset, look: dict[str, bool]):
     nothing = motion.copy(deep=True)
     nothing["conveying_velocity"][:] = np.nan
-    for kind in ("contour", "surface", "line"):
+    for kind in ("contour", "line"):
         figure = vibrafeed.plot(nothing, kind=kind, **look)
         said = [text.get_text() for text, _ in boxes(figure)]
         assert "Conveying velocity:\nno value here is finite." in said

@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 import xarray
 from matplotlib.colors import to_hex, to_rgb
-from scipy.ndimage import label
 
 from pictures import legend, problem, subtitle
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.plots import draw, draw_file
-from vibrafeed.core.plots.islands import without_specks
 from vibrafeed.core.plots.regimes import LOOKS
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.quantities.pictures import FILLS
@@ -137,22 +135,6 @@ def test_map_says_what_has_no_value(plane: xarray.Dataset):
         if hatch
     }
     assert hatched == {LOOKS["runaway"][0]}
-
-
-def test_specks_have_no_border(bouncing: xarray.Dataset):
-    states = bouncing["regime"].values
-    plain = without_specks(states)
-    assert 0 < (plain != states).mean() < 0.5
-    for value in np.unique(plain):
-        islands, _ = label(plain == value)
-        assert np.bincount(islands.ravel())[1:].min() >= 0.005 * states.size
-    assert set(np.unique(plain)) <= set(np.unique(states))
-    # Fills and shares show every cell all the same.
-    figure = draw(bouncing, kind="map")
-    assert {entry.rsplit(", ", 1)[0] for entry in legend(figure)} == names_of(bouncing)
-    few = np.ones((30, 30), dtype=np.int64)
-    few[3, 4] = few[20:22, 5] = 2
-    assert np.array_equal(without_specks(few), few)
 
 
 def test_map_of_closed_forms_on_a_logarithmic_axis():

@@ -31,15 +31,8 @@ def result(sort: str) -> xarray.Dataset:
     match sort:
         case "sweep":
             return vibrafeed.sweep(**SWEPT)
-        case "motion":
-            return vibrafeed.simulate(
-                scene="rectangle-on-plane",
-                outputs=["conveying_velocity", "period_multiple"],
-                frequency=50, beta=20, friction=[0.3, 0.4],
-                amplitude={"start": "0.1 mm", "stop": "0.4 mm", "num": 12},
-            )  # fmt: skip
-        case "one":
-            return vibrafeed.sweep({**SWEPT, "amplitude": "0.1 mm", "beta": 20, "friction": 0.3})
+        case "impact":
+            return vibrafeed.sweep(ROOT / "configs" / "impact-rectangles.toml")
         case "optimum":
             return vibrafeed.optimise(
                 **CHOSEN, criterion={"kind": "maximise"}, amplitude=["0.1 mm", "0.15 mm"]
@@ -53,7 +46,7 @@ def result(sort: str) -> xarray.Dataset:
             return vibrafeed.sensitivity(
                 scene="rectangle-on-plane", outputs=["acceleration_x", "throw_number"],
                 frequency=50, beta=20, gamma=[0, 2], samples=256,
-                analyses=["distribution", "sobol", "morris", "budget"],
+                analyses=["distribution", "sobol", "budget"],
                 uncertain={"amplitude": {"mean": "0.1 mm", "deviation": "1 um"},
                            "friction": {"lower": 0.2, "upper": 0.35}},
             )  # fmt: skip
@@ -79,14 +72,14 @@ def result(sort: str) -> xarray.Dataset:
 
 
 OF = {
-    **dict.fromkeys(("posterior", "speeds", "residuals"), "calibration"),
-    **dict.fromkeys(("distribution", "indices", "effects", "tornado"), "uncertain"),
-    **dict.fromkeys(("line", "map", "contour", "levels", "surface", "parallel"), "sweep"),
+    **dict.fromkeys(("posterior", "speeds"), "calibration"),
+    **dict.fromkeys(("distribution", "indices", "tornado"), "uncertain"),
+    **dict.fromkeys(("line", "map", "contour", "levels"), "sweep"),
     "front": "front", "positions": "row", "trajectory": "course", "animation": "course",
-    "landscape": "optimum", "profiles": "optimum", "values": "one", "thresholds": "motion",
+    "landscape": "optimum", "bodies": "impact",
 }  # fmt: skip
 AT = {
-    "sweep": {"amplitude": 0.00005}, "motion": {"friction": 0.3}, "one": {"friction": 0.3},
+    "sweep": {"amplitude": 0.00005}, "impact": {"friction": 0.3},
     "optimum": {"amplitude": 0.0001}, "front": {"amplitude": 0.00005}, "uncertain": {"gamma": 0},
     "row": {"friction": 0.3}, "course": {"friction": 0.3}, "calibration": {"frequency": 50},
 }  # fmt: skip
@@ -104,7 +97,6 @@ OPTIONS: Mapping[str, Any] = {
 
 ALIKE = {
     ("posterior", "units"): "the unknown is a friction, which has no unit",
-    ("values", "at"): "of one design, it is the value that the picture shows",
 }
 """Why some pictures stay as they are."""
 

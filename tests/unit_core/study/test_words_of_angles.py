@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import xarray
 
-from vibrafeed.core.atlas.rows import read_rows
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import (
     gather,
@@ -19,7 +18,7 @@ from vibrafeed.core.intake import (
     study_of,
 )
 from vibrafeed.core.plots.fixed import read_fixed
-from vibrafeed.core.plots.problem import PlotError
+from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.quantities import QUANTITIES, WORDS
 from vibrafeed.core.suggestions import suggestion
 from vibrafeed.core.sweep.chunk_wishes import read_wishes
@@ -186,15 +185,6 @@ def test_the_axis_of_a_cylinder_has_an_azimuth_of_its_own():
     study = {"kind": "sweep", "scene": "cylinder-pair-impact", "outputs": ["gap"],
              "parameters": dict.fromkeys(known, 10)}  # fmt: skip
     assert {"azimuth_1", "elevation_1"} <= set(parse_study(study).values())
-
-
-def test_tables_of_rows_take_words(tmp_path):
-    file = tmp_path / "rows.csv"
-    file.write_text("frequency [Hz],elevation [deg]\n50,20\n60,25\n")
-    assert read_rows(file) == {"frequency": (50, 60), "beta": (20, 25)}
-    file.write_text("elevation,beta\n20,20\n")
-    with pytest.raises(StudyError, match="'beta' stands there twice"):
-        read_rows(file)
 
 
 def test_files_of_observations_take_words(tmp_path):
