@@ -11,10 +11,10 @@ from vibrafeed.core.calibrate.model import Model
 from vibrafeed.core.calibrate.posterior import AXIS, MAX_MODES
 from vibrafeed.core.calibrate.scatter import Likelihood
 from vibrafeed.core.motion.method import Method
-from vibrafeed.core.motion.prepare import price_of, tried_price
 from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.plan.price import MARGIN, Price, price
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.study.calibrate_study import CalibrateStudy
 
@@ -179,26 +179,9 @@ class Calibration(Prepared):
         """The axes along which a calibration can be cut into pieces: none."""
         return ()
 
-    @cached_property
-    def _price(self) -> tuple[float, float]:
-        """The likely and the largest time of a motion [s]."""
-        return price_of(self.method, self.plan, self.grid)
-
-    @property
-    def seconds_a_cell(self) -> float:
-        """The likely time of a motion on one core [s]."""
-        return self._price[0] + POINT_SECONDS + FEW_SECONDS / self.cells
-
-    @cached_property
-    def tried_seconds_a_cell(self) -> float:
-        """The likely time of a motion of the fit on one core, after a trial of some [s]."""
-        each = tried_price(self.method, self.plan, self.grid, cells=self.cells)
-        return each + POINT_SECONDS + FEW_SECONDS / self.cells
-
-    @property
-    def most_seconds_a_cell(self) -> float:
-        """The largest time of a motion on one core [s]."""
-        return self._price[1] + POINT_SECONDS + FEW_SECONDS / self.cells
+    def _new_price(self) -> Price:
+        motion = price(self.plan, self.grid, self.method.seconds_a_cell)
+        return Price(motion.start + MARGIN * FEW_SECONDS, motion.cell + MARGIN * POINT_SECONDS)
 
     @property
     def verified_by(self) -> str:

@@ -56,14 +56,6 @@ SCATTERED = 4
 """Steps of the table within which several agreements may come from means that scatter."""
 
 
-def price_of_load(motion: Array) -> Array:
-    """Return the time for the load of a cell on one core, of the price of one of its motions [s].
-
-    Some 200 motions by events, most of which repeat; only a few take long where one motion does.
-    """
-    return 2e-3 + 40.0 * motion
-
-
 class Load(NamedTuple):
     """The load of conveyed parts on a unit; arrays of one shape.
 

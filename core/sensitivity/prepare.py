@@ -11,14 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.motion.method import Method
-from vibrafeed.core.motion.prepare import choose_system, price_of, tried_price
+from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.systems import CONTACTS, methods_of
 from vibrafeed.core.optimise.prepare import choose_problem_scene
 from vibrafeed.core.plan.grid import Grid, to_si
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.plan.prepared import Chosen, Prepared, locate_problem, plan_study
-from vibrafeed.core.plan.price import pace
+from vibrafeed.core.plan.price import Price, price
 from vibrafeed.core.plan.sketch import Sketch
 from vibrafeed.core.plan.statistics import LEVELS
 from vibrafeed.core.quantities import FLAGS, REGIMES
@@ -125,17 +124,13 @@ class Sensitivity(Prepared):
         """The number of evaluations of each design."""
         return evaluations_of(self.study, self.budget)
 
-    @cached_property
-    def _price(self) -> tuple[float, float]:
-        """The likely and the largest time of one evaluation of the outputs, on one core [s]."""
-        if not any(equation.takes_long for equation in self.plan.equations):
-            seconds = self.plan.scene.seconds_a_cell * pace()
-            return seconds, seconds
-        return price_of(self._method, self.plan, self.grid, self._ends)
-
-    @property
-    def _method(self) -> Method:
-        return methods_of(self.plan.scene.name)[self.plan.variant]
+    def _new_price(self) -> Price:
+        rough = None
+        if any(equation.takes_long for equation in self.plan.equations):
+            rough = methods_of(self.plan.scene.name)[self.plan.variant].seconds_a_cell
+        one = price(self.plan, self.grid, rough, self._ends)
+        counting = COUNT_SECONDS * len(self.plan.outputs)
+        return Price(one.start, self.evaluations * (one.cell + counting))
 
     @property
     def _ends(self) -> dict[str, tuple[float, float]]:
@@ -148,33 +143,6 @@ class Sensitivity(Prepared):
             low, high = to_si(name, np.array(tolerance(name, uncertain))).tolist()
             ends[name] = low, high
         return ends
-
-    @cached_property
-    def tried_seconds_a_cell(self) -> float:
-        """The likely time of one design on one core [s], after a trial of some evaluations.
-
-        For motions it is more exact than the estimate without a trial; closed forms need none.
-        """
-        if not any(equation.takes_long for equation in self.plan.equations):
-            return self.seconds_a_cell
-        cells = self.cells * self.evaluations
-        each = tried_price(self._method, self.plan, self.grid, self._ends, cells=cells)
-        return self.evaluations * (each + self._counting)
-
-    @property
-    def _counting(self) -> float:
-        """Return the time of counting the results of one evaluation [s]."""
-        return COUNT_SECONDS * len(self.plan.outputs)
-
-    @property
-    def seconds_a_cell(self) -> float:
-        """The likely time of a design on one core [s]."""
-        return self.evaluations * (self._price[0] + self._counting)
-
-    @property
-    def most_seconds_a_cell(self) -> float:
-        """The largest time of a design on one core [s]."""
-        return self.evaluations * (self._price[1] + self._counting)
 
     def what_fits(self, share: float) -> str:
         """Return a sentence that says how to shrink the study to a share of its size."""

@@ -27,7 +27,6 @@ from vibrafeed.core.motion.course import TrajectoryRequest, TrajectoryValues
 from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, cells_of
 from vibrafeed.core.motion.method import Follow, FollowCourse, Method
 from vibrafeed.core.motion.path import Path
-from vibrafeed.core.motion.price import Price, Priced
 from vibrafeed.core.motion.result import SHARES, Motion, motion_of, with_whole_shares
 from vibrafeed.core.motion.steps import drives_of, sines_at
 from vibrafeed.core.motion.waves import TURN, of_columns
@@ -42,8 +41,6 @@ probably a mistyped number, and would keep a processor busy for minutes."""
 
 ROOM = 1_000_000
 """Most numbers in the drives of cells that are computed together, unless it is one cell."""
-
-SECONDS_A_STEP, SECONDS_A_SPATIAL_STEP = 1.5e-8, 4e-8  # on one core, in the plane and in space
 
 SLOW = 1e-9  # in g/w: normal velocity up to which a part counts as on the floor
 
@@ -325,30 +322,14 @@ def _modes(groups: Groups, position: Array, velocity: Array, steps: int) -> NDAr
     return np.array([MOTION_MODES[mode].value for mode in modes.tolist()], dtype=np.int8)
 
 
-def _price(cells: Priced) -> Price:
-    """Return the likely and the largest time to simulate each cell by time stepping [s].
-
-    Three runs, with 4 times the steps in total. `cells` describes settings, drive and contacts of
-    the cells.
-    """
-    steps = 4.0 * cells.setting("steps_per_period")
-    spatial = cells.contacts.wall or not cells.groups.planar
-    each = SECONDS_A_SPATIAL_STEP if spatial else SECONDS_A_STEP
-    drives = (2e-3 if cells.groups.wave is not None else 0.0) + 1e-7 * cells.orders * steps
-    allowed = cells.setting("max_periods")
-    likely = 0.42 * (drives + steps * each * cells.periods(60.0))
-    return Price(likely, drives + 2.0 * steps * each * allowed)
-
-
 TIME_STEPPING = Method(
     name="time-stepping",
     follow=_follow,
     source="theory 13.1, 13.9",
     accuracy="of first order in the step; of second for a planar motion without hops",
-    seconds_a_cell=_price,
+    seconds_a_cell=0.05,
     defaults={"steps_per_period": 1000.0, "max_periods": 200.0},
     course=_trajectory,
     most_steps=MAX_STEPS,
-    fewest_periods=FEWEST,
     checked_by=("events", "reference"),
 )

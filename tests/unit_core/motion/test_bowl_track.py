@@ -9,7 +9,6 @@ from scipy.integrate import quad
 import vibrafeed
 from night import NIGHT, count
 from vibrafeed.core.errors import StudyError
-from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.mechanics.bowl_track import Stretches, radius_at
 from vibrafeed.core.motion.bowl_track import (
     AllStretches,
@@ -339,11 +338,3 @@ def test_stretches_belong_to_a_bowl():
             scene="rectangle-on-track", **TRACK, frequency=50, amplitude=1e-4, beta=20,
             outputs=WHOLE,
         )  # fmt: skip
-
-
-def test_the_price_counts_the_motions_along_the_track():
-    parameters = {name: value for name, value in STUDY.items() if name != "scene"}
-    study = {"kind": "simulate", "scene": "rectangle-on-track", "parameters": parameters}
-    place = prepare_content({**study, "outputs": ["conveying_velocity"]})
-    whole = prepare_content({**study, "outputs": WHOLE})
-    assert whole.seconds_a_cell == pytest.approx(35 * place.seconds_a_cell, rel=1e-12)

@@ -26,7 +26,6 @@ from vibrafeed.core.motion.methods.regularised.orbit import (
     measures_of,
     orbit_of,
 )
-from vibrafeed.core.motion.price import Price, Priced, Pricing
 from vibrafeed.core.motion.result import STATUS, Motion, with_whole_shares
 from vibrafeed.core.watch import Watch
 
@@ -36,7 +35,6 @@ SOLVERS = ("Radau", "BDF", "LSODA")
 MAX_EVALUATIONS = 1_000_000
 """Evaluations of the right-hand side after which a cell is given up: about ten seconds."""
 
-SPENT = 60.0  # s: time of a cell whose four runs use all their evaluations
 
 TOLERANCE, SLIP_SPEED = 1e-7, 1e-4
 """Default settings: relative error of a step, and slip speed in g/w."""
@@ -254,39 +252,6 @@ def regularised_motion(
     return with_whole_shares(Motion(**fields, status=status))
 
 
-HOPPING, SLIDING = 40.0, 15.0
-"""Periods that are followed as a rule where a motion repeats, of parts that hop and others."""
-
-
-def _pricing(seconds: float, waves: float, hops: float, tolerance: float, slip: float) -> Pricing:
-    """Return the function that estimates the time of a cell in s for one of the integrators.
-
-    Parameters
-    ----------
-    seconds
-        Time of a part that slides under a sine, with the default settings, for all its periods [s].
-    waves
-        Power of the order of the drive with which the time grows.
-    hops
-        Factor by which it grows where a part hops.
-    tolerance, slip
-        Powers of the inverse of the settings `tolerance` and `slip_speed` with which it grows.
-    """
-
-    def price(cells: Priced) -> Price:
-        """Return the time to simulate cells, from their settings and periods."""
-        allowed = cells.setting("max_periods")
-        finer = (cells.setting("tolerance") / TOLERANCE) ** -tolerance
-        finer = finer * (cells.setting("slip_speed") / SLIP_SPEED) ** -slip
-        each = finer * np.maximum(1.0, cells.orders) ** waves * seconds
-        each = each * np.where(cells.hops, hops / HOPPING, 1.0 / SLIDING)
-        repeats = np.minimum(allowed, np.where(cells.hops, HOPPING, SLIDING))
-        periods = repeats + 0.5 * cells.restless * (allowed - repeats)
-        return Price(np.minimum(each * periods, SPENT), np.minimum(6.0 * each * allowed, SPENT))
-
-    return price
-
-
 def sprung(solver: str, softer: float = SOFTER) -> Follow:
     """Return the function of the motion equation for a sprung floor, by one of the integrators.
 
@@ -322,10 +287,10 @@ def sprung(solver: str, softer: float = SOFTER) -> Follow:
     return motion
 
 
-def _by(name: str, solver: str, seconds_a_cell: Pricing) -> Method:
+def _by(name: str, solver: str, seconds_a_cell: float) -> Method:
     """Return the simulation method of this name that uses one of the integrators of scipy.
 
-    `solver` is one of `SOLVERS`, `seconds_a_cell` estimates the time of a cell in s.
+    `solver` is one of `SOLVERS`, `seconds_a_cell` is roughly the time of a cell [s].
     """
 
     def follow(contacts: Contacts) -> Follow:
@@ -351,6 +316,6 @@ def _by(name: str, solver: str, seconds_a_cell: Pricing) -> Method:
     )
 
 
-RADAU = _by("regularised", "Radau", _pricing(1.2, 1.7, 3.3, 0.27, 0.14))
-BDF = _by("regularised-BDF", "BDF", _pricing(1.0, 0.4, 4.5, 0.12, 0.4))
-LSODA = _by("regularised-LSODA", "LSODA", _pricing(0.12, 0.5, 7.0, 0.05, 0.4))
+RADAU = _by("regularised", "Radau", 1.2)
+BDF = _by("regularised-BDF", "BDF", 1.0)
+LSODA = _by("regularised-LSODA", "LSODA", 0.12)
