@@ -36,9 +36,6 @@ from vibrafeed.core.study.sensitivity_study import Demand, SensitivityStudy
 from vibrafeed.core.study.values import Fixed, Span, Values
 from vibrafeed.core.suggestions import suggestion
 
-PATH_SAMPLES = 64
-"""Samples of a study for each path of Morris's screening."""
-FEWEST_PATHS = 16
 MAX_VALUES = 10_000_000
 """Most values of one design: evaluations times outputs, which fill a few hundred megabytes."""
 MAX_EVALUATIONS = 2_000_000_000
@@ -114,11 +111,6 @@ class Sensitivity(Prepared):
         """The points of the tolerance budget; None if not asked for."""
         return Budget(self.uncertain, self.study.seed)
 
-    @property
-    def paths(self) -> int:
-        """The paths of Morris's screening; None if not asked for."""
-        return max(FEWEST_PATHS, self.study.samples // PATH_SAMPLES)
-
     @cached_property
     def evaluations(self) -> int:
         """The number of evaluations of each design."""
@@ -152,14 +144,12 @@ class Sensitivity(Prepared):
 def evaluations_of(study: SensitivityStudy, budget: Budget) -> int:
     """Return the number of evaluations of one design that the analyses of a study need.
 
-    Each analysis (distribution, Sobol, Morris, tolerance budget) has points of its own, besides the
+    Each analysis (distribution, Sobol, tolerance budget) has points of its own, besides the
     nominal one; `budget` has those of the last.
     """
     count, total = len(study.distributions()), 1
     if {"distribution", "sobol"} & set(study.analyses) or study.demands:
         total += study.samples * (count + 2 if "sobol" in study.analyses else 1)
-    if "morris" in study.analyses:
-        total += max(FEWEST_PATHS, study.samples // PATH_SAMPLES) * (count + 1)
     return total + (budget.size if "budget" in study.analyses else 0)
 
 

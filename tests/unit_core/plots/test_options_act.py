@@ -53,7 +53,7 @@ def result(sort: str) -> xarray.Dataset:
             return vibrafeed.sensitivity(
                 scene="rectangle-on-plane", outputs=["acceleration_x", "throw_number"],
                 frequency=50, beta=20, gamma=[0, 2], samples=256,
-                analyses=["distribution", "sobol", "morris", "budget"],
+                analyses=["distribution", "sobol", "budget"],
                 uncertain={"amplitude": {"mean": "0.1 mm", "deviation": "1 um"},
                            "friction": {"lower": 0.2, "upper": 0.35}},
             )  # fmt: skip
@@ -80,7 +80,7 @@ def result(sort: str) -> xarray.Dataset:
 
 OF = {
     **dict.fromkeys(("posterior", "speeds", "residuals"), "calibration"),
-    **dict.fromkeys(("distribution", "indices", "effects", "tornado"), "uncertain"),
+    **dict.fromkeys(("distribution", "indices", "tornado"), "uncertain"),
     **dict.fromkeys(("line", "map", "contour", "levels", "surface", "parallel"), "sweep"),
     "front": "front", "positions": "row", "trajectory": "course", "animation": "course",
     "landscape": "optimum", "profiles": "optimum", "values": "one", "thresholds": "motion",
