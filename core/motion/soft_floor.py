@@ -20,7 +20,7 @@ from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.groups import Groups
 from vibrafeed.core.motion.methods.regularised import sprung
 from vibrafeed.core.motion.systems import SYSTEMS
-from vibrafeed.core.scenes.scene import Condition, Constraint, Equation, Scene, taking
+from vibrafeed.core.scenes.scene import Condition, Constraint, Equation, Scene
 
 SOURCE = "theory 18.3"
 FALLING, LINING, DAMPED = "restitution_speed", "lining_stiffness", "contact_damping_ratio"
@@ -67,7 +67,14 @@ def _with_falling_restitution(system: Scene, parameters: Collection[str]) -> Sce
     def changed(known: tuple[Equation, ...]) -> tuple[Equation, ...]:
         """Return the equations with the law's damping in the groups."""
         found = [
-            replace(one, function=_with_damping(one.function)) if one.gives == "groups" else one
+            replace(
+                one,
+                function=_with_damping(one.function),
+                says=one.summary,
+                needs=("impact_damping", "velocity_scale", *one.inputs),
+            )
+            if one.gives == "groups"
+            else one
             for one in known
         ]
         return (law, *found)
@@ -101,8 +108,6 @@ def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
             restitution=np.where(endless, 0.0, 1.0), impact_damping=np.where(endless, 0.0, damping)
         )
 
-    falling.__signature__ = taking(groups, "impact_damping", "velocity_scale")  # type: ignore[attr-defined]
-    falling.__doc__ = groups.__doc__
     return falling
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from vibrafeed.core.mechanics import orienting
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.mechanics.orienting import Matrix, PassedShares
-from vibrafeed.core.scenes.scene import Function, keywords, taking
+from vibrafeed.core.scenes.scene import Equation, Function, arguments_of
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class Device:
 
 @dataclass(frozen=True)
 class DeviceLine:
-    """The function that gives what passes a line of devices; its arguments are theirs.
+    """A line of devices: what passes it.
 
     Attributes
     ----------
@@ -118,27 +118,20 @@ class DeviceLine:
         How many aspects parts have.
     ordered : bool
         Whether the study says in which order they stand.
-    shares : str
-        The shares in which parts arrive.
     """
 
     devices: tuple[Device, ...]
     aspects: int
     ordered: bool
-    shares: str = "let_down_shares"
 
-    def __post_init__(self) -> None:
-        says = "Return what passes the devices of a line, one after another [1]."
-        object.__setattr__(self, "__doc__", says)
-
-    @property
-    def __signature__(self) -> inspect.Signature:
-        """The shares, and what its devices need."""
+    def equation(self, gives: str, shares: str, source: str) -> Equation:
+        """Return the equation of what passes of parts that arrive in these `shares`, a quantity."""
         own = [name for device in self.devices for name in device.inputs]
-        return keywords((self.shares, *own, *(["device_order"] * self.ordered)))
+        needs = (shares, *own, *(["device_order"] * self.ordered))
+        says = "Return what passes the devices of a line, one after another [1]."
+        return Equation(gives, partial(self._passed, shares), source, needs=needs, says=says)
 
-    def __call__(self, **values: Any) -> PassedShares:
-        """Return the shares of parts that pass the line."""
+    def _passed(self, arriving: str, **values: Any) -> PassedShares:
         matrices = [device.matrix(self.aspects, values) for device in self.devices]
         outlets = [
             device.number("outlet_capacity", values)
@@ -146,7 +139,7 @@ class DeviceLine:
             else None
             for device in self.devices
         ]
-        shares, passed = values[self.shares], orienting.unchanged(self.aspects)
+        shares, passed = values[arriving], orienting.unchanged(self.aspects)
         if self.ordered:
             matrices, outlets = self._in_order(matrices, outlets, values["device_order"])
         for matrix, outlet in zip(matrices, outlets, strict=True):
@@ -203,77 +196,19 @@ def _pick(pick: list[Any], values: list[Array]) -> Array:
     return picked
 
 
-@dataclass(frozen=True)
-class Counts:
-    """A function of the counts of a drop test, one an aspect."""
+def end_of(name: str, function: Function, upper: bool, says: str) -> Equation:
+    """Return the equation of the lesser or the larger value at both ends of a line's shares.
 
-    function: Callable[[Sequence[Array]], Any]
-    aspects: int
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "__doc__", self.function.__doc__)
-
-    @property
-    def names(self) -> list[str]:
-        """The names of the counts."""
-        return [f"drop_count_{k}" for k in range(1, self.aspects + 1)]
-
-    @property
-    def __signature__(self) -> inspect.Signature:
-        return keywords(self.names)
-
-    def __call__(self, **values: Any) -> Any:
-        """Return the value of the function for the counts of all aspects."""
-        return self.function([values[name] for name in self.names])
-
-
-@dataclass(frozen=True)
-class EndOf:
-    """The function that gives the lesser or the larger of what both ends of a line's shares give.
-
-    Attributes
-    ----------
-    function : callable
-        Gives an output from a `line`.
-    upper : bool
-        True for the larger one.
-    says : str
-        The output, in words, and its unit.
+    `function` gives the output `name` from a `line`; `upper` is True for the larger one; `says`
+    describes the output in words, with its unit.
     """
 
-    function: Function
-    upper: bool
-    says: str
-
-    def __post_init__(self) -> None:
-        end = "largest" if self.upper else "least"
-        object.__setattr__(self, "__doc__", f"Return the {end} {self.says}.")
-
-    @property
-    def __signature__(self) -> inspect.Signature:
-        """The arguments of the function, with both ends instead of the line."""
-        return taking(self.function, "line_ends", without="line")
-
-    def __call__(self, *, line_ends: tuple[PassedShares, PassedShares], **values: Any) -> Array:
-        """Return the output at that end of the line's shares."""
-        both = [self.function(line=line, **values) for line in line_ends]
-        end: Array = (np.maximum if self.upper else np.minimum)(*both)
+    def value(*, line_ends: tuple[PassedShares, PassedShares], **values: Any) -> Array:
+        both = [function(line=line, **values) for line in line_ends]
+        end: Array = (np.maximum if upper else np.minimum)(*both)
         return end
 
-
-@dataclass(frozen=True)
-class AnyOf:
-    """The place of a line's devices in a scene that is not fitted to a study: it names them all."""
-
-    names: tuple[str, ...]
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "__doc__", "Return the devices of a line [1].")
-
-    @property
-    def __signature__(self) -> inspect.Signature:
-        return keywords(self.names)
-
-    def __call__(self, **values: Any) -> Any:
-        """Raise: the scene must first be fitted to the devices of a study."""
-        raise NotImplementedError
+    needs = ("line_ends", *(one for one in arguments_of(function) if one != "line"))
+    gives = f"{name}_{'upper' if upper else 'lower'}"
+    says = f"Return the {'largest' if upper else 'least'} {says}."
+    return Equation(gives, value, "theory 16.3", needs=needs, says=says)

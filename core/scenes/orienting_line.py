@@ -8,15 +8,23 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 from vibrafeed.core.mechanics import drop_test, orienting
+from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.quantities.orienting import DEVICES, MAX_DEVICES, PAIRS
-from vibrafeed.core.scenes.devices import AnyOf, Counts, Device, DeviceLine, EndOf
-from vibrafeed.core.scenes.scene import Condition, Constraint, Equation, Field, Function, Scene
+from vibrafeed.core.scenes.devices import Device, DeviceLine, end_of
+from vibrafeed.core.scenes.scene import (
+    Condition,
+    Constraint,
+    Equation,
+    Function,
+    Scene,
+    field_of,
+)
 from vibrafeed.core.scenes.shapes import ASPECTS, SHAPES, WORDS, shares_of
 
 LINE, TEST = "theory 16.3", "theory 16.4"
@@ -49,7 +57,7 @@ BRACKETED: dict[str, tuple[Function, str]] = {
 RESULTS = (
     *(Equation(name, function, LINE) for name, (function, _) in BRACKETED.items()),
     *(
-        Equation(f"{name}_{end}", EndOf(function, end == "upper", says), LINE)
+        end_of(name, function, end == "upper", says)
         for name, (function, says) in BRACKETED.items()
         for end in ("lower", "upper")
     ),
@@ -84,10 +92,7 @@ def passed_shares_of(shape: str) -> tuple[Equation, ...]:
             (f"leaving_share_{name}", ("leaving", position), "line",
              f"the share of all arriving parts that leaves {words} [1]"),
         ]  # fmt: skip
-    return tuple(
-        Equation(gives, Field(bundle, path, f"Return {says}."), LINE)
-        for gives, path, bundle, says in rows
-    )
+    return tuple(field_of(bundle, path, gives, says, LINE) for gives, path, bundle, says in rows)
 
 
 def equations(shape: str) -> tuple[Equation, ...]:
@@ -95,15 +100,19 @@ def equations(shape: str) -> tuple[Equation, ...]:
 
     `shape` is a key of `ASPECTS`.
     """
+    counts = tuple(f"drop_count_{k}" for k in range(1, len(ASPECTS[shape]) + 1))
     count, posterior = (
-        Counts(function, len(ASPECTS[shape]))
-        for function in (drop_test.posterior_count, drop_test.posterior_shares)
+        Equation(gives, partial(_of_counts, one), TEST, needs=counts, says=one.__doc__ or "")
+        for gives, one in (
+            ("drop_count", drop_test.posterior_count),
+            ("counted_shares", drop_test.posterior_shares),
+        )
     )
     return (
         *shares_of(shape),
         Equation("aspect_sizes", SIZES[shape], LINE),
-        Equation("drop_count", count, TEST),
-        Equation("counted_shares", posterior, TEST),
+        count,
+        posterior,
         *passed_shares_of(shape),
         *RESULTS,
     )
@@ -116,14 +125,26 @@ def any_line(shape: str) -> tuple[Equation, ...]:
     """
     every = tuple(Device(place, numbers_of(shape)) for place in POSITIONS)
     names = (name for device in every for name in device.inputs)
+    listed = (
+        ("devices", LINE, (*names, "device_order")),
+        ("line", LINE, ("let_down_shares", "devices")),
+        ("thrown_line", LINE, ("thrown_shares", "devices")),
+        ("counted_line", TEST, ("counted_shares", "devices")),
+    )
     return (
         *equations(shape),
-        Equation("devices", AnyOf((*names, "device_order")), LINE),
-        Equation("line", AnyOf(("let_down_shares", "devices")), LINE),
-        Equation("thrown_line", AnyOf(("thrown_shares", "devices")), LINE),
-        Equation("counted_line", AnyOf(("counted_shares", "devices")), TEST),
+        *(Equation(gives, _unfitted, source, needs=needs) for gives, source, needs in listed),
         Equation("line_ends", orienting.line_ends, LINE),
     )
+
+
+def _of_counts(function: Callable[[Sequence[Array]], Any], **counts: Array) -> Any:
+    return function([*counts.values()])
+
+
+def _unfitted(**values: Any) -> Any:
+    """Return the devices of a line [1]."""
+    raise NotImplementedError  # the scene must first be fitted to the devices of a study
 
 
 def fit_to_study(scene: Scene, parameters: Collection[str]) -> Scene:
@@ -180,16 +201,16 @@ def _equations_with_devices(
     line = DeviceLine(tuple(d for d in devices if d.numbers), aspects, ordered)
     lines = (
         *equations(shape),
-        Equation("thrown_line", replace(line, shares="thrown_shares"), LINE),
-        Equation("counted_line", replace(line, shares="counted_shares"), TEST),
+        line.equation("thrown_line", "thrown_shares", LINE),
+        line.equation("counted_line", "counted_shares", TEST),
     )
     if tested:
-        counted = Field("counted_line", (), "Return the shares that pass by a drop test [1].")
+        says = "the shares that pass by a drop test [1]"
         ends = Equation("line_ends", drop_test.line_ends, TEST)
-        return (*lines, Equation("line", counted, TEST), ends)
+        return (*lines, field_of("counted_line", (), "line", says, TEST), ends)
     return (
         *lines,
-        Equation("line", line, LINE),
+        line.equation("line", "let_down_shares", LINE),
         Equation("line_ends", orienting.line_ends, LINE),
     )
 

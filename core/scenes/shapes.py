@@ -6,7 +6,7 @@ A shape lists its aspects, the ways in which it may lie, in the order of their n
 from __future__ import annotations
 
 from vibrafeed.core.mechanics import resting
-from vibrafeed.core.scenes.scene import Condition, Equation, Field
+from vibrafeed.core.scenes.scene import Condition, Equation, field_of
 
 ASPECTS: dict[str, tuple[str, ...]] = {
     "box": ("flat", "on_side", "on_end"),
@@ -70,11 +70,7 @@ def shares_of(shape: str) -> tuple[Equation, ...]:
         *SHAPES[shape],
         THROWN,
         *(
-            Equation(
-                f"{kind}_{name}",
-                Field(bundle, (place,), f"Return {says} {WORDS[name]} [1]."),
-                SOURCE,
-            )
+            field_of(bundle, (place,), f"{kind}_{name}", f"{says} {WORDS[name]} [1]", SOURCE)
             for place, name in enumerate(ASPECTS[shape])
             for kind, (bundle, says) in SHARES.items()
         ),

@@ -11,7 +11,6 @@ from night import NIGHT, count
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.mechanics.bowl_track import Stretches, radius_at
 from vibrafeed.core.motion.bowl_track import (
-    AllStretches,
     AlongTrack,
     is_unknown,
     slowness,
@@ -120,7 +119,7 @@ def test_time_and_bottleneck_are_those_of_a_fine_walk_along_the_track():
 def walk_of(speed, **others):
     """Return the passage along the track of `TRACK` of a speed made up, and what it was asked."""
     (track, _) = track_of(TRACK, of_bowl=True)
-    stretches, asked = AllStretches(track), []
+    asked = []
 
     def made_up(*, track_fraction, max_periods):
         assert np.ndim(max_periods) == 0
@@ -137,14 +136,14 @@ def walk_of(speed, **others):
         return Equation(name, value, "")
 
     walk = AlongTrack(
-        stretches,
+        track,
         (Equation("conveying_velocity", made_up, ""), *map(constant, rest)),
-        (*stretches.inputs, "max_periods"),
+        (*track.inputs, "max_periods"),
     )
-    given = {name: np.array(TRACK[name]) for name in stretches.inputs}
+    given = {name: np.array(TRACK[name]) for name in track.inputs}
     given |= {name: np.radians(given[name]) for name in given if "climb" in name}
-    passage = walk(**given, max_periods=np.array(7.0))
-    return passage, float(track_length(stretches=stretches(**given))), np.unique(asked)
+    passage = walk.passage(**given, max_periods=np.array(7.0))
+    return passage, float(track_length(stretches=track.stretches(**given))), np.unique(asked)
 
 
 def test_a_method_gets_its_settings_as_they_are_and_nodes_are_enough_for_a_mean():
