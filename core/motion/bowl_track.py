@@ -28,7 +28,7 @@ from vibrafeed.core.mechanics.bowl_track import (
 from vibrafeed.core.motion.rates import parts_per_minute
 from vibrafeed.core.plan.equations import run
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.quantities.bowl_track import OF_STRETCHES
+from vibrafeed.core.quantities.drive_unit import OF_STRETCHES
 from vibrafeed.core.scenes.graph import between
 from vibrafeed.core.scenes.scene import Condition, Equation, fields
 from vibrafeed.core.study.simulate_study import SETTINGS
