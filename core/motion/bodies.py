@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.scenes import cylinder_isolated, rectangle_isolated
+from vibrafeed.core.scenes import isolated
 
 
 class Body(NamedTuple):
@@ -34,9 +34,9 @@ class TumblingRectangle(NamedTuple):
         """
         h, b = (np.asarray(side, dtype=float) for side in self)
         return Body(
-            rectangle_isolated.half_diagonal(height=b, length=h),
-            rectangle_isolated.inertia_ratio(),
-            rectangle_isolated.corner_angle(height=b, length=h),
+            isolated.rectangle_half_diagonal(height=b, length=h),
+            isolated.rectangle_inertia_ratio(),
+            isolated.rectangle_corner_angle(height=b, length=h),
             np.ones(()),
         )
 
@@ -57,11 +57,11 @@ class TumblingCylinder(NamedTuple):
         simulated (theory 6); the fourth number, 1, says that it has corners.
         """
         h, d = (np.asarray(side, dtype=float) for side in self)
-        direction = cylinder_isolated.corner_direction(diameter=d, length=h)
+        direction = isolated.cylinder_corner_direction(diameter=d, length=h)
         return Body(
-            cylinder_isolated.half_diagonal(diameter=d, length=h),
-            cylinder_isolated.inertia_ratio(corner_direction=direction),
-            cylinder_isolated.corner_angle(diameter=d, length=h),
+            isolated.cylinder_half_diagonal(diameter=d, length=h),
+            isolated.cylinder_inertia_ratio(corner_direction=direction),
+            isolated.cylinder_corner_angle(diameter=d, length=h),
             np.ones(()),
         )
 

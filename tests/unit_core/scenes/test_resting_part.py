@@ -17,7 +17,7 @@ from vibrafeed.core.plan.plan import make_plan, scene_parameters
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.scenes.aliases import instead_of
-from vibrafeed.core.scenes.shapes import ASPECTS
+from vibrafeed.core.scenes.resting_part import ASPECTS
 
 ROUNDING = 1e-14
 """Some ten roundings of numbers up to 1."""
