@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.errors import Problem
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.mechanics.bowl_track import (
+from vibrafeed.core.mechanics.bowl_drive_unit import (
     Stretches,
     bounds,
     picked,

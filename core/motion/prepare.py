@@ -19,12 +19,7 @@ from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from vibrafeed.core.plan.derived import Asked, asked_of
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import Plan, choose_scene
-from vibrafeed.core.plan.prepared import (
-    Chosen,
-    Prepared,
-    broken_constraints,
-    plan_study,
-)
+from vibrafeed.core.plan.prepared import Chosen, Prepared, broken_constraints, plan_study
 from vibrafeed.core.plan.price import Price, price
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.reduce.checks import problems_of, problems_of_names

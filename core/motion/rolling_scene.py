@@ -6,7 +6,7 @@ import numpy as np
 
 from vibrafeed.core.mechanics import round_parts
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.mechanics.rolling_motion import RollingContact
+from vibrafeed.core.mechanics.rolling import RollingContact
 from vibrafeed.core.motion import feeding, limits, scales
 from vibrafeed.core.motion.feeding import DEFAULTS
 from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Groups

@@ -22,13 +22,7 @@ from vibrafeed.core.quantities.impacts import IMPACTS, ISOLATED
 from vibrafeed.core.quantities.motion import DIRECTIONS, MOTION
 from vibrafeed.core.quantities.optimum import OPTIMUM
 from vibrafeed.core.quantities.orienting import ORIENTING, RESTING
-from vibrafeed.core.quantities.quantity import (
-    WORD_OF,
-    WORDS,
-    Quantity,
-    by_letters,
-    letter_of,
-)
+from vibrafeed.core.quantities.quantity import WORD_OF, WORDS, Quantity, by_letters, letter_of
 from vibrafeed.core.quantities.round_parts import ROLLING, ROUND_PARTS
 from vibrafeed.core.quantities.row import ROW
 from vibrafeed.core.quantities.track import TRACK

@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-from vibrafeed.core.mechanics import (
-    bowl_drive_unit,
-    drive_unit,
-    linear_drive_unit,
-    turning_drive_unit,
-)
+from vibrafeed.core.mechanics import bowl_drive_unit, drive_unit, linear_drive_unit
 from vibrafeed.core.scenes.scene import Condition, Equation, Scene
 
 SPRINGS = (Equation("spring_stiffness", drive_unit.leaf_stiffness, "theory 15.1", "springs"),)
@@ -60,6 +55,8 @@ def tuning(*outputs: str) -> tuple[Condition, ...]:
     )
 
 
+# --- A linear feeder's drive unit: trough and base on leaf springs, the base on feet.
+
 LINEAR = (
     *SHARED,
     Equation("generalised_mass", drive_unit.reduced_mass, "theory 15.2"),
@@ -73,15 +70,15 @@ LINEAR = (
 )
 TURNING = (
     *SHARED,
-    Equation("generalised_mass", turning_drive_unit.turning_mass_empty, "theory 15.2"),
-    Equation("turning_mass", turning_drive_unit.turning_mass, "theory 15.2"),
-    Equation("natural_frequency", turning_drive_unit.turning_frequency, "theory 15.2"),
-    Equation("stroke_response", turning_drive_unit.turning_response, "theory 15.2"),
-    Equation("track_harmonic", turning_drive_unit.turning_harmonic, "theory 15.2"),
-    Equation("trough_turn", turning_drive_unit.trough_turn, "theory 15.2"),
-    Equation("track_motion", turning_drive_unit.turning_track, "theory 15.2"),
-    Equation("track_amplitude", turning_drive_unit.turning_amplitude, "theory 15.2"),
-    Equation("vibration_angle", turning_drive_unit.turning_angle, "theory 15.2"),
+    Equation("generalised_mass", linear_drive_unit.turning_mass_empty, "theory 15.2"),
+    Equation("turning_mass", linear_drive_unit.turning_mass, "theory 15.2"),
+    Equation("natural_frequency", linear_drive_unit.turning_frequency, "theory 15.2"),
+    Equation("stroke_response", linear_drive_unit.turning_response, "theory 15.2"),
+    Equation("track_harmonic", linear_drive_unit.turning_harmonic, "theory 15.2"),
+    Equation("trough_turn", linear_drive_unit.trough_turn, "theory 15.2"),
+    Equation("track_motion", linear_drive_unit.turning_track, "theory 15.2"),
+    Equation("track_amplitude", linear_drive_unit.turning_amplitude, "theory 15.2"),
+    Equation("vibration_angle", linear_drive_unit.turning_angle, "theory 15.2"),
 )
 _RESONANCE, *_SIDES = tuning("foot_force")
 LINEAR_CONDITIONS = (
@@ -127,6 +124,8 @@ LINEAR_SCENE = Scene(
     constraints=(),
 )
 
+
+# --- A bowl feeder's drive unit: bowl and base on tilted leaf springs around their axis.
 
 BOWL = (
     *SHARED,

@@ -9,6 +9,8 @@ from vibrafeed.core.mechanics.arrays import Array, hypot
 from vibrafeed.core.mechanics.corner import Direction
 from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
 
+# --- Equations that the scenes of an isolated part share: one corner on a fixed plane.
+
 CORNER = (
     Equation("diagonal_angle", corner.diagonal_angle, "theory 2.1"),
     Equation("diagonal_direction", corner.diagonal_direction, "theory 2.1"),
@@ -112,6 +114,9 @@ VALIDITY = (
 )
 
 
+# --- A rectangular part with one lower corner on a fixed plane; section 3.2.1 of the source.
+
+
 def rectangle_corner_angle(*, height: Array, length: Array) -> Array:
     """Return the angle of the diagonal in the part, zeta = atan2(b, h) [rad]."""
     return np.arctan2(height, length)
@@ -193,6 +198,11 @@ RECTANGLE_SCENE = Scene(
     defaults=CORNER_DEFAULTS,
     rounding_bound=8,
 )
+
+
+# --- A cylindrical part with one point of its rim on a fixed plane; section 3.3.1 of the source.
+#
+# The motion is in the plane that holds the axis, so that the part shows as a rectangle d by h.
 
 
 def cylinder_corner_angle(*, diameter: Array, length: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Parts on the floor of a plane or a track at the drive's peak; sections 3.2 and 3.3 of the source."""
+"""Parts on the floor of plane or track, at the drive's peak; sections 3.2, 3.3 of the source."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from vibrafeed.core.scenes.scene import (
     Equation,
     Scene,
 )
+
+# --- Equations of all scenes of a part on a plane: drive, gravity, and a floor without a wall.
 
 DRIVE = (
     Equation("vibration_acceleration", vibration.vibration_acceleration, "theory 0.2"),
@@ -62,6 +64,8 @@ FLOOR = frozenset(
 )
 
 
+# --- A rectangular part on a horizontal or inclined plane; sections 3.2.2 and 3.2.3 of the source.
+
 OFFSETS = frozenset(("pressure_offset_x", "pressure_offset_y"))
 
 RECTANGLE_PHYSICAL = (
@@ -105,6 +109,8 @@ RECTANGLE_SCENE = Scene(
     rounding_bound=8,
 )
 
+
+# --- A cylinder that lies on a plane, axis along the track; sections 3.3.2 and 3.3.3 of the source.
 
 MOTION = ACCELERATIONS - {"sliding_fraction"} | {"angular_acceleration"}
 
@@ -152,6 +158,8 @@ CYLINDER_SCENE = Scene(
     rounding_bound=8,
 )
 
+
+# --- A rectangular part on the narrow track, floor and outer wall; section 3.2.4 of the source.
 
 COMMON = (
     *DRIVE,

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from vibrafeed.core.mechanics import drop_test, orienting
+from vibrafeed.core.mechanics import orienting
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.mechanics.orienting import Matrix, PassedShares
 from vibrafeed.core.quantities.orienting import DEVICES, MAX_DEVICES, PAIRS
@@ -29,6 +29,8 @@ from vibrafeed.core.scenes.scene import (
     arguments_of,
     field_of,
 )
+
+# --- The devices of a line, by the names of the numbers that a study gives of them.
 
 
 @dataclass(frozen=True)
@@ -268,7 +270,7 @@ RESULTS = (
     Equation("laps_99", orienting.laps_99, LINE),
     Equation("time_per_part", orienting.time_per_part, LINE),
     Equation("leaving_wanted", orienting.leaving_wanted, LINE),
-    Equation("yield_deviation", drop_test.yield_deviation, TEST),
+    Equation("yield_deviation", orienting.yield_deviation, TEST),
 )
 OF_LINE = frozenset(one.gives for one in RESULTS if one.source == LINE)
 
@@ -307,8 +309,8 @@ def equations(shape: str) -> tuple[Equation, ...]:
     count, posterior = (
         Equation(gives, partial(_of_counts, one), TEST, needs=counts, says=one.__doc__ or "")
         for gives, one in (
-            ("drop_count", drop_test.posterior_count),
-            ("counted_shares", drop_test.posterior_shares),
+            ("drop_count", orienting.posterior_count),
+            ("counted_shares", orienting.posterior_shares),
         )
     )
     return (
@@ -409,7 +411,7 @@ def _equations_with_devices(
     )
     if tested:
         says = "the shares that pass by a drop test [1]"
-        ends = Equation("line_ends", drop_test.line_ends, TEST)
+        ends = Equation("line_ends", orienting.tested_line_ends, TEST)
         return (*lines, field_of("counted_line", (), "line", says, TEST), ends)
     return (
         *lines,

@@ -14,6 +14,13 @@ from vibrafeed.core.mechanics.cylinder_contact import cylinder_contact
 from vibrafeed.core.mechanics.rectangle_contact import rectangle_contact
 from vibrafeed.core.scenes.scene import Condition, Equation, Scene, fields
 
+# --- Impact of two rectangular parts on the floor plane; section 3.2.5 of the source.
+#
+# The variants are laws of impact. Without friction there is one law, Newton's, and it needs no
+# friction coefficient: it is the default, so that a study gives friction only together with the law
+# that uses it. With friction `pfeiffer_glocker` is the law to take; `moreau` is there to compare.
+# What the source prints, (3.24), drives the bodies into each other and is not offered (theory 5.4).
+
 RECTANGLE_CONTACT_STATE = (
     Equation("rectangle_1", rectangle_impact.rectangle_1, "theory 5.1"),
     Equation("rectangle_2", rectangle_impact.rectangle_2, "theory 5.1"),
@@ -201,6 +208,12 @@ RECTANGLE_SCENE = Scene(
     seconds_a_verified_cell=0.4,
 )
 
+
+# --- Impact of two cylindrical parts; section 3.3.4 of the source.
+#
+# The variants are laws of impact, as for rectangles: `frictionless`, the default, needs no friction
+# coefficient; `pfeiffer_glocker` is the law to take with friction, `moreau` is there to compare.
+# What the source prints, (3.44), drives the bodies into each other and is not offered (theory 8.3).
 
 # What the impact leaves of both bodies, with the way to it.
 VELOCITIES: dict[str, Any] = {

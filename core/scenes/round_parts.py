@@ -4,15 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibrafeed.core.mechanics import (
-    edge_disc,
-    resting,
-    round_parts,
-    toppling,
-    vibration,
-    wall,
-    yawing,
-)
+from vibrafeed.core.mechanics import resting, round_parts, vibration, wall, yawing
 from vibrafeed.core.scenes.on_floor import (
     ACCELERATIONS,
     DRIVE,
@@ -22,6 +14,8 @@ from vibrafeed.core.scenes.on_floor import (
     UNILATERAL,
 )
 from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene, fields
+
+# --- A roller, tube, ring or hoop that lies on a plane, its axis in any direction, from rest.
 
 ROLLER_SOURCE = "theory 18.1"
 ROLLER_AXIS = (
@@ -69,6 +63,8 @@ ROLLER_SCENE = Scene(
 )  # fmt: skip
 
 
+# --- A ball or a shell on a horizontal or inclined plane, from rest.
+
 SPHERE_SOURCE = "theory 18.1"
 SPHERE_PHYSICAL = (
     *PLANE,
@@ -103,13 +99,15 @@ SPHERE_SCENE = Scene(
 )
 
 
+# --- A truncated cone on its side, which rolls about the vertical through its apex, from rest.
+
 CONE_PHYSICAL = (
     *(e for e in PLANE if not e.gives.startswith("rotated")),
     *UNILATERAL,
     *ROLLER_AXIS,
     Equation("mass_height", resting.cone_centre, "theory 16.1"),
     Equation("side_foot", resting.side_foot, "theory 16.1"),
-    Equation("gyration", toppling.cone_gyration, "theory 16.2"),
+    Equation("gyration", resting.cone_gyration, "theory 16.2"),
     Equation("axial_gyration", round_parts.axial_gyration, ROLLER_SOURCE),
     Equation("cone_half_angle", round_parts.cone_half_angle, ROLLER_SOURCE),
     Equation("centre_radius", round_parts.centre_radius, ROLLER_SOURCE),
@@ -142,6 +140,8 @@ CONE_SCENE = Scene(
     defaults={**PLANE_DEFAULTS, "axis_yaw": np.pi / 2},
 )
 
+
+# --- A cylinder that rolls and yaws on a level plane, by screw theory; chapter 4 of the source.
 
 AXES = (
     *fields(
@@ -306,6 +306,8 @@ ROLLING_SCENE = Scene(
 )
 
 
+# --- A disc, coin or ring that stands on its edge in the track, its face against the wall.
+
 DISC_SOURCE = "theory 18.1"
 DISC_PHYSICAL = (
     *DRIVE,
@@ -317,17 +319,17 @@ DISC_PHYSICAL = (
     Equation("wall_balance", wall.derived_wall_balance, "theory 4.1"),
     Equation("wall_acceleration", wall.pushing_wall_acceleration, "theory 4.1"),
     Equation("wall_force", wall.wall_force, "theory 4.1"),
-    Equation("wall_friction", edge_disc.wall_as_floor, DISC_SOURCE),
-    Equation("net_push", edge_disc.net_push, DISC_SOURCE),
+    Equation("wall_friction", round_parts.wall_as_floor, DISC_SOURCE),
+    Equation("net_push", round_parts.net_push, DISC_SOURCE),
     Equation("rolling_factor", round_parts.tube_factor, DISC_SOURCE),
     Equation("rolling_share", round_parts.rolling_share, DISC_SOURCE),
-    Equation("required_friction", edge_disc.disc_friction, DISC_SOURCE),
-    Equation("acceleration_x", edge_disc.disc_acceleration, DISC_SOURCE),
-    Equation("angular_acceleration", edge_disc.disc_spin, DISC_SOURCE),
-    Equation("rolling_friction", edge_disc.disc_floor_friction, DISC_SOURCE),
-    Equation("wall_drag", edge_disc.wall_drag, DISC_SOURCE),
-    Equation("floor_wrench", edge_disc.disc_floor_wrench, DISC_SOURCE),
-    Equation("force_wrench", edge_disc.disc_force_wrench, DISC_SOURCE),
+    Equation("required_friction", round_parts.disc_friction, DISC_SOURCE),
+    Equation("acceleration_x", round_parts.disc_acceleration, DISC_SOURCE),
+    Equation("angular_acceleration", round_parts.disc_spin, DISC_SOURCE),
+    Equation("rolling_friction", round_parts.disc_floor_friction, DISC_SOURCE),
+    Equation("wall_drag", round_parts.wall_drag, DISC_SOURCE),
+    Equation("floor_wrench", round_parts.disc_floor_wrench, DISC_SOURCE),
+    Equation("force_wrench", round_parts.disc_force_wrench, DISC_SOURCE),
     Equation(
         "floor_reduction",
         yawing.floor_reduction,
@@ -351,9 +353,9 @@ DISC_MOTION = frozenset(
 )  # fmt: skip
 DISC_CONDITIONS = (
     Condition("flight", vibration.has_left_floor, FLOOR | DISC_MOTION, otherwise="contact"),
-    Condition("wall_lost", edge_disc.leaves_wall, WALL | DISC_MOTION, otherwise="contact"),
+    Condition("wall_lost", round_parts.leaves_wall, WALL | DISC_MOTION, otherwise="contact"),
     Condition("singular", yawing.has_no_force_axis, FORCE_AXIS),
-    Condition("stick", edge_disc.is_held, DISC_MOTION),
+    Condition("stick", round_parts.is_held, DISC_MOTION),
     Condition("roll", round_parts.rolls, DISC_MOTION, otherwise="slip"),
 )
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.mechanics.rolling_motion import RollingContact
+from vibrafeed.core.mechanics.rolling import RollingContact
 from vibrafeed.core.motion import planar
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
 from vibrafeed.core.motion.kernels.planar.tables import PIECE
