@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Final
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.measured.cells import read_cells
 from vibrafeed.core.measured.marks import ONE_MARK
 from vibrafeed.core.measured.read import name_and_unit
+from vibrafeed.core.measured.table_cells import read_cells
 from vibrafeed.core.quantities import QUANTITIES, letter_of
 from vibrafeed.core.study.grid_study import PARAMETERS
 from vibrafeed.core.study.units import UnitError, read_number, with_unit

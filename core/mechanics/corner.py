@@ -161,7 +161,7 @@ def free_tangential_acceleration(
 
 
 def _response(kappa: Array, direction: Direction, sigma_mu: Array) -> Array:
-    # Normal acceleration of a slipping corner over its normal force per mass; sigma 1: to the right.
+    # Normal acceleration of a slipping corner over its normal force per mass; sigma is the slip.
     s, c = direction
     return 1.0 + kappa * c * (c - sigma_mu * s)
 
@@ -252,7 +252,7 @@ def contact_case(
     Array, holding_tangential_acceleration: Array, friction_static: Array, normal_response:
     Array,
 ) -> Array:  # fmt: skip
-    """Return the case of the contact, a number of `vibrafeed.core.mechanics.complementarity`.
+    """Return the case of the contact: separation, sliding, stick, two solutions or none.
 
     SEPARATION, SLIDING, STICK, TWO_SOLUTIONS or NO_SOLUTION. A corner at rest sticks if the force
     that would hold it (`holding_*`, per mass) lies in the cone of static friction; else the case
