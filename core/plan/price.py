@@ -27,10 +27,13 @@ SAMPLED = 64
 """Most cells that are computed for a price."""
 MARGIN = 2.0
 """Factor on the measured time."""
-BUDGET = 0.3
-"""Longest time of the sample [s], beside that of a period of its first cell."""
+BUDGET, PATIENCE = 0.3, 4.0
+"""Longest time of the processor that a round of the sample takes [s], and the longest by the clock
+over it, since others may use the core."""
 MORE = 4.0
 """Factor from the number of periods of one round to that of the next."""
+SURPRISE = 3.0 * MORE
+"""Ratio of the times of a cell in two rounds from which on the second is repeated."""
 LIMIT = "max_periods"
 
 ENDED = [MOTION_STATUSES[name].value for name in ("periodic", "at_rest", "neutral")]
@@ -55,6 +58,10 @@ class _Round(NamedTuple):
     seconds: float
     done: int
     open: bool
+
+    @property
+    def each(self) -> float:
+        return self.seconds / max(self.done, 1)
 
 
 def price(
@@ -130,27 +137,26 @@ def _evenly(count: int, axes: int) -> Array:
 def _timed(plan: Plan, known: Mapping[str, Any], count: int) -> tuple[float, float]:
     """Return the time of a call and of each cell on one core [s]."""
     allowed = float(np.max({**plan.defaults, **known}.get(LIMIT, 0.0)))
-    until = time.monotonic() + BUDGET
     periods = before = reached = 0.0
-    _follow(plan, known, 1, FEWEST_PERIODS)  # loads the code
     while True:
         periods = min(allowed, max(float(FEWEST_PERIODS), MORE * periods))
         found = _follow(plan, known, count, periods)
-        each = found.seconds / max(found.done, 1)
+        if found.each > SURPRISE * before:  # it may have loaded code
+            found = _follow(plan, known, count, periods)
         goes_on = found.open and periods < allowed
-        if not goes_on or found.done < count or time.monotonic() > until:
+        if not goes_on or found.done < count or MORE * found.seconds > BUDGET:
             break
-        before, reached = each, periods
+        before, reached = found.each, periods
     if goes_on:  # as if it never repeated
-        growth = (each - before) / (periods - reached)
-        return 0.0, each + max(growth, 0.0) * (allowed - periods)
+        growth = (found.each - before) / (periods - reached)
+        return 0.0, found.each + max(growth, 0.0) * (allowed - periods)
     if found.done < count or count == 1:
-        return 0.0, each
+        return 0.0, found.each
     # A call takes a time of its own, which more cells do not lengthen.
     half = count // 2
     slope = (found.seconds - _follow(plan, known, half, periods).seconds) / (count - half)
-    slope = min(max(slope, 0.1 * each), each)
-    return count * (each - slope), slope
+    slope = min(max(slope, 0.1 * found.each), found.each)
+    return count * (found.each - slope), slope
 
 
 def _follow(plan: Plan, known: Mapping[str, Any], count: int, periods: float) -> _Round:
@@ -158,8 +164,12 @@ def _follow(plan: Plan, known: Mapping[str, Any], count: int, periods: float) ->
     cells = {name: value[:count] if np.ndim(value) else value for name, value in known.items()}
     if LIMIT in plan.defaults or LIMIT in known:
         cells[LIMIT] = np.asarray(periods)
-    watch = Watch(threads=1, deadline=time.monotonic() + BUDGET)
-    since = time.thread_time()
+    busy, since = time.process_time(), time.thread_time()
+    watch = Watch(
+        threads=1,
+        stop=lambda: time.process_time() - busy > BUDGET,
+        deadline=time.monotonic() + PATIENCE * BUDGET,
+    )
     try:
         outcome = run_equations(plan, cells, watch)
     except StoppedError:

@@ -68,7 +68,7 @@ def test_what_never_repeats_is_priced_for_all_its_periods(monkeypatch, a_period)
     content = study(friction=frictions(10**6)) | {"max_periods": 100_000}
     cell = prepare_content(content).price.cell
     assert cell == pytest.approx(MARGIN * a_period * 100_000, rel=0.3)  # the budget cuts one cell
-    assert motions.now < 4 * BUDGET
+    assert motions.now < 8 * BUDGET
     assert max(count for count, _ in motions.asked) == SAMPLED
 
 
@@ -76,7 +76,7 @@ def test_a_period_beyond_the_budget_is_not_waited_for(monkeypatch):
     motions = Motions(monkeypatch, 10.0)
     prepared = prepare_content(study(friction=frictions(10**6)))
     assert prepared.price.cell > MARGIN * BUDGET * 100  # of 1,000 periods, 8 took the budget
-    assert motions.now < 4 * BUDGET
+    assert motions.now < 8 * BUDGET
 
 
 def test_it_is_sampled_once_and_parts_have_the_price_of_the_whole(monkeypatch):
@@ -102,8 +102,8 @@ def test_an_axis_that_no_motion_depends_on_makes_no_more_motions(monkeypatch):
     content = study(**axes, part_gap=0.001) | {"outputs": ["feed_rate"]}
     prepared = prepare_content(content)
     assert prepared.cells == 15
-    assert max(count for count, _ in motions.asked) == 5
     assert prepared.price.cell * 15 == pytest.approx(MARGIN * 5 * 20e-4)
+    assert max(count for count, _ in motions.asked) == 5
 
 
 def test_sampled_cells_are_evenly_spread_and_the_same_again():
