@@ -66,7 +66,7 @@ def _with_falling_restitution(system: Scene, parameters: Collection[str]) -> Sce
 
     def changed(known: tuple[Equation, ...]) -> tuple[Equation, ...]:
         """Return the equations with the law's damping in the groups."""
-        found = [
+        others = [
             replace(
                 one,
                 function=_with_damping(one.function),
@@ -77,7 +77,7 @@ def _with_falling_restitution(system: Scene, parameters: Collection[str]) -> Sce
             else one
             for one in known
         ]
-        return (law, *found)
+        return (law, *others)
 
     return replace(
         system,

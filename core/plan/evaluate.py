@@ -25,7 +25,7 @@ from vibrafeed.core.watch import Watch
 
 FEW_CELLS = 16_384
 """Number of cells that numpy computes in about a millisecond: no loop is compiled for fewer."""
-LOADED_FROM, COMPILED_FROM, FOUND_FROM = 5_000_000, 10_000_000, 500_000
+LOADED_FROM, COMPILED_FROM, CACHED_FROM = 5_000_000, 10_000_000, 500_000
 """Numbers of cells that numpy computes in place of a loop before the compiler is loaded, the loop
 compiled, or a compiled one looked for on the disk."""
 
@@ -135,4 +135,4 @@ def is_compiled_for(missing: Iterable[str], cells: int) -> bool:
         return False
     from vibrafeed.core.kernel_cache import is_on_disk
 
-    return seen >= sum(FOUND_FROM if is_on_disk(one) else COMPILED_FROM for one in missing)
+    return seen >= sum(CACHED_FROM if is_on_disk(one) else COMPILED_FROM for one in missing)

@@ -140,23 +140,23 @@ def _timed(plan: Plan, known: Mapping[str, Any], count: int) -> tuple[float, flo
     periods = before = reached = 0.0
     while True:
         periods = min(allowed, max(float(FEWEST_PERIODS), MORE * periods))
-        found = _follow(plan, known, count, periods)
-        if found.each > SURPRISE * before:  # it may have loaded code
-            found = _follow(plan, known, count, periods)
-        goes_on = found.open and periods < allowed
-        if not goes_on or found.done < count or MORE * found.seconds > BUDGET:
+        latest = _follow(plan, known, count, periods)
+        if latest.each > SURPRISE * before:  # it may have loaded code
+            latest = _follow(plan, known, count, periods)
+        goes_on = latest.open and periods < allowed
+        if not goes_on or latest.done < count or MORE * latest.seconds > BUDGET:
             break
-        before, reached = found.each, periods
+        before, reached = latest.each, periods
     if goes_on:  # as if it never repeated
-        growth = (found.each - before) / (periods - reached)
-        return 0.0, found.each + max(growth, 0.0) * (allowed - periods)
-    if found.done < count or count == 1:
-        return 0.0, found.each
+        growth = (latest.each - before) / (periods - reached)
+        return 0.0, latest.each + max(growth, 0.0) * (allowed - periods)
+    if latest.done < count or count == 1:
+        return 0.0, latest.each
     # A call takes a time of its own, which more cells do not lengthen.
     half = count // 2
-    slope = (found.seconds - _follow(plan, known, half, periods).seconds) / (count - half)
-    slope = min(max(slope, 0.1 * found.each), found.each)
-    return count * (found.each - slope), slope
+    slope = (latest.seconds - _follow(plan, known, half, periods).seconds) / (count - half)
+    slope = min(max(slope, 0.1 * latest.each), latest.each)
+    return count * (latest.each - slope), slope
 
 
 def _follow(plan: Plan, known: Mapping[str, Any], count: int, periods: float) -> _Round:

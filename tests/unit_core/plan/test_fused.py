@@ -193,7 +193,7 @@ def test_what_is_not_elementwise_does_not_trace(step):
 def test_loops_are_compiled_once_numpy_has_worked_as_long(monkeypatch):
     monkeypatch.setattr(door, "_seen", door.defaultdict(int))
     monkeypatch.setattr(door, "COMPILED_FROM", 300_000)
-    monkeypatch.setattr(door, "FOUND_FROM", 300_000)
+    monkeypatch.setattr(door, "CACHED_FROM", 300_000)
     monkeypatch.setattr(fused, "_compiled", set())
     ran: list[int] = []
     run = Fused.run
