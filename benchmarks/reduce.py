@@ -266,15 +266,14 @@ def _joined(states: Iterable[tuple[int, int, State]]) -> Iterable[tuple[int, int
 
 
 def sizes(cells: Iterable[float]) -> None:
-    """Print time, predicted time and memory of large studies."""
+    """Print time, price and memory of large studies."""
     for count in cells:
         sweep = prepared(study(count, ASKED["argmax"]))
-        predicted = sweep.work.seconds()
         clock, _ = timed(lambda s=sweep: tabulate(s))
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         print(
             f"argmax, {sweep.cells:,} cells: {clock:.1f} s, {clock / sweep.cells * 1e9:.2f} ns a "
-            f"cell, predicted {predicted:.1f} s; {memory:.0f} MiB at most",
+            f"cell, price {sweep.seconds_here:.1f} s; {memory:.0f} MiB at most",
             flush=True,
         )
 

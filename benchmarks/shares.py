@@ -20,7 +20,7 @@ def main(cells: int, count: int) -> None:
     """Print time and memory of a reduced sweep, in shares and as a whole."""
     content = study(cells, ASKED["all statistics"], TABLE)
     prepared = prepare_content(content)
-    prepared.work.seconds()  # what repays compiling is compiled
+    tabulate(prepared)  # compiles its loops
     at_once = timed(tabulate, prepared)[1]
     with tempfile.TemporaryDirectory() as folder:
         shares = prepared.shares(str(Path(folder) / "result.nc"), count)

@@ -56,12 +56,12 @@ ALLOWED = {
     # Words that mean themselves.
     "vibrafeed.app.jobs.errors.NotFoundError": "HTTP 404, Not Found",
     "vibrafeed.core.optimise.scipy_methods.one_by_one": "one after the other",
-    "vibrafeed.core.scenes.devices.Device.place": "the number behind a key, as in `wiper_height_2`",
+    "vibrafeed.core.scenes.orienting_line.Device.place": "a key's number, as in `wiper_height_2`",
     # The rows set it, and are under other work: `trajectory` then.
     "vibrafeed.core.motion.method.Method.course": "of rows, too",
     "vibrafeed.core.motion.method.FollowCourse": "the same",
     "vibrafeed.core.motion.course": "the same",
-    "vibrafeed.core.mechanics.rolling_motion.RollingContact.runs_away": "a motion without bound",
+    "vibrafeed.core.mechanics.rolling.RollingContact.runs_away": "a motion without bound",
     "vibrafeed.core.motion.kernels.means.runs_away": "the same",
     "vibrafeed.core.motion.kernels.planar.chaos.FollowedRun.runs_away": "the same",
     "vibrafeed.core.motion.kernels.planar.chaos.ran_away": "the same",

@@ -229,7 +229,7 @@ def sensitivity(
     Analysis (docs/sensitivity.md)
         outputs : names of outputs of the scene
         uncertain : such as `{"friction": {"mean": 0.3, "deviation": 0.03}}`
-        analyses : some of distribution, sobol, morris and budget
+        analyses : some of distribution, sobol and budget
         demands : bounds of outputs, or regimes, whose probability is computed
         quantiles : shares of parts; the result has the values they stay below
     Numerics

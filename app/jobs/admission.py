@@ -16,6 +16,7 @@ from vibrafeed.app.jobs.scrub import BROKEN, damages
 from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.jobs.studies import identifier
 from vibrafeed.app.settings import Settings
+from vibrafeed.core.assurance.accuracy.families import SECONDS
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plan.prepared import Prepared
@@ -90,7 +91,7 @@ class Admission:
             If the result is still being fetched from the object store.
         """
         key = identifier(prepared.study, process)
-        block_cells, blocks, needed = self._measure_job(prepared, process)
+        block_cells, blocks, needed, price = self._measure_job(prepared, process)
         self._quota.look(key, needed, who)
         if self.store.manifest(key) is None:
             try:
@@ -128,6 +129,7 @@ class Admission:
                 finished_seconds=finished,
                 known_seconds=manifest.seconds if manifest else 0.0,
                 owner=who.name,
+                price=price,
             )
             if manifest is None:
                 self.posted(key)
@@ -162,7 +164,7 @@ class Admission:
             prepared = self.store.get(job.key)
         except (NotFoundError, StudyError):
             return False
-        block_cells, blocks, needed = self._measure_job(prepared, job.process)
+        block_cells, blocks, needed, price = self._measure_job(prepared, job.process)
         self._quota.look(job.key, needed)
         with self.ledger.transaction():
             if self.store.manifest(job.key) is None:
@@ -176,22 +178,20 @@ class Admission:
                     block_cells=block_cells,
                     blocks=blocks,
                     bytes_=needed,
+                    price=price,
                 )
         logger.warning("a result is computed again: %s", job.key)
         self._wake()
         return True
 
-    def _measure_job(self, prepared: Prepared, process: str) -> tuple[int, int, int]:
-        """Return the cells of a block, the number of blocks, and the disk space of a job [bytes].
-
-        A block is what a worker computes at a time. The bytes are for blocks and result together,
-        which exist at the same time for a moment. `prepared` is the study; `process` is what is
-        carried out, such as `sweep` or `accuracy`.
-        """
+    def _measure_job(self, prepared: Prepared, process: str) -> tuple[int, int, int, float]:
+        """Return cells of a block, number of blocks, disk space [bytes], price [s] of a job."""
         cells, blocks = work.blocks(prepared, process, self._settings)
+        if process not in KINDS:
+            return cells, blocks, REPORT_BYTES, blocks * SECONDS
         # Blocks and the result are there at the same time, for a moment.
-        needed = prepared.bytes + prepared.computed_bytes if process in KINDS else REPORT_BYTES
-        return cells, blocks, needed
+        needed = prepared.bytes + prepared.computed_bytes
+        return cells, blocks, needed, prepared.price.of(prepared.cells)
 
     def _check_jobs(self, who: Key) -> None:
         """Raise `TooManyJobsError` if an API key has as many running or waiting jobs as it may.

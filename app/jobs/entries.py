@@ -90,6 +90,8 @@ class Work:
         The claim, under which a server holds the lease; empty if no server does.
     asker : str
         Name of the key whose job has waited longest for it.
+    price : float
+        Expected time of computing it on one core [s].
     """
 
     key: str
@@ -99,6 +101,7 @@ class Work:
     seconds: float
     owner: str
     asker: str = ""
+    price: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -125,6 +125,7 @@ class Ledger:
         finished_seconds: float | None,
         known_seconds: float = 0.0,
         owner: str = "",
+        price: float = 0.0,
     ) -> Job:
         """Enter a job for a study and return it; it is successful at once if its result exists.
 
@@ -142,6 +143,8 @@ class Ledger:
             Computing time of an existing result [s] that the job is to find only when it runs.
         owner : str
             Name of the API key that posts it.
+        price : float
+            Expected time of computing it on one core [s].
         """
         number, now = uuid.uuid4().hex, time.time()
         is_there = finished_seconds is not None
@@ -154,7 +157,7 @@ class Ledger:
                 if row is None:
                     new = _new_work(
                         key=key, process=process, cells=cells, block_cells=block_cells,
-                        blocks=blocks, bytes=bytes_, seconds=known_seconds,
+                        blocks=blocks, bytes=bytes_, seconds=known_seconds, price=price,
                     )  # fmt: skip
                     database.execute(new)
                 else:
@@ -173,8 +176,9 @@ class Ledger:
         return job
 
     def reenter(
-        self, key: str, process: str, *, cells: int, block_cells: int, blocks: int, bytes_: int
-    ) -> None:
+        self, key: str, process: str, *, cells: int, block_cells: int, blocks: int, bytes_: int,
+        price: float = 0.0,
+    ) -> None:  # fmt: skip
         """Queue a study again whose result is lost; its successful jobs become accepted again.
 
         Nothing happens if no such job is left, or the study is in the queue already.
@@ -187,10 +191,12 @@ class Ledger:
             Cells of the study, cells of one block, and the number of blocks.
         bytes_ : int
             Bytes that all its files may take on the disk.
+        price : float
+            Expected time of computing it on one core [s].
         """
         new = _new_work(
             key=key, process=process, cells=cells, block_cells=block_cells, blocks=blocks,
-            bytes=bytes_,
+            bytes=bytes_, price=price,
         )  # fmt: skip
         with self.transaction() as database:
             waiting = database.execute(
@@ -364,19 +370,16 @@ class Ledger:
                     .values(state="running", started=now)
                 )
 
-    def succeed(self, work: Work) -> float:
-        """Record that the result of an item is on disk: its jobs are successful.
-
-        Return its computing time [s]; 0 if the claim is lost.
-        """
-        return self._end(work, "successful", None)
+    def succeed(self, work: Work) -> None:
+        """Record that the result of an item is on disk: its jobs are successful."""
+        self._end(work, "successful", None)
 
     def fail(self, work: Work, problem: Mapping[str, Any]) -> None:
         """Record that an item failed, with the problem: its jobs have failed."""
         self._end(work, "failed", json.dumps(dict(problem)))
 
-    def _end(self, work: Work, state: str, problem: str | None) -> float:
-        """Remove an item of work, and set the final state of its jobs; return its time [s].
+    def _end(self, work: Work, state: str, problem: str | None) -> None:
+        """Remove an item of work, and set the final state of its jobs.
 
         Nothing happens if this server's claim on the item is lost. `state` is `successful` or
         `failed`; `problem` is the JSON of a problem document that says why it failed, or None.
@@ -400,7 +403,6 @@ class Ledger:
                         problem=problem,
                     )
                 )
-        return 0.0 if ended is None else float(ended.seconds)
 
     def release(self, owner: str = "") -> None:
         """Release leases of items of work, so that any server may claim these items at once.
@@ -465,8 +467,9 @@ def _work(row: Row[*tuple[Any, ...]], owner: str) -> Work:
     it. `owner` is the claim under which a server holds the item, empty if none does.
     """
     return Work(
-        row.key, row.process, row.block_cells, row.blocks, row.seconds, owner, row.asker or ""
-    )
+        row.key, row.process, row.block_cells, row.blocks, row.seconds, owner, row.asker or "",
+        row.price,
+    )  # fmt: skip
 
 
 def _claimed(work: Work) -> ColumnElement[bool]:

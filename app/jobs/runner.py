@@ -10,7 +10,7 @@ import socket
 import sqlite3
 import time
 import uuid
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import IO, Any
 
@@ -20,7 +20,6 @@ from vibrafeed.app.jobs.dispatcher import Dispatcher, TooLongError
 from vibrafeed.app.jobs.errors import BlindWorkerError, OtherVersionError, TornBlockError
 from vibrafeed.app.jobs.executor import LostError, WorkersDieError
 from vibrafeed.app.jobs.ledger import Ledger, Work
-from vibrafeed.app.jobs.priority_classes import PriorityClasses
 from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.jobs.thread_pool import ThreadPool
 from vibrafeed.app.settings import Settings
@@ -30,6 +29,33 @@ logger = logging.getLogger("vibrafeed.jobs")
 POLL = 0.5  # s between looks at the ledger, in which other servers may have entered work
 RETRY = 2.0  # s before a lost scheduler is tried again
 LOOK = 1.0  # s between looks at whether work is still wanted
+SHORT = 10  # in times of a block; items that take longer are long
+
+
+def next_item(waiting: Sequence[Work], active: Collection[Work], settings: Settings) -> Work | None:
+    """Return the item of work to begin next; None if none may begin.
+
+    As many long items may be computed at a time as `concurrent_jobs` says, and as many short ones
+    besides: short work does not wait until something long is over. On the workers they share time:
+    see `vibrafeed.app.jobs.fair_queue`. An item is long or short by its price.
+
+    Parameters
+    ----------
+    waiting : sequence of Work
+        Items that wait, in the order of arrival.
+    active : collection of Work
+        Items that this server computes.
+    settings : Settings
+        The service's.
+    """
+    short_seconds, most = SHORT * settings.block_seconds, settings.concurrent_jobs
+    keys = {item.key for item in active}
+    long = sum(item.price > short_seconds for item in active)
+    for item in waiting:
+        under_way = long if item.price > short_seconds else len(active) - long
+        if item.key not in keys and under_way < most:
+            return item
+    return None
 
 
 class Runner:
@@ -56,7 +82,6 @@ class Runner:
         self._server = f"{socket.gethostname()} {os.getpid()} {uuid.uuid4().hex[:8]}"
         self._thread_pool = ThreadPool()
         self._dispatcher = Dispatcher(ledger, store, cluster, self._thread_pool, settings)
-        self._priority_classes = PriorityClasses(store, settings, ledger.database)
         self.work_progress = self._dispatcher.work_progress
         self._loop: asyncio.AbstractEventLoop | None = None
         self._wake = asyncio.Event()
@@ -172,12 +197,8 @@ class Runner:
                 self._active[item.owner] = item, keeping
 
     def _next(self) -> Work | None:
-        """Return the next item of work to claim, None if none may begin.
-
-        It is slow, since it may have to read studies: call it in a thread.
-        """
-        active = {item.key for item, _ in self._active.copy().values()}
-        return self._priority_classes.next(self._ledger.waiting(), active)
+        active = [item for item, _ in self._active.copy().values()]
+        return next_item(self._ledger.waiting(), active, self._settings)
 
     async def _keep(self, item: Work) -> None:
         """Carry out an item of work while this server has its lease; record how it ended.
@@ -197,10 +218,8 @@ class Runner:
             if problem is not None and await self._dispatcher.is_there(item):
                 problem = None  # another server, which took this one for dead, has finished it
             if problem is None:
-                took = await self._thread_pool(self._ledger.succeed, item)
+                await self._thread_pool(self._ledger.succeed, item)
                 self.work_progress.ended(item, "done")
-                with contextlib.suppress(OSError, sqlite3.Error):  # a price less to learn from
-                    await self._thread_pool(self._priority_classes.learn, item, took)
             else:
                 await self._thread_pool(self._ledger.fail, item, problem)
                 self.work_progress.ended(item, "failed", problem["title"])
@@ -221,8 +240,7 @@ class Runner:
 
     async def _carry_out(self, item: Work) -> None:
         """Carry out an item of work on the cluster, with the expected time of its blocks."""
-        seconds = await self._thread_pool(self._priority_classes.block_price, item)
-        await self._dispatcher.carry_out(item, seconds)
+        await self._dispatcher.carry_out(item, item.price / max(1, item.blocks))
 
     async def _hold(self, item: Work, carrying: asyncio.Task[None]) -> None:
         """Renew the lease of an item of work until the task that computes it ends.

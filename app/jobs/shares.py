@@ -45,7 +45,7 @@ def compute_share(study: str, where: str, count: int, share: int) -> bytes:
 
 def sensible_count(prepared: Prepared) -> int:
     """Return a number of shares such that each takes a core ten seconds or more."""
-    seconds = prepared.seconds_in_shares()
+    seconds = prepared.price.of(prepared.cells)
     return int(max(1, min(MAX_TASKS, prepared.boxes, seconds / FEWEST_SECONDS)))
 
 
@@ -82,7 +82,7 @@ def check_length(prepared: Prepared, settings: Settings) -> None:
         prepared.check_limits(cells=settings.max_sweep_cells, bytes_=settings.disk_quota_bytes)
     else:
         prepared.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
-    seconds = prepared.cells * prepared.seconds_a_cell / settings.workers
+    seconds = prepared.price.of(prepared.cells) / settings.workers
     if seconds > settings.max_job_seconds:
         most = math.floor(settings.max_job_seconds)
         fix = prepared.what_fits(most / seconds)

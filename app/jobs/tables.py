@@ -24,6 +24,7 @@ WORK = Table(
     Column("done_then", BigInteger),
     Column("owner", Text),
     Column("lease", Double, nullable=False),
+    Column("price", Double, nullable=False),
 )
 
 JOBS = Table(
@@ -81,16 +82,6 @@ AUDIT = Table(
     Column("name", Text, nullable=False),
     Column("action", Text, nullable=False),
     Column("object", Text, nullable=False),
-)
-
-PRICES = Table(
-    "prices",
-    TABLES,
-    Column("id", Text, primary_key=True),
-    Column("name", Text, nullable=False),
-    Column("stated", Double, nullable=False),
-    Column("took", Double, nullable=False),
-    Column("finished", Double, nullable=False),
 )
 
 # The words that databases have for the same thing.
@@ -196,4 +187,5 @@ UPGRADES: tuple[tuple[str, ...], ...] = (
         """,
         "CREATE INDEX prices_by_name ON prices (name, finished)",
     ),
+    ("DROP TABLE prices", "ALTER TABLE work ADD COLUMN price {real} NOT NULL DEFAULT 0"),
 )

@@ -115,7 +115,7 @@ class Writer:
         """Raise `LimitError` if a sweep is too large, or takes too long, for one request."""
         settings = self._settings
         sweep.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
-        seconds = sweep.cells * sweep.seconds_a_cell + sweep.seconds_to_verify
+        seconds = sweep.seconds
         most = settings.max_execution_seconds
         if seconds > most:
             fix = "POST the study to /processes/sweep/execution: that makes a job of it"

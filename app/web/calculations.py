@@ -1,12 +1,13 @@
 """Calculations that the service answers at once, as functions for the processes of its pool.
 
-They take and return bytes, texts and numbers: a prepared study cannot be sent.
+They take and return bytes, texts and numbers: a prepared study is not sent.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, cast
 
@@ -23,15 +24,12 @@ from vibrafeed.core.intake import prepare_content, read_json
 from vibrafeed.core.intake.forms import write_as
 from vibrafeed.core.kinds import is_whole, tabulate
 from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.plan.price import Price
 from vibrafeed.core.sweep.slice import SliceCut, compute_slice, prepare_cut
 from vibrafeed.core.watch import Watch
 
 KEPT = 4
 """Number of prepared sweeps that a process keeps."""
-
-DOUBTFUL = 10.0
-"""Factor within which the price by formula may be wrong: nearer to the limit of an immediate reply
-than this, a trial decides."""
 
 
 def convert_study(body: bytes, to: str, base: str) -> str:
@@ -47,8 +45,8 @@ def convert_study(body: bytes, to: str, base: str) -> str:
 
 def execute_at_once(
     name: str, body: bytes, settings: Settings, most_cells: int | None, threads: int | None = None
-) -> bytes | None:
-    """Return the JSON reply to a short study; None if the study is to become a job.
+) -> bytes | Price:
+    """Return the JSON reply to a short study; its price if the study is to become a job.
 
     A study becomes a job if its expected time is too long for an immediate reply, or if it has not
     ended within `max_execution_seconds`.
@@ -68,16 +66,17 @@ def execute_at_once(
     """
     asked, prepared = read_study(name, body, settings)
     prepared.check_limits(cells=most_cells, bytes_=None)
-    if not _is_short(prepared, settings):
-        return None
+    few_values = prepared.stored * len(prepared.dims) <= MAX_JSON_VALUES
+    if not few_values or prepared.seconds > settings.max_synchronous_seconds:
+        return prepared.price
     deadline = time.monotonic() + settings.max_execution_seconds
     watch = Watch(deadline=deadline, threads=threads)
     try:
         table = tabulate(prepared, watch)
     except StoppedError:
-        return None
+        return prepared.price
     if not is_whole(table):
-        return None
+        return prepared.price
     content: dict[str, Any] = {
         "complete": True,
         "cells": prepared.cells,
@@ -171,12 +170,18 @@ def encode_binary(piece: dict[str, Any]) -> bytes:
     return b"".join((len(text).to_bytes(8, "little"), text, *values))
 
 
-def check_study(name: str, body: bytes, settings: Settings) -> None:
-    """Raise `StudyError` or `LimitError` if the study in a request body cannot be carried out."""
-    read_study(name, body, settings)
+def price_study(name: str, body: bytes, settings: Settings) -> Price | None:
+    """Return the price of the study in a request body; None if its process does not compute it.
+
+    Raises `StudyError` or `LimitError` if it cannot be carried out.
+    """
+    _, prepared = read_study(name, body, settings)
+    return None if name == ACCURACY else prepared.price
 
 
-def read_study(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepared]:
+def read_study(
+    name: str, body: bytes, settings: Settings, price: Price | None = None
+) -> tuple[Execution, Prepared]:
     """Read the body of an execute request, and return the request and its study.
 
     Parameters
@@ -187,6 +192,8 @@ def read_study(name: str, body: bytes, settings: Settings) -> tuple[Execution, P
         The request as JSON.
     settings : Settings
         The limits of the service.
+    price : Price, optional
+        The price of the study where it is known.
 
     Raises
     ------
@@ -196,7 +203,7 @@ def read_study(name: str, body: bytes, settings: Settings) -> tuple[Execution, P
         If the study is larger than the service allows.
     """
     asked = read_execution(read_json(body), name)
-    prepared = prepare_content(asked.study)
+    prepared = replace(prepare_content(asked.study), known_price=price)
     if name == ACCURACY:  # it takes some cells of a grid
         prepared.check_limits(cells=settings.max_sweep_cells, bytes_=prepared.bytes)
     elif is_in_shares(prepared, settings):
@@ -204,18 +211,3 @@ def read_study(name: str, body: bytes, settings: Settings) -> tuple[Execution, P
     else:
         prepared.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
     return asked, prepared
-
-
-def _is_short(prepared: Prepared, settings: Settings) -> bool:
-    """True if a study is computed at once for the reply; otherwise it becomes a job.
-
-    Expected time and result have to be small enough. Where the expected time by formula is within a
-    factor `DOUBTFUL` of the limit, some cells are computed on trial. `prepared` is the study;
-    `settings` has the limit of time.
-    """
-    if prepared.stored * len(prepared.dims) > MAX_JSON_VALUES:
-        return False
-    most, seconds = settings.max_synchronous_seconds, prepared.seconds
-    if most / DOUBTFUL < seconds < most * DOUBTFUL:
-        seconds = prepared.tried_seconds
-    return seconds <= most

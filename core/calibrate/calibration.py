@@ -6,17 +6,171 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 
-from vibrafeed.core.calibrate.candidates import ENSEMBLE
+import numpy as np
+
 from vibrafeed.core.calibrate.model import Model
-from vibrafeed.core.calibrate.posterior import AXIS, MAX_MODES
+from vibrafeed.core.calibrate.posterior import AXIS, MAX_MODES, Posterior
 from vibrafeed.core.calibrate.scatter import Likelihood
+from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.method import Method
-from vibrafeed.core.motion.prepare import price_of, tried_price
 from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.plan.price import MARGIN, Price, price
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.study.calibrate_study import CalibrateStudy
+from vibrafeed.core.watch import Watch
+
+# --- The next measurement: how much each of some drives would add.
+
+ENSEMBLE = 300  # points of the posterior at which candidates are predicted
+MAX_CANDIDATES = 2_000  # candidate runs: each takes `ENSEMBLE` motions
+SPEED_NODES = 240  # speeds at which a predicted density is summed
+AROUND = 4.0
+"""Standard deviations by which the speeds reach beyond the least and the largest."""
+CANDIDATES_AT_A_TIME = 50  # a bound on memory
+BIT = np.log(2.0)  # nats in a bit
+
+
+def columns_of(grid: Grid) -> dict[str, Array]:
+    """Return the parameters of every candidate run, by name, as arrays of shape (candidates,).
+
+    Candidates are runs that could be measured next; the calibration ranks them. `grid` spans them:
+    all combinations of its axes, with the fixed parameters repeated. Values are in the units of
+    studies.
+    """
+    axes = [grid.coordinate(name) for name in grid.axes]
+    mesh = np.meshgrid(*axes, indexing="ij") if axes else []
+    found = {name: values.ravel() for name, values in zip(grid.axes, mesh, strict=True)}
+    return found | {name: np.full(grid.cells, value) for name, value in grid.fixed.items()}
+
+
+def typical_error(posterior: Posterior) -> float:
+    """Return the standard deviation expected of one more measurement, in the output's unit.
+
+    It joins the median of the known errors of the runs and the discrepancy, the scatter that no
+    unknown explains.
+    """
+    runs = posterior.likelihood.model.runs
+    known = runs.error[runs.measured]
+    scatter = float(posterior.sizes @ np.square(posterior.likelihood.scatter.sizes))
+    usual = float(np.median(known)) if known.size else 0.0
+    return float(np.sqrt(usual**2 + scatter))
+
+
+def information(
+    model: Model, posterior: Posterior, grid: Grid, watch: Watch
+) -> tuple[Array, Array, Array, Array]:
+    """Return the information that measuring each candidate run would add [bit], and predictions.
+
+    It is the entropy of the speed that would be measured, less that of its error: by so much the
+    entropy of the unknowns is expected to fall (D. V. Lindley, Annals of Mathematical Statistics 27
+    (1956) 986). `grid` spans the drives of the candidates; `watch` may stop the simulation
+    (`StoppedError`).
+
+    Returns
+    -------
+    gain : ndarray, shape (candidates,)
+        Information in bits.
+    mean, deviation : ndarray, shape (candidates,)
+        Of the predicted speeds, in the output's unit; NaN where no motion has one.
+    left : ndarray, shape (unknowns, candidates)
+        Standard deviation of each unknown after the measurement, over that before.
+    """
+    points = posterior.ensemble(ENSEMBLE)
+    found = model.predict(points, watch, columns_of(grid))
+    value = np.where(np.isnan(found.value), np.nan, found.value)
+    spread = np.sqrt(found.variance + typical_error(posterior) ** 2)
+    gain, left = np.empty(value.shape[1]), np.empty((points.shape[1], value.shape[1]))
+    for start in range(0, value.shape[1], CANDIDATES_AT_A_TIME):
+        some = slice(start, start + CANDIDATES_AT_A_TIME)
+        gain[some], left[:, some] = _gain(value[:, some], spread[:, some], points)
+    with np.errstate(all="ignore"):
+        known = ~np.isnan(value)
+        count = np.maximum(known.sum(axis=0), 1)
+        mean = np.where(known, value, 0.0).sum(axis=0) / count
+        square = np.square(np.where(known, value - mean, 0.0)).sum(axis=0) / count
+    nothing = ~known.any(axis=0)
+    deviation = np.sqrt(square)
+    return gain, np.where(nothing, np.nan, mean), np.where(nothing, np.nan, deviation), left
+
+
+def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
+    """Return the information of candidate runs in bits, and the deviations of unknowns that remain.
+
+    Parameters
+    ----------
+    value, spread : ndarray, shape (ensemble, candidates)
+        Predicted speed and its standard deviation at each point of the ensemble; NaN without speed.
+    points : ndarray, shape (ensemble, unknowns)
+        The unknowns at these points, which represent the posterior.
+
+    Returns
+    -------
+    gain : ndarray, shape (candidates,)
+        Entropy of the predicted speed less that of its error [bit], times the share of points with
+        a speed.
+    left : ndarray, shape (unknowns, candidates)
+        Standard deviation after the measurement over that before.
+    """
+    known = ~np.isnan(value)
+    count = known.sum(axis=0)
+    least = np.where(known, value - AROUND * spread, np.inf).min(axis=0)
+    most = np.where(known, value + AROUND * spread, -np.inf).max(axis=0)
+    some = (count > 0) & (most > least)
+    gain, left = np.full(value.shape[1], 0.0), np.ones((points.shape[1], value.shape[1]))
+    if not some.any():
+        return gain, left
+    value, spread, known = value[:, some], spread[:, some], known[:, some]
+    steps = (most - least)[some] / (SPEED_NODES - 1)
+    speeds = least[some] + steps * np.arange(SPEED_NODES)[:, np.newaxis]
+    away = (speeds[np.newaxis] - np.where(known, value, 0.0)[:, np.newaxis]) / spread[:, np.newaxis]
+    density = np.exp(-0.5 * np.square(away)) / (np.sqrt(2.0 * np.pi) * spread[:, np.newaxis])
+    density *= known[:, np.newaxis]
+    left[:, some] = _left(density, points, steps)
+    density = density.sum(axis=0) / count[some]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        entropy = -np.where(density > 0, density * np.log(density), 0.0).sum(axis=0) * steps
+        own = np.log(spread) + 0.5 * (np.log(2.0 * np.pi) + 1.0)
+    noise = np.where(known, own, 0.0).sum(axis=0) / count[some]
+    # What motions of no speed tell is not counted: such a run is not one to plan.
+    gain[some] = np.maximum(entropy - noise, 0.0) / BIT * (count[some] / len(value))
+    return gain, left
+
+
+def _left(density: Array, points: Array, steps: Array) -> Array:
+    """Return the share of each unknown's deviation that is expected to remain after a measurement.
+
+    That is sqrt(E[Var(x|y)]/Var(x)), from 0 to 1, for every candidate run, with E[Var(x|y)] = 1/n
+    sum_y dy (sum_i p_i(y) x_i^2 - (sum_i p_i(y) x_i)^2/sum_i p_i(y)). Points that predict no speed
+    keep their share of the variance.
+
+    Parameters
+    ----------
+    density : ndarray, shape (n, speeds, candidates)
+        Probability density p_i(y) of the measured speed y that point i predicts [1/unit of y].
+    points : ndarray, shape (n, unknowns)
+        The unknowns x_i at n equally likely points.
+    steps : ndarray, shape (candidates,)
+        Distance dy of the speeds.
+
+    Returns
+    -------
+    ndarray, shape (unknowns, candidates)
+    """
+    away = points - points.mean(axis=0)
+    before = np.square(away).mean(axis=0)
+    whole = density.sum(axis=0)
+    first = np.einsum("ijk,iu->ujk", density, away)
+    second = np.einsum("ijk,iu->ujk", density, np.square(away))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        within = np.where(whole > 0, second - np.square(first) / whole, 0.0)
+        seen = within.sum(axis=1) * steps / len(points)
+        silent = 1.0 - whole.sum(axis=0) * steps / len(points)
+        variance = seen + np.maximum(silent, 0.0) * before[:, np.newaxis]
+        share = np.where(before[:, np.newaxis] > 0, variance / before[:, np.newaxis], 1.0)
+    return np.sqrt(np.clip(share, 0.0, 1.0))
+
 
 RUN, MODE, ESTIMATE = "run", "mode", "mean median deviation lower_68 upper_68 lower_95 upper_95"
 ESTIMATES = ("best", *ESTIMATE.split())
@@ -179,26 +333,9 @@ class Calibration(Prepared):
         """The axes along which a calibration can be cut into pieces: none."""
         return ()
 
-    @cached_property
-    def _price(self) -> tuple[float, float]:
-        """The likely and the largest time of a motion [s]."""
-        return price_of(self.method, self.plan, self.grid)
-
-    @property
-    def seconds_a_cell(self) -> float:
-        """The likely time of a motion on one core [s]."""
-        return self._price[0] + POINT_SECONDS + FEW_SECONDS / self.cells
-
-    @cached_property
-    def tried_seconds_a_cell(self) -> float:
-        """The likely time of a motion of the fit on one core, after a trial of some [s]."""
-        each = tried_price(self.method, self.plan, self.grid, cells=self.cells)
-        return each + POINT_SECONDS + FEW_SECONDS / self.cells
-
-    @property
-    def most_seconds_a_cell(self) -> float:
-        """The largest time of a motion on one core [s]."""
-        return self._price[1] + POINT_SECONDS + FEW_SECONDS / self.cells
+    def _new_price(self) -> Price:
+        motion = price(self.plan, self.grid, self.method.seconds_a_cell)
+        return Price(motion.start + MARGIN * FEW_SECONDS, motion.cell + MARGIN * POINT_SECONDS)
 
     @property
     def verified_by(self) -> str:

@@ -8,8 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from vibrafeed.core.calibrate.calibration import LEFT, Calibration
-from vibrafeed.core.calibrate.candidates import columns_of
+from vibrafeed.core.calibrate.calibration import LEFT, Calibration, columns_of
 from vibrafeed.core.calibrate.model import Unknown
 from vibrafeed.core.calibrate.posterior import Posterior
 from vibrafeed.core.mechanics.arrays import Array

@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from vibrafeed.core.calibrate.calibration import Calibration
-from vibrafeed.core.calibrate.candidates import ENSEMBLE, MAX_CANDIDATES
+from vibrafeed.core.calibrate.calibration import ENSEMBLE, MAX_CANDIDATES, Calibration
 from vibrafeed.core.calibrate.model import OUTPUTS, Model, Runs, Unknown
 from vibrafeed.core.calibrate.scatter import Likelihood, Scatter
 from vibrafeed.core.errors import Problem, StudyError
@@ -21,8 +20,13 @@ from vibrafeed.core.plan.prepared import broken_constraints, locate_problem
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.scenes.scene import STATIC_ABOVE_KINETIC
-from vibrafeed.core.study.calibrate_study import STEMS, CalibrateStudy
-from vibrafeed.core.study.observations import Run, parameters_of, read_error
+from vibrafeed.core.study.calibrate_study import (
+    STEMS,
+    CalibrateStudy,
+    Run,
+    parameters_of,
+    read_error,
+)
 from vibrafeed.core.study.section_names import OBSERVED
 from vibrafeed.core.study.shown import ShownUnits
 from vibrafeed.core.study.units import UnitError

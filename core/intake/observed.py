@@ -18,9 +18,9 @@ from vibrafeed.core.intake.section import (
     advice_on_path,
     dotted,
 )
-from vibrafeed.core.measured.cells import read_cells
 from vibrafeed.core.measured.marks import ONE_MARK
 from vibrafeed.core.measured.read import name_and_unit
+from vibrafeed.core.measured.table_cells import read_cells
 from vibrafeed.core.quantities import letter_of
 from vibrafeed.core.study.grid_study import PARAMETERS
 from vibrafeed.core.study.section_names import MAX_RUNS, OBSERVED

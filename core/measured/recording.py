@@ -11,13 +11,13 @@ from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.measured.clipped import clipping_problems
-from vibrafeed.core.measured.mounting import Angles, direction
 from vibrafeed.core.measured.read import RecordingColumn, RecordingTable, read_table
 from vibrafeed.core.measured.times import read_times
 from vibrafeed.core.quantities import QUANTITIES, Quantity
+from vibrafeed.core.quantities.quantity import angle
 from vibrafeed.core.study.units import (
     UnitError,
     UnknownUnitError,
@@ -25,6 +25,149 @@ from vibrafeed.core.study.units import (
     read_number,
     unit_factor,
 )
+
+# --- Detects a channel that was driven beyond its range.
+
+RUN = 3  # equal samples in a row that a clipped crest holds
+CREST = 4.0  # samples at an extreme value over those at the next: more is no crest
+VISITS = 12  # fewest samples of the extreme value that are compared, if they are no runs
+STEPS = 4.0  # steps of the sensor: crests whose heights differ by less may be equal
+
+
+def clipping_problems(
+    path: str, name: str, values: NDArray[np.float64], lines: NDArray[np.int64]
+) -> list[Problem]:
+    """Return a problem for each end of its range at which a channel of a recording is clipped.
+
+    `path` is the column's place in the study and `name` its name, `values` are its samples and
+    `lines` their lines in the file.
+
+    A smooth crest, rounded to steps of the sensor, rests on its last step as well. Near its top it
+    is a parabola: the time spent on the last step is at most 1/(sqrt(2) - 1) = 2.4 times that on
+    the last but one. Extreme values that hold 4 times as many samples as the next value are thus no
+    crest, if they come in runs. Single samples may hold the extreme value at the same phase of each
+    period, where the rate is a multiple of the frequency: then the crests between them are alike.
+    """
+    if np.ptp(values) == 0.0:  # a channel that never moves has no range
+        return []
+    problems = []
+    for word, toward in (("highest", values), ("lowest", -values)):
+        extreme = toward.max()
+        held = toward == extreme
+        if held.sum() < CREST * (toward == toward[~held].max()).sum():
+            continue
+        starts = np.flatnonzero(np.diff(held.astype(np.int8), prepend=0) == 1)
+        stops = np.flatnonzero(np.diff(held.astype(np.int8), append=0) == -1) + 1
+        runs = stops - starts >= RUN
+        if runs.any() or _crests_differ(toward, held):
+            first = lines[starts[runs][0] if runs.any() else starts[0]]
+            message = (
+                f"column '{name}' is clipped: {held.sum()} samples hold its {word} value "
+                f"{values[starts[0]]:g}, first in line {first}"
+            )
+            fix = "Record again with a wider range of the sensor"
+            problems.append(Problem(path, message, fix))
+    return problems
+
+
+def _crests_differ(values: NDArray[np.float64], held: NDArray[np.bool_]) -> bool:
+    """True if samples of the highest value belong to crests of different heights: they are clipped.
+
+    `values` are the samples of a channel, `held` is True at those that have the highest value. A
+    crest is the parabola through a sample and its neighbours. Rounding moves its height by no more
+    than a step or two; a period may have two crests, so that the widest gap between heights does
+    not count.
+    """
+    crests = np.flatnonzero(held[1:-1]) + 1
+    if crests.size < VISITS:
+        return False
+    before, at, after = values[crests - 1], values[crests], values[crests + 1]
+    bend, lean = 2.0 * at - before - after, after - before
+    tenth = crests.size // 10
+    over = np.sort(lean**2 / (8.0 * bend))[tenth : crests.size - tenth]
+    # The steps near the top: what is printed with so many digits has finer ones near zero.
+    upper = np.unique(values[values >= values.max() - 0.25 * np.ptp(values)])
+    return bool(np.ptp(over) - np.diff(over).max() > STEPS * np.diff(upper).min(initial=np.inf))
+
+
+# --- The orientation of a sensor of three axes on the track.
+
+Angles = tuple[float | str, float | str, float | str]
+
+ORTHONORMAL = 1e-3  # rounding error of a matrix that a user copies
+ANGLES = {
+    name: angle(name, name.capitalize(), f"{name.capitalize()} of the sensor.", 360.0, "90 deg")
+    for name in ("yaw", "pitch", "roll")
+}
+FIX = (
+    "Give yaw, pitch and roll in degrees, such as [0, 0, 90], or a 3x3 rotation whose columns are "
+    "the sensor's x, y and z in components along, across and normal"
+)
+
+
+def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] | None:
+    """Return the rotation matrix of a sensor's mounting, shape (3, 3); None if it is invalid.
+
+    Components in the track's axes are R times those in the sensor's. `mounting` is three angles,
+    yaw, pitch and roll, as numbers in degrees or texts, with R = R_z(yaw) R_y(pitch) R_x(roll); or
+    a matrix, of which the nearest rotation is taken; or None for the axes of the track. A problem
+    is added to `problems`.
+    """
+    if mounting is None:
+        return np.eye(3)
+    parts = list(mounting) if isinstance(mounting, list | tuple | np.ndarray) else []
+    if len(parts) != 3:
+        problems.append(
+            Problem(
+                "mounting", "the mounting of the sensor is neither three angles nor a matrix", FIX
+            )
+        )
+        return None
+    if all(np.ndim(part) == 0 for part in parts):
+        return _rotation_of_angles(parts, problems)
+    try:
+        matrix = np.array(parts, dtype=np.float64)
+    except (TypeError, ValueError):
+        matrix = np.full((1, 1), np.nan)
+    near = matrix.shape == (3, 3) and np.allclose(matrix @ matrix.T, np.eye(3), atol=ORTHONORMAL)
+    if not near:
+        problems.append(
+            Problem(
+                "mounting", "the mounting of the sensor is a matrix that is not a rotation", FIX
+            )
+        )
+        return None
+    if np.linalg.det(matrix) < 0:
+        fix = 'Reverse one channel with a minus sign: sensor = ["ax", "-ay", "az"]'
+        problems.append(
+            Problem(
+                "mounting",
+                "the mounting of the sensor is a matrix that mirrors the axes; it has to "
+                "be a rotation",
+                fix,
+            )
+        )
+        return None
+    return Rotation.from_matrix(matrix).as_matrix()
+
+
+def _rotation_of_angles(parts: list[object], problems: list[Problem]) -> NDArray[np.float64] | None:
+    """Return the 3 by 3 matrix that turns a sensor's axes by yaw, pitch and roll.
+
+    `parts` are these three angles as a study gives them: numbers in degrees, or texts with a unit.
+    None if one is invalid, which is added to `problems`.
+    """
+    angles = []
+    for (name, quantity), raw in zip(ANGLES.items(), parts, strict=True):
+        raw = raw.item() if isinstance(raw, np.generic) else raw
+        try:
+            angles.append(read_number(name, quantity, raw))
+        except UnitError as error:
+            problems.append(problem(f"mounting.{name}", error))
+    if len(angles) < len(parts):
+        return None
+    return Rotation.from_euler("ZYX", angles, degrees=True).as_matrix()
+
 
 AXES = ("along", "across", "normal")
 MAX_ORDERS = 10  # harmonics that are fitted

@@ -15,15 +15,57 @@ import numpy as np
 
 from vibrafeed.core.mechanics.angles import cosine, sine
 from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
-from vibrafeed.core.mechanics.complementarity import (
-    NO_SOLUTION,
-    SEPARATION,
-    SLIDING,
-    STICK,
-    TWO_SOLUTIONS,
-    case,
-    contact_force,
-)
+
+# --- One unilateral contact: force or separation, never both (theory 2.3).
+#
+# A contact presses with a force per mass n >= 0 and opens with an acceleration a >= 0, one of which
+# is 0, where a = response * n + free. Friction can make the response negative; then there may be
+# two solutions or none (Painleve's paradox). The comparisons are exact, at 0 too.
+
+SEPARATION, SLIDING, STICK, TWO_SOLUTIONS, NO_SOLUTION = 0.0, 1.0, 2.0, 3.0, 4.0
+"""The cases. `contact_case` adds STICK to those of `case`."""
+
+
+def case(response: Array, free: Array) -> Array:
+    """Return the case of a contact: number and kind of its forces n.
+
+    n is the force per mass, a the acceleration that opens the gap [m s-2]: n >= 0,
+    a = response n + free >= 0, and one of both is 0. `free` is a without a force, `response` what
+    a unit of n adds to it [1].
+
+    ========  =====  ================================  =============
+    response  free   solutions                         case
+    ========  =====  ================================  =============
+    > 0       > 0    n = 0                             SEPARATION
+    > 0       <= 0   n = -free/response                SLIDING
+    < 0       > 0    both of these                     TWO_SOLUTIONS
+    < 0       = 0    n = 0, grazing                    SLIDING
+    < 0       < 0    none                              NO_SOLUTION
+    = 0       > 0    n = 0                             SEPARATION
+    = 0       = 0    every n >= 0                      TWO_SOLUTIONS
+    = 0       < 0    none                              NO_SOLUTION
+    ========  =====  ================================  =============
+    """
+    opens = np.where(response < 0, TWO_SOLUTIONS, SEPARATION)
+    presses = np.where(response > 0, SLIDING, NO_SOLUTION)
+    touches = np.where(response == 0, TWO_SOLUTIONS, SLIDING)
+    return np.where(free > 0, opens, np.where(free < 0, presses, touches))
+
+
+def contact_force(response: Array, free: Array) -> Array:
+    """Return the contact force per mass, n = -free/response, of the solution that stays in contact.
+
+    In m/s^2. `free` is the acceleration that opens the gap without a force [m s-2], `response` what
+    a unit of n adds [1]. 0 in separation; NaN where there is no solution and where every n >= 0 is
+    one.
+    """
+    solution = case(response, free)
+    unknown = (solution == NO_SOLUTION) | (response == 0)
+    with np.errstate(over="ignore"):  # next to response 0 the force may exceed every float
+        quotient = -free / np.where(response == 0, 1.0, response)
+    force = np.where(free == 0, 0.0, quotient)
+    return np.where(solution == SEPARATION, 0.0, np.where(unknown, np.nan, force))
+
 
 Direction = tuple[Array, Array]
 """Sine and cosine of an angle."""
@@ -119,12 +161,7 @@ def free_tangential_acceleration(
 
 
 def _response(kappa: Array, direction: Direction, sigma_mu: Array) -> Array:
-    """Return the normal acceleration of a slipping corner per normal force per mass [1].
-
-    It is 1 + kappa c (c - sigma mu s): kappa the inertia ratio, s and c sine and cosine of the
-    diagonal's angle (`direction`), and `sigma_mu` the kinetic friction with the sign sigma of the
-    slip (1 right).
-    """
+    # Normal acceleration of a slipping corner over its normal force per mass; sigma is the slip.
     s, c = direction
     return 1.0 + kappa * c * (c - sigma_mu * s)
 
@@ -153,12 +190,9 @@ def normal_response_left(
 
 
 def normal_response(
-    *,
-    inertia_ratio: Array,
-    diagonal_direction: Direction,
-    friction_kinetic: Array,
+    *, inertia_ratio: Array, diagonal_direction: Direction, friction_kinetic: Array,
     slip_direction: Array,
-) -> Array:
+) -> Array:  # fmt: skip
     """Return the normal response m tau = 1 + kappa c (c - sigma mu s) in the slip direction [1].
 
     It is the corner's normal acceleration per normal force per mass. s and c are sine and cosine of
@@ -169,13 +203,9 @@ def normal_response(
 
 
 def holding_normal_acceleration(
-    *,
-    inertia_ratio: Array,
-    half_diagonal: Array,
-    pitch_rate: Array,
-    diagonal_direction: Direction,
-    gravity: Array,
-) -> Array:
+    *, inertia_ratio: Array, half_diagonal: Array, pitch_rate: Array, diagonal_direction:
+    Direction, gravity: Array,
+) -> Array:  # fmt: skip
     """Return the normal force per mass that keeps the corner at rest, g (1 + kappa s^2)/(1 + kappa)
     - rho xi'^2 s; negative where it would have to pull [m s-2].
     """  # noqa: D205
@@ -185,13 +215,9 @@ def holding_normal_acceleration(
 
 
 def holding_tangential_acceleration(
-    *,
-    inertia_ratio: Array,
-    half_diagonal: Array,
-    pitch_rate: Array,
-    diagonal_direction: Direction,
-    gravity: Array,
-) -> Array:
+    *, inertia_ratio: Array, half_diagonal: Array, pitch_rate: Array, diagonal_direction:
+    Direction, gravity: Array,
+) -> Array:  # fmt: skip
     """Return the friction force per mass that keeps the corner at rest, c (rho xi'^2 - g kappa s/(1
     + kappa)) [m s-2].
     """  # noqa: D205
@@ -201,18 +227,13 @@ def holding_tangential_acceleration(
 
 
 def _is_held(normal: Array, tangential: Array, friction_static: Array) -> Mask:
-    """True where the force that keeps the corner at rest lies in the friction cone."""
     return (normal >= 0) & (np.abs(tangential) <= friction_static * normal)
 
 
 def slip_direction(
-    *,
-    gap_tangential_rate: Array,
-    free_normal_acceleration: Array,
-    holding_normal_acceleration: Array,
-    holding_tangential_acceleration: Array,
-    friction_static: Array,
-) -> Array:
+    *, gap_tangential_rate: Array, free_normal_acceleration: Array, holding_normal_acceleration:
+    Array, holding_tangential_acceleration: Array, friction_static: Array,
+) -> Array:  # fmt: skip
     """Return the direction in which a part's corner slips on the plane: 1, -1, or 0 if it sticks.
 
     A corner that moves slips along its velocity `gap_tangential_rate` [m s-1], 1 being to the
@@ -227,15 +248,11 @@ def slip_direction(
 
 
 def contact_case(
-    *,
-    gap_tangential_rate: Array,
-    free_normal_acceleration: Array,
-    holding_normal_acceleration: Array,
-    holding_tangential_acceleration: Array,
-    friction_static: Array,
-    normal_response: Array,
-) -> Array:
-    """Return the case of the contact, a number of `vibrafeed.core.mechanics.complementarity`.
+    *, gap_tangential_rate: Array, free_normal_acceleration: Array, holding_normal_acceleration:
+    Array, holding_tangential_acceleration: Array, friction_static: Array, normal_response:
+    Array,
+) -> Array:  # fmt: skip
+    """Return the case of the contact: separation, sliding, stick, two solutions or none.
 
     SEPARATION, SLIDING, STICK, TWO_SOLUTIONS or NO_SOLUTION. A corner at rest sticks if the force
     that would hold it (`holding_*`, per mass) lies in the cone of static friction; else the case
@@ -264,13 +281,9 @@ def by_case(
 
 
 def floor_acceleration(
-    *,
-    contact_case: Array,
-    slip_direction: Array,
-    normal_response: Array,
-    free_normal_acceleration: Array,
-    holding_normal_acceleration: Array,
-) -> Array:
+    *, contact_case: Array, slip_direction: Array, normal_response: Array,
+    free_normal_acceleration: Array, holding_normal_acceleration: Array,
+) -> Array:  # fmt: skip
     """Return the plane's normal force per mass: -chi/(m tau) in slip, 0 in separation [m s-2].
 
     chi is the free normal acceleration, m tau the normal response; for a corner at rest it is the
@@ -281,30 +294,19 @@ def floor_acceleration(
 
 
 def acceleration_along(
-    *,
-    contact_case: Array,
-    slip_direction: Array,
-    floor_acceleration: Array,
-    friction_kinetic: Array,
-    holding_tangential_acceleration: Array,
-) -> Array:
+    *, contact_case: Array, slip_direction: Array, floor_acceleration: Array, friction_kinetic:
+    Array, holding_tangential_acceleration: Array,
+) -> Array:  # fmt: skip
     """Return the acceleration of the centre along the plane: friction per mass, (3.1) [m s-2]."""
     sliding = -slip_direction * friction_kinetic * floor_acceleration
     return by_case(contact_case, slip_direction, 0.0, holding_tangential_acceleration, sliding)
 
 
 def acceleration_upward(
-    *,
-    contact_case: Array,
-    slip_direction: Array,
-    normal_response: Array,
-    inertia_ratio: Array,
-    half_diagonal: Array,
-    pitch_rate: Array,
-    diagonal_direction: Direction,
-    friction_kinetic: Array,
-    gravity: Array,
-) -> Array:
+    *, contact_case: Array, slip_direction: Array, normal_response: Array, inertia_ratio: Array,
+    half_diagonal: Array, pitch_rate: Array, diagonal_direction: Direction, friction_kinetic:
+    Array, gravity: Array,
+) -> Array:  # fmt: skip
     """Return the upward acceleration of the centre, n - g, (3.1) [m s-2].
 
     n is the normal force per mass. In slip it is computed as -(rho xi'^2 s + g kappa c e)/(m tau),
@@ -322,16 +324,10 @@ def acceleration_upward(
 
 
 def pitch_acceleration(
-    *,
-    contact_case: Array,
-    slip_direction: Array,
-    floor_acceleration: Array,
-    inertia_ratio: Array,
-    half_diagonal: Array,
-    diagonal_direction: Direction,
-    friction_kinetic: Array,
+    *, contact_case: Array, slip_direction: Array, floor_acceleration: Array, inertia_ratio:
+    Array, half_diagonal: Array, diagonal_direction: Direction, friction_kinetic: Array,
     gravity: Array,
-) -> Array:
+) -> Array:  # fmt: skip
     """Return the pitch acceleration, xi'' = -kappa (n c + t s)/rho, (3.1) [rad s-2].
 
     (3.1), with normal and friction force per mass n and t, sine and cosine s, c of the diagonal's
@@ -357,18 +353,10 @@ def gap_normal_acceleration(*, contact_case: Array, free_normal_acceleration: Ar
 
 
 def gap_tangential_acceleration(
-    *,
-    contact_case: Array,
-    slip_direction: Array,
-    normal_response: Array,
-    free_tangential_acceleration: Array,
-    inertia_ratio: Array,
-    half_diagonal: Array,
-    pitch_rate: Array,
-    diagonal_direction: Direction,
-    friction_kinetic: Array,
-    gravity: Array,
-) -> Array:
+    *, contact_case: Array, slip_direction: Array, normal_response: Array,
+    free_tangential_acceleration: Array, inertia_ratio: Array, half_diagonal: Array, pitch_rate:
+    Array, diagonal_direction: Direction, friction_kinetic: Array, gravity: Array,
+) -> Array:  # fmt: skip
     """Return the acceleration of the corner along the plane, g_T'', from (3.6b), (3.33b) [m s-2].
 
     In slip g_T'' is (g (kappa s e - sigma mu) - (1 + kappa) rho xi'^2 e)/(m tau), e = c - sigma mu
@@ -394,13 +382,9 @@ def friction_force(*, mass: Array, acceleration_along: Array) -> Array:
 
 
 def impact_impulse_normal(
-    *,
-    contact_case: Array,
-    mass: Array,
-    inertia_ratio: Array,
-    diagonal_direction: Direction,
+    *, contact_case: Array, mass: Array, inertia_ratio: Array, diagonal_direction: Direction,
     gap_tangential_rate: Array,
-) -> Array:
+) -> Array:  # fmt: skip
     """Return the normal impulse that stops the slip where no force is a solution; else 0 [N s].
 
     Lambda_N = m g_T' kappa s c/(1 + kappa): g_T' is the slip velocity, s and c sine and cosine of
@@ -413,13 +397,9 @@ def impact_impulse_normal(
 
 
 def impact_impulse_tangential(
-    *,
-    contact_case: Array,
-    mass: Array,
-    inertia_ratio: Array,
-    diagonal_direction: Direction,
+    *, contact_case: Array, mass: Array, inertia_ratio: Array, diagonal_direction: Direction,
     gap_tangential_rate: Array,
-) -> Array:
+) -> Array:  # fmt: skip
     """Return the friction impulse that stops the slip where no force is a solution; else 0 [N s].
 
     Lambda_T = -m g_T' (1 + kappa c^2)/(1 + kappa): g_T' is the slip velocity, c the cosine of the

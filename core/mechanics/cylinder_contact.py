@@ -9,16 +9,207 @@ be nearest, with a proof of the same kind; where that fails too, rims have enter
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from vibrafeed.core.mechanics import vectors
+from vibrafeed.core.mechanics import cylinders
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.mechanics.cylinder_rims import minima, nearest_on_rims
-from vibrafeed.core.mechanics.cylinders import Cylinder, separation
+from vibrafeed.core.mechanics.cylinders import (
+    Cylinder,
+    Vector,
+    across,
+    cross,
+    dot,
+    norm,
+    plus,
+    scaled,
+    separation,
+)
 from vibrafeed.core.mechanics.rectangle_contact import ALIKE
-from vibrafeed.core.mechanics.vectors import Vector, across, cross, dot, norm, plus, scaled
+
+# --- The point of a cylinder's rim that is nearest to another cylinder (theory 8.2).
+
+SAMPLES = 24  # of a rim: its distance from an axis has at most two minima, far apart or shallow
+MAX_STEPS = 40  # bisection alone would need 50 to the last digit; Newton's steps need about 5
+NEAR = 1e-6  # radian: of so short a step rounding may decide on which side of the bracket it ends
+
+
+def minima(
+    value: Callable[[Array], Array], slope_and_bend: Callable[[Array], tuple[Array, Array]]
+) -> tuple[Array, Array]:
+    """Return the angles of the two lowest minima of a function with the period 2 pi [rad].
+
+    Points of a rim that may touch another body are such minima of a distance. `value` gives the
+    function at an angle, `slope_and_bend` its first and second derivative, for arrays of cells;
+    samples find the minima, Newton's method refines them. Where there is one minimum only, both
+    angles are equal.
+    """
+    step = 2 * np.pi / SAMPLES
+    values = [value(t) for t in step * np.arange(SAMPLES)]
+    least = [np.full(np.shape(values[0]), np.inf) for _ in range(2)]
+    angles = [np.zeros(np.shape(values[0])) for _ in range(2)]
+    for number, here in enumerate(values):
+        dip = (here <= values[number - 1]) & (here < values[(number + 1) % SAMPLES])
+        best, next_best = dip & (here < least[0]), dip & (here < least[1])
+        angles[1] = np.where(best, angles[0], np.where(next_best, number * step, angles[1]))
+        least[1] = np.where(best, least[0], np.where(next_best, here, least[1]))
+        angles[0] = np.where(best, number * step, angles[0])
+        least[0] = np.where(best, here, least[0])
+    angles[1] = np.where(np.isfinite(least[1]), angles[1], angles[0])
+    return _refined(angles[0], step, slope_and_bend), _refined(angles[1], step, slope_and_bend)
+
+
+def _refined(
+    t: Array, reach: float, slope_and_bend: Callable[[Array], tuple[Array, Array]]
+) -> Array:
+    """Return the angle of a function's minimum near a sampled angle [rad].
+
+    `t` is the sample, `reach` the distance to its neighbours [rad], `slope_and_bend` returns first
+    and second derivative at an angle. Newton's steps stay in a bracket around the sample that
+    shrinks with each step.
+    """
+    low, high = t - reach, t + reach
+    done: Mask = np.zeros(np.shape(t), dtype=np.bool_)
+    for _ in range(MAX_STEPS):
+        slope, bend = slope_and_bend(t)
+        low, high = np.where(slope < 0, t, low), np.where(slope > 0, t, high)
+        newton = t - slope / np.where(bend > 0, bend, 1.0)
+        inside = (newton > low) & (newton < high)
+        inside = (bend > 0) & (inside | (np.abs(newton - t) <= NEAR))
+        ahead = np.where(inside, newton, (low + high) / 2)
+        # What is done stays: a cell must not depend on those that are computed beside it.
+        ahead = np.where(done | (slope == 0), t, ahead)
+        done = done | (np.abs(ahead - t) <= 1e-15 * (1 + np.abs(t)))
+        t = ahead
+        if np.all(done):
+            break
+    return t
+
+
+class Rim(NamedTuple):
+    """A rim of a body: its middle as seen from the centre of another body, and two radii."""
+
+    middle: Vector
+    first: Vector
+    second: Vector
+
+    def at(self, angle: Array) -> Vector:
+        """Return the point of the rim at an angle [m]."""
+        return plus(plus(self.middle, self.first, np.cos(angle)), self.second, np.sin(angle))
+
+    def along(self, angle: Array) -> Vector:
+        """Return the derivative of the rim's point by the angle [m rad-1]."""
+        return plus(scaled(self.second, np.cos(angle)), self.first, -np.sin(angle))
+
+
+def _way(point: Vector, base: Cylinder) -> Vector:
+    """Return the vector from the nearest point of a cylinder `base` to a point [m].
+
+    `point` is given relative to the centre of `base`; inside the cylinder the vector is 0.
+    """
+    height, off = dot(point, base.axis), across(point, base.axis)
+    above = np.maximum(0.0, np.abs(height) - base.half) * np.where(height < 0, -1.0, 1.0)
+    return plus(scaled(off, _free(norm(off), base.radius)), base.axis, above)
+
+
+def _free(distance: Array, radius: Array) -> Array:
+    """Return the share of a distance from an axis that lies beyond a radius; 0 inside [1]."""
+    outside = distance > radius
+    return np.where(outside, (distance - radius) / np.where(outside, distance, 1.0), 0.0)
+
+
+def _slope_and_bend(rim: Rim, base: Cylinder, angle: Array) -> tuple[Array, Array]:
+    """Return first and second derivative of d^2/2 by the angle of a point on a rim [m2].
+
+    d is the distance of the rim's point at `angle` [rad] from the cylinder `base`; `rim` is given
+    relative to the centre of `base`. A Newton iteration finds with them the point of the rim that
+    is nearest to the cylinder.
+    """
+    point, along = rim.at(angle), rim.along(angle)
+    way, off = _way(point, base), across(point, base.axis)
+    climb, beside = dot(along, base.axis), across(along, base.axis)
+    # What moves away from the axis counts in full, what goes round it by the share outside.
+    free = _free(norm(off), base.radius)
+    outward = dot(beside, cylinders.direction(off, base.axis))
+    bend = np.where(np.abs(dot(point, base.axis)) > base.half, climb * climb, 0.0)
+    bend = (
+        bend + np.where(free > 0, outward * outward * (1 - free), 0.0) + free * dot(beside, beside)
+    )
+    return dot(way, along), bend - dot(way, cylinders.minus(point, rim.middle))
+
+
+class Nearest(NamedTuple):
+    """The point of one body on its rim that is nearest to another body.
+
+    Attributes
+    ----------
+    gap : ndarray
+        The distance.
+    normal : three ndarrays
+        Unit vector along it, towards the rim.
+    point : three ndarrays
+        The nearest point of the other body.
+    proven : ndarray of bool
+        Where the normal separates the bodies by the distance: they are apart, and nowhere nearer.
+    """
+
+    gap: Array
+    normal: Vector
+    point: Vector
+    proven: Mask
+
+
+def nearest_on_rims(body: Cylinder, base: Cylinder, size: Array) -> Nearest:
+    """Return the gap between `base` and the nearest point on either rim of `body`, with normal.
+
+    Where no face or side holds the contact of two cylinders. The gap is in m, the normal points
+    from `base` to the rim, and `point` is the nearest point of `base`. `size` is the sum of both
+    half diagonals [m], by which the tolerance scales. `proven` is False where the bodies overlap,
+    or where no rim of `body` holds its nearest point.
+    """
+    first = cylinders.any_across(body.axis)
+    radii = scaled(first, body.radius), scaled(cross(body.axis, first), body.radius)
+    candidates: list[Nearest] = []
+    for sign in (-1.0, 1.0):
+        middle = plus(cylinders.minus(body.centre, base.centre), body.axis, sign * body.half)
+        rim = Rim(middle, *radii)
+
+        def squared(angle: Array, rim: Rim = rim) -> Array:
+            """Return the squared distance of a rim point from the body."""
+            way = _way(rim.at(angle), base)
+            return dot(way, way)
+
+        def derivatives(angle: Array, rim: Rim = rim) -> tuple[Array, Array]:
+            """Return first and second derivative of half the squared distance by the rim angle."""
+            return _slope_and_bend(rim, base, angle)
+
+        for angle in minima(squared, derivatives):
+            way = _way(rim.at(angle), base)
+            gap = norm(way)
+            n = cylinders.direction(way, body.axis)
+            proven = (gap > 0) & (np.abs(separation(body, base, n) - gap) <= ALIKE * size)
+            point = plus(base.centre, cylinders.minus(rim.at(angle), way))
+            candidates.append(Nearest(gap, n, point, proven))
+    best = candidates[0]
+    for candidate in candidates[1:]:
+        best = chosen(best.proven, best, candidate)
+    return best
+
+
+def chosen(mask: Mask, rim: Nearest, other: Nearest) -> Nearest:
+    """Return the nearest point of a rim: that of `rim` where `mask` holds, else of `other`.
+
+    All fields are arrays over the cells: gap [m], normal, point [m], and the mask `proven`.
+    """
+    return Nearest(
+        np.where(mask, rim.gap, other.gap),
+        cylinders.where(mask, rim.normal, other.normal),
+        cylinders.where(mask, rim.point, other.point),
+        np.where(mask, rim.proven, other.proven),
+    )
+
 
 # What `form` says.
 NO_FORM, RIM_ON_FACE, RIM_ON_SIDE, FACE_ON_FACE, SIDE_ON_SIDE, SIDE_ON_FACE = range(6)
@@ -84,21 +275,21 @@ def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Fo
     the point lies on the face. `number`, 1 or 2, is the number of the body `base` in the pair,
     `size` the sum of both half diagonals [m], by which tolerances scale.
     """
-    u, apart = base.axis, vectors.minus(other.centre, base.centre)
+    u, apart = base.axis, cylinders.minus(other.centre, base.centre)
     n = scaled(u, np.where(dot(u, apart) < 0, -1.0, 1.0))
     w = dot(n, other.axis)
     leaning = across(n, other.axis)
-    down = vectors.direction(leaning, vectors.any_across(other.axis))
+    down = cylinders.direction(leaning, cylinders.any_across(other.axis))
     gap = separation(other, base, n)
     flat = 2 * other.radius * norm(leaning) <= ALIKE * size
     line = ~flat & (2 * other.half * np.abs(w) <= ALIKE * size)
     bottom = plus(other.centre, down, -other.radius)
     rim = plus(bottom, other.axis, np.where(w > 0, -other.half, other.half))
-    off = norm(across(vectors.minus(rim, base.centre), u))
+    off = norm(across(cylinders.minus(rim, base.centre), u))
     # The line of a side that lies on the face, as far as it crosses the disc.
     along = across(other.axis, u)
-    along = vectors.direction(along, vectors.any_across(u))
-    foot = across(vectors.minus(bottom, base.centre), u)
+    along = cylinders.direction(along, cylinders.any_across(u))
+    foot = across(cylinders.minus(bottom, base.centre), u)
     ahead = dot(foot, along)
     beside = norm(plus(foot, along, -ahead))
     chord = np.sqrt(np.maximum(0.0, (base.radius - beside) * (base.radius + beside)))
@@ -116,8 +307,8 @@ def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Fo
         np.where(flat, FACE_ON_FACE, np.where(line, SIDE_ON_FACE, RIM_ON_FACE)),
         np.where(flat, 0.0, number),
         n,
-        vectors.where(line, plus(bottom, other.axis, low), rim),
-        vectors.where(line, plus(bottom, other.axis, high), rim),
+        cylinders.where(line, plus(bottom, other.axis, low), rim),
+        cylinders.where(line, plus(bottom, other.axis, high), rim),
         line,
         flat | (np.abs(overlap) <= ALIKE * size),
         # Deeper than the base is thick, the point need not be in it.
@@ -136,14 +327,14 @@ def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> lis
     diagonals [m], by which tolerances scale.
     """
     forms = []
-    e_1 = vectors.any_across(other.axis)
+    e_1 = cylinders.any_across(other.axis)
     e_2 = cross(other.axis, e_1)
     a_1 = scaled(across(e_1, base.axis), other.radius)
     a_2 = scaled(across(e_2, base.axis), other.radius)
     # Half the squared distance is F = p.a1 c + p.a2 s + (a1.a1 c^2 + 2 a1.a2 c s + a2.a2 s^2)/2.
     square, mixed = (dot(a_1, a_1) - dot(a_2, a_2)) / 2, dot(a_1, a_2)
     for sign in (-1.0, 1.0):
-        middle = plus(vectors.minus(other.centre, base.centre), other.axis, sign * other.half)
+        middle = plus(cylinders.minus(other.centre, base.centre), other.axis, sign * other.half)
         p = across(middle, base.axis)
         p_1, p_2 = dot(p, a_1), dot(p, a_2)
 
@@ -164,8 +355,8 @@ def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> lis
             rim = plus(plus(middle, e_1, other.radius * c), e_2, other.radius * s)
             off = across(rim, base.axis)
             distance = norm(off)
-            n = vectors.direction(off, vectors.any_across(base.axis))
-            n = vectors.direction(across(n, base.axis), n)
+            n = cylinders.direction(off, cylinders.any_across(base.axis))
+            n = cylinders.direction(across(n, base.axis), n)
             gap = distance - base.radius
             overlap = base.half - np.abs(dot(rim, base.axis))
             point = plus(base.centre, rim)
@@ -189,14 +380,14 @@ def _sides(body_1: Cylinder, body_2: Cylinder, size: Array) -> _Form:
     both sides within their lengths. `size` is the sum of both half diagonals [m], by which
     tolerances scale.
     """
-    apart = vectors.minus(body_1.centre, body_2.centre)
+    apart = cylinders.minus(body_1.centre, body_2.centre)
     k = dot(body_1.axis, body_2.axis)
     turn = cross(body_1.axis, body_2.axis)
     sine = norm(turn)
     line = sine * (body_1.half + body_2.half) <= ALIKE * size
     off = across(apart, body_2.axis)
-    n = vectors.where(line, off, scaled(turn, np.where(dot(turn, apart) < 0, -1.0, 1.0)))
-    n = vectors.direction(n, vectors.any_across(body_2.axis))
+    n = cylinders.where(line, off, scaled(turn, np.where(dot(turn, apart) < 0, -1.0, 1.0)))
+    n = cylinders.direction(n, cylinders.any_across(body_2.axis))
     gap = dot(n, apart) - body_1.radius - body_2.radius
     square = np.where(line, 1.0, sine * sine)
     d_1, d_2 = dot(apart, body_1.axis), dot(apart, body_2.axis)
@@ -263,9 +454,9 @@ def cylinder_contact(*, cylinder_1: Cylinder, cylinder_2: Cylinder) -> CylinderC
             np.where(better, form.gap, best.gap),
             np.where(better, form.form, best.form),
             np.where(better, form.body, best.body),
-            vectors.where(better, form.normal, best.normal),
-            vectors.where(better, form.first, best.first),
-            vectors.where(better, form.second, best.second),
+            cylinders.where(better, form.normal, best.normal),
+            cylinders.where(better, form.first, best.first),
+            cylinders.where(better, form.second, best.second),
             np.where(better, form.line, best.line),
             np.where(better, form.several, best.several),
             np.where(better, form.proven, best.proven),
@@ -275,8 +466,8 @@ def cylinder_contact(*, cylinder_1: Cylinder, cylinder_2: Cylinder) -> CylinderC
     if not np.all(best.proven):
         rims = nearest_on_rims(body_1, body_2, size)
         use = rims.proven & ~best.proven
-        gap, normal = np.where(use, rims.gap, gap), vectors.where(use, rims.normal, normal)
-        first, second = (vectors.where(use, rims.point, point) for point in (first, second))
+        gap, normal = np.where(use, rims.gap, gap), cylinders.where(use, rims.normal, normal)
+        first, second = (cylinders.where(use, rims.point, point) for point in (first, second))
     return CylinderContact(
         gap=gap,
         size=size,

@@ -9,13 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibrafeed.core.mechanics import impact, vectors
+from vibrafeed.core.mechanics import cylinders, impact
 from vibrafeed.core.mechanics.angles import cosine, sine
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.mechanics.cylinder_contact import CylinderContact
-from vibrafeed.core.mechanics.cylinders import Cylinder
+from vibrafeed.core.mechanics.cylinders import Cylinder, Vector, cross, dot, minus, plus, scaled
 from vibrafeed.core.mechanics.impact import SpatialDelassus, SpatialImpulse, only_in_impact
-from vibrafeed.core.mechanics.vectors import Vector, cross, dot, minus, plus, scaled
 
 
 class CylinderMasses(NamedTuple):
@@ -59,15 +58,9 @@ class Approach(NamedTuple):
 
 
 def cylinder_1(
-    *,
-    position_x_1: Array,
-    position_y_1: Array,
-    position_z_1: Array,
-    azimuth_1: Array,
-    elevation_1: Array,
-    diameter_1: Array,
-    length_1: Array,
-) -> Cylinder:
+    *, position_x_1: Array, position_y_1: Array, position_z_1: Array, azimuth_1: Array,
+    elevation_1: Array, diameter_1: Array, length_1: Array,
+) -> Cylinder:  # fmt: skip
     """Return centre, unit axis, radius and half length of body 1 from its parameters.
 
     The axis is (ce ca, ce sa, se), c and s being cosine and sine of elevation e and azimuth a
@@ -80,15 +73,9 @@ def cylinder_1(
 
 
 def cylinder_2(
-    *,
-    position_x_2: Array,
-    position_y_2: Array,
-    position_z_2: Array,
-    azimuth_2: Array,
-    elevation_2: Array,
-    diameter_2: Array,
-    length_2: Array,
-) -> Cylinder:
+    *, position_x_2: Array, position_y_2: Array, position_z_2: Array, azimuth_2: Array,
+    elevation_2: Array, diameter_2: Array, length_2: Array,
+) -> Cylinder:  # fmt: skip
     """Return centre, unit axis, radius and half length of body 2 from its parameters.
 
     The axis is (ce ca, ce sa, se), c and s being cosine and sine of elevation e and azimuth a
@@ -101,14 +88,9 @@ def cylinder_2(
 
 
 def cylinder_masses(
-    *,
-    mass_1: Array,
-    diameter_1: Array,
-    length_1: Array,
-    mass_2: Array,
-    diameter_2: Array,
+    *, mass_1: Array, diameter_1: Array, length_1: Array, mass_2: Array, diameter_2: Array,
     length_2: Array,
-) -> CylinderMasses:
+) -> CylinderMasses:  # fmt: skip
     """Return mass and both moments of inertia of the two bodies [kg, kg m2].
 
     With diameter d and length h: I_a = m d^2/8 about the axis, I_t = m (3/4 d^2 + h^2)/12 across
@@ -126,20 +108,10 @@ def cylinder_masses(
 
 
 def spatial_motion(
-    *,
-    velocity_x_1: Array,
-    velocity_y_1: Array,
-    velocity_z_1: Array,
-    spin_x_1: Array,
-    spin_y_1: Array,
-    spin_z_1: Array,
-    velocity_x_2: Array,
-    velocity_y_2: Array,
-    velocity_z_2: Array,
-    spin_x_2: Array,
-    spin_y_2: Array,
-    spin_z_2: Array,
-) -> SpatialMotion:
+    *, velocity_x_1: Array, velocity_y_1: Array, velocity_z_1: Array, spin_x_1: Array, spin_y_1:
+    Array, spin_z_1: Array, velocity_x_2: Array, velocity_y_2: Array, velocity_z_2: Array,
+    spin_x_2: Array, spin_y_2: Array, spin_z_2: Array,
+) -> SpatialMotion:  # fmt: skip
     """Return velocities and spins of both bodies before the impact, as vectors [m s-1, rad s-1]."""
     return SpatialMotion(
         (velocity_x_1, velocity_y_1, velocity_z_1),
@@ -150,7 +122,6 @@ def spatial_motion(
 
 
 def _at(point: Vector, body_1: Cylinder, body_2: Cylinder, motion: SpatialMotion) -> Vector:
-    """Return the velocity of body 1 relative to body 2 at a point in space [m s-1]."""
     of_1 = plus(motion.velocity_1, cross(motion.spin_1, minus(point, body_1.centre)))
     of_2 = plus(motion.velocity_2, cross(motion.spin_2, minus(point, body_2.centre)))
     return minus(of_1, of_2)
@@ -196,20 +167,15 @@ def _frame(contact: CylinderContact, share: Array, unknown: Mask) -> ImpactFrame
     law does not solve an impact of a line; for contacts in a point the result has False.
     """
     n = contact.normal
-    tangent = vectors.any_across(n)
+    tangent = cylinders.any_across(n)
     point = plus(contact.first, minus(contact.second, contact.first), share)
     return ImpactFrame(point, n, tangent, cross(n, tangent), contact.line & unknown)
 
 
 def frame_without_friction(
-    *,
-    cylinder_contact: CylinderContact,
-    cylinder_1: Cylinder,
-    cylinder_2: Cylinder,
-    cylinder_masses: CylinderMasses,
-    spatial_motion: SpatialMotion,
-    restitution: Array,
-) -> ImpactFrame:
+    *, cylinder_contact: CylinderContact, cylinder_1: Cylinder, cylinder_2: Cylinder,
+    cylinder_masses: CylinderMasses, spatial_motion: SpatialMotion, restitution: Array,
+) -> ImpactFrame:  # fmt: skip
     """Return point, normal and tangents of the contact of two cylinders without friction.
 
     The frame in which their impact is computed. Where the bodies touch along a line, the impulses
@@ -240,12 +206,9 @@ def frame_without_friction(
 
 
 def frame_with_friction(
-    *,
-    cylinder_contact: CylinderContact,
-    cylinder_1: Cylinder,
-    cylinder_2: Cylinder,
+    *, cylinder_contact: CylinderContact, cylinder_1: Cylinder, cylinder_2: Cylinder,
     spatial_motion: SpatialMotion,
-) -> ImpactFrame:
+) -> ImpactFrame:  # fmt: skip
     """Return point, normal and tangents of the contact of two cylinders with friction.
 
     The frame in which their impact is computed. Where a line touches, the point is the end that
@@ -261,12 +224,9 @@ def frame_with_friction(
 
 
 def spatial_delassus(
-    *,
-    contact_frame: ImpactFrame,
-    cylinder_1: Cylinder,
-    cylinder_2: Cylinder,
-    cylinder_masses: CylinderMasses,
-) -> SpatialDelassus:
+    *, contact_frame: ImpactFrame, cylinder_1: Cylinder, cylinder_2: Cylinder, cylinder_masses:
+    CylinderMasses,
+) -> SpatialDelassus:  # fmt: skip
     """Return the six Delassus numbers of the contact of two cylinders: velocity per impulse [kg-1].
 
     G_nn, G_nt, G_ns, G_tt, G_ts, G_ss for the normal n and the tangents t and s of `contact_frame`,
@@ -294,12 +254,9 @@ def approach(
 
 
 def spatial_approach(
-    *,
-    contact_frame: ImpactFrame,
-    cylinder_1: Cylinder,
-    cylinder_2: Cylinder,
-    spatial_motion: SpatialMotion,
-) -> Approach:
+    *, contact_frame: ImpactFrame, cylinder_1: Cylinder, cylinder_2: Cylinder, spatial_motion:
+    SpatialMotion,
+) -> Approach:  # fmt: skip
     """Return the velocity of body 1 against body 2 in the contact before the impact [m s-1].
 
     Its normal component is negative where the bodies approach.
@@ -364,14 +321,9 @@ def _only_at_one_contact(
 
 
 def frictionless_impulse(
-    *,
-    cylinder_contact: CylinderContact,
-    contact_tolerance: Array,
-    contact_frame: ImpactFrame,
-    delassus_normal: Array,
-    approach_normal: Array,
-    restitution: Array,
-) -> SpatialImpulse:
+    *, cylinder_contact: CylinderContact, contact_tolerance: Array, contact_frame: ImpactFrame,
+    delassus_normal: Array, approach_normal: Array, restitution: Array,
+) -> SpatialImpulse:  # fmt: skip
     """Return Newton's impulse without friction, L_N = -(1 + eps) u_N/G_NN, on body 1 [N s].
 
     Newton's law, L_N = -(1 + eps) u_N/G_NN, with the restitution eps, the approach velocity u_N [m
@@ -386,15 +338,10 @@ def frictionless_impulse(
 
 
 def pfeiffer_glocker_impulse(
-    *,
-    cylinder_contact: CylinderContact,
-    contact_tolerance: Array,
-    contact_frame: ImpactFrame,
-    spatial_delassus: SpatialDelassus,
-    spatial_approach: Approach,
-    friction: Array,
-    restitution: Array,
-) -> SpatialImpulse:
+    *, cylinder_contact: CylinderContact, contact_tolerance: Array, contact_frame: ImpactFrame,
+    spatial_delassus: SpatialDelassus, spatial_approach: Approach, friction: Array, restitution:
+    Array,
+) -> SpatialImpulse:  # fmt: skip
     """Return the impulse of compression and expansion with friction on body 1 [N s].
 
     On body 1, with friction; the restitution is Poisson's: expansion over compression of the normal
@@ -414,15 +361,10 @@ def pfeiffer_glocker_impulse(
 
 
 def moreau_impulse(
-    *,
-    cylinder_contact: CylinderContact,
-    contact_tolerance: Array,
-    contact_frame: ImpactFrame,
-    spatial_delassus: SpatialDelassus,
-    spatial_approach: Approach,
-    friction: Array,
-    restitution: Array,
-) -> SpatialImpulse:
+    *, cylinder_contact: CylinderContact, contact_tolerance: Array, contact_frame: ImpactFrame,
+    spatial_delassus: SpatialDelassus, spatial_approach: Approach, friction: Array, restitution:
+    Array,
+) -> SpatialImpulse:  # fmt: skip
     """Return the impulse on body 1 in an impact of two cylinders, by Moreau's law [N s].
 
     With friction; one restitution holds in all directions. Normal and two tangential impulses are 0
@@ -451,14 +393,9 @@ def in_space(impulse: SpatialImpulse, at: ImpactFrame) -> Vector:
 
 
 def spatial_motion_after(
-    *,
-    spatial_impulse: SpatialImpulse,
-    contact_frame: ImpactFrame,
-    cylinder_1: Cylinder,
-    cylinder_2: Cylinder,
-    cylinder_masses: CylinderMasses,
-    spatial_motion: SpatialMotion,
-) -> SpatialMotion:
+    *, spatial_impulse: SpatialImpulse, contact_frame: ImpactFrame, cylinder_1: Cylinder,
+    cylinder_2: Cylinder, cylinder_masses: CylinderMasses, spatial_motion: SpatialMotion,
+) -> SpatialMotion:  # fmt: skip
     """Return velocities and spins of both cylinders after an impact [m s-1, rad s-1].
 
     v + L/m and w + J^-1 (rho x L) for body 1, with a minus for body 2: v and w are velocity and
@@ -489,12 +426,9 @@ def inertial(vector: Vector, body: Cylinder, axial: Array, transverse: Array) ->
 
 
 def turning(
-    body_1: Cylinder,
-    body_2: Cylinder,
-    before: SpatialMotion,
-    after: SpatialMotion,
-    masses: CylinderMasses,
-) -> Vector:
+    body_1: Cylinder, body_2: Cylinder, before: SpatialMotion, after: SpatialMotion, masses:
+    CylinderMasses,
+) -> Vector:  # fmt: skip
     """Return the change of both bodies' angular momentum about the origin, a vector [kg m2 s-1].
 
     `before` and `after` are velocities and spins before and after the impact [m s-1, rad s-1],

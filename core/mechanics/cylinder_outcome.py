@@ -18,9 +18,8 @@ from vibrafeed.core.mechanics.cylinder_impact import (
     inertial,
     turning,
 )
-from vibrafeed.core.mechanics.cylinders import Cylinder
+from vibrafeed.core.mechanics.cylinders import Cylinder, dot
 from vibrafeed.core.mechanics.impact import SpatialImpulse
-from vibrafeed.core.mechanics.vectors import dot
 
 
 def impulse_friction(*, spatial_impulse: SpatialImpulse) -> Array:

@@ -15,8 +15,10 @@ import numpy as np
 
 from vibrafeed.core.mechanics.angles import cosine
 from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
-from vibrafeed.core.mechanics.elementwise import LOGARITHMIC, arc_quotient, arc_series
-from vibrafeed.core.mechanics.quotients import (
+from vibrafeed.core.mechanics.elementwise import (
+    LOGARITHMIC,
+    arc_quotient,
+    arc_series,
     arctan_quotient,
     expm1_quotient,
     log1p_quotient,

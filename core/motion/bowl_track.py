@@ -7,7 +7,6 @@ whole track from the motion at nodes along it.
 
 from __future__ import annotations
 
-import inspect
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.errors import Problem
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.mechanics.bowl_track import (
+from vibrafeed.core.mechanics.bowl_drive_unit import (
     Stretches,
     bounds,
     picked,
@@ -29,9 +28,9 @@ from vibrafeed.core.mechanics.bowl_track import (
 from vibrafeed.core.motion.feeding import parts_per_minute
 from vibrafeed.core.plan.equations import run
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.quantities.bowl_track import OF_STRETCHES
+from vibrafeed.core.quantities.drive_unit import OF_STRETCHES
 from vibrafeed.core.scenes.graph import between
-from vibrafeed.core.scenes.scene import Condition, Equation, fields, keywords
+from vibrafeed.core.scenes.scene import Condition, Equation, fields
 from vibrafeed.core.study.simulate_study import SETTINGS
 
 SOURCE = "theory 15.6"
@@ -87,6 +86,28 @@ class Track:
         return tuple(
             f"{stem}_{max(k for k in self.own[stem] if k <= n)}" for n in range(1, self.count + 1)
         )
+
+    @property
+    def climbs(self) -> tuple[str, ...]:
+        """The parameters that give the climbs, one a stretch."""
+        if self.own["stretch_climb"]:
+            return self.names("stretch_climb")
+        return ("gamma",) * self.count
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The names of the quantities that its stretches are computed from."""
+        stems = ("stretch_radius", "stretch_turns")
+        return ("start_radius", *(n for stem in stems for n in self.names(stem)), *self.climbs)
+
+    def stretches(self, **inputs: Any) -> Stretches:
+        """Return the stretches of the track from the values of its `inputs`, by name."""
+        radii, turns = (
+            [inputs[name] for name in self.names(stem)]
+            for stem in ("stretch_radius", "stretch_turns")
+        )
+        climbs = [inputs[name] for name in self.climbs]
+        return stretches_of(inputs["start_radius"], radii, turns, climbs)
 
 
 def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list[Problem]]:
@@ -154,65 +175,6 @@ def _without_bowl(name: str) -> Problem:
 
 
 # --- equations
-
-
-@dataclass(frozen=True)
-class AllStretches:
-    """The function of the equation that gives the stretches of a track."""
-
-    track: Track
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "__doc__", "Return the stretches of the track.")
-
-    @property
-    def inputs(self) -> tuple[str, ...]:
-        """Names of the quantities that the equation needs."""
-        track = self.track
-        stems = ("stretch_radius", "stretch_turns")
-        return ("start_radius", *(n for stem in stems for n in track.names(stem)), *self.climbs)
-
-    @property
-    def climbs(self) -> tuple[str, ...]:
-        """Names of the climbs, one a stretch."""
-        own = self.track.own["stretch_climb"]
-        return self.track.names("stretch_climb") if own else ("gamma",) * self.track.count
-
-    @property
-    def __signature__(self) -> inspect.Signature:
-        return keywords(self.inputs)
-
-    def __call__(self, **inputs: Any) -> Stretches:
-        """Return the stretches of the track from the values of the inputs, by name."""
-        radii, turns = (
-            [inputs[name] for name in self.track.names(stem)]
-            for stem in ("stretch_radius", "stretch_turns")
-        )
-        climbs = [inputs[name] for name in self.climbs]
-        return stretches_of(inputs["start_radius"], radii, turns, climbs)
-
-
-@dataclass(frozen=True)
-class AtFraction:
-    """The function of an equation that gives a quantity at a share of the track's length.
-
-    `stem` is the parameter's name without number, such as `stretch_friction`.
-    """
-
-    track: Track
-    stem: str
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "__doc__", "Return what the stretch has at this place.")
-
-    @property
-    def __signature__(self) -> inspect.Signature:
-        return keywords(("track_fraction", "stretches", *self.track.names(self.stem)))
-
-    def __call__(self, **inputs: Any) -> Array:
-        """Return the value of the quantity on the stretch at a share of the track's length."""
-        values = [inputs[name] for name in self.track.names(self.stem)]
-        return picked(inputs["track_fraction"], inputs["stretches"], values)
 
 
 def track_radius(*, track_fraction: Array, stretches: Stretches) -> Array:
@@ -381,11 +343,11 @@ def intervals_of(speeds: Speeds) -> Intervals:
 
 @dataclass(frozen=True)
 class AlongTrack:
-    """The function of the equation that gives the `Passage`.
+    """The way along a whole track: gives the `Passage`.
 
     Attributes
     ----------
-    stretches : AllStretches
+    track : Track
         Gives the stretches of a cell.
     way : tuple of Equation
         From a share of the track's length to the motion there.
@@ -393,25 +355,16 @@ class AlongTrack:
         Quantities that it needs from outside.
     """
 
-    stretches: AllStretches
+    track: Track
     way: tuple[Equation, ...]
     needs: tuple[str, ...]
-
-    def __post_init__(self) -> None:
-        says = "Return what passes the whole track, from the motion at nodes along it."
-        object.__setattr__(self, "__doc__", says)
 
     @property
     def nodes(self) -> int:
         """The least number of motions that are followed in each cell, at points along the track."""
-        return self.stretches.track.count * (PARTS + 1)
+        return self.track.count * (PARTS + 1)
 
-    @property
-    def __signature__(self) -> inspect.Signature:
-        """One argument a quantity."""
-        return keywords(self.needs)
-
-    def __call__(self, **inputs: Any) -> Passage:
+    def passage(self, **inputs: Any) -> Passage:
         """Return the passage of parts along the whole track, for every cell.
 
         From the quantities of `needs` by name; the cells are followed in pieces of `PIECE` motions.
@@ -439,7 +392,7 @@ class AlongTrack:
         time or least velocity may be wrong there. `known` holds the quantities of `needs` by name,
         of shape (cells,), `settings` those of the method.
         """
-        cells, count = len(known["start_radius"]), self.stretches.track.count
+        cells, count = len(known["start_radius"]), self.track.count
         x = np.clip(np.linspace(0.0, 1.0, PARTS + 1), INSIDE, 1.0 - INSIDE)
         cell, stretch = np.divmod(np.repeat(np.arange(cells * count), len(x)), count)
         speeds = self._speeds(known, settings, cell, stretch, np.tile(x, cells * count))
@@ -476,7 +429,7 @@ class AlongTrack:
         self, known: dict[str, Array], cell: NDArray[np.intp], stretch: NDArray[np.intp], at: Array
     ) -> tuple[Stretches, Array]:
         """Return the stretches of cells, and the share of the whole track at that of a stretch."""
-        stretches = self.stretches(**{name: known[name][cell] for name in self.stretches.inputs})
+        stretches = self.track.stretches(**{name: known[name][cell] for name in self.track.inputs})
         ends, rows = np.stack(bounds(stretches)), np.arange(len(cell))
         low, high = ends[stretch, rows], ends[stretch + 1, rows]
         return stretches, low + (high - low) * at
@@ -499,8 +452,8 @@ class AlongTrack:
         start = np.flatnonzero(np.diff(cell, prepend=-1))
         time = np.add.reduceat(intervals.time, start)[cell]
         least = np.minimum.reduceat(speeds.velocity, start)[cell]
-        number = cell * self.stretches.track.count + speeds.stretch
-        share = ENOUGH / (PARTS * self.stretches.track.count)
+        number = cell * self.track.count + speeds.stretch
+        share = ENOUGH / (PARTS * self.track.count)
         late = np.isfinite(time) & (intervals.late > share * time)
         low = intervals.lower < least - ENOUGH * np.abs(least)
         remembers = np.fmax(speeds.throw[:-1], speeds.throw[1:]) > MEMORY
@@ -551,16 +504,31 @@ def along_track(track: Track) -> tuple[Equation, ...]:
         "stretch_friction": ("friction_static", "friction_kinetic"),
     }
     return (
-        Equation("stretches", AllStretches(track), SOURCE),
+        Equation(
+            "stretches",
+            track.stretches,
+            SOURCE,
+            needs=track.inputs,
+            says="Return the stretches of the track.",
+        ),
         Equation("track_radius", track_radius, SOURCE),
         Equation("radius", radius, SOURCE),
         *(
-            Equation(name, AtFraction(track, stem), SOURCE)
+            _at_fraction(name, track.names(stem))
             for stem, names in own.items()
             if track.own[stem]
             for name in names
         ),
     )
+
+
+def _at_fraction(name: str, own: tuple[str, ...]) -> Equation:
+    def value(*, track_fraction: Array, stretches: Stretches, **inputs: Array) -> Array:
+        return picked(track_fraction, stretches, [inputs[name] for name in own])
+
+    needs = ("track_fraction", "stretches", *own)
+    says = "Return what the stretch has at this place."
+    return Equation(name, value, SOURCE, needs=needs, says=says)
 
 
 def along(track: Track, equations: Collection[Equation]) -> tuple[Equation, ...]:
@@ -570,31 +538,31 @@ def along(track: Track, equations: Collection[Equation]) -> tuple[Equation, ...]
     several nodes of each stretch of the `track`. `equations` are those of a part at one place,
     which lead from its share of the track's length (`track_fraction`) to its motion.
     """
-    stretches = AllStretches(track)
     way = between(equations, ("track_fraction",), FOLLOWED)
     needed = {name for one in way for name in one.inputs} - {one.gives for one in way}
     # Several arrays in one are computed anew at each place: only arrays of cells are handed on.
     bundles = {name for name in needed - {"stretches"} if QUANTITIES[name].bundle}
     way = (*(one for one in equations if one.gives in bundles), *way)
-    given = {*stretches.inputs, *(name for one in way for name in one.inputs)}
+    given = {*track.inputs, *(name for one in way for name in one.inputs)}
     given -= {"track_fraction", "stretches", *(one.gives for one in way)}
-    passage = AlongTrack(stretches, way, tuple(sorted(given)))
-    return (Equation("passage", passage, SOURCE), *RESULTS)
+    whole = AlongTrack(track, way, tuple(sorted(given)))
+    says = "Return what passes the whole track, from the motion at nodes along it."
+    return (Equation("passage", whole.passage, SOURCE, needs=whole.needs, says=says), *RESULTS)
 
 
 @dataclass(frozen=True)
 class AtLoad:
     """Tells where on a track the parts are that load it, as `part_load` takes it."""
 
-    stretches: AllStretches
+    track: Track
     gives = ("track_fraction", "stretches")
 
     @property
     def inputs(self) -> tuple[str, ...]:
         """The names of the inputs: share of the length, and those that give the stretches."""
-        return ("load_fraction", *self.stretches.inputs)
+        return ("load_fraction", *self.track.inputs)
 
     def __call__(self, known: Mapping[str, Array]) -> dict[str, Any]:
         """Return the share of the length at which the load acts, and the stretches of the track."""
-        stretches = self.stretches(**{name: known[name] for name in self.stretches.inputs})
+        stretches = self.track.stretches(**{name: known[name] for name in self.track.inputs})
         return {"track_fraction": known["load_fraction"], "stretches": stretches}

@@ -248,19 +248,21 @@ class _Spliced:
         if unit.loaded:
             of_unit = (*(_LOADED.get(one.gives, one) for one in of_unit), *_RESULTS)
             load = self._load((*of_track, *of_unit), (*of_track, *of_part))
-            of_unit = (Equation("part_load", load, SOURCE), *of_unit)
+            says = "Return what the unit feels of the parts, at the amplitude at which both agree."
+            load_of_parts = Equation("part_load", load.load, SOURCE, needs=load.needs, says=says)
+            of_unit = (load_of_parts, *of_unit)
         found = (*of_track, *of_unit, *_GIVES_WAY, *of_part)
         return found if unit.track is None else (*found, *bowl_track.along(unit.track, found))
 
     def _load(self, of_unit: Collection[Equation], of_part: Collection[Equation]) -> PartLoad:
-        """Return the function of the equation for the load of conveyed parts on the drive unit.
+        """Return the load of conveyed parts on the drive unit.
 
         `of_unit` and `of_part` are the equations of the unit and of a part on it. On a bowl's track
         with stretches the load acts at its own place, else where the part is.
         """
         if self.unit.track is None:
             return part_load(of_unit, of_part, self.contacts)
-        place = bowl_track.AtLoad(bowl_track.AllStretches(self.unit.track))
+        place = bowl_track.AtLoad(self.unit.track)
         return part_load(of_unit, of_part, self.contacts, place)
 
     def conditions(self, of_part: tuple[Condition, ...]) -> tuple[Condition, ...]:

@@ -6,7 +6,6 @@ and its system carries nothing of what stands here.
 
 from __future__ import annotations
 
-import inspect
 import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -24,7 +23,7 @@ from vibrafeed.core.motion.result import STATUS, Motion
 from vibrafeed.core.motion.waves import TURN, Wave
 from vibrafeed.core.quantities.drive import AXES, DRIVE
 from vibrafeed.core.scenes import Scene
-from vibrafeed.core.scenes.scene import Equation, keywords, taking
+from vibrafeed.core.scenes.scene import Equation
 from vibrafeed.core.watch import Watch
 
 CLOSED = 1e-9
@@ -314,25 +313,6 @@ AT_LIMIT = 1e-13
 limit, so that rounding does not decide."""
 
 
-@dataclass(frozen=True)
-class _WaveOf:
-    """The function of the equation that gives the wave; its arguments are those of the shape."""
-
-    shape: Shape
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "__doc__", "Return the push of the drive on a part, per weight.")
-
-    @property
-    def __signature__(self) -> inspect.Signature:
-        """One argument a quantity."""
-        return keywords(self.shape.inputs)
-
-    def __call__(self, **inputs: Any) -> Wave:
-        """Return the wave that the drive's shape makes of these quantities."""
-        return self.shape.wave(**inputs)
-
-
 def drive_number(*, wave: Wave) -> Array:
     """Return an upper bound of the track's speed, over g/w [1]."""
     return waves.size(wave)
@@ -383,8 +363,6 @@ def _where_driven(follow: Any) -> Any:
         status = np.where(none, np.int8(STATUS["no_drive"]), found.status)
         return found._replace(status=status)
 
-    driven_motion.__signature__ = inspect.signature(follow)  # type: ignore[attr-defined]
-    driven_motion.__doc__ = follow.__doc__
     return driven_motion
 
 
@@ -411,8 +389,6 @@ def _with_wave(groups: Any) -> Any:
         found: Groups = groups(**numbers)
         return found._replace(wave=wave, friction_static=_held_at_its_limit(found, wave))
 
-    waved.__signature__ = taking(groups, "wave")  # type: ignore[attr-defined]
-    waved.__doc__ = groups.__doc__
     return waved
 
 
@@ -434,12 +410,16 @@ def under_wave(shape: Shape, known: Collection[Equation]) -> tuple[Equation, ...
     changed = []
     for equation in known:
         if equation.gives == "groups":
-            equation = replace(equation, function=_with_wave(equation.function))
+            waved, needs = _with_wave(equation.function), ("wave", *equation.inputs)
+            equation = replace(equation, function=waved, needs=needs, says=equation.summary)
         if equation.gives == "motion":
-            equation = replace(equation, function=_where_driven(equation.function))
+            follow, needs = _where_driven(equation.function), equation.inputs
+            equation = replace(equation, function=follow, needs=needs, says=equation.summary)
         if equation.gives != "vibration_acceleration":
             changed.append(_OTHERS.get(equation.gives, equation))
-    return (Equation("wave", _WaveOf(shape), "theory 13.14"), *changed)
+    says = "Return the push of the drive on a part, per weight."
+    wave = Equation("wave", shape.wave, "theory 13.14", needs=shape.inputs, says=says)
+    return (wave, *changed)
 
 
 def driven(system: Scene, shape: Shape) -> Scene:

@@ -15,7 +15,7 @@ from vibrafeed.core.motion import waves
 from vibrafeed.core.motion.groups import Contacts, Groups, in_plane
 from vibrafeed.core.motion.waves import Wave
 from vibrafeed.core.quantities.drive import AXES, WHERE
-from vibrafeed.core.scenes.scene import Equation, taking
+from vibrafeed.core.scenes.scene import Equation, arguments_of
 
 
 @dataclass(frozen=True)
@@ -69,33 +69,24 @@ def equations(drive: str, axes: tuple[str, ...] = AXES) -> tuple[Equation, ...]:
     across, normal), by which a study may ask for it.
     """
     return tuple(
-        Equation(f"{name}_{axis}", _function(limit, axis, drive), "theory 13.14")
-        for name, limit in LIMITS.items()
-        for axis in axes
+        _equation(name, limit, axis, drive) for name, limit in LIMITS.items() for axis in axes
     )
 
 
-def _function(limit: Limit, axis: str, drive: str) -> Callable[..., Array]:
-    """Return the function of the equation for a limit of the drive along one axis.
-
-    `limit` is a quantity such as the largest velocity or displacement, with its scale in SI units;
-    `axis` is one of `AXES` (along, across, normal). `drive` is "sine" or "wave": the function then
-    takes the drive number of the axis, or the wave, as its argument, beside those of the scale.
-    """
+def _equation(name: str, limit: Limit, axis: str, drive: str) -> Equation:
     number, place = f"drive_number_{axis}", AXES.index(axis)
     drive_input = "wave" if drive == "wave" else number
 
     def value(**known: Array) -> Array:
-        """Return the limit in SI units, from the drive number or the wave."""
         drive_value = known.pop(drive_input)
         scale = limit.scale(**known)
         if isinstance(drive_value, Wave):
             return limit.of_wave(drive_value, place) * scale
         return limit.of_sine * np.abs(drive_value) * scale
 
-    value.__signature__ = taking(limit.scale, drive_input)  # type: ignore[attr-defined]
-    value.__doc__ = f"Return the {limit.says.format(WHERE[axis])}."
-    return value
+    needs = (drive_input, *arguments_of(limit.scale))
+    says = f"Return the {limit.says.format(WHERE[axis])}."
+    return Equation(f"{name}_{axis}", value, "theory 13.14", needs=needs, says=says)
 
 
 # --- the fastest that any drive along the track conveys a part (docs/best-wave.md)

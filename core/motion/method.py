@@ -9,7 +9,6 @@ from typing import Any
 
 from vibrafeed.core.motion.course import TrajectoryRequest, TrajectoryValues
 from vibrafeed.core.motion.groups import Contacts
-from vibrafeed.core.motion.price import Pricing
 from vibrafeed.core.scenes import Constraint
 
 Follow = Callable[..., Any]
@@ -39,9 +38,9 @@ class Method:
         Where the theory tells of it.
     accuracy : str
         What is known of its error, in words.
-    seconds_a_cell : float or callable
-        Roughly what a cell takes on one core: enough to tell short from long. Where that depends on
-        numbers and settings, what tells the `Price` of some cells.
+    seconds_a_cell : float
+        Roughly the time of a cell on one core [s], for cells that it verifies, and where its code
+        is not compiled yet; other prices are measured.
     defaults : mapping of str to float
         Its settings where a study leaves them out.
     course : callable or None
@@ -62,7 +61,7 @@ class Method:
     follow: Callable[[Contacts], Follow]
     source: str
     accuracy: str
-    seconds_a_cell: float | Pricing
+    seconds_a_cell: float
     defaults: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     course: Callable[[Contacts], FollowCourse] | None = None
     energy: Callable[[Contacts], Follow] | None = None

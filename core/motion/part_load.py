@@ -8,7 +8,6 @@ repeat, in a straight line between two of the table, whose means scatter by some
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType
@@ -22,7 +21,7 @@ from vibrafeed.core.motion.groups import Contacts, Groups
 from vibrafeed.core.motion.methods.events import EVENTS, energy_by_events, motion_by_events
 from vibrafeed.core.plan.equations import run
 from vibrafeed.core.scenes.graph import between
-from vibrafeed.core.scenes.scene import Equation, keywords
+from vibrafeed.core.scenes.scene import Equation
 
 SETTINGS: dict[str, Any] = dict(EVENTS.defaults)
 """Settings of the method `events`, by which the parts' motion is followed, whatever the study's own
@@ -54,14 +53,6 @@ THROWN, FELT = 2.0, 0.01
 1e-3 of its amplitude and more: 1.7e-2 of a tenth of the mass thrown at 3 to 4."""
 SCATTERED = 4
 """Steps of the table within which several agreements may come from means that scatter."""
-
-
-def price_of_load(motion: Array) -> Array:
-    """Return the time for the load of a cell on one core, of the price of one of its motions [s].
-
-    Some 200 motions by events, most of which repeat; only a few take long where one motion does.
-    """
-    return 2e-3 + 40.0 * motion
 
 
 class Load(NamedTuple):
@@ -161,10 +152,9 @@ def part_load(
     contacts: Contacts,
     location: PartLocation | None = None,
 ) -> PartLoad:
-    """Return the function of an equation that gives the load of conveyed parts on their drive unit.
+    """Return the load of conveyed parts on their drive unit, at the amplitude at which both agree.
 
-    The load depends on the amplitude of the track and the amplitude on the load; the function finds
-    the amplitude at which both agree.
+    The load depends on the amplitude of the track and the amplitude on the load.
 
     Parameters
     ----------
@@ -190,7 +180,7 @@ def part_load(
 
 @dataclass(frozen=True)
 class PartLoad:
-    """The function of an equation: the load at which drive and parts agree.
+    """The load at which drive and parts agree.
 
     Attributes
     ----------
@@ -212,16 +202,7 @@ class PartLoad:
     needs: tuple[str, ...]
     location: PartLocation | None = None
 
-    def __post_init__(self) -> None:
-        says = "Return what the unit feels of the parts, at the amplitude at which both agree."
-        object.__setattr__(self, "__doc__", says)
-
-    @property
-    def __signature__(self) -> inspect.Signature:
-        """One argument a quantity."""
-        return keywords(self.needs)
-
-    def __call__(self, **inputs: Any) -> Load:
+    def load(self, **inputs: Any) -> Load:
         """Return the load of the parts in every cell, from the quantities of `needs` by name."""
         columns = np.broadcast_arrays(
             *(np.asarray(inputs[name], dtype=float) for name in self.needs)

@@ -28,8 +28,6 @@ FEWEST_EQUAL = 0.125  # share of cells with an equal drive from which on an orde
 OTHER_FACTORS = {"gravity_number_normal": 1.0, "restitution": 1e2, "impact_damping": 1e4}
 """Factors of the numbers, beside the drive's, that set the motion normal to the floor, in a sum by
 which cells are sorted. Where two sums are equal by chance it costs time, and changes nothing."""
-SETS_LANDINGS = ("drive_number_normal", *OTHER_FACTORS)
-"""The groups that set the motion normal to the floor."""
 
 
 def solve_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:

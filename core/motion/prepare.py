@@ -2,28 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable
 from dataclasses import replace
-from functools import cached_property, partial
-
-import numpy as np
+from functools import cached_property
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.bowl_track import AlongTrack
 from vibrafeed.core.motion.drive_units import on_unit, unit_of
 from vibrafeed.core.motion.drives import driven, shape_of, what_is_open
 from vibrafeed.core.motion.groups import Contacts
-from vibrafeed.core.motion.in_common import families_of
 from vibrafeed.core.motion.method import Method
-from vibrafeed.core.motion.part_load import price_of_load
-from vibrafeed.core.motion.price import (
-    Priced,
-    prices_of,
-    sampled_parameters,
-    seconds_of,
-    some_cells,
-)
 from vibrafeed.core.motion.rolling_scene import ROLLING
 from vibrafeed.core.motion.row_scene import ROW, choose_row, of_unit
 from vibrafeed.core.motion.systems import (
@@ -33,17 +20,11 @@ from vibrafeed.core.motion.systems import (
     methods_of,
     with_falling_restitution,
 )
-from vibrafeed.core.motion.trial import TRIED_CELLS, Trial
 from vibrafeed.core.plan.derived import Asked, asked_of
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import Plan, choose_scene
-from vibrafeed.core.plan.prepared import (
-    Chosen,
-    Prepared,
-    broken_constraints,
-    plan_study,
-)
-from vibrafeed.core.plan.price import pace
+from vibrafeed.core.plan.prepared import Chosen, Prepared, broken_constraints, plan_study
+from vibrafeed.core.plan.price import Price, price
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.reduce.checks import problems_of, problems_of_names
 from vibrafeed.core.scenes import Scene
@@ -72,38 +53,8 @@ class Simulation(Prepared):
         """The derivatives that the result contains; None without any."""
         return asked_of(self.plan, self.study.values(), self.study.sensitivities, self.cells)
 
-    @cached_property
-    def _price(self) -> tuple[float, float]:
-        """The likely and the largest time of a cell [s]."""
-        likely, most = price_of(self.method, self.plan, self.grid)
-        # A course may be followed for all the periods that are allowed.
-        return (likely if self.study.trajectory is None else most), most
-
-    @property
-    def seconds_a_cell(self) -> float:
-        """The likely time of a cell on one core [s]."""
-        return self._price[0]
-
-    @property
-    def most_seconds_a_cell(self) -> float:
-        """The largest time of a cell on one core [s]."""
-        return self._price[1]
-
-    @cached_property
-    def tried_seconds_a_cell(self) -> float:
-        """The likely time of a cell on one core, measured on a trial of a few cells [s].
-
-        For a trajectory the estimate by formula is taken. Cells that differ only along axes on
-        which no motion depends share one simulation, so that its time is divided among them.
-        """
-        if self.study.trajectory is not None:
-            return self.seconds_a_cell
-        # An axis that no motion depends on makes no more of them.
-        depends = self.plan.depends_on(self.grid.axes)
-        long = [depends[one.gives] for one in self.plan.equations if one.takes_long]
-        cells = self.grid.size(self.grid.dims(frozenset().union(*long)))
-        each = tried_price(self.method, self.plan, self.grid, cells=cells)
-        return each * cells / self.cells
+    def _new_price(self) -> Price:
+        return price(self.plan, self.grid, self.method.seconds_a_cell)
 
     @property
     def verified_by(self) -> str:
@@ -113,9 +64,9 @@ class Simulation(Prepared):
 
     @property
     def seconds_a_verified_cell(self) -> float:
-        """The time to verify a cell [s]."""
+        """Roughly the time to verify a cell [s]."""
         other = other_method(self.plan, self.grid)
-        return price_of(other, self.plan, self.grid)[0] if other else 0.0
+        return other.seconds_a_cell if other else 0.0
 
 
 def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method | None:
@@ -132,104 +83,6 @@ def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method |
         if name in scene.variants and held and not [*broken_constraints(scene, name, grid)]:
             return methods[name]
     return None
-
-
-def price_of(
-    method: Method, plan: Plan, grid: Grid, free: Mapping[str, tuple[float, float]] | None = None
-) -> tuple[float, float]:
-    """Return the likely and the largest time of a grid's cell by a method [s].
-
-    By formulas, from some cells of the grid.
-
-    Parameters
-    ----------
-    method
-        The simulation method; one other than that of the plan has its own default settings.
-    plan, grid
-        The plan of the study, and its grid of parameters.
-    free
-        Parameters that are not on the grid, and the ends of their values, SI units.
-    """
-    settings = method.defaults if method.name != plan.variant else {}
-    contacts = CONTACTS.get(plan.scene.name, Contacts())
-
-    def cells() -> Priced:
-        return some_cells(plan, sampled_parameters(plan, grid, free or {})[0], settings, contacts)
-
-    likely, most = seconds_of(method.seconds_a_cell, cells)
-    whole = partial(_with_all_motions, plan, method)
-    return float(whole(likely)) * pace(), float(whole(most)) * pace()
-
-
-def tried_price(
-    method: Method,
-    plan: Plan,
-    grid: Grid,
-    free: Mapping[str, tuple[float, float]] | None = None,
-    *,
-    cells: float,
-) -> float:
-    """Return the likely time of a cell on one core [s], found by following some cells first.
-
-    Where no compiled code is kept, it is the price by formula of `price_of`: nobody waits for a
-    compiler to learn a price.
-
-    Parameters
-    ----------
-    method, plan
-        The method of the plan, and the plan of the study.
-    grid, free
-        Values of the grid, and ranges of free parameters, as in `price_of`.
-    cells
-        Number of cells of the study, which limits the time of the trial.
-    """
-    from vibrafeed.core.kernel_cache import are_kept, packages
-
-    if not are_kept(name for name in packages() if name.startswith("motion-")):
-        return price_of(method, plan, grid, free)[0]
-    chosen, count = sampled_parameters(plan, grid, free or {}, TRIED_CELLS)
-    contacts = CONTACTS.get(plan.scene.name, Contacts())
-    priced = some_cells(plan, chosen, {}, contacts)
-    families = None
-    if not free and "groups" in priced.known and np.any(priced.restless):
-        families = families_of(plan, grid, contacts, TRIED_CELLS)
-    if families is not None:
-        chosen, count = dict(families.singles), families.count
-        priced = some_cells(plan, chosen, {}, contacts)
-
-    def price(periods: float | None) -> Array:
-        asked = priced
-        if periods is not None and "max_periods" in priced.known:
-            asked = Priced({**priced.known, "max_periods": np.asarray(periods)}, contacts)
-        likely = prices_of(method.seconds_a_cell, lambda: asked).likely
-        told = _with_all_motions(plan, method, np.broadcast_to(likely, (count,)))
-        return np.asarray(told * pace())
-
-    kinds = np.broadcast_to(priced.across if "groups" in priced.known else False, (count,))
-    trial = Trial(plan, chosen, kinds, price, families=families)
-    return trial.seconds_a_cell(cells)
-
-
-def _with_all_motions(plan: Plan, method: Method, seconds: Array | float) -> Array:
-    """Return the time of all motions that a cell of a plan follows [s].
-
-    `seconds` is the time of one motion by the `method` [s]. A cell may need motions at many places
-    of a bowl's track, and some 200 for the load of parts on a drive unit.
-    """
-    seconds = np.asarray(seconds)
-    rounds = (
-        sum(equation.takes_long for equation in plan.equations)
-        if method.name == plan.variant
-        else 1
-    )
-    along = [
-        equation.function.nodes
-        for equation in plan.equations
-        if isinstance(equation.function, AlongTrack)
-    ]
-    loaded = any(equation.gives == "part_load" for equation in plan.equations)
-    load = price_of_load(seconds) if loaded else 0.0
-    return np.asarray((rounds + sum(along)) * seconds + load)
 
 
 def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> Chosen:

@@ -6,7 +6,7 @@ import numpy as np
 
 from vibrafeed.core.mechanics import round_parts
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.mechanics.rolling_motion import RollingContact
+from vibrafeed.core.mechanics.rolling import RollingContact
 from vibrafeed.core.motion import feeding, limits, scales
 from vibrafeed.core.motion.feeding import DEFAULTS
 from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Groups
@@ -21,6 +21,7 @@ from vibrafeed.core.scenes.scene import (
     Constraint,
     Equation,
     Scene,
+    arguments_of,
     fields,
 )
 
@@ -236,12 +237,15 @@ def _equations_of_method(method: Method, *, slips: bool) -> tuple[Equation, ...]
     `slips` is True if the slip of the contact is a result, too; it is followed as the motion of a
     block.
     """
-    equations = [Equation("motion", method.follow(BLOCK_ON_FLOOR), SOURCE), *RESULTS]
+    block = METHODS["conveying"][method.name].follow(BLOCK_ON_FLOOR)
+    inputs = arguments_of(block)
+    needs = ("rolling_contact", "mean_acceleration", *inputs)
+    equations = [Equation("motion", method.follow(BLOCK_ON_FLOOR), SOURCE, needs=needs), *RESULTS]
     if slips:
-        block = METHODS["conveying"][method.name].follow(BLOCK_ON_FLOOR)
+        needs = ("slip_groups", *(one for one in inputs if one != "groups"))
         equations += [
             Equation("slip_groups", slip_groups, SOURCE),
-            Equation("slip_motion", rolling.of_slip(block), SOURCE),
+            Equation("slip_motion", rolling.of_slip(block), SOURCE, needs=needs),
             Equation("slip_velocity", slip_velocity, SOURCE),
         ]
     return tuple(equations)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -14,7 +13,6 @@ from vibrafeed.core.errors import Problem
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.methods.rows import RowParts
 from vibrafeed.core.quantities.row import NUMBERS
-from vibrafeed.core.scenes.scene import keywords
 
 STOP_GAPS = {"track_stop_gap": "track", "fixed_stop_gap": "space"}
 """Parameters that put a stop in front of a row, and which; at most one of them is given."""
@@ -32,7 +30,7 @@ _NUMBERED = re.compile(rf"({'|'.join(NUMBERS)})_(\d+)")
 
 @dataclass(frozen=True)
 class NumberedParts:
-    """The function of the equation that gives the parts of a row.
+    """The numbers that the parts of a row have of their own.
 
     Attributes
     ----------
@@ -53,9 +51,6 @@ class NumberedParts:
     counted: bool
     stop_gap: str = ""
     drawn: bool = False
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "__doc__", "Return the parts of the row, from the rear on.")
 
     @property
     def inputs(self) -> tuple[str, ...]:
@@ -82,12 +77,7 @@ class NumberedParts:
         """True if every part has its own friction."""
         return not self.counted and 0 < len(self.numbers["part_friction"]) == self.count
 
-    @property
-    def __signature__(self) -> inspect.Signature:
-        """One argument a quantity."""
-        return keywords(self.inputs)
-
-    def __call__(self, **given: Any) -> RowParts:
+    def row(self, **given: Any) -> RowParts:
         """Return the parts of the row, from the quantities of `inputs` by name.
 
         A fractional number of parts is rounded up.

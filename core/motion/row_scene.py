@@ -334,7 +334,13 @@ def _equations_of_parts(parts: NumberedParts) -> tuple[Equation, ...]:
     )
     return (
         *(own if parts.has_all_frictions else ()),
-        Equation("row", parts, SOURCE),
+        Equation(
+            "row",
+            parts.row,
+            SOURCE,
+            needs=parts.inputs,
+            says="Return the parts of the row, from the rear on.",
+        ),
         Equation("mass_scale", own_masses if parts.has_own_masses else common_mass, SOURCE),
     )
 

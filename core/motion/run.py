@@ -148,20 +148,6 @@ class ReducedSimulation(Reduced, Simulation):
     box_cells: ClassVar[int | None] = 1 << 13  # some tens of milliseconds in the plane, or longer
     share_cells: ClassVar[int] = 1 << 18
 
-    @property
-    def seconds_here(self) -> float:
-        """The likely time of the study on this machine [s]: that of its cells over all cores."""
-        return self.stated_seconds / self.cores
-
-    def seconds_in_shares(self) -> float:
-        """Return the time of all shares on one core [s]."""
-        return self.stated_seconds
-
-    @property
-    def _by(self) -> str:
-        """Return nothing: the price needs no further words."""
-        return ""
-
     def attributes(self) -> dict[str, str]:
         """Return the attributes of the result, known before computing."""
         plan = self.plan

@@ -34,7 +34,6 @@ from vibrafeed.core.scenes.scene import (
     Equation,
     Scene,
     fields,
-    taking,
 )
 
 
@@ -262,11 +261,18 @@ def with_falling_restitution(system: Scene, parameters: Collection[str]) -> Scen
     law = Equation("impact_damping", soft_contact.impact_damping, "theory 18.3")
 
     def changed(known: tuple[Equation, ...]) -> tuple[Equation, ...]:
-        found = [
-            replace(one, function=_with_damping(one.function)) if one.gives == "groups" else one
+        others = [
+            replace(
+                one,
+                function=_with_damping(one.function),
+                says=one.summary,
+                needs=("impact_damping", "velocity_scale", *one.inputs),
+            )
+            if one.gives == "groups"
+            else one
             for one in known
         ]
-        return (law, *found)
+        return (law, *others)
 
     return replace(
         system,
@@ -294,8 +300,6 @@ def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
             restitution=np.where(endless, 0.0, 1.0), impact_damping=np.where(endless, 0.0, damping)
         )
 
-    falling.__signature__ = taking(groups, "impact_damping", "velocity_scale")  # type: ignore[attr-defined]
-    falling.__doc__ = groups.__doc__
     return falling
 
 

@@ -15,7 +15,7 @@ from vibrafeed.core.optimise.methods import METHODS
 from vibrafeed.core.optimise.optima import Optima
 from vibrafeed.core.optimise.problem import LIMIT, OptimisationProblem, cells_of
 from vibrafeed.core.study.optimise_study import Pareto, Weighted
-from vibrafeed.core.study.spacing import evenly
+from vibrafeed.core.study.values import evenly
 from vibrafeed.core.watch import Watch
 
 WIDE = 1e3  # of the other output's scale: a limit that never binds

@@ -9,7 +9,7 @@ from typing import Any
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.method import Method
-from vibrafeed.core.motion.prepare import other_method, price_of, tried_price
+from vibrafeed.core.motion.prepare import other_method
 from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.optimise.problem import OptimisationProblem, broken_names
 from vibrafeed.core.optimise.robust import NODES
@@ -18,6 +18,7 @@ from vibrafeed.core.optimise.sentences import criterion_in_words
 from vibrafeed.core.optimise.slopes import sensitive
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.prepared import Box, Prepared
+from vibrafeed.core.plan.price import MARGIN, Price, price
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.study.optimise_study import OptimiseStudy, Pareto
 
@@ -119,60 +120,17 @@ class Optimisation(Prepared):
             f"kept: {kept or 'nothing'}",
         )
 
-    @cached_property
-    def _price(self) -> tuple[float, float]:
-        """The likely and the largest time in which one design is optimised on one core [s].
-
-        The service uses it to tell a user beforehand how long a study takes. Closed forms have one
-        time for each method; for motions it is their number times the time of one.
-        """
+    def _new_price(self) -> Price:
+        more = max(1.0, self.problem.nodes / NODES)
         if not self.problem.is_motion:
             seconds = QUICK_SECONDS if self.method in QUICK else OTHER_SECONDS
-            seconds *= max(1.0, self.problem.nodes / NODES)
-            return seconds, seconds
-        method = methods_of(self.plan.scene.name)[self.plan.variant]
-        likely, most = self._priced_by(method)
-        motions = self._motions
-        return MOTION_SECONDS + motions * likely, MOTION_SECONDS + motions * most
-
-    @property
-    def _motions(self) -> float:
-        """The number of motions that the search for one design follows.
-
-        One interval of nine nodes is in the price of a search; more nodes cost as much more.
-        """
-        more = max(1.0, self.problem.nodes / NODES)
-        return more * search_budget(len(self.problem.names))
-
-    def _priced_by(self, method: Method) -> tuple[float, float]:
-        """Return the likely and the largest time of one motion by a method on one core [s]."""
-        free = {one.name: (one.lower, one.upper) for one in self.problem.variables}
-        return price_of(method, self.plan, self.designs, free)
-
-    @property
-    def seconds_a_cell(self) -> float:
-        """The likely time of a design on one core [s]."""
-        return self._price[0]
-
-    @property
-    def most_seconds_a_cell(self) -> float:
-        """The largest time of a design on one core [s]."""
-        return self._price[1]
-
-    @cached_property
-    def tried_seconds_a_cell(self) -> float:
-        """The likely time to optimise one design on one core [s], after a trial of some motions.
-
-        For motions it is more exact than the estimate without a trial; closed forms need none.
-        """
-        if not self.problem.is_motion:
-            return self.seconds_a_cell
+            return Price(0.0, MARGIN * seconds * more)
         free = {one.name: (one.lower, one.upper) for one in self.problem.variables}
         method = methods_of(self.plan.scene.name)[self.plan.variant]
-        motions = self._motions
-        cells = self.cells * motions
-        each = tried_price(method, self.plan, self.designs, free, cells=cells)
-        return MOTION_SECONDS + motions * each
+        motion = price(self.plan, self.designs, method.seconds_a_cell, free)
+        # One interval of nine nodes is in the price of a search; more nodes cost as much more.
+        motions = more * search_budget(len(self.problem.names))
+        return Price(motion.start, MARGIN * MOTION_SECONDS + motions * motion.cell)
 
     @property
     def other_motion(self) -> Method | None:
@@ -195,7 +153,7 @@ class Optimisation(Prepared):
         if not self.problem.is_motion:
             return super().seconds_a_verified_cell + RIVAL_SECONDS
         other = self.other_motion
-        return self._priced_by(other)[0] if other else 0.0
+        return other.seconds_a_cell if other else 0.0
 
     @property
     def cut_axes(self) -> tuple[str, ...]:

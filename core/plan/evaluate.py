@@ -25,11 +25,12 @@ from vibrafeed.core.watch import Watch
 
 FEW_CELLS = 16_384
 """Number of cells that numpy computes in about a millisecond: no loop is compiled for fewer."""
-LOAD_SECONDS, COMPILE_SECONDS, FIND_SECONDS = 0.5, 1.0, 0.05
-"""Seconds to load the compiler, to compile a loop, and to find a compiled one on the disk."""
+LOADED_FROM, COMPILED_FROM, CACHED_FROM = 5_000_000, 10_000_000, 500_000
+"""Numbers of cells that numpy computes in place of a loop before the compiler is loaded, the loop
+compiled, or a compiled one looked for on the disk."""
 
-_spent: defaultdict[str, float] = defaultdict(float)
-"""Seconds that numpy has worked in place of a loop, by its source."""
+_seen: defaultdict[str, int] = defaultdict(int)
+"""Cells that numpy has computed in place of a loop, by its source."""
 _lock = threading.Lock()
 
 
@@ -114,27 +115,24 @@ def _fused(plan: Plan, grid: Grid) -> Fused | None:
     if graph is None:
         return None
     fused = Fused(plan, graph, grid)
-    return fused if repays(fused.missing, cells * plan.scene.seconds_a_cell) else None
+    return fused if is_compiled_for(fused.missing, cells) else None
 
 
-def repays(missing: Iterable[str], seconds: float) -> bool:
-    """True if compiling loops is worth its time, given the time that numpy would take.
+def is_compiled_for(missing: Iterable[str], cells: int) -> bool:
+    """True if loops that are not compiled yet are to be, for a number of cells.
 
-    `missing` are the sources of loops that are not compiled yet, `seconds` the time of numpy for
-    this evaluation [s]. Times are added up for each source: once numpy has spent as long on it as
-    compiling takes, the loop is compiled. So nobody waits more than twice as long as with the
-    better way.
+    `missing` are the sources of the loops. Cells are counted for each source: a loop is compiled
+    once numpy has computed so many that compiling would have taken no longer.
     """
     missing = tuple(missing)
     if not missing:
         return True
     with _lock:
         for source in missing:
-            _spent[source] += seconds
-        spent = max(_spent[source] for source in missing)
-    if spent < LOAD_SECONDS and "numba" not in sys.modules:
+            _seen[source] += cells
+        seen = max(_seen[source] for source in missing)
+    if seen < LOADED_FROM and "numba" not in sys.modules:
         return False
     from vibrafeed.core.kernel_cache import is_on_disk
 
-    wait = sum(FIND_SECONDS if is_on_disk(source) else COMPILE_SECONDS for source in missing)
-    return spent >= wait
+    return seen >= sum(CACHED_FROM if is_on_disk(one) else COMPILED_FROM for one in missing)

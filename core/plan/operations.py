@@ -21,12 +21,10 @@ from vibrafeed.core.mechanics.elementwise import (
     LOGARITHMIC,
     arc_quotient,
     arc_series,
-    binade,
-    exponent,
-)
-from vibrafeed.core.mechanics.quotients import (
     arctan_quotient,
+    binade,
     expm1_quotient,
+    exponent,
     log1p_quotient,
     sin_quotient,
     sinh_quotient,

@@ -13,7 +13,7 @@ from vibrafeed.core.errors import LimitError, Problem, StudyError
 from vibrafeed.core.plan.derived import Asked, is_status
 from vibrafeed.core.plan.grid import Grid, from_si
 from vibrafeed.core.plan.plan import Plan, plan_scene
-from vibrafeed.core.plan.price import in_words
+from vibrafeed.core.plan.price import Price, in_words, price
 from vibrafeed.core.plan.shares import Shares
 from vibrafeed.core.quantities import FLAGS, QUANTITIES
 from vibrafeed.core.scenes import Scene
@@ -26,12 +26,6 @@ Box = Mapping[str, tuple[int, int]]
 """A part of a grid: start and stop on the axes of which it is not the whole."""
 
 MAX_SECONDS_TO_VERIFY = 100.0  # a study that takes longer to verify is refused
-TRIED_FROM = 5.0
-"""Seconds by formula from which on a price is stated after a trial: to load the code that follows
-motion takes longer than most shorter studies."""
-
-RARELY = 2.0
-"""The largest time of a study is stated, too, if it is more than so many times the likely one."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +37,8 @@ class Prepared:
     grid: Grid
     questions: tuple[str, ...] = field(default=(), kw_only=True)
     """Questions about values that are allowed and unusual, wherever they come from."""
+    known_price: Price | None = field(default=None, kw_only=True, compare=False)
+    """The price of its cells where it is known, such as from another process."""
 
     shares_as: ClassVar[str] = ""
     """The form of its shares: `SHARDS`, or `ARRAYS`; empty if it has no shares."""
@@ -87,10 +83,6 @@ class Prepared:
     def boxes(self) -> int:
         """The largest number of shares."""
         return 0
-
-    def seconds_in_shares(self) -> float:
-        """Return the time of all shares on one core [s], from trying a few boxes."""
-        raise NotImplementedError
 
     def facts(self) -> dict[str, Any]:
         """Return further facts for the plan's JSON document."""
@@ -168,61 +160,40 @@ class Prepared:
         """Return the study restricted to a part of its grid."""
         return replace(self, grid=self.grid.within(box))
 
-    @property
-    def seconds_a_cell(self) -> float:
-        """The likely time of a point on one core [s], enough to distinguish short from long."""
-        raise NotImplementedError
+    @cached_property
+    def price(self) -> Price:
+        """The price of the cells on one core, without verification, at most about so much [s].
+
+        Where motions are simulated, some are simulated once to find it; see `core.plan.price`.
+        """
+        return self.known_price or self._new_price()
+
+    def _new_price(self) -> Price:
+        return price(self.plan, self.grid)
 
     @property
-    def most_seconds_a_cell(self) -> float:
-        """The largest time of a point on one core [s]."""
-        return self.seconds_a_cell
+    def seconds_a_cell(self) -> float:
+        """The price of a cell on one core [s]."""
+        return self.price.cell
 
     @property
     def seconds(self) -> float:
-        """The likely time of the study on one core, including verification [s]."""
-        return self.cells * self.seconds_a_cell + self.seconds_to_verify
-
-    @property
-    def most_seconds(self) -> float:
-        """The largest time of the study on one core [s]."""
-        return self.cells * self.most_seconds_a_cell + self.seconds_to_verify
-
-    @property
-    def tried_seconds_a_cell(self) -> float:
-        """The likely time of a cell [s], after a trial of some cells where motion is followed."""
-        return self.seconds_a_cell
-
-    @property
-    def tried_seconds(self) -> float:
-        """The likely time of the study on one core [s], after a trial; seldom a factor of 3 off.
-
-        Where motion is followed and its code is compiled, the trial follows some cells for a tenth
-        of the time of the study, for 0.1 to 0.3 s, of a long cell one period for up to half a
-        second; to load the code, in the first trial of a process, takes besides. Elsewhere it is
-        the price by formula, `seconds`.
-        """
-        return self.cells * self.tried_seconds_a_cell + self.seconds_to_verify
-
-    @property
-    def stated_seconds(self) -> float:
-        """The likely time of the study on one core [s], after a trial if it is worth one."""
-        return self.tried_seconds if self.seconds >= TRIED_FROM else self.seconds
+        """The price of the study on one core, including verification [s]."""
+        return self.price.of(self.cells) + self.seconds_to_verify
 
     @property
     def seconds_here(self) -> float:
-        """The likely time of the study on this machine [s]."""
-        return self.stated_seconds
+        """The price of the study on this machine [s]."""
+        return self.seconds
 
     @property
     def size_in_words(self) -> str:
         """A text with cells, bytes and time on one core, to show before a study is run."""
-        seconds, most = self.stated_seconds, self.most_seconds
-        rarely = f" (at most some {in_words(most)})" if most > RARELY * seconds else ""
+        seconds = self.seconds
         cells = f"{self.cells:,} cell{'s' * (self.cells != 1)}"
         return (
             f"{cells}, {self.bytes:,} bytes before compression, "
-            f"some {in_words(seconds)} on one core{rarely}, {seconds / 3600:.1g} core hours"
+            f"some {in_words(seconds)} on one core, {seconds / 3600:.1g} core hours"
         )
 
     @property
@@ -246,7 +217,7 @@ class Prepared:
         """The share of computing in the total time with verification, 0 to 1, for the progress."""
         if not self.seconds_to_verify:
             return 1.0
-        seconds = self.cells * self.seconds_a_cell
+        seconds = self.price.of(self.cells)
         return seconds / (seconds + self.seconds_to_verify)
 
     def unverified(self) -> Self:

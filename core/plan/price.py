@@ -1,71 +1,186 @@
-"""The time that evaluating a plan takes on this machine, estimated before it is done.
+"""The price of a study: 64 of its cells are computed and timed, once, with a margin of two.
 
-The steps of a compiled loop are counted, and what a step takes is measured: once a process, by some
-sums of numpy that last a millisecond, beside what they took on the machine on which the rates below
-were found. What goes by numpy has the price of its scene.
+Nobody knows beforehand whether a motion repeats, so the sampled motions are followed for more and
+more periods while a budget of time lasts. What has not repeated by then counts as if it went on for
+all the periods that the study allows. Closed forms have a fixed price for each cell.
 """
 
 from __future__ import annotations
 
+import math
 import time
-from functools import cache
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from vibrafeed.core.plan.evaluate import COMPILE_SECONDS
-from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.loops.fused import Values, groups_of
-from vibrafeed.core.plan.loops.program import edge_of, program_of
-from vibrafeed.core.plan.loops.trace import traced
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.equations import run_equations
+from vibrafeed.core.plan.grid import Grid, positions_of
 from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.quantities import MOTION_STATUSES
+from vibrafeed.core.study.simulate_study import FEWEST_PERIODS
+from vibrafeed.core.watch import Watch
 
-STEP_SECONDS, BYTE_SECONDS, CALL_SECONDS = 2.0e-11, 7e-11, 2.8e-9
-"""Seconds of an addition in a loop, of a byte written, and of a function that numpy computes
-between loops, on the reference machine."""
-SUM_SECONDS = 2.0e-10
-"""Seconds of an addition in the sums by which `pace` measures a machine, on the reference."""
-VALUES = 3  # values of each axis that are looked at, to find what is the same all over a grid
+SAMPLED = 64
+"""Most cells that are computed for a price."""
+MARGIN = 2.0
+"""Factor on the measured time."""
+BUDGET, PATIENCE = 0.3, 4.0
+"""Longest time of the processor that a round of the sample takes [s], and the longest by the clock
+over it, since others may use the core."""
+MORE = 4.0
+"""Factor from the number of periods of one round to that of the next."""
+SURPRISE = 3.0 * MORE
+"""Ratio of the times of a cell in two rounds from which on the second is repeated."""
+LIMIT = "max_periods"
+
+ENDED = [MOTION_STATUSES[name].value for name in ("periodic", "at_rest", "neutral")]
+"""Statuses of motions that more periods do not prolong."""
+NOT_COMPUTED = MOTION_STATUSES["not_computed"].value
 
 
-def evaluation_seconds(plan: Plan, grid: Grid) -> float:
-    """Return the time to evaluate a plan on one core, within a factor of 2 [s].
+class Price(NamedTuple):
+    """The price of a study in seconds of one core: to begin, and for each cell."""
 
-    It is the less of numpy's and that of a compiled loop with its compiling; the grid may be of any
-    size.
+    start: float
+    cell: float
+
+    def of(self, cells: float) -> float:
+        """Return the price of a number of cells [s]; more cells never cost less."""
+        return self.start + self.cell * cells
+
+
+class _Round(NamedTuple):
+    """The time of some cells [s], the number of those done, and whether some may go on."""
+
+    seconds: float
+    done: int
+    open: bool
+
+    @property
+    def each(self) -> float:
+        return self.seconds / max(self.done, 1)
+
+
+def price(
+    plan: Plan,
+    grid: Grid,
+    rough: float | None = None,
+    free: Mapping[str, tuple[float, float]] | None = None,
+) -> Price:
+    """Return the price of evaluating a plan on a grid, from some cells that are evenly spread.
+
+    Parameters
+    ----------
+    plan, grid : Plan, Grid
+        The plan of the study, and its parameters; the grid may be of any size.
+    rough : float, optional
+        The price of a cell where nothing is timed [s]: of closed forms, and of motions whose code
+        is not compiled yet. That of the scene if left out.
+    free : mapping of str to (float, float), optional
+        Parameters that are not on the grid, and the ends of their values, SI units.
     """
-    plain = grid.cells * plan.scene.seconds_a_cell * pace()
-    graph = traced(plan, grid.axes) if plain > COMPILE_SECONDS else None
-    if graph is None:
-        return plain
-    few = grid.within({name: (0, min(VALUES, size)) for name, size in grid.shape.items()})
-    seconds = 0.0
-    with np.errstate(all="ignore"):
-        values = Values(graph, plan, few)
-        for dims, names in groups_of(plan, grid).items():
-            shape = tuple((name, grid.shape[name]) for name in dims)
-            special = values.special(edge_of(graph, names, shape))
-            program = program_of(graph, names, shape, special)
-            cells = grid.size(dims)
-            width = sum(1 if name in plan.verdict_names else 8 for name in names)
-            each = width * BYTE_SECONDS + program.calls * CALL_SECONDS
-            seconds += program.work * STEP_SECONDS + cells * each
-    return min(plain, COMPILE_SECONDS + seconds * pace())
+    each = plan.scene.seconds_a_cell if rough is None else rough
+    if not any(one.takes_long for one in plan.equations) or not _is_compiled():
+        return Price(0.0, MARGIN * each)
+    known, count, share = _spread_cells(plan, grid, free or {})
+    start, each = _timed(plan, known, count)
+    return Price(MARGIN * start, MARGIN * each * share)
 
 
-@cache
-def pace() -> float:
-    """Return the time of an addition on this machine over that on the reference machine [1].
+def _is_compiled() -> bool:
+    from vibrafeed.core.kernel_cache import are_kept, packages
 
-    Above 1 this machine is slower. The best of 40 trials, at most 20 and at least 0.2.
+    return bool(are_kept(name for name in packages() if name.startswith("motion-")))
+
+
+def _spread_cells(
+    plan: Plan, grid: Grid, free: Mapping[str, tuple[float, float]]
+) -> tuple[dict[str, Array], int, float]:
+    """Return parameters of sampled cells, their number, and the share of cells with own motions.
+
+    Cells that differ in what no motion depends on share a motion.
     """
-    first, second = np.linspace(1.0, 2.0, 4096), np.linspace(2.0, 3.0, 4096)
-    best = np.inf
-    for _ in range(40):
-        started = time.perf_counter()
-        for _ in range(8):
-            np.add(first, second, out=second)
-        best = min(best, time.perf_counter() - started)
-    return float(np.clip(best / (8 * first.size) / SUM_SECONDS, 0.2, 20.0))
+    depends = plan.depends_on(grid.axes)
+    moved = frozenset().union(*(depends[one.gives] for one in plan.equations if one.takes_long))
+    dims = {name: grid.shape[name] for name in grid.dims(moved)}
+    cells = math.prod(dims.values())
+    count = SAMPLED if free else min(SAMPLED, cells)
+    points = _evenly(count, len(dims) + len(free))
+    if cells <= count and not free:
+        order = np.concatenate([np.arange(0, count, 2), np.arange(1, count, 2)])
+        positions = positions_of(dims, order)
+    else:
+        along = np.floor(points[:, : len(dims)] * [*dims.values()]).astype(np.int64)
+        positions = dict(zip(dims, along.T, strict=True))
+    positions |= dict.fromkeys(set(grid.axes) - set(dims), np.zeros(count, dtype=np.int64))
+    known = grid.at(positions, count, plan.parameters)
+    for k, (name, (low, high)) in enumerate(free.items(), start=len(dims)):
+        known[name] = low + (high - low) * points[:, k]
+    return known, count, cells / grid.cells
+
+
+def _evenly(count: int, axes: int) -> Array:
+    """Return points that fill the unit cube evenly, shape (count, axes).
+
+    Multiples of the powers of 1/g modulo 1, where g^(axes + 1) = g + 1: the golden ratio for one.
+    """
+    g = 2.0
+    for _ in range(64):
+        g = (1.0 + g) ** (1.0 / (axes + 1))
+    steps = g ** -np.arange(1.0, axes + 1)
+    return np.asarray((0.5 + np.arange(count)[:, np.newaxis] * steps) % 1.0)
+
+
+def _timed(plan: Plan, known: Mapping[str, Any], count: int) -> tuple[float, float]:
+    """Return the time of a call and of each cell on one core [s]."""
+    allowed = float(np.max({**plan.defaults, **known}.get(LIMIT, 0.0)))
+    periods = before = reached = 0.0
+    while True:
+        periods = min(allowed, max(float(FEWEST_PERIODS), MORE * periods))
+        latest = _follow(plan, known, count, periods)
+        if latest.each > SURPRISE * before:  # it may have loaded code
+            latest = _follow(plan, known, count, periods)
+        goes_on = latest.open and periods < allowed
+        if not goes_on or latest.done < count or MORE * latest.seconds > BUDGET:
+            break
+        before, reached = latest.each, periods
+    if goes_on:  # as if it never repeated
+        growth = (latest.each - before) / (periods - reached)
+        return 0.0, latest.each + max(growth, 0.0) * (allowed - periods)
+    if latest.done < count or count == 1:
+        return 0.0, latest.each
+    # A call takes a time of its own, which more cells do not lengthen.
+    half = count // 2
+    slope = (latest.seconds - _follow(plan, known, half, periods).seconds) / (count - half)
+    slope = min(max(slope, 0.1 * latest.each), latest.each)
+    return count * (latest.each - slope), slope
+
+
+def _follow(plan: Plan, known: Mapping[str, Any], count: int, periods: float) -> _Round:
+    """Compute the first cells of a sample for some periods, for as long as the budget lasts."""
+    cells = {name: value[:count] if np.ndim(value) else value for name, value in known.items()}
+    if LIMIT in plan.defaults or LIMIT in known:
+        cells[LIMIT] = np.asarray(periods)
+    busy, since = time.process_time(), time.thread_time()
+    watch = Watch(
+        threads=1,
+        stop=lambda: time.process_time() - busy > BUDGET,
+        deadline=time.monotonic() + PATIENCE * BUDGET,
+    )
+    try:
+        outcome = run_equations(plan, cells, watch)
+    except StoppedError:
+        return _Round(time.thread_time() - since, 0, open=True)
+    seconds = time.thread_time() - since
+    long = (outcome[one.gives] for one in plan.equations if one.takes_long)
+    statuses = [np.broadcast_to(one.status, count) for one in long if hasattr(one, "status")]
+    left_out = np.any([one == NOT_COMPUTED for one in statuses], axis=0)
+    done = count - int(np.sum(left_out))
+    is_open = not done or not all(np.isin(one[~left_out], ENDED).all() for one in statuses)
+    return _Round(seconds, done, is_open)
 
 
 def in_words(seconds: float) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.plan.replicates import jackknife, student_factor
+from vibrafeed.core.plan.replicates import error_of_mean
 
 LEVELS = 129
 """Number of quantiles that describe a whole distribution, from the least to the largest value."""
@@ -25,9 +25,9 @@ def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
     """Return mean and standard deviation of random points with their errors, ignoring NaN.
 
     `values` are an output at independent sets of points, shape (..., sets, points of a set); the
-    results have the shape (...). The errors come from leaving out one set after the other
-    (jackknife), half the width of a 95 % interval. Where all values are NaN, so is the mean. Both
-    results have a value and its error.
+    results have the shape (...). The errors come from the scatter of independent sets, half the
+    width of a 95 % interval. Where all values are NaN, so is the mean. Both results have a value
+    and its error.
     """
     known = np.isfinite(values)
     number = known.sum(axis=(-2, -1), keepdims=True)
@@ -46,7 +46,7 @@ def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
             left = np.maximum(second / count - mean**2, 0.0)
             return np.stack([mean, np.sqrt(left * count / (count - 1))])
 
-        estimate, error = jackknife(sums, moments)
+        estimate, error = moments(sums.sum(axis=1)), error_of_mean(moments(sums), axis=1)
     mean = estimate[0] + centre[..., 0, 0]
     return Estimate(mean, error[0]), Estimate(estimate[1], error[1])
 
@@ -68,12 +68,11 @@ def quantiles(values: Array, shares: Array) -> Estimate:
     Estimate
         Arrays of shape (shares, ...).
     """
-    count = values.shape[-2]
     flat = values.reshape(*values.shape[:-2], -1)
     found = quantile(flat, shares)
     each = quantile(values, shares)
     # Where one scrambling has no value at all, there is no telling how far they lie apart.
-    return Estimate(found, student_factor(count) * each.std(axis=-1, ddof=1) / np.sqrt(count))
+    return Estimate(found, error_of_mean(each))
 
 
 def quantile(values: Array, shares: Array) -> Array:
@@ -102,8 +101,7 @@ def probability(met: Mask) -> Estimate:
     """
     replicates, count = met.shape[-2:]
     each = met.mean(axis=-1)
-    error = student_factor(replicates) * each.std(axis=-1, ddof=1) / np.sqrt(replicates)
-    return Estimate(each.mean(axis=-1), np.maximum(error, 1 / (replicates * count)))
+    return Estimate(each.mean(axis=-1), np.maximum(error_of_mean(each), 1 / (replicates * count)))
 
 
 def share(lost: NDArray[np.bool_]) -> Any:

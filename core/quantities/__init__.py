@@ -9,10 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from vibrafeed.core.quantities.bowl_track import BOWL_TRACK
-from vibrafeed.core.quantities.directions import DIRECTIONS
 from vibrafeed.core.quantities.drive import DRIVE
-from vibrafeed.core.quantities.drive_unit import DRIVE_UNIT
+from vibrafeed.core.quantities.drive_unit import BOWL_TRACK, DRIVE_UNIT
 from vibrafeed.core.quantities.flags import (
     MOTION_MODES,
     MOTION_STATUSES,
@@ -20,18 +18,14 @@ from vibrafeed.core.quantities.flags import (
     REGIMES,
     Flag,
 )
-from vibrafeed.core.quantities.impacts import IMPACTS
-from vibrafeed.core.quantities.isolated import ISOLATED
-from vibrafeed.core.quantities.motion import MOTION
+from vibrafeed.core.quantities.impacts import IMPACTS, ISOLATED
+from vibrafeed.core.quantities.motion import DIRECTIONS, MOTION
 from vibrafeed.core.quantities.optimum import OPTIMUM
-from vibrafeed.core.quantities.orienting import ORIENTING
-from vibrafeed.core.quantities.quantity import Quantity
-from vibrafeed.core.quantities.resting import RESTING
-from vibrafeed.core.quantities.rolling import ROLLING
-from vibrafeed.core.quantities.round_parts import ROUND_PARTS
+from vibrafeed.core.quantities.orienting import ORIENTING, RESTING
+from vibrafeed.core.quantities.quantity import WORD_OF, WORDS, Quantity, by_letters, letter_of
+from vibrafeed.core.quantities.round_parts import ROLLING, ROUND_PARTS
 from vibrafeed.core.quantities.row import ROW
 from vibrafeed.core.quantities.track import TRACK
-from vibrafeed.core.quantities.words import WORD_OF, WORDS, by_letters, letter_of
 
 __all__ = [
     "DIRECTIONS",

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
-from vibrafeed.core.quantities.directions import DIRECTIONS
-from vibrafeed.core.quantities.flags import MOTION_STATUSES
+from vibrafeed.core.quantities.flags import MOTION_STATUSES, Flag
 from vibrafeed.core.quantities.quantity import Quantity, acceleration, flag, number, velocity
+
+DIRECTIONS: dict[str, Flag] = {
+    "rests": Flag(0, "the part does not travel: it is held, or moves to and fro on the spot"),
+    "forwards": Flag(1, "the part travels forwards, along +x"),
+    "backwards": Flag(2, "the part travels backwards, against x"),
+    "unknown": Flag(3, "the part has no mean velocity", valid=False),
+}
 
 
 def _fraction(label: str, description: str) -> Quantity:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.errors import StoppedError
-from vibrafeed.core.plan.evaluate import evaluate, evaluate_at_once, repays
+from vibrafeed.core.plan.evaluate import evaluate, evaluate_at_once, is_compiled_for
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.loops.lanes import LONGEST_AXIS, TILE_CELLS, LaneOrder
 from vibrafeed.core.plan.loops.source import LONGEST_ROW
@@ -110,8 +110,7 @@ class Boxes:
 
         Whether compiling is worth its time depends on the number of cells; it is done here.
         """
-        seconds = self.cutting.cells * self.field.plan.scene.seconds_a_cell
-        if self._loop is None or not repays(self._loop.missing, seconds):
+        if self._loop is None or not is_compiled_for(self._loop.missing, self.cutting.cells):
             return None
         self._loop.prepare()
         return self._loop

@@ -178,26 +178,17 @@ class Reduced(Prepared):
         """The number of cores used here."""
         return cores()
 
-    def seconds_in_shares(self) -> float:
-        """Return the time of all shares on one core [s]."""
-        return self.seconds_here * self.cores
-
     @property
     def seconds_here(self) -> float:
-        """The time here, with all cores, estimated from a few boxes [s]."""
-        return float(self.work.seconds())
-
-    @property
-    def _by(self) -> str:
-        """Return the words on what the time depends on."""
-        return f", by a few of {len(self.work):,} boxes"
+        """The price of the study on this machine [s]: that of its cells over all cores."""
+        return self.seconds / self.cores
 
     @property
     def size_in_words(self) -> str:
         """A text with cells, values of the result and time, to show before a study is run."""
         return (
             f"{self.cells:,} cells reduced to {self.bytes // 8:,} values, {self.bytes:,} bytes; "
-            f"some {in_words(self.seconds_here)} here{self._by}"
+            f"some {in_words(self.seconds_here)} here"
         )
 
 

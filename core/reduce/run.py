@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import time
 from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -20,12 +19,6 @@ from vibrafeed.core.reduce.state import STOPPED, State, merge_states
 from vibrafeed.core.study.reduction import Reduction
 from vibrafeed.core.system import cores
 from vibrafeed.core.watch import Watch
-
-TRIED = 3
-"""Boxes for each thread that are computed to estimate the time of all, and the fewest trials of
-them."""
-FASTER = 0.7
-"""They are tried again while the last trial took less than this share of the fastest before."""
 
 
 @dataclass(frozen=True)
@@ -140,25 +133,3 @@ class Units:
         threads = max(1, (watch.threads or cores()) // len(self))
         silent = replace(watch, progress=None, threads=threads)
         return self.boxes[unit.field].seen(unit.box, silent)
-
-    def seconds(self) -> float:
-        """Return the estimated time of a reduction with all cores [s], by a trial of a few boxes.
-
-        The boxes of each group of outputs are spread over the grid and run side by side, as all
-        will be; more than once, since a loop is compiled only when numpy has worked as long as
-        compiling takes.
-        """
-        threads, total, start = cores(), 0.0, 0
-        with ThreadPoolExecutor(threads) as pool:
-            for boxes, end in zip(self.boxes, self._ends, strict=True):
-                count = min(end - start, TRIED * threads)
-                units = [self[start + (end - start) * k // count] for k in range(count)]
-                boxes.seen(units[0].box)
-                times: list[float] = []
-                while len(times) < TRIED or times[-1] < FASTER * min(times[:-1]):
-                    started = time.perf_counter()
-                    list(pool.map(boxes.seen, [unit.box for unit in units]))
-                    times.append(time.perf_counter() - started)
-                total += min(times) / sum(unit.cells for unit in units) * boxes.cutting.cells
-                start = end
-        return total

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from types import MappingProxyType
 from typing import Any
 
@@ -20,31 +20,16 @@ _UNIT = re.compile(r" \[[A-Za-z0-9 -]+\](?=[.,;:]|$)")
 _VERB = re.compile(r"^(?:Return|True) ")
 
 
-def _inputs(function: Function) -> tuple[str, ...]:
+def arguments_of(function: Function) -> tuple[str, ...]:
     """Return the quantities that a function takes: its arguments without default."""
     parameters = inspect.signature(function).parameters.values()
     return tuple(p.name for p in parameters if p.default is inspect.Parameter.empty)
 
 
-def keywords(names: Iterable[str]) -> inspect.Signature:
-    """Return a signature with these quantities as keyword arguments."""
-    keyword = inspect.Parameter.KEYWORD_ONLY
-    return inspect.Signature([inspect.Parameter(name, keyword) for name in dict.fromkeys(names)])
-
-
-def taking(function: Function, *more: str, without: str = "") -> inspect.Signature:
-    """Return a function's signature with further arguments, and perhaps without one."""
-    kept = [p for p in inspect.signature(function).parameters.values() if p.name != without]
-    return inspect.Signature([*keywords(more).parameters.values(), *kept])
-
-
-def _summary(function: Function) -> str:
-    """Return the first paragraph of a function's docstring as a description for users.
-
-    Its first word ("Return", "True"), its units, which the catalogue has beside it, and its marks
-    of code are left out.
-    """
-    paragraph = (inspect.getdoc(function) or "").split("\n\n")[0]
+def _summary(says: str | None) -> str:
+    # A description for users: without the first word ("Return", "True"), the units, which the
+    # catalogue has beside it, and marks of code.
+    paragraph = (says or "").split("\n\n")[0]
     text = _VERB.sub("", _UNIT.sub("", " ".join(paragraph.split()).replace("`", "")))
     return text[:1].upper() + text[1:]
 
@@ -56,9 +41,9 @@ class Equation:
     Attributes
     ----------
     gives : str
-        The quantity that it gives; the argument names are the quantities that it needs.
+        The quantity that it gives.
     function : callable
-        The function; arrays in, array out.
+        The function; arrays in by keyword, array out.
     source : str
         Equation numbers of the source.
     variant : str
@@ -67,6 +52,10 @@ class Equation:
     derivative : callable, optional
         The same function in steps that have a derivative, of the same arguments, where those of
         ``function`` have none: it is run in its place on numbers with a derivative.
+    needs : tuple of str, optional
+        The quantities that it needs; the argument names of its function if left out.
+    says : str, optional
+        What it gives, in words; the docstring of its function if left out.
     """
 
     gives: str
@@ -74,11 +63,14 @@ class Equation:
     source: str
     variant: str = "all"
     derivative: Function | None = None
+    needs: tuple[str, ...] | None = None
+    says: str = ""
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
-        """The names of the quantities that the equation needs."""
-        return _inputs(self.function)
+        """The names of the quantities that the equation needs, each once."""
+        needs = arguments_of(self.function) if self.needs is None else self.needs
+        return tuple(dict.fromkeys(needs))
 
     @cached_property
     def takes_long(self) -> bool:
@@ -87,54 +79,43 @@ class Equation:
 
     @property
     def summary(self) -> str:
-        """A sentence on what the equation gives, from its function's docstring."""
-        return _summary(self.function)
+        """A sentence on what the equation gives, from its description."""
+        return _summary(self.says or inspect.getdoc(self.function))
 
 
-@dataclass(frozen=True)
-class Field:
-    """The function of an equation that takes one field out of a bundle.
+def _taken(bundle: str, path: tuple[Any, ...], **values: Any) -> Any:
+    value = values[bundle]
+    for step in path:
+        value = getattr(value, step) if isinstance(step, str) else value[step]
+    return value
 
-    Attributes
+
+def field_of(
+    bundle: str, path: tuple[Any, ...], gives: str, says: str, source: str, variant: str = "all"
+) -> Equation:
+    """Return the equation that takes a quantity out of a bundle, one quantity of several results.
+
+    Parameters
     ----------
     bundle : str
-        The quantity that it needs.
+        The quantity that it needs, such as ``"motion"``.
     path : tuple
         The way to the field: names of fields, and places in tuples or arrays.
-    says : str
-        What stands there; its docstring.
+    gives, says, source, variant : str
+        As in `Equation`; `says` as one says after "Return".
     """
-
-    bundle: str
-    path: tuple[Any, ...]
-    says: str
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "__doc__", self.says)
-
-    @property
-    def __signature__(self) -> inspect.Signature:
-        """The bundle is its only argument."""
-        return keywords((self.bundle,))
-
-    def __call__(self, **values: Any) -> Any:
-        """Return the field of the bundle, found by the path of names and positions."""
-        value = values[self.bundle]
-        for step in self.path:
-            value = getattr(value, step) if isinstance(step, str) else value[step]
-        return value
+    function = partial(_taken, bundle, path)
+    return Equation(gives, function, source, variant, needs=(bundle,), says=f"Return {says}.")
 
 
 def fields(bundle: str, source: str, variant: str = "all", **rows: Any) -> tuple[Equation, ...]:
-    """Return equations that take quantities out of a bundle, one quantity that has several results.
+    """Return equations that take quantities out of a bundle, as `field_of` does.
 
-    `bundle` is its name, such as ``"motion"``. For each quantity by name, a row has the names of
-    the fields that lead to it, and last its description, as one says after "Return". `source` (of
-    the theory) and `variant` are those of all.
+    For each quantity by name, a row has the names of the fields that lead to it, and last its
+    description. `source` (of the theory) and `variant` are those of all.
     """
     return tuple(
-        Equation(gives, Field(bundle, row[:-1], f"Return {row[-1]}."), source, variant)
-        for gives, row in rows.items()
+        field_of(bundle, row[:-1], gives, row[-1], source, variant) for gives, row in rows.items()
     )
 
 
@@ -166,12 +147,12 @@ class Condition:
     @cached_property
     def inputs(self) -> tuple[str, ...]:
         """The names of the quantities that the condition needs."""
-        return _inputs(self.function)
+        return arguments_of(self.function)
 
     @property
     def summary(self) -> str:
         """A sentence on where the condition holds, from its function's docstring."""
-        return _summary(self.function)
+        return _summary(inspect.getdoc(self.function))
 
 
 STANDARD_GRAVITY = 9.80665
@@ -235,8 +216,8 @@ class Scene:
     variant_defaults : mapping
         Defaults of single variants, over those of all.
     seconds_a_cell, seconds_a_verified_cell : float
-        Roughly what a point takes on one core by the closed forms, and by 50 digits with condition
-        numbers.
+        Roughly what a point takes on one core by compiled closed forms, and by 50 digits with
+        condition numbers.
     rounding_bound : int or None
         Largest error of an output in ulps over its condition number, if one is known; the tests
         hold every output to it, at random, extreme and threshold points.
@@ -258,7 +239,7 @@ class Scene:
     variant_defaults: Mapping[str, Mapping[str, float]] = field(
         default_factory=lambda: MappingProxyType({})
     )
-    seconds_a_cell: float = 1e-7
+    seconds_a_cell: float = 1e-8
     seconds_a_verified_cell: float = 0.01
     rounding_bound: int | None = None
     fit: Callable[[Scene, Collection[str]], Scene] | None = None

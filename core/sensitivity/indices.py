@@ -21,7 +21,7 @@ import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan.draws import points
-from vibrafeed.core.plan.replicates import REPLICATES, jackknife
+from vibrafeed.core.plan.replicates import REPLICATES, error_of_mean
 
 MAX_INPUTS = 40  # uncertain parameters: evaluations grow with their number
 FLAT = 1e-14
@@ -79,8 +79,7 @@ def indices_of(values: Array) -> Indices:
     """Return the Sobol indices of outputs from their values at the points of `design`, with errors.
 
     The first index of an input is the share of the variance due to it alone, the total one its
-    share with all interactions. Errors come from leaving out one set of points after the other
-    (jackknife).
+    share with all interactions. Errors come from the scatter of independent sets of points.
 
     Parameters
     ----------
@@ -120,7 +119,8 @@ def indices_of(values: Array) -> Indices:
     own = np.moveaxis(np.stack([first, total]), -1, 1)
     sums = np.concatenate([np.broadcast_to(shared, (3, *own.shape[1:])), own])
     with np.errstate(invalid="ignore", divide="ignore"):
-        (first, total), (first_error, total_error) = jackknife(sums, estimate)
+        first, total = estimate(sums.sum(axis=1))
+        first_error, total_error = error_of_mean(estimate(sums), axis=1)
     return Indices(first, first_error, total, total_error)
 
 

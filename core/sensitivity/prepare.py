@@ -11,14 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.motion.method import Method
-from vibrafeed.core.motion.prepare import choose_system, price_of, tried_price
+from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.systems import CONTACTS, methods_of
 from vibrafeed.core.optimise.prepare import choose_problem_scene
 from vibrafeed.core.plan.grid import Grid, to_si
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.plan.prepared import Chosen, Prepared, locate_problem, plan_study
-from vibrafeed.core.plan.price import pace
+from vibrafeed.core.plan.price import Price, price
 from vibrafeed.core.plan.sketch import Sketch
 from vibrafeed.core.plan.statistics import LEVELS
 from vibrafeed.core.quantities import FLAGS, REGIMES
@@ -37,9 +36,6 @@ from vibrafeed.core.study.sensitivity_study import Demand, SensitivityStudy
 from vibrafeed.core.study.values import Fixed, Span, Values
 from vibrafeed.core.suggestions import suggestion
 
-PATH_SAMPLES = 64
-"""Samples of a study for each path of Morris's screening."""
-FEWEST_PATHS = 16
 MAX_VALUES = 10_000_000
 """Most values of one design: evaluations times outputs, which fill a few hundred megabytes."""
 MAX_EVALUATIONS = 2_000_000_000
@@ -115,27 +111,18 @@ class Sensitivity(Prepared):
         """The points of the tolerance budget; None if not asked for."""
         return Budget(self.uncertain, self.study.seed)
 
-    @property
-    def paths(self) -> int:
-        """The paths of Morris's screening; None if not asked for."""
-        return max(FEWEST_PATHS, self.study.samples // PATH_SAMPLES)
-
     @cached_property
     def evaluations(self) -> int:
         """The number of evaluations of each design."""
         return evaluations_of(self.study, self.budget)
 
-    @cached_property
-    def _price(self) -> tuple[float, float]:
-        """The likely and the largest time of one evaluation of the outputs, on one core [s]."""
-        if not any(equation.takes_long for equation in self.plan.equations):
-            seconds = self.plan.scene.seconds_a_cell * pace()
-            return seconds, seconds
-        return price_of(self._method, self.plan, self.grid, self._ends)
-
-    @property
-    def _method(self) -> Method:
-        return methods_of(self.plan.scene.name)[self.plan.variant]
+    def _new_price(self) -> Price:
+        rough = None
+        if any(equation.takes_long for equation in self.plan.equations):
+            rough = methods_of(self.plan.scene.name)[self.plan.variant].seconds_a_cell
+        one = price(self.plan, self.grid, rough, self._ends)
+        counting = COUNT_SECONDS * len(self.plan.outputs)
+        return Price(one.start, self.evaluations * (one.cell + counting))
 
     @property
     def _ends(self) -> dict[str, tuple[float, float]]:
@@ -149,33 +136,6 @@ class Sensitivity(Prepared):
             ends[name] = low, high
         return ends
 
-    @cached_property
-    def tried_seconds_a_cell(self) -> float:
-        """The likely time of one design on one core [s], after a trial of some evaluations.
-
-        For motions it is more exact than the estimate without a trial; closed forms need none.
-        """
-        if not any(equation.takes_long for equation in self.plan.equations):
-            return self.seconds_a_cell
-        cells = self.cells * self.evaluations
-        each = tried_price(self._method, self.plan, self.grid, self._ends, cells=cells)
-        return self.evaluations * (each + self._counting)
-
-    @property
-    def _counting(self) -> float:
-        """Return the time of counting the results of one evaluation [s]."""
-        return COUNT_SECONDS * len(self.plan.outputs)
-
-    @property
-    def seconds_a_cell(self) -> float:
-        """The likely time of a design on one core [s]."""
-        return self.evaluations * (self._price[0] + self._counting)
-
-    @property
-    def most_seconds_a_cell(self) -> float:
-        """The largest time of a design on one core [s]."""
-        return self.evaluations * (self._price[1] + self._counting)
-
     def what_fits(self, share: float) -> str:
         """Return a sentence that says how to shrink the study to a share of its size."""
         return super().what_fits(share) if self.grid.shape else "It fits with fewer outputs"
@@ -184,14 +144,12 @@ class Sensitivity(Prepared):
 def evaluations_of(study: SensitivityStudy, budget: Budget) -> int:
     """Return the number of evaluations of one design that the analyses of a study need.
 
-    Each analysis (distribution, Sobol, Morris, tolerance budget) has points of its own, besides the
+    Each analysis (distribution, Sobol, tolerance budget) has points of its own, besides the
     nominal one; `budget` has those of the last.
     """
     count, total = len(study.distributions()), 1
     if {"distribution", "sobol"} & set(study.analyses) or study.demands:
         total += study.samples * (count + 2 if "sobol" in study.analyses else 1)
-    if "morris" in study.analyses:
-        total += max(FEWEST_PATHS, study.samples // PATH_SAMPLES) * (count + 1)
     return total + (budget.size if "budget" in study.analyses else 0)
 
 

@@ -21,7 +21,6 @@ from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.replicates import REPLICATES
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.sensitivity.indices import design, indices_of
-from vibrafeed.core.sensitivity.morris import effects_of, paths
 from vibrafeed.core.sensitivity.prepare import Sensitivity
 from vibrafeed.core.study.sensitivity_study import Demand
 from vibrafeed.core.watch import Watch
@@ -165,13 +164,6 @@ def _variables(evaluator: _Evaluator) -> Arrays:
     statistics_of: Arrays = {name: one[..., 0] for name, one in nominal.regimes.items()}
     for name, values in _of_points(evaluator):
         statistics_of[name] = values
-    if "morris" in study.analyses:
-        along = paths(len(prepared.uncertain), prepared.paths, study.seed)
-        screened = evaluator.at(along.points)
-        for name in prepared.outputs:
-            effects = effects_of(screened.outputs[name], along)
-            statistics_of[f"{name}_effect"] = effects.size.T
-            statistics_of[f"{name}_effect_deviation"] = effects.deviation.T
     if "budget" in study.analyses:
         placed = evaluator.of(prepared.budget.values())
         for name in prepared.outputs:

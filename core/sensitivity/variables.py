@@ -130,11 +130,6 @@ def _of_output(study: SensitivityStudy, name: str) -> Iterator[ResultVariable]:
             "total", "Total Sobol index", "Share of the variance that would remain if "
             "all other parameters were known.", UNCERTAIN, "1",
         )  # fmt: skip
-    if "morris" in study.analyses:
-        comment = "The mean size of what moving this parameter through half its distribution does, "
-        yield variable("effect", "Mean effect (mu*)", comment + "twice.", UNCERTAIN)
-        comment = "Variation of the effect over the distribution, by curvature or other parameters."
-        yield variable("effect_deviation", "Deviation of the effect (sigma)", comment, UNCERTAIN)
     if "budget" in study.analyses:
         yield variable("nominal", "Nominal value", "All parameters at their nominal values.")
         for end in ("lower", "upper"):

@@ -21,8 +21,8 @@ from vibrafeed.core.study.uncertain import Uncertain, distributions_of
 FEWEST_SAMPLES, MAX_SAMPLES = 256, 1 << 20
 MAX_DEMANDS = 20
 MAX_QUANTILES = 100
-ANALYSES = ("distribution", "sobol", "morris", "budget")
-Analysis = Literal["distribution", "sobol", "morris", "budget"]
+ANALYSES = ("distribution", "sobol", "budget")
+Analysis = Literal["distribution", "sobol", "budget"]
 
 
 class Demand(Frozen):
@@ -69,8 +69,8 @@ class SensitivityStudy(DrivenStudy):
     analyses: Annotated[tuple[Analysis, ...], at_most(len(ANALYSES))] = Field(
         ("distribution", "sobol", "budget"),
         description="What to compute: distribution (mean, standard deviation, quantiles, "
-        "demands), sobol (which parameter the variance comes from), morris (a first, cheaper "
-        "screening of many parameters), budget (what each tolerance does).",
+        "demands), sobol (which parameter the variance comes from), budget (what each "
+        "tolerance does).",
         min_length=1,
     )
     demands: Annotated[tuple[Demand, ...], at_most(MAX_DEMANDS)] = Field(
@@ -107,6 +107,16 @@ class SensitivityStudy(DrivenStudy):
             raise refusal(
                 f"samples is {value:,}, which is not a power of two",
                 f"Give {below:,} or {2 * below:,}",
+            )
+        return value
+
+    @field_validator("analyses", mode="before")
+    @classmethod
+    def _without_morris(cls, value: object) -> object:
+        if isinstance(value, list | tuple) and "morris" in value:
+            raise refusal(
+                "Morris's screening is no longer an analysis",
+                "Write sobol (shares of the variance) or budget (the effect of each tolerance)",
             )
         return value
 

@@ -13,12 +13,12 @@ from vibrafeed.core.errors import Problem
 from vibrafeed.core.plan.derived import Asked, asked_of
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.plan.price import evaluation_seconds, pace
+from vibrafeed.core.plan.price import Price
 from vibrafeed.core.plan.shares import SHARDS
 from vibrafeed.core.plan.tiles import Tiled
 from vibrafeed.core.study.sweep_study import SweepStudy
 from vibrafeed.core.sweep.cells import compute, label
-from vibrafeed.core.sweep.shares import Shards, seconds_in_shards
+from vibrafeed.core.sweep.shares import Shards
 from vibrafeed.core.watch import Watch
 
 
@@ -56,11 +56,6 @@ class Sweep(Prepared):
         with np.errstate(over="ignore"):  # what is too large for 32 bits is infinite
             return values.astype(np.float32)
 
-    @cached_property
-    def seconds_a_cell(self) -> float:
-        """The time of a cell on one core [s]."""
-        return evaluation_seconds(self.plan, self.grid) / self.cells
-
     def compute(self, watch: Watch) -> Computed:
         """Return outputs and verdicts in SI units."""
         return compute(self, watch)
@@ -77,10 +72,6 @@ class Sweep(Prepared):
     def boxes(self) -> int:
         """The number of tiles, the largest number of shares."""
         return len(Tiled(self).tiles)
-
-    def seconds_in_shares(self) -> float:
-        """Return the time of all shares on one core [s]."""
-        return seconds_in_shards(self)
 
 
 class DerivedSweep(Prepared):
@@ -100,11 +91,9 @@ class DerivedSweep(Prepared):
         """The derivatives in the result."""
         return asked_of(self.plan, self.study.values(), self.study.sensitivities, self.cells)
 
-    @cached_property
-    def seconds_a_cell(self) -> float:
-        """The time of a cell on one core [s]: each parameter needs its own pass."""
+    def _new_price(self) -> Price:
         passes = 1 + (2 * len(self.derived.parameters) if self.derived else 0)
-        return passes * self.plan.scene.seconds_a_cell * pace()
+        return Price(0.0, passes * super()._new_price().cell)
 
     def compute(self, watch: Watch) -> Computed:
         """Return outputs and verdicts in SI units."""

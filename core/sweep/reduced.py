@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.plan.price import evaluation_seconds, pace
 from vibrafeed.core.plan.sample import Sample
 from vibrafeed.core.plan.tiles import Tiled
 from vibrafeed.core.reduce.reduced import Reduced
@@ -15,19 +12,11 @@ from vibrafeed.core.sweep.plain import Sweep
 from vibrafeed.core.sweep.verify import verified
 from vibrafeed.core.watch import Watch
 
-SEEN_SECONDS = 0.5e-9
-"""Seconds that reducing takes for a cell, beside evaluating it."""
-
 
 class ReducedSweep(Reduced):
     """A sweep whose result holds statistics over some axes in place of all cells."""
 
     study: SweepStudy
-
-    @cached_property
-    def seconds_a_cell(self) -> float:
-        """The time of a cell on one core [s]."""
-        return evaluation_seconds(self.plan, self.grid) / self.cells + SEEN_SECONDS * pace()
 
     def attributes(self) -> dict[str, str]:
         """Return the attributes of the result that are known before computing."""

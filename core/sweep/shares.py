@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -19,27 +18,6 @@ from vibrafeed.core.plan.shares import Shares, identity
 from vibrafeed.core.plan.tiles import Tiled
 from vibrafeed.core.sweep.stream import outline_table, stream
 from vibrafeed.core.watch import Watch
-
-TRIED = 3  # tiles that are computed to estimate the time of all
-
-
-def seconds_in_shards(sweep: Prepared) -> float:
-    """Return the time to compute and pack all tiles of a sweep on one core [s], by a trial.
-
-    Three tiles are tried; packing is taken to last as long as computing. A tile is a piece of all
-    arrays.
-    """
-    tiled = Tiled(sweep)
-    count = len(tiled.tiles)
-    tried = [tiled.tiles[count * k // (TRIED + 1)] for k in range(min(count, TRIED + 1))]
-    started = cells = 0.0
-    for k, tile in enumerate(tried):
-        if k <= 1:  # the first may have had a loop compiled
-            started, cells = time.perf_counter(), 0.0
-        tiled.values(tile)
-        cells += tile.cells
-    # Packing takes as long as computing, about.
-    return 2 * (time.perf_counter() - started) / max(cells, 1.0) * tiled.tiles.cells
 
 
 @dataclass(frozen=True)

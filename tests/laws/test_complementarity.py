@@ -10,8 +10,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from vibrafeed.core.mechanics import complementarity, corner
-from vibrafeed.core.mechanics.complementarity import (
+from vibrafeed.core.mechanics import corner
+from vibrafeed.core.mechanics.corner import (
     NO_SOLUTION,
     SEPARATION,
     SLIDING,
@@ -222,5 +222,5 @@ def test_the_corner_has_the_solutions_of_a_search_over_slip_stick_and_separation
 
 
 def test_cases_have_distinct_numbers():
-    numbers = [getattr(complementarity, n) for n in dir(complementarity) if n.isupper()]
+    numbers = [getattr(corner, n) for n in dir(corner) if n.isupper()]
     assert len(numbers) == len(set(numbers)) == 5

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from vibrafeed.core.mechanics.rotations import body_to_reference
 from vibrafeed.core.mechanics.screws import (
     MomentumScrew,
     Twist,
     Wrench,
+    body_to_reference,
     cross,
     dot,
     dual_euler,

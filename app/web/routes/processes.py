@@ -21,7 +21,7 @@ from vibrafeed.app.jobs.keys import Key
 from vibrafeed.app.jobs.ledger import ACTIVE, Job
 from vibrafeed.app.settings import Settings
 from vibrafeed.app.web.accept import preferred
-from vibrafeed.app.web.calculations import check_study, execute_at_once, read_study
+from vibrafeed.app.web.calculations import execute_at_once, price_study, read_study
 from vibrafeed.app.web.dependencies import AdmissionOf, BaseOf, Body, SettingsOf, WhoOf, base_of
 from vibrafeed.app.web.documents import (
     CONFORMANCE,
@@ -43,6 +43,7 @@ from vibrafeed.app.web.replies import component, execution_name, json_reply, pro
 from vibrafeed.app.web.routes import page
 from vibrafeed.app.web.shares import calculate_in_process, slot_of, threads_of
 from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.plan.price import Price
 
 router = APIRouter(tags=["processes"])
 
@@ -179,11 +180,13 @@ async def _reply_or_job(
     """
     wishes = preferences(request.headers.getlist("prefer"))
     async with slot_of(request, len(body)):
-        if name != ACCURACY and not wishes.respond_async:
-            content = await _dataset_in_time(request, name, body, settings, who)
-            if content is not None:
-                return Response(content, media_type=JSON)
-        job = await run_in_threadpool(_post, name, body, settings, admission, who)
+        if name == ACCURACY or wishes.respond_async:
+            made = await _price(request, name, body, settings)
+        else:
+            made = await _dataset_in_time(request, name, body, settings, who)
+        if isinstance(made, bytes):
+            return Response(made, media_type=JSON)
+        job = await run_in_threadpool(_post, name, body, settings, admission, who, made)
         if not wishes.respond_async:
             await _dismiss_if_left(request, admission, job, who)
         return job
@@ -198,8 +201,8 @@ async def _dismiss_if_left(request: Request, admission: Admission, job: Job, who
 
 async def _dataset_in_time(
     request: Request, name: str, body: bytes, settings: Settings, who: Key
-) -> bytes | None:
-    """Compute a study for the reply to its request; None if that takes too long.
+) -> bytes | Price | None:
+    """Compute a study for the reply to its request, or its price if that takes too long.
 
     It is computed in a process that is ended after `max_execution_seconds` and some grace.
 
@@ -218,8 +221,8 @@ async def _dataset_in_time(
 
     Returns
     -------
-    bytes or None
-        The result as a JSON document.
+    bytes, Price or None
+        The result as a JSON document; else the price, None if that took too long as well.
 
     Raises
     ------
@@ -232,20 +235,28 @@ async def _dataset_in_time(
             request, execute_at_once, name, body, settings, who.cells, threads_of(request),
             seconds=seconds,
         )  # fmt: skip
-        return None if made is None else bytes(made)  # what compresses texts wants no view
     except StoppedError:  # its process was ended, perhaps before the study was read
-        # On a busy machine the next process begins late, too.
-        await calculate_in_process(request, check_study, name, body, settings, seconds=seconds)
-        return None
+        return await _price(request, name, body, settings)
+    # What compresses texts wants no view.
+    return made if isinstance(made, Price) else bytes(made)
 
 
-def _post(name: str, body: bytes, settings: Settings, admission: Admission, who: Key) -> Job:
+async def _price(request: Request, name: str, body: bytes, settings: Settings) -> Price | None:
+    # On a busy machine the process may begin late.
+    seconds = settings.max_execution_seconds + settings.grace_seconds
+    return await calculate_in_process(request, price_study, name, body, settings, seconds=seconds)
+
+
+def _post(
+    name: str, body: bytes, settings: Settings, admission: Admission, who: Key, price: Price | None
+) -> Job:
     """Post the study in a body as a job and return the job.
 
-    `name` is the process, `who` the API key. Raises `StudyError` or `LimitError` if the study
-    cannot be carried out, and the errors of `Admission.post` if the job is not accepted.
+    `name` is the process, `who` the API key, `price` that of the study. Raises `StudyError` or
+    `LimitError` if the study cannot be carried out, and the errors of `Admission.post` if the job
+    is not accepted.
     """
-    _, prepared = read_study(name, body, settings)
+    _, prepared = read_study(name, body, settings, price)
     prepared.check_limits(cells=who.cells, bytes_=None)
     return admission.post(prepared, name, who)
 

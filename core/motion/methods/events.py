@@ -22,7 +22,6 @@ from vibrafeed.core.motion.cells import run_cells
 from vibrafeed.core.motion.course import Path, TrajectoryRequest, TrajectoryValues
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of, groups_of, in_plane
 from vibrafeed.core.motion.method import Follow, FollowCourse, Method
-from vibrafeed.core.motion.price import Price, Priced
 from vibrafeed.core.motion.result import STATUS, Energy, Motion, motion_of
 from vibrafeed.core.quantities import MOTION_MODES
 from vibrafeed.core.watch import Watch
@@ -434,31 +433,12 @@ def _trajectory(contacts: Contacts) -> FollowCourse:
     return trajectory
 
 
-def _price(cells: Priced) -> Price:
-    """Return the likely and the largest time to simulate a cell from event to event [s].
-
-    Next to nothing in the plane, more by series in space. `cells` tells settings, harmonics and
-    contacts of the cells.
-    """
-    waves = 0.0 if cells.steps else cells.orders * (1.0 + cells.orders)
-    flat = 1.2e-5 + 7e-5 * waves + cells.restless * 2e-3
-    flat = flat + (1.0 + waves) * 1.2e-6 * cells.restless * cells.setting("max_periods")
-    flat = np.minimum(flat, 1.2e-5 + (1.0 + waves) * 2e-6 * cells.setting("max_periods"))
-    wide = (1.0 + cells.orders) * (3.0 if cells.contacts.wall else 1.0) * 6e-6
-    spatial = 2e-4 + 0.6 * wide * cells.periods(60.0)
-    allowed = cells.setting("max_periods")
-    most = np.where(
-        cells.across, 1e-3 + 10.0 * wide * allowed, 1e-3 + (1.0 + waves) * 3e-6 * allowed
-    )
-    return Price(np.where(cells.across, spatial, flat), most)
-
-
 EVENTS = Method(
     name="events",
     follow=_follow,
     source="theory 13.2-13.8, 13.13",
     accuracy="rounding, where the motion repeats",
-    seconds_a_cell=_price,
+    seconds_a_cell=1e-4,
     defaults={"tolerance": 1e-12, "max_periods": 1000.0},
     course=_trajectory,
     energy=_energy,

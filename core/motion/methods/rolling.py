@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.mechanics.rolling_motion import RollingContact
+from vibrafeed.core.mechanics.rolling import RollingContact
 from vibrafeed.core.motion import planar
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
 from vibrafeed.core.motion.kernels.planar.tables import PIECE
@@ -21,7 +21,6 @@ from vibrafeed.core.motion.method import Follow, Method
 from vibrafeed.core.motion.methods.events import planar_motion
 from vibrafeed.core.motion.result import ANSWERED, STATUS, Motion
 from vibrafeed.core.quantities import MOTION_MODES
-from vibrafeed.core.scenes.scene import taking
 from vibrafeed.core.watch import Watch
 
 WAYS = {MOTION_MODES["forward"].value: 1.0, MOTION_MODES["backward"].value: -1.0}
@@ -217,7 +216,6 @@ def _rolled(method: Method) -> Method:
             motion: Motion = block(groups=groups, watch=watch, **inputs)
             return as_rolling(rolling_contact, mean_acceleration, motion, watch)
 
-        motion.__signature__ = taking(block, "rolling_contact", "mean_acceleration")  # type: ignore[attr-defined]
         return motion
 
     return replace(method, follow=follow, course=None, energy=None)
@@ -235,7 +233,6 @@ def of_slip(block: Follow) -> Follow:
         motion: Motion = block(groups=slip_groups, watch=watch, **inputs)
         return motion
 
-    slip_motion.__signature__ = taking(block, "slip_groups", without="groups")  # type: ignore[attr-defined]
     return slip_motion
 
 

@@ -20,7 +20,6 @@ from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, table
 from vibrafeed.core.motion.method import Follow, FollowCourse, Method
 from vibrafeed.core.motion.methods import events
 from vibrafeed.core.motion.methods.events import motion_by_events
-from vibrafeed.core.motion.price import Price, Priced
 from vibrafeed.core.motion.result import ANSWERED, STATUS
 from vibrafeed.core.motion.waves import NORMAL, of_columns
 from vibrafeed.core.quantities.row import MAX_NUMBERED
@@ -32,13 +31,6 @@ of one that does not, to some 0.1 %."""
 
 SHOWN = 10
 """Periods from the start that a trajectory of steps shows: parts meet and part within some."""
-
-EVENT_SECONDS = 4e-7
-"""Seconds of one event of one part on one core; a period has some two of each part, and collisions.
-Under 2, 3 and 10 harmonics a row of 10 parts takes 1.9, 2.1 and 5.1 times as long as under a
-sine."""
-FOLLOWED = 0.5
-"""Share of the allowed periods that is likely needed: most rows of unequal parts never repeat."""
 
 
 class RowParts(NamedTuple):
@@ -434,31 +426,13 @@ def _course(contacts: Contacts) -> FollowCourse:
     return course
 
 
-def _price(cells: Priced) -> Price:
-    """Return the likely and the largest time to simulate each row of parts from event to event [s].
-
-    It grows with the number of parts, squared where they collide; rows of one friction take what
-    one part takes. `cells` describes settings, drive and rows of the cells.
-    """
-    row: RowParts = cells.known["row"]
-    if row.stop == "none" and not row.shift and all(np.isnan(one).all() for one in row.friction):
-        of_one = events.EVENTS.seconds_a_cell
-        assert callable(of_one)
-        return of_one(cells)
-    count = np.asarray(row.number, dtype=float)
-    waved = 1.5 + 0.35 * cells.orders if cells.orders else 1.0
-    period = EVENT_SECONDS * count * (4.0 + count) * waved
-    most = cells.setting("max_periods") * period
-    return Price(FOLLOWED * most, 5.0 * most)
-
-
 EVENTS = Method(
     name="events",
     follow=_follow,
     source="theory 17",
     accuracy="exact up to rounding, some 1e-12 of the drive, where the motion repeats; the error "
     "of the mean of batches of periods where it does not",
-    seconds_a_cell=_price,
+    seconds_a_cell=5e-3,
     defaults={"max_periods": PERIODS},
     course=_course,
 )

@@ -30,9 +30,8 @@ from vibrafeed.core.motion.cells import run_cells
 from vibrafeed.core.motion.course import TrajectoryRequest, TrajectoryValues
 from vibrafeed.core.motion.groups import Contacts, table
 from vibrafeed.core.motion.method import Follow, FollowCourse, Method
-from vibrafeed.core.motion.price import Price, Priced
 from vibrafeed.core.motion.result import STATUS
-from vibrafeed.core.scenes import cylinder_isolated, rectangle_isolated
+from vibrafeed.core.scenes import isolated
 from vibrafeed.core.scenes.scene import STANDARD_GRAVITY
 from vibrafeed.core.watch import Watch
 
@@ -60,9 +59,9 @@ class TumblingRectangle(NamedTuple):
         """
         h, b = (np.asarray(side, dtype=float) for side in self)
         return Body(
-            rectangle_isolated.half_diagonal(height=b, length=h),
-            rectangle_isolated.inertia_ratio(),
-            rectangle_isolated.corner_angle(height=b, length=h),
+            isolated.rectangle_half_diagonal(height=b, length=h),
+            isolated.rectangle_inertia_ratio(),
+            isolated.rectangle_corner_angle(height=b, length=h),
             np.ones(()),
         )
 
@@ -83,11 +82,11 @@ class TumblingCylinder(NamedTuple):
         simulated (theory 6); the fourth number, 1, says that it has corners.
         """
         h, d = (np.asarray(side, dtype=float) for side in self)
-        direction = cylinder_isolated.corner_direction(diameter=d, length=h)
+        direction = isolated.cylinder_corner_direction(diameter=d, length=h)
         return Body(
-            cylinder_isolated.half_diagonal(diameter=d, length=h),
-            cylinder_isolated.inertia_ratio(corner_direction=direction),
-            cylinder_isolated.corner_angle(diameter=d, length=h),
+            isolated.cylinder_half_diagonal(diameter=d, length=h),
+            isolated.cylinder_inertia_ratio(corner_direction=direction),
+            isolated.cylinder_corner_angle(diameter=d, length=h),
             np.ones(()),
         )
 
@@ -109,15 +108,11 @@ Part = TumblingRectangle | TumblingCylinder | Ball
 STEPS_A_PERIOD = 64  # fewest default steps a period of the drive
 STEP_IN_FALLS = 0.02  # largest default step, over sqrt(half diagonal/gravity)
 
-MAX_STEPS = 2e7
-"""Most steps of a cell, as in the kernels."""
 _DERIVED = frozenset({
     "half_diagonal", "inertia_ratio", "corner_angle", "pull_along", "pull_normal", "drive_along",
     "drive_normal", "circular_frequency", "time_step",
 })  # fmt: skip
 """Numbers of a cell that are computed from the inputs."""
-STEP, SETTLES = 1.2e-6, 1.6e-4  # s: computing of a step, and until a part without rebound rests
-SHAKEN = 0.35  # normal drive over the weight, above which a part seldom comes to rest
 
 
 class Throw(NamedTuple):
@@ -411,28 +406,12 @@ def _trajectory(contacts: Contacts) -> FollowCourse:
     return trajectory
 
 
-def _price(cells: Priced) -> Price:
-    """Return the time to simulate cells, from their duration and restitution.
-
-    A part that the plane does not shake off comes to rest after some computing, and the rest of its
-    duration costs nothing.
-    """
-    throw: Throw = cells.known["throw"]
-    duration = np.asarray(throw.duration, dtype=float)
-    steps = np.minimum(duration / _step_of(throw), MAX_STEPS)
-    push = np.asarray(throw.amplitude) * (2 * np.pi * np.asarray(throw.frequency)) ** 2
-    lift = push * np.sin(np.asarray(throw.beta)) / np.asarray(throw.gravity)
-    rest = SETTLES * np.exp(3.9 * np.asarray(throw.restitution))
-    likely = np.where(lift > SHAKEN, steps * STEP, np.minimum(rest, steps * STEP))
-    return Price(likely, 20.0 * steps * STEP)
-
-
 EVENTS = Method(
     name="events",
     follow=_follow,
     source="theory 2.3, 5.3",
     accuracy="of fourth order in the step while a corner or a side is on the plane, some 1e-8 of "
     "the energy; exact in flight; endless runs of impacts are cut off at 1e-6 of the fall's speed",
-    seconds_a_cell=_price,
+    seconds_a_cell=1e-3,
     course=_trajectory,
 )

@@ -20,7 +20,7 @@ from vibrafeed.core.optimise.families.optimum import (
 )
 from vibrafeed.core.optimise.kernels.columns import PlaneThesis
 from vibrafeed.core.study.optimise_study import Limited, Maximise, Pareto, Weighted
-from vibrafeed.core.study.spacing import evenly
+from vibrafeed.core.study.values import evenly
 
 
 def plane_thesis_limited(

@@ -4,16 +4,11 @@ from __future__ import annotations
 
 import asyncio
 from pathlib import Path
-from typing import Any
 
-from vibrafeed.app.jobs import priority_classes as module
-from vibrafeed.app.jobs.database import Database
 from vibrafeed.app.jobs.fair_queue import FairQueue
 from vibrafeed.app.jobs.ledger import Work
-from vibrafeed.app.jobs.priority_classes import PriorityClasses
-from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.jobs.runner import next_item
 from vibrafeed.app.settings import Settings
-from vibrafeed.core.intake import prepare_content
 
 
 async def turned() -> None:
@@ -143,44 +138,15 @@ def test_who_gives_up_waiting_leaves_no_gap():
     asyncio.run(scene())
 
 
-def test_short_work_is_taken_up_beside_long_work(tmp_path: Path, monkeypatch):
-    store = Store(tmp_path)
-    priority_classes = PriorityClasses(
-        store,
-        Settings(data_directory=tmp_path, concurrent_jobs=2, block_seconds=0.1),
-        Database(tmp_path / "ledger.sqlite"),
-    )
-
-    def posted(frequency: float, **more: Any) -> Work:
-        study = {
-            "kind": "simulate",
-            "scene": "rectangle-on-plane",
-            "parameters": {"frequency": frequency, "amplitude": 2.1e-3, "beta": 41, "friction": 0.4}
-            | {"restitution": 0.6},
-            **more,
-        }
-        key, _ = store.add(prepare_content(study).study)
-        return Work(key, "simulate", 1, 1, 0.0, "")
-
-    most = {"method": "reference", "max_periods": 100_000}
-    long = [posted(50.0 + n, **most) for n in range(4)]
-    short = [posted(60.0 + n) for n in range(3)]
-    waiting, active = [*long, *short], set()
-    taken = []
-    while (item := priority_classes.next(waiting, active)) is not None:
-        active.add(item.key)
-        taken.append(item)
-    assert taken == [*long[:2], *short[:2]]
-    assert priority_classes.next(waiting, active - {short[0].key}) == short[0]
-    # Much that is priced meanwhile changes nothing.
-    monkeypatch.setattr(module, "MAX_KNOWN", len(active))
-    for n in range(5):
-        priority_classes.next([*waiting, posted(70.0 + n)], active)
-    assert priority_classes.next(waiting, active) is None
-    assert priority_classes.next(waiting, active - {short[0].key}) == short[0]
-    # What cannot be read holds up nobody.
-    lost = Work("0" * 64, "simulate", 1, 1, 0.0, "")
-    assert priority_classes.next([lost], set()) == lost
+def test_short_work_is_taken_up_beside_long_work(tmp_path: Path):
+    settings = Settings(data_directory=tmp_path, concurrent_jobs=2, block_seconds=0.1)
+    long = [Work(f"long {n}", "simulate", 1, 1, 0.0, "", price=1.5) for n in range(4)]
+    short = [Work(f"short {n}", "simulate", 1, 1, 0.0, "", price=0.5) for n in range(3)]
+    waiting, active = [*long, *short], []
+    while (item := next_item(waiting, active, settings)) is not None:
+        active.append(item)
+    assert active == [*long[:2], *short[:2]]
+    assert next_item(waiting, active[:-1], settings) == short[1]
 
 
 def test_who_is_cancelled_while_places_are_handed_out_takes_none():

@@ -17,7 +17,7 @@ from local_client import local_client
 from posted_sweeps import STUDY
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
-from vibrafeed.app.web.calculations import check_study
+from vibrafeed.app.web.calculations import price_study
 from vibrafeed.app.web.routes import processes
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
@@ -349,7 +349,7 @@ class TestSimulation:
             patience = processes.calculate_in_process
 
             async def patient(request, function, *arguments, seconds):
-                seconds = 300 if function is check_study else seconds
+                seconds = 300 if function is price_study else seconds
                 return await patience(request, function, *arguments, seconds=seconds)
 
             monkeypatch.setattr(processes, "calculate_in_process", patient)

@@ -3,24 +3,22 @@
 import numpy as np
 import pytest
 
-from vibrafeed.core.mechanics.rotations import (
-    body_to_reference,
-    rotation_x,
-    rotation_y,
-    rotation_z,
-    turned,
-)
 from vibrafeed.core.mechanics.screws import (
     DualVector,
     MomentumScrew,
     ScrewKind,
     Twist,
     Wrench,
+    body_to_reference,
     cross,
     dot,
     force_at,
     power,
     reduce_screw,
+    rotation_x,
+    rotation_y,
+    rotation_z,
+    turned,
     vector,
 )
 

@@ -9,10 +9,8 @@ from scipy.integrate import quad
 import vibrafeed
 from night import NIGHT, count
 from vibrafeed.core.errors import StudyError
-from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.mechanics.bowl_track import Stretches, radius_at
+from vibrafeed.core.mechanics.bowl_drive_unit import Stretches, radius_at
 from vibrafeed.core.motion.bowl_track import (
-    AllStretches,
     AlongTrack,
     is_unknown,
     slowness,
@@ -121,7 +119,7 @@ def test_time_and_bottleneck_are_those_of_a_fine_walk_along_the_track():
 def walk_of(speed, **others):
     """Return the passage along the track of `TRACK` of a speed made up, and what it was asked."""
     (track, _) = track_of(TRACK, of_bowl=True)
-    stretches, asked = AllStretches(track), []
+    asked = []
 
     def made_up(*, track_fraction, max_periods):
         assert np.ndim(max_periods) == 0
@@ -138,14 +136,14 @@ def walk_of(speed, **others):
         return Equation(name, value, "")
 
     walk = AlongTrack(
-        stretches,
+        track,
         (Equation("conveying_velocity", made_up, ""), *map(constant, rest)),
-        (*stretches.inputs, "max_periods"),
+        (*track.inputs, "max_periods"),
     )
-    given = {name: np.array(TRACK[name]) for name in stretches.inputs}
+    given = {name: np.array(TRACK[name]) for name in track.inputs}
     given |= {name: np.radians(given[name]) for name in given if "climb" in name}
-    passage = walk(**given, max_periods=np.array(7.0))
-    return passage, float(track_length(stretches=stretches(**given))), np.unique(asked)
+    passage = walk.passage(**given, max_periods=np.array(7.0))
+    return passage, float(track_length(stretches=track.stretches(**given))), np.unique(asked)
 
 
 def test_a_method_gets_its_settings_as_they_are_and_nodes_are_enough_for_a_mean():
@@ -339,11 +337,3 @@ def test_stretches_belong_to_a_bowl():
             scene="rectangle-on-track", **TRACK, frequency=50, amplitude=1e-4, beta=20,
             outputs=WHOLE,
         )  # fmt: skip
-
-
-def test_the_price_counts_the_motions_along_the_track():
-    parameters = {name: value for name, value in STUDY.items() if name != "scene"}
-    study = {"kind": "simulate", "scene": "rectangle-on-track", "parameters": parameters}
-    place = prepare_content({**study, "outputs": ["conveying_velocity"]})
-    whole = prepare_content({**study, "outputs": WHOLE})
-    assert whole.seconds_a_cell == pytest.approx(35 * place.seconds_a_cell, rel=1e-12)

@@ -11,7 +11,6 @@ from scipy.optimize import fsolve
 import vibrafeed
 from night import NIGHT, count
 from vibrafeed.core.errors import StudyError
-from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.mechanics import linear_drive_unit
 from vibrafeed.core.quantities import MOTION_STATUSES, REGIMES
 
@@ -424,12 +423,3 @@ def test_heavy_parts_that_are_thrown_high_are_said_to_move_the_track(force, mass
     )
     assert (float(found.throw_number) > 2) == (force > 50)
     assert (int(found.regime) == REGIMES["thrown_load"].value) == thrown
-
-
-def test_the_price_of_parts_on_a_unit_counts_the_motions_that_find_their_load():
-    one = {key: value for key, value in STUDY.items() if key != "scene"}
-    study = {"kind": "simulate", "scene": "rectangle-on-plane", "outputs": NAMES}
-    alone = prepare_content({**study, "parameters": one})
-    loaded = prepare_content({**study, "parameters": {**one, "conveyed_mass": 0.5}})
-    assert 100 < loaded.seconds_a_cell / alone.seconds_a_cell < 400
-    assert loaded.most_seconds_a_cell > 40 * alone.most_seconds_a_cell

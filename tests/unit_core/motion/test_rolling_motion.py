@@ -10,7 +10,7 @@ from night import count
 from vibrafeed.core.dataset.regimes import percent
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
-from vibrafeed.core.mechanics.rolling_motion import RollingContact
+from vibrafeed.core.mechanics.rolling import RollingContact
 from vibrafeed.core.motion.feeding import travel_in_words
 from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.methods.events import motion_by_events, planar_path

@@ -69,7 +69,7 @@ class TestMethods:
                 curved = {"radius": "0.3 m"} if "track" in name else {}
                 curved |= {"parts": 4} if "row" in name else {}
                 prepared = prepare_content(study(name, method=method, parameters=curved))
-                assert 0 < prepared.seconds_a_cell < 60, (name, method)
+                assert 0 < prepared.method.seconds_a_cell < 60, (name, method)
 
     def test_every_method_agrees_within_its_error(self):
         for method in ("events", "reference"):

@@ -1,58 +1,170 @@
-"""What a sweep will take, told before: in order, at any size, and at no cost."""
+"""The price of a study: a few cells, timed once, within a budget; more cells never cost less."""
 
+import itertools
 import tracemalloc
 
+import numpy as np
 import pytest
 
+import vibrafeed.core.kernel_cache
+from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.plan import price
+from vibrafeed.core.plan import price as module
+from vibrafeed.core.plan.price import BUDGET, MARGIN, SAMPLED, Price
+from vibrafeed.core.quantities import MOTION_STATUSES
 
-AXES = {
-    "frequency": (20, 120), "amplitude": (1e-4, 1e-3), "alpha": (0, 60), "beta": (5, 60),
-    "friction": (0.1, 0.8), "delta": (0, 20),
+HOPS = {"frequency": 50, "amplitude": "2.1 mm", "beta": 41, "friction": 0.4, "restitution": 0.6}
+CALL = 2e-3  # s, of a call besides its cells
+PERIODIC, APERIODIC = (MOTION_STATUSES[name].value for name in ("periodic", "aperiodic"))
+
+
+def study(**more):
+    return {
+        "kind": "simulate", "scene": "rectangle-on-plane", "outputs": ["conveying_velocity"],
+        "parameters": HOPS | more,
+    }  # fmt: skip
+
+
+def frictions(num):
+    return {"start": 0.3, "stop": 0.5, "num": num}
+
+
+class Motions:
+    """Stands for the equations of a plan: each period of a cell takes so long, by its own clock."""
+
+    def __init__(self, monkeypatch, a_period, repeat_after=np.inf):
+        self.a_period, self.repeat_after = a_period, repeat_after
+        self.now, self.asked = 0.0, []
+        monkeypatch.setattr(vibrafeed.core.kernel_cache, "are_kept", lambda names: True)
+        monkeypatch.setattr(module, "run_equations", self.run)
+        monkeypatch.setattr(module.time, "thread_time", lambda: self.now)
+        monkeypatch.setattr(module.time, "monotonic", lambda: self.now)
+
+    def run(self, plan, known, watch):
+        count, allowed = known["friction"].size, float(known["max_periods"])
+        each = self.a_period * min(allowed, self.repeat_after)
+        done = min(count, int(BUDGET / each)) if each else count
+        self.now += CALL + min(count * each, BUDGET)
+        self.asked.append((count, allowed))
+        if not done:
+            raise StoppedError("stopped")
+        status = np.full(count, PERIODIC if allowed >= self.repeat_after else APERIODIC)
+        status[done:] = module.NOT_COMPUTED
+        moved = type("Moved", (), {"status": status})
+        return {one.gives: moved for one in plan.equations}
+
+
+@pytest.mark.parametrize("repeat_after", [5.0, 20.0, 700.0])
+def test_a_motion_that_repeats_is_priced_as_measured(monkeypatch, repeat_after):
+    Motions(monkeypatch, 1e-6, repeat_after)
+    found = prepare_content(study(friction=frictions(10**6))).price
+    assert found.cell == pytest.approx(MARGIN * 1e-6 * repeat_after)
+    assert found.start == pytest.approx(MARGIN * CALL, rel=1e-6)
+
+
+@pytest.mark.parametrize("a_period", [1e-6, 1e-4, 1e-2])
+def test_what_never_repeats_is_priced_for_all_its_periods(monkeypatch, a_period):
+    motions = Motions(monkeypatch, a_period)
+    content = study(friction=frictions(10**6)) | {"max_periods": 100_000}
+    cell = prepare_content(content).price.cell
+    assert cell == pytest.approx(MARGIN * a_period * 100_000, rel=0.3)  # the budget cuts one cell
+    assert motions.now < 8 * BUDGET
+    assert max(count for count, _ in motions.asked) == SAMPLED
+
+
+def test_a_period_beyond_the_budget_is_not_waited_for(monkeypatch):
+    motions = Motions(monkeypatch, 10.0)
+    prepared = prepare_content(study(friction=frictions(10**6)))
+    assert prepared.price.cell > MARGIN * BUDGET * 100  # of 1,000 periods, 8 took the budget
+    assert motions.now < 8 * BUDGET
+
+
+def test_it_is_sampled_once_and_parts_have_the_price_of_the_whole(monkeypatch):
+    motions = Motions(monkeypatch, 1e-6, 20.0)
+    prepared = prepare_content(study(friction=frictions(1000)))
+    assert prepared.seconds == prepared.seconds
+    asked = len(motions.asked)
+    assert prepared.seconds_a_cell == prepared.price.cell
+    assert len(motions.asked) == asked
+
+
+@pytest.mark.parametrize("repeat_after", [20.0, np.inf])
+def test_more_cells_never_cost_less(monkeypatch, repeat_after):
+    Motions(monkeypatch, 1e-5, repeat_after)
+    counts = [2, 3, 10, 63, 64, 65, 100, 1000, 10**6]
+    prices = [prepare_content(study(friction=frictions(num))).seconds for num in counts]
+    assert all(one < two for one, two in itertools.pairwise(prices))
+
+
+def test_an_axis_that_no_motion_depends_on_makes_no_more_motions(monkeypatch):
+    motions = Motions(monkeypatch, 1e-4, 20.0)
+    axes = {"friction": frictions(5), "length": [0.01, 0.02, 0.03]}
+    content = study(**axes, part_gap=0.001) | {"outputs": ["feed_rate"]}
+    prepared = prepare_content(content)
+    assert prepared.cells == 15
+    assert prepared.price.cell * 15 == pytest.approx(MARGIN * 5 * 20e-4)
+    assert max(count for count, _ in motions.asked) == 5
+
+
+def test_sampled_cells_are_evenly_spread_and_the_same_again():
+    axes = {"friction": frictions(1000), "gamma": {"start": -2, "stop": 2, "num": 1000}}
+    prepared = prepare_content(study(**axes))
+    sampled = [module._spread_cells(prepared.plan, prepared.grid, {}) for _ in range(2)]
+    (known, count, share), (again, *_) = sampled
+    assert (count, share) == (SAMPLED, 1.0)
+    assert all(np.array_equal(known[name], again[name]) for name in known)
+    halves = np.array([known["friction"] > 0.4, known["gamma"] > 0])
+    quarters = np.unique(halves, axis=1, return_counts=True)[1]
+    assert quarters.size == 4
+    assert quarters.min() >= SAMPLED // 4 - 3
+
+
+ROUND = {"frequency": 50, "amplitude": "0.3 mm", "beta": 20, "friction": 0.3, "diameter": "8 mm"}
+DROPPED = {
+    "length": "20 mm", "height": "12 mm", "drop_height": "10 mm", "pitch": 60, "friction": 0.3,
+    "restitution": 0.2, "duration": 1,
 }  # fmt: skip
 
 
-def seconds(output: str, num: int, **more) -> float:
-    spans = {name: {"start": a, "stop": b, "num": num} for name, (a, b) in AXES.items()}
-    given = {**spans, "radius": 0.8, "distance": 2e-4, **more}
-    prepared = prepare_content(
-        {
-            "kind": "sweep", "scene": "rectangle-on-track", "outputs": [output],
-            "parameters": {name: value for name, value in given.items() if value is not None},
-        }
-    )  # fmt: skip
-    return prepared.seconds_a_cell * prepared.cells
+@pytest.mark.parametrize(
+    ("scene", "method", "parameters", "outputs"),
+    [
+        ("rectangle-on-plane", "events", HOPS, ["conveying_velocity"]),
+        ("rectangle-on-plane", "reference", HOPS, ["motion_status"]),
+        ("roller-on-plane", "events", ROUND, ["slip_velocity"]),
+        ("rectangle-isolated", "events", DROPPED, ["settling_time"]),
+        ("row-on-plane", "events", HOPS | {"parts": 3}, ["conveying_velocity"]),
+    ],
+)
+def test_motions_of_all_kinds_are_priced(monkeypatch, scene, method, parameters, outputs):
+    monkeypatch.setattr(vibrafeed.core.kernel_cache, "are_kept", lambda names: True)
+    content = {"kind": "simulate", "scene": scene, "method": method}
+    prepared = prepare_content({**content, "parameters": parameters, "outputs": outputs})
+    assert 0 < prepared.price.cell < 10.0
 
 
-def test_a_price_grows_with_cells_and_steps():
-    large, larger = (seconds("transport_velocity", num) for num in (100, 200))
-    assert larger == pytest.approx(64 * large, rel=0.1)
-    # A part that starts at a speed has more roots, and its time an arc in every cell; from rest it
-    # has one for each friction. What brakes has an arc tangent between loops.
-    assert seconds("transport_velocity", 100, speed=0.1) > 1.2 * large
-    assert seconds("travel_time", 100) < 2 * large
-    assert seconds("travel_time", 100, speed=0.1) > 2 * large
-    assert seconds("stopping_time", 100, speed=0.1, distance=None) > 4 * large
+def test_without_compiled_code_nothing_is_simulated(monkeypatch):
+    monkeypatch.setattr(vibrafeed.core.kernel_cache, "are_kept", lambda names: not [*names])
+    prepared = prepare_content(study())
+    assert prepared.price == Price(0.0, MARGIN * prepared.method.seconds_a_cell)
 
 
-def test_a_price_is_told_without_the_grid():
+def test_closed_forms_have_a_fixed_price_of_a_cell_at_any_size():
     # 10^24 cells: an axis of them alone would take 800 MB.
-    spans = {"frequency": {"start": 20, "stop": 120, "num": 10**8}}
+    axes = {
+        "frequency": {"start": 20, "stop": 120, "num": 10**8},
+        "amplitude": {"start": 1e-4, "stop": 1e-3, "num": 10**8},
+        "beta": {"start": 5, "stop": 60, "num": 10**8},
+    }
+    content = {
+        "kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["acceleration_x"],
+        "parameters": {**axes, "friction": 0.3},
+    }  # fmt: skip
     tracemalloc.start()
     try:
-        assert seconds("transport_velocity", 2000, **spans) > 1e6
+        prepared = prepare_content(content)
+        assert prepared.seconds == MARGIN * prepared.plan.scene.seconds_a_cell * 1e24
         _, most = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()
     assert most < 2e7  # bytes; what the libraries keep for a study is some 10^6
-
-
-def test_what_is_small_has_the_price_of_numpy():
-    prepared = prepare_content(
-        {
-            "kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["acceleration_x"],
-            "parameters": {"frequency": [50, 60], "amplitude": 1e-4, "beta": 20, "friction": 0.3},
-        }
-    )  # fmt: skip
-    assert prepared.seconds_a_cell == prepared.plan.scene.seconds_a_cell * price.pace()

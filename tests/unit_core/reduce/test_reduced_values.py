@@ -195,7 +195,9 @@ PAIRED = {"frequency": 14, "amplitude": 15, "alpha": 20, "beta": 20}
 def both_ways(prepared: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     want: dict[str, bytes] = {}
     for is_compiled, cells in ((False, 1 << 22), (True, 1 << 22), (True, 97)):
-        monkeypatch.setattr("vibrafeed.core.reduce.boxes.repays", lambda *_, how=is_compiled: how)
+        monkeypatch.setattr(
+            "vibrafeed.core.reduce.boxes.is_compiled_for", lambda *_, how=is_compiled: how
+        )
         units = Units(prepared.plan, prepared.grid, prepared.asked, cells)
         states = units.states(0, len(units), Watch(threads=2))
         got = reduced_arrays(units, prepared.grid, prepared.asked, states)

@@ -16,12 +16,7 @@ from scipy.optimize import brentq
 import vibrafeed
 from night import count
 from vibrafeed.core.errors import StudyError
-from vibrafeed.core.mechanics import (
-    bowl_drive_unit,
-    drive_unit,
-    linear_drive_unit,
-    turning_drive_unit,
-)
+from vibrafeed.core.mechanics import bowl_drive_unit, drive_unit, linear_drive_unit
 from vibrafeed.core.quantities import REGIMES
 
 LINEAR = {
@@ -230,11 +225,11 @@ def of_bowl(F, w, k, c, m1, m2, i1, i2, c_l, r_l, r_s, th):
 
 
 def of_turning(F, w, k, c, m1, m2, i1, i2, along, upward, th):
-    mass = turning_drive_unit.turning_mass(
+    mass = linear_drive_unit.turning_mass(
         loaded_mass=m1, base_mass=m2, moving_inertia=i1, base_inertia=i2, offset_along=along,
         offset_upward=upward, spring_angle=th,
     )  # fmt: skip
-    return turning_drive_unit.turning_response(
+    return linear_drive_unit.turning_response(
         drive_force=F, circular_frequency=w, spring_stiffness=k, damping=c, turning_mass=mass
     )
 

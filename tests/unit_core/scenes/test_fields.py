@@ -43,5 +43,5 @@ def test_it_gives_the_field_itself():
 
 def test_a_worker_can_be_sent_one():
     sent = pickle.loads(pickle.dumps(ROWS[0]))
-    assert sent == ROWS[0]
+    assert sent.inputs == ROWS[0].inputs
     assert sent.summary == ROWS[0].summary

@@ -14,7 +14,7 @@ import vibrafeed
 from night import count
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.mechanics import drop_test, orienting
+from vibrafeed.core.mechanics import orienting
 from vibrafeed.core.plan.loops.trace import traced
 from vibrafeed.core.plan.plan import make_plan
 from vibrafeed.core.quantities import REGIMES
@@ -425,9 +425,9 @@ def test_the_ends_of_a_beta_distribution():
     a, b = np.meshgrid(np.geomspace(0.5, 1e5, 60), np.geomspace(0.5, 1e5, 60))
     mean, deviation = a / (a + b), np.sqrt(a * b / (a + b + 1)) / (a + b)
     for side, share in ((-1, 0.025), (1, 0.975)):
-        found = drop_test.quantile(mean, deviation, side)
+        found = orienting.quantile(mean, deviation, side)
         error = np.abs(found - scipy.special.betaincinv(a, b, share)) / deviation
         counted = (a >= 1) & (b >= 1) & (a + b > 5)  # of both that pass and that do not
         assert error[counted].max() < 0.022
         assert error.max() < 0.07
-    assert drop_test.quantile(np.array([0.0, 1.0]), np.zeros(2), 1).tolist() == [0, 1]
+    assert orienting.quantile(np.array([0.0, 1.0]), np.zeros(2), 1).tolist() == [0, 1]

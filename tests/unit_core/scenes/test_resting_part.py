@@ -11,13 +11,13 @@ import pytest
 import vibrafeed
 from night import count
 from vibrafeed.core.assurance.worked import throws
-from vibrafeed.core.mechanics import resting, toppling
+from vibrafeed.core.mechanics import resting
 from vibrafeed.core.plan.loops.trace import traced
 from vibrafeed.core.plan.plan import make_plan, scene_parameters
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.scenes.aliases import instead_of
-from vibrafeed.core.scenes.shapes import ASPECTS
+from vibrafeed.core.scenes.resting_part import ASPECTS
 
 ROUNDING = 1e-14
 """Some ten roundings of numbers up to 1."""
@@ -205,12 +205,12 @@ def test_prisms_become_boxes_and_cylinders_and_cones_cylinders():
     assert np.abs(np.array([cone[1], cone[0] + cone[2]]) - round_).max() < ROUNDING
     up, lying, down = resting.turned_depths(**sizes, mass_height=centre, side_foot=foot)
     assert [lying, up, down] == pytest.approx(np.array([*depths, depths[1]]), rel=1e-9)
-    k = toppling.cone_gyration(**sizes, mass_height=centre)
+    k = resting.cone_gyration(**sizes, mass_height=centre)
     assert k == pytest.approx(
-        toppling.cylinder_gyration(length=length, diameter=diameter), rel=1e-13
+        resting.cylinder_gyration(length=length, diameter=diameter), rel=1e-13
     )
-    assert toppling.prism_gyration(sides=1e8, length=length, diameter=diameter) == pytest.approx(
-        toppling.cylinder_gyration(length=length, diameter=diameter), rel=1e-13
+    assert resting.prism_gyration(sides=1e8, length=length, diameter=diameter) == pytest.approx(
+        resting.cylinder_gyration(length=length, diameter=diameter), rel=1e-13
     )
 
 
@@ -361,13 +361,13 @@ def test_a_stop_by_energy():
     ("q", "peak"), [(0.02, 25.785451), (0.1, 5.786522), (0.5, 1.800724), (1, 1.322397)]
 )
 def test_a_pulse_that_topples(q, peak):
-    psi = toppling.pulse_angle(rocking_rate=q, frequency=1 / (2 * np.pi))
+    psi = resting.pulse_angle(rocking_rate=q, frequency=1 / (2 * np.pi))
     assert 1 / np.sin(psi) == pytest.approx(peak, abs=5e-7)
 
 
 def test_the_root_of_the_pulse_to_many_digits():
     q = np.append(10 ** np.random.default_rng(3).uniform(-6, 6, 300), [0.3, 0.6, 1, 2])
-    found = toppling.pulse_angle(rocking_rate=q, frequency=1 / (2 * np.pi))
+    found = resting.pulse_angle(rocking_rate=q, frequency=1 / (2 * np.pi))
     with mpmath.workdps(30):
         for rate, psi in zip(2 * np.pi * (q * (1 / (2 * np.pi))), found, strict=True):
             p, x = mpmath.mpf(float(rate)), mpmath.mpf(float(psi))
@@ -381,7 +381,7 @@ def test_a_pulse_by_integration():
     # x'' = p^2 (x - alpha) + a p^2/g sin(w t), from the instant at which a sin(w t) = alpha g, in
     # units of alpha: just below it falls back, just above it topples.
     for q in (0.1, 0.7):
-        psi = float(toppling.pulse_angle(rocking_rate=q, frequency=1 / (2 * np.pi)))
+        psi = float(resting.pulse_angle(rocking_rate=q, frequency=1 / (2 * np.pi)))
         for factor, topples in ((0.999, False), (1.001, True)):
             peak = factor / np.sin(psi)
             start, steps = np.arcsin(1 / peak), 20_000

@@ -9,7 +9,7 @@ import pytest
 
 import vibrafeed
 from night import count
-from vibrafeed.core.mechanics import resting, rolling, round_parts, toppling
+from vibrafeed.core.mechanics import resting, rolling, round_parts
 from vibrafeed.core.plan.loops.trace import traced
 from vibrafeed.core.plan.plan import make_plan, scene_parameters
 from vibrafeed.core.quantities import REGIMES
@@ -63,7 +63,7 @@ def cone(diameter, small_diameter, height):
     """Return factor, I_ax and I_t per mass, and the apex distance of a truncated cone."""
     sizes = {"diameter": diameter, "small_diameter": small_diameter, "height": height}
     centre = resting.cone_centre(**sizes)
-    k = toppling.cone_gyration(**sizes, mass_height=centre)
+    k = resting.cone_gyration(**sizes, mass_height=centre)
     axial = round_parts.axial_gyration(diameter=diameter, small_diameter=small_diameter)
     rho = round_parts.centre_radius(**sizes, mass_height=centre)
     half = round_parts.cone_half_angle(**sizes)

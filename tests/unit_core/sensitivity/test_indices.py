@@ -1,4 +1,4 @@
-"""Sobol indices and Morris's effects of functions whose own are known."""
+"""Sobol indices of functions whose own are known."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from scipy.stats import sobol_indices as of_scipy
 
 from benchmarks.sobol_indices import FUNCTIONS, coverage
 from vibrafeed.core.sensitivity.indices import design, indices_of, sobol_indices
-from vibrafeed.core.sensitivity.morris import LEVELS, effects_of, paths
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
@@ -58,29 +57,3 @@ def test_points_without_a_value_are_left_out_with_all_that_belong_to_them():
     constant = sobol_indices(lambda x: np.full(x.shape[1], 3.0), 2, 256)
     none = sobol_indices(lambda x: np.full(x.shape[1], np.nan), 2, 256)
     assert np.isnan([*constant.first, *constant.total, *none.first, *none.total]).all()
-
-
-def test_a_path_changes_each_input_once_by_half():
-    along = paths(5, 40, seed=2)
-    steps = np.diff(along.points, axis=-1)
-    assert (np.abs(steps).sum(axis=-1) == 0.5).all()
-    assert ((steps != 0).sum(axis=0) == 1).all()
-    assert np.isin(along.points, (np.arange(LEVELS) + 0.5) / LEVELS).all()
-    assert np.array_equal(along.points, paths(5, 40, seed=2).points)
-
-
-def test_effects_of_a_known_function_are_its_slopes():
-    def values(x):
-        return 3 * x[0] - 2 * x[1] + 4 * x[2] * x[3]
-
-    along = paths(4, 400, seed=0)
-    found = effects_of(values(along.points), along)
-    assert found.size[:2] == pytest.approx([3, 2])
-    assert found.deviation[:2] == pytest.approx([0, 0], abs=1e-12)
-    # 4 x_3 with x_3 on the levels 1/8 to 7/8: mean 2, deviation 4 sqrt(5)/8.
-    assert found.size[2] == pytest.approx(2, abs=0.2)
-    assert found.deviation[2] == pytest.approx(5**0.5 / 2, abs=0.1)
-    holed = np.where(along.points[0] < 0.2, np.nan, values(along.points))
-    left = effects_of(holed, along)
-    assert left.size[1] == pytest.approx(2)
-    assert np.isnan(effects_of(np.full_like(holed, np.nan), along).size).all()

@@ -142,7 +142,7 @@ def test_equal_seeds_give_equal_bits_and_others_others():
 def test_designs_are_told_alike_alone_together_and_in_pieces():
     gamma = [0, 1, 3]
     content = {
-        **PLANE, "kind": "sensitivity", "analyses": ["distribution", "sobol", "morris", "budget"],
+        **PLANE, "kind": "sensitivity", "analyses": ["distribution", "sobol", "budget"],
         "uncertain": {**PLANE["uncertain"], "beta": {"lower": 19, "upper": 21}},
         "demands": [{"output": "acceleration_x", "at_most": 1.5}],
     }  # fmt: skip
@@ -234,6 +234,7 @@ def test_every_error_is_told_with_its_place():
     assert "between 0 and 1" in told["quantiles"]
     assert "Did you mean" in told["outputs"]
     assert any(place.startswith("analyses") for place in told)
+    assert "Write sobol" in problems(analyses=["morris", "sobol"])["analyses"]
     told = problems(
         uncertain={"friction": {"lower": 0.2, "upper": 0.3}, "beta": {"mean": 20, "deviation": 1}},
         demands=[*both, {}, {"output": "throw_number"}, {"regime": "hopping"}, {"regime": "hoping"},

@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
-from vibrafeed.core.study import spacing
-from vibrafeed.core.study.spacing import as_typed, evenly, geometrically
-from vibrafeed.core.study.values import read_values
+from vibrafeed.core.study import values
+from vibrafeed.core.study.values import as_typed, evenly, geometrically, read_values
 
 UNITS = {
     "amplitude": {"m": 1, "mm": Fraction(1, 1000), "um": Fraction(1, 10**6)},
@@ -99,9 +98,9 @@ def test_three_ways_agree(monkeypatch):
     ends = 0.1, 0.7, 601
     whole = evenly(*ends)
     assert whole.tolist() == [float(f"{k / 1000:.3f}") for k in range(100, 701)]
-    monkeypatch.setattr(spacing, "EXACT", 0)
+    monkeypatch.setattr(values, "EXACT", 0)
     assert evenly(*ends).tobytes() == whole.tobytes()
-    monkeypatch.setattr(spacing, "MAX_SLOW", 0)
+    monkeypatch.setattr(values, "MAX_SLOW", 0)
     rough = evenly(*ends)
     assert rough.tobytes() == np.linspace(*ends).tobytes()
     assert evenly(*ends, 600, 601).tolist() == [0.7]

@@ -12,10 +12,9 @@ import sys
 import pytest
 
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.study import unit_words, units
+from vibrafeed.core.study import units
 from vibrafeed.core.study.shown import SI, SMALLER, TRADE
-from vibrafeed.core.study.unit_words import WORDS, factor_between
-from vibrafeed.core.study.units import _factor
+from vibrafeed.core.study.units import WORDS, _factor, factor_between
 
 OWN = sorted({quantity.unit for quantity in QUANTITIES.values()})
 POWERS = ("", "**2", "**-1", "**-2", "^3")
@@ -43,7 +42,7 @@ def products():
     """Return the products and quotients of two words by their dimensions."""
     found = collections.defaultdict(list)
     for parts in itertools.product(WORDS, "*/ ", WORDS, POWERS):
-        _, kind = unit_words._read("".join(parts))
+        _, kind = units._read("".join(parts))
         found[kind].append("".join(parts))
     return found
 
@@ -64,7 +63,7 @@ def test_every_unit_of_a_quantity_is_read_as_pint_reads_it(own):
     """Words, and products of two; elsewhere pint itself is asked."""
     texts = [*WORDS, *SI.values(), *(f"1/{word}" for word in WORDS), own, own.replace(" ", ".")]
     texts += [unit for _, unit in (*TRADE.values(), *SMALLER.values())]
-    _, kind = unit_words._read(units._in_pint(own))
+    _, kind = units._read(units._in_pint(own))
     fits = products()[kind]
     texts += random.Random(own).sample(fits, min(12, len(fits)))
     read = 0

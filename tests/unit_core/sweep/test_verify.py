@@ -267,8 +267,7 @@ def test_a_wrong_number_is_refused_with_its_place(kind, wrong):
     assert [problem.place for problem in refusal.value.problems] == ["verify"]
 
 
-def test_what_would_take_too_long_is_refused(monkeypatch):
-    monkeypatch.setattr(motion_prepare, "pace", lambda: 3.0)  # whatever this machine's is
+def test_what_would_take_too_long_is_refused():
     long = {**MOTION["parameters"], "amplitude": {"start": 1e-4, "stop": 2e-4, "num": 100_000}}
     with pytest.raises(StudyError, match=r"reference takes some 0\.\d+ s a cell") as refusal:
         prepare_content({**MOTION, "parameters": long, "verify": 10_000})

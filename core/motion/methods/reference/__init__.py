@@ -24,13 +24,9 @@ from vibrafeed.core.motion.method import Follow, Method
 from vibrafeed.core.motion.methods.reference.laws import UX, UZ, ReferenceLaws, X, Y, Z
 from vibrafeed.core.motion.methods.reference.part import FailedError, Part
 from vibrafeed.core.motion.methods.reference.repeats import PERIOD, ReferenceRun
-from vibrafeed.core.motion.price import Price, Priced
 from vibrafeed.core.motion.result import STATUS, Motion, motion_of, with_whole_shares
 from vibrafeed.core.scenes import Constraint
 from vibrafeed.core.watch import Watch
-
-FINDING = 20.0
-"""Periods that are followed as a rule until the cycle is found and measured."""
 
 LARGEST = 1e140
 """Largest number of a part: it is squared, and multiplied by phases."""
@@ -265,29 +261,12 @@ def _slides_away(part: Groups, contacts: Contacts) -> bool:
     return not contacts.wall and abs(part.gravity_number_along) > held
 
 
-def _price(cells: Priced) -> Price:
-    """Return the likely and the largest time to simulate each cell by the method `reference` [s].
-
-    A motion that repeats needs `FINDING` periods to be found and some more to be measured, one that
-    does not all that are allowed. `cells` describes settings and drive of the cells: steps or
-    orders of the wave, push across, and the share of restless motions.
-    """
-    allowed = cells.setting("max_periods")
-    plain = 1.3e-3 + 1.4e-4 * cells.steps + (0.0 if cells.steps else 1.1e-3 * cells.orders)
-    # A part that rebounds much has more events in a period.
-    period = plain * np.where(cells.across, 2.2, 1.0) * (1.0 + cells.restless)
-    repeats = np.minimum(allowed, FINDING)
-    moves = cells.restless * allowed + (1.0 - cells.restless) * repeats
-    likely = period * np.where(cells.rests, 1.0, moves)
-    return Price(likely, np.maximum(likely, 4.0 * period * (FINDING + 2.0 * allowed)))
-
-
 REFERENCE = Method(
     name="reference",
     follow=_follow,
     source="theory 13.1",
     accuracy="about twelve digits, where the motion repeats",
-    seconds_a_cell=_price,
+    seconds_a_cell=0.05,
     defaults={"max_periods": 100.0},
     checked_by=("events",),
     refuses=tuple(

@@ -1,4 +1,4 @@
-"""The cells of a CSV table of a heading and rows: those of observations, and those to look up."""
+"""The cells of a CSV table of a heading and rows, such as that of observations."""
 
 from __future__ import annotations
 

@@ -1,9 +1,8 @@
-"""A rectangular part on the narrow track, floor and outer wall; section 3.2.4 of the source."""
+"""Parts on the floor of plane or track, at the drive's peak; sections 3.2, 3.3 of the source."""
 
 from __future__ import annotations
 
-from vibrafeed.core.mechanics import friction, travel, vibration, wall
-from vibrafeed.core.scenes.planar import DRIVE
+from vibrafeed.core.mechanics import friction, rolling, travel, vibration, wall
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
     STATIC_ABOVE_KINETIC,
@@ -12,6 +11,155 @@ from vibrafeed.core.scenes.scene import (
     Equation,
     Scene,
 )
+
+# --- Equations of all scenes of a part on a plane: drive, gravity, and a floor without a wall.
+
+DRIVE = (
+    Equation("vibration_acceleration", vibration.vibration_acceleration, "theory 0.2"),
+    Equation("drive_along", vibration.drive_along, "(3.8)"),
+    Equation("drive_across", vibration.drive_across, "(3.8)"),
+    Equation("drive_normal", vibration.drive_normal, "(3.8)"),
+    Equation("gravity_along", vibration.gravity_along, "(3.11)"),
+    Equation("normal_acceleration", vibration.normal_acceleration, "(3.9), (3.11)"),
+    Equation("throw_number", vibration.throw_number, "theory 13.2"),
+    Equation("in_plane_drive_x", vibration.in_plane_drive_x, "theory 3"),
+)
+
+PLANE = (
+    *DRIVE,
+    Equation("gravity_normal", vibration.gravity_normal, "(3.11)"),
+    Equation("in_plane_drive_y", vibration.in_plane_drive_y, "theory 3"),
+    Equation("in_plane_drive", vibration.in_plane_drive, "theory 3.2"),
+    Equation("rotated_acceleration_x", vibration.rotated_acceleration_x, "(3.10), (3.12)"),
+    Equation("rotated_acceleration_y", vibration.rotated_acceleration_y, "(3.10), (3.12)"),
+    Equation("floor_force", vibration.floor_force, "(3.9), (3.11)"),
+)
+
+PER_AXIS = (
+    Equation("acceleration_x", friction.per_axis_acceleration_x, "(3.9), (3.11)", "thesis"),
+    Equation("acceleration_y", friction.per_axis_acceleration_y, "(3.9), (3.11)", "thesis"),
+    Equation("acceleration_z", vibration.no_acceleration_z, "(3.9), (3.11)", "thesis"),
+    Equation("floor_acceleration", vibration.unchecked_acceleration, "(3.9), (3.11)", "thesis"),
+)
+
+UNILATERAL = (
+    Equation("floor_acceleration", vibration.supported_acceleration, "theory 3.2", "physical"),
+    Equation("acceleration_z", vibration.lift_off_acceleration, "theory 3.2", "physical"),
+)
+
+PLANE_DEFAULTS = {"alpha": 0.0, "gamma": 0.0, "gravity": STANDARD_GRAVITY}
+
+ACCELERATIONS = frozenset(
+    (
+        "acceleration_x",
+        "acceleration_y",
+        "rotated_acceleration_x",
+        "rotated_acceleration_y",
+        "sliding_fraction",
+        "regime",
+    )
+)
+FLOOR = frozenset(
+    ("normal_acceleration", "throw_number", "floor_acceleration", "floor_force", "acceleration_z")
+)
+
+
+# --- A rectangular part on a horizontal or inclined plane; sections 3.2.2 and 3.2.3 of the source.
+
+OFFSETS = frozenset(("pressure_offset_x", "pressure_offset_y"))
+
+RECTANGLE_PHYSICAL = (
+    *PLANE,
+    *UNILATERAL,
+    Equation("sliding_fraction", friction.sliding_fraction, "theory 3.2", "physical"),
+    Equation("acceleration_x", friction.disc_acceleration_x, "theory 3.2", "physical"),
+    Equation("acceleration_y", friction.disc_acceleration_y, "theory 3.2", "physical"),
+    Equation("pressure_offset_x", friction.pressure_offset_x, "theory 4.4", "physical"),
+    Equation("pressure_offset_y", friction.pressure_offset_y, "theory 4.4", "physical"),
+)
+
+FLIGHT = Condition(
+    "flight", vibration.has_left_floor, FLOOR | ACCELERATIONS | OFFSETS, otherwise="contact"
+)
+STICK = Condition("stick", friction.is_stuck, ACCELERATIONS | OFFSETS, otherwise="slip")
+
+RECTANGLE_SCENE = Scene(
+    name="rectangle-on-plane",
+    title="Rectangular part on a horizontal or inclined plane",
+    source="3.2.2, 3.2.3",
+    validity="A snapshot at the drive's peak for a part at rest relative to the track; it does not "
+    "rotate. Closed forms describe the part only while the throw number is below 1.",
+    variants={
+        "thesis": (*PLANE, *PER_AXIS),
+        "derived": (*PLANE, *PER_AXIS),
+        "physical": RECTANGLE_PHYSICAL,
+    },
+    default_variant="physical",
+    conditions={
+        "thesis": (FLIGHT, STICK),
+        "derived": (FLIGHT, STICK),
+        "physical": (
+            FLIGHT,
+            Condition("tipping", friction.tips_x, frozenset(("pressure_offset_x",))),
+            Condition("tipping", friction.tips_y, frozenset(("pressure_offset_y",))),
+            STICK,
+        ),
+    },
+    defaults={**PLANE_DEFAULTS, "yaw": 0.0},
+    rounding_bound=8,
+)
+
+
+# --- A cylinder that lies on a plane, axis along the track; sections 3.3.2 and 3.3.3 of the source.
+
+MOTION = ACCELERATIONS - {"sliding_fraction"} | {"angular_acceleration"}
+
+CYLINDER_THESIS = (
+    *PLANE,
+    *PER_AXIS,
+    Equation("angular_acceleration", rolling.printed_angular_acceleration, "(3.36)", "thesis"),
+)
+CYLINDER_DERIVED = (
+    *PLANE,
+    *PER_AXIS,
+    Equation("angular_acceleration", rolling.rolling_angular_acceleration, "(3.36)", "derived"),
+)
+CYLINDER_PHYSICAL = (
+    *PLANE,
+    *UNILATERAL,
+    Equation("roll_root", rolling.roll_root, "theory 7.3", "physical"),
+    Equation("acceleration_x", rolling.slipping_acceleration_x, "theory 7.3", "physical"),
+    Equation("acceleration_y", rolling.slipping_acceleration_y, "theory 7.3", "physical"),
+    Equation(
+        "angular_acceleration", rolling.slipping_angular_acceleration, "theory 7.3", "physical"
+    ),
+)
+CONDITIONS = (
+    Condition("flight", vibration.has_left_floor, FLOOR | MOTION | {"roll_root"}, "contact"),
+    Condition("stick", rolling.is_at_rest, MOTION),
+    Condition("roll", rolling.is_rolling, MOTION | {"roll_root"}, otherwise="slip"),
+)
+
+CYLINDER_SCENE = Scene(
+    name="cylinder-on-plane",
+    title="Cylindrical part lying on a plane, its axis along the track",
+    source="3.3.2, 3.3.3",
+    validity="A snapshot at the drive's peak for a part at rest relative to the track. Rolling "
+    "resistance and drilling friction are neglected. Closed forms describe the part only while the "
+    "throw number is below 1.",
+    variants={
+        "thesis": CYLINDER_THESIS,
+        "derived": CYLINDER_DERIVED,
+        "physical": CYLINDER_PHYSICAL,
+    },
+    default_variant="physical",
+    conditions={"thesis": CONDITIONS, "derived": CONDITIONS, "physical": CONDITIONS},
+    defaults={**PLANE_DEFAULTS, "yaw": 0.0},
+    rounding_bound=8,
+)
+
+
+# --- A rectangular part on the narrow track, floor and outer wall; section 3.2.4 of the source.
 
 COMMON = (
     *DRIVE,
@@ -43,7 +191,7 @@ TOP_EDGE = (
     Equation("floor_acceleration", wall.top_edge_floor_acceleration, "(3.15b)"),
     Equation("z_residual", wall.z_residual, "(3.14)"),
 )
-THESIS = (
+TRACK_THESIS = (
     *COMMON,
     *TOP_EDGE,
     Equation("starting_acceleration", wall.printed_starting_acceleration, "(3.17)", "thesis"),
@@ -55,8 +203,8 @@ CORRECTED = (
     Equation("wall_balance", wall.derived_wall_balance, "(3.16)"),
     Equation("wall_speed", wall.derived_wall_speed, "theory 4.3"),
 )
-DERIVED = (*COMMON, *TOP_EDGE, *CORRECTED)
-PHYSICAL = (
+TRACK_DERIVED = (*COMMON, *TOP_EDGE, *CORRECTED)
+TRACK_PHYSICAL = (
     *COMMON,
     *CORRECTED,
     Equation("acceleration_x", wall.supported_acceleration_x, "theory 4.4", "physical"),
@@ -86,7 +234,7 @@ TRAVEL = frozenset(
 )
 ACCELERATION = frozenset(("acceleration_x", "regime"))
 BOTH = WALL_FORCES | FLOOR_FORCES | TRAVEL | ACCELERATION | {"z_residual", "pressure_offset_x"}
-FLOOR = BOTH | {"normal_acceleration", "throw_number", "acceleration_z"}
+TRACK_FLOOR = BOTH | {"normal_acceleration", "throw_number", "acceleration_z"}
 WALL = BOTH | {"wall_balance", "acceleration_y"}
 
 CORNERS_FIT = Condition(
@@ -97,7 +245,7 @@ FITS = Condition(
 )
 LEFT_FLOOR = (
     Condition("flight_and_wall_lost", wall.has_left_floor_and_wall, BOTH),
-    Condition("flight", vibration.has_left_floor, FLOOR, otherwise="contact"),
+    Condition("flight", vibration.has_left_floor, TRACK_FLOOR, otherwise="contact"),
 )
 # After flight, but before the wall: a speed of 0 is explained before its validity is doubted.
 REST = (
@@ -146,7 +294,7 @@ PHYSICAL_CONDITIONS = (
     Condition("stick", wall.is_held, ACCELERATION, otherwise="slip"),
 )
 
-SCENE = Scene(
+TRACK_SCENE = Scene(
     name="rectangle-on-track",
     title="Rectangular part on the narrow track, floor and wall",
     source="3.2.4",
@@ -155,7 +303,7 @@ SCENE = Scene(
     "a period, and the physical variant uses the derived K for them. The part's path radius is "
     "taken as R. The forces of thesis and derived let the wall act at the part's top edge; they "
     "leave z_residual in the vertical balance and lie outside the friction cone.",
-    variants={"thesis": THESIS, "derived": DERIVED, "physical": PHYSICAL},
+    variants={"thesis": TRACK_THESIS, "derived": TRACK_DERIVED, "physical": TRACK_PHYSICAL},
     default_variant="physical",
     conditions={
         "thesis": PRINTED_CONDITIONS,

@@ -1,0 +1,293 @@
+"""Isolated parts on one corner: a rectangle, and a cylinder in the plane of its axis."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vibrafeed.core.mechanics import corner, vibration
+from vibrafeed.core.mechanics.arrays import Array, hypot
+from vibrafeed.core.mechanics.corner import Direction
+from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
+
+# --- Equations that the scenes of an isolated part share: one corner on a fixed plane.
+
+CORNER = (
+    Equation("diagonal_angle", corner.diagonal_angle, "theory 2.1"),
+    Equation("diagonal_direction", corner.diagonal_direction, "theory 2.1"),
+    Equation("touching_height", corner.touching_height, "(3.2), (3.28)"),
+    Equation("gap_normal", corner.gap_normal, "(3.2), (3.28)"),
+    Equation("gap_tangential", corner.gap_tangential, "(3.2), (3.28)"),
+    Equation("pivot_velocity_along", corner.pivot_velocity_along, "(3.3), (3.29)"),
+    Equation("pivot_velocity_upward", corner.pivot_velocity_upward, "(3.3), (3.29)"),
+    Equation("gap_normal_rate", corner.gap_normal_rate, "(3.3), (3.29)"),
+    Equation("gap_tangential_rate", corner.gap_tangential_rate, "(3.3), (3.29)"),
+    Equation("free_normal_acceleration", corner.free_normal_acceleration, "(3.6a), (3.33a)"),
+    Equation("free_tangential_acceleration", corner.free_tangential_acceleration, "theory 2.2"),
+    Equation("normal_response_right", corner.normal_response_right, "(3.6a), (3.33a)"),
+    Equation("normal_response_left", corner.normal_response_left, "theory 2.2"),
+    Equation("normal_response", corner.normal_response, "theory 2.2"),
+    Equation("holding_normal_acceleration", corner.holding_normal_acceleration, "theory 2.4"),
+    Equation(
+        "holding_tangential_acceleration", corner.holding_tangential_acceleration, "theory 2.4"
+    ),
+    Equation("slip_direction", corner.slip_direction, "theory 2.4"),
+    Equation("contact_case", corner.contact_case, "theory 2.3"),
+    Equation("floor_acceleration", corner.floor_acceleration, "theory 2.3"),
+    Equation("floor_force", vibration.floor_force, "theory 2.3"),
+    Equation("friction_force", corner.friction_force, "theory 2.3"),
+    Equation("acceleration_along", corner.acceleration_along, "(3.1), (3.25)"),
+    Equation("acceleration_upward", corner.acceleration_upward, "(3.1), (3.25)"),
+    Equation("pitch_acceleration", corner.pitch_acceleration, "(3.1), (3.26)"),
+    Equation("gap_normal_acceleration", corner.gap_normal_acceleration, "(3.4), (3.30)"),
+    Equation("inverse_limiting_friction", corner.inverse_limiting_friction, "(3.7), (3.34)"),
+    Equation("limiting_friction_right", corner.limiting_friction_right, "(3.7), (3.34)"),
+    Equation("limiting_friction_left", corner.limiting_friction_left, "theory 2.5"),
+    Equation("least_limiting_friction", corner.least_limiting_friction, "theory 2.5"),
+    Equation("least_limiting_pitch", corner.least_limiting_pitch, "theory 2.5"),
+    Equation("impact_impulse_normal", corner.impact_impulse_normal, "theory 2.6"),
+    Equation("impact_impulse_tangential", corner.impact_impulse_tangential, "theory 2.6"),
+)
+
+DERIVED = (
+    *CORNER,
+    Equation(
+        "gap_tangential_acceleration",
+        corner.gap_tangential_acceleration,
+        "(3.6b), (3.33b)",
+        "derived",
+    ),
+)
+
+FORCES = frozenset(
+    (
+        "slip_direction",
+        "normal_response",
+        "floor_acceleration",
+        "floor_force",
+        "friction_force",
+        "acceleration_along",
+        "acceleration_upward",
+        "pitch_acceleration",
+        "gap_normal_acceleration",
+        "gap_tangential_acceleration",
+        "impact_impulse_normal",
+        "impact_impulse_tangential",
+        "regime",
+    )
+)
+LIMITS = frozenset(("limiting_friction_right", "limiting_friction_left"))
+CONDITIONS = (
+    Condition("invalid_geometry", corner.another_corner_is_lower, FORCES | LIMITS),
+    Condition("no_solution", corner.has_no_solution, FORCES),
+    Condition("two_solutions", corner.has_two_solutions, FORCES),
+    Condition("separation", corner.separates, FORCES),
+    Condition("stick", corner.is_held, FORCES),
+    Condition("sliding", corner.slides, FORCES, otherwise="sliding"),
+    Condition(
+        "unbounded",
+        corner.right_is_unlimited,
+        frozenset(("limiting_friction_right",)),
+        otherwise="contact",
+    ),
+    Condition(
+        "unbounded",
+        corner.left_is_unlimited,
+        frozenset(("limiting_friction_left",)),
+        otherwise="contact",
+    ),
+)
+
+# The two rates are 0, the corner touching and at rest, until a study gives the centre's velocity.
+CORNER_DEFAULTS = {
+    "gravity": STANDARD_GRAVITY,
+    "pitch_rate": 0.0,
+    "centre_along": 0.0,
+    "gap_normal_rate": 0.0,
+    "gap_tangential_rate": 0.0,
+}
+
+VALIDITY = (
+    "Plane motion of a rigid part with one corner on a fixed plane, touching and neither "
+    "approaching nor leaving it; an approach is an impact. Without velocity_along the corner is at "
+    "rest along the plane. Where there are two solutions the forces are those of the one in "
+    "contact; in the other there is no force."
+)
+
+
+# --- A rectangular part with one lower corner on a fixed plane; section 3.2.1 of the source.
+
+
+def rectangle_corner_angle(*, height: Array, length: Array) -> Array:
+    """Return the angle of the diagonal in the part, zeta = atan2(b, h) [rad]."""
+    return np.arctan2(height, length)
+
+
+def rectangle_corner_direction(*, height: Array, length: Array) -> Direction:
+    """Return sine and cosine of zeta."""
+    return corner.direction_of(height, length)
+
+
+def rectangle_half_diagonal(*, height: Array, length: Array) -> Array:
+    """Return the distance from the centre to the corner, rho = sqrt(b^2 + h^2)/2 [m]."""
+    return hypot(height, length) / 2
+
+
+def rectangle_inertia_ratio() -> Array:
+    """Return the inertia ratio, kappa = m rho^2/I = 3, the same for every rectangle [1]."""
+    return np.full((), 3.0)
+
+
+def rectangle_printed_gap_tangential_acceleration(
+    *,
+    contact_case: Array,
+    slip_direction: Array,
+    floor_acceleration: Array,
+    free_tangential_acceleration: Array,
+    diagonal_direction: Direction,
+    friction_kinetic: Array,
+) -> Array:
+    """Return the acceleration of slip as printed in (3.6b), with +mu: 2 mu n too large [m s-2].
+
+    It is that of the touching corner. The source prints +mu, which makes it 2 mu n too large, and
+    knows slip to the right only; to the left its mirror image is taken. It is 0 if the corner
+    sticks.
+
+    Parameters
+    ----------
+    contact_case : ndarray
+        Number of what the contact does: separates, sticks, slides.
+    slip_direction : ndarray
+        1 to the right, -1 to the left.
+    floor_acceleration, free_tangential_acceleration : ndarray
+        Normal force per mass, n, and the acceleration of the corner without contact force [m/s2].
+    diagonal_direction : tuple of ndarray
+        Sine and cosine of the angle between the line from corner to centre and the plane.
+    friction_kinetic : ndarray
+        The friction coefficient.
+    """
+    s, c = diagonal_direction
+    sigma_mu = slip_direction * friction_kinetic
+    pushed = (sigma_mu + 3.0 * s * (c - sigma_mu * s)) * floor_acceleration
+    sliding = pushed + free_tangential_acceleration
+    return corner.by_case(
+        contact_case, slip_direction, free_tangential_acceleration, np.zeros(()), sliding
+    )
+
+
+RECTANGLE_BODY = (
+    Equation("corner_angle", rectangle_corner_angle, "(3.2)"),
+    Equation("corner_direction", rectangle_corner_direction, "(3.2)"),
+    Equation("half_diagonal", rectangle_half_diagonal, "(3.2)"),
+    Equation("inertia_ratio", rectangle_inertia_ratio, "theory 2.1"),
+)
+RECTANGLE_PRINTED = Equation(
+    "gap_tangential_acceleration", rectangle_printed_gap_tangential_acceleration, "(3.6b)", "thesis"
+)
+
+RECTANGLE_SCENE = Scene(
+    name="rectangle-isolated",
+    title="Rectangular part with one corner on a plane",
+    source="3.2.1",
+    validity=VALIDITY,
+    variants={
+        "thesis": (*RECTANGLE_BODY, *CORNER, RECTANGLE_PRINTED),
+        "derived": (*RECTANGLE_BODY, *DERIVED),
+    },
+    default_variant="derived",
+    conditions={"thesis": CONDITIONS, "derived": CONDITIONS},
+    defaults=CORNER_DEFAULTS,
+    rounding_bound=8,
+)
+
+
+# --- A cylindrical part with one point of its rim on a fixed plane; section 3.3.1 of the source.
+#
+# The motion is in the plane that holds the axis, so that the part shows as a rectangle d by h.
+
+
+def cylinder_corner_angle(*, diameter: Array, length: Array) -> Array:
+    """Return the angle of the diagonal in the part, zeta = atan2(d, h) [rad]."""
+    return np.arctan2(diameter, length)
+
+
+def cylinder_corner_direction(*, diameter: Array, length: Array) -> Direction:
+    """Return sine and cosine of zeta."""
+    return corner.direction_of(diameter, length)
+
+
+def cylinder_half_diagonal(*, diameter: Array, length: Array) -> Array:
+    """Return the distance from the centre to the rim, rho = sqrt(d^2 + h^2)/2 [m]."""
+    return hypot(diameter, length) / 2
+
+
+def cylinder_inertia_ratio(*, corner_direction: Direction) -> Array:
+    """Return the inertia ratio, kappa = m rho^2/I = 12/(3 + cos^2 zeta) [1].
+
+    From 3 (needle) to 4 (disc).
+    """
+    _, cosine = corner_direction
+    return 12.0 / (3.0 + cosine * cosine)
+
+
+def cylinder_printed_gap_tangential_acceleration(
+    *,
+    contact_case: Array,
+    slip_direction: Array,
+    floor_acceleration: Array,
+    free_tangential_acceleration: Array,
+    inertia_ratio: Array,
+    diagonal_direction: Direction,
+    friction_kinetic: Array,
+) -> Array:
+    """Return the acceleration of slip as printed in (3.33b), with +mu and cos^2 [m s-2].
+
+    It is that of the touching corner. The source prints +mu and cos^2 where -mu and sin^2 are
+    right, and knows slip to the right only; to the left its mirror image is taken. It is 0 if the
+    corner sticks.
+
+    Parameters
+    ----------
+    contact_case : ndarray
+        Number of what the contact does: separates, sticks, slides.
+    slip_direction : ndarray
+        1 to the right, -1 to the left.
+    floor_acceleration, free_tangential_acceleration : ndarray
+        Normal force per mass, and the acceleration of the corner without contact force [m/s2].
+    inertia_ratio, friction_kinetic : ndarray
+        m rho^2/I with the distance rho from corner to centre, and the friction coefficient.
+    diagonal_direction : tuple of ndarray
+        Sine and cosine of the angle of that line to the plane.
+    """
+    s, c = diagonal_direction
+    sigma_mu = slip_direction * friction_kinetic
+    pushed = (sigma_mu + inertia_ratio * c * (s - sigma_mu * c)) * floor_acceleration
+    sliding = pushed + free_tangential_acceleration
+    return corner.by_case(
+        contact_case, slip_direction, free_tangential_acceleration, np.zeros(()), sliding
+    )
+
+
+CYLINDER_BODY = (
+    Equation("corner_angle", cylinder_corner_angle, "(3.28)"),
+    Equation("corner_direction", cylinder_corner_direction, "(3.28)"),
+    Equation("half_diagonal", cylinder_half_diagonal, "(3.28)"),
+    Equation("inertia_ratio", cylinder_inertia_ratio, "theory 6"),
+)
+CYLINDER_PRINTED = Equation(
+    "gap_tangential_acceleration", cylinder_printed_gap_tangential_acceleration, "(3.33b)", "thesis"
+)
+
+CYLINDER_SCENE = Scene(
+    name="cylinder-isolated",
+    title="Cylindrical part with one point of its rim on a plane",
+    source="3.3.1",
+    validity=VALIDITY,
+    variants={
+        "thesis": (*CYLINDER_BODY, *CORNER, CYLINDER_PRINTED),
+        "derived": (*CYLINDER_BODY, *DERIVED),
+    },
+    default_variant="derived",
+    conditions={"thesis": CONDITIONS, "derived": CONDITIONS},
+    defaults=CORNER_DEFAULTS,
+    rounding_bound=8,
+)

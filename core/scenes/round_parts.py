@@ -1,0 +1,381 @@
+"""Round parts that roll: rollers, balls, cones, cylinders that turn, discs on their edge."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vibrafeed.core.mechanics import resting, round_parts, vibration, wall, yawing
+from vibrafeed.core.scenes.on_floor import (
+    ACCELERATIONS,
+    DRIVE,
+    FLOOR,
+    PLANE,
+    PLANE_DEFAULTS,
+    UNILATERAL,
+)
+from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene, fields
+
+# --- A roller, tube, ring or hoop that lies on a plane, its axis in any direction, from rest.
+
+ROLLER_SOURCE = "theory 18.1"
+ROLLER_AXIS = (
+    Equation("push_across_axis", round_parts.push_across_axis, ROLLER_SOURCE),
+    Equation("push_along_axis", round_parts.push_along_axis, ROLLER_SOURCE),
+)
+ROLLER_PHYSICAL = (
+    *PLANE,
+    *UNILATERAL,
+    *ROLLER_AXIS,
+    Equation("rolling_factor", round_parts.tube_factor, ROLLER_SOURCE),
+    Equation("rolling_share", round_parts.rolling_share, ROLLER_SOURCE),
+    Equation("required_friction", round_parts.roller_friction, ROLLER_SOURCE),
+    Equation("roll_root", round_parts.roller_root, ROLLER_SOURCE),
+    Equation("axial_acceleration", round_parts.axial_acceleration, ROLLER_SOURCE),
+    Equation("rolling_acceleration", round_parts.rolling_acceleration, ROLLER_SOURCE),
+    Equation("acceleration_x", round_parts.roller_x, ROLLER_SOURCE),
+    Equation("acceleration_y", round_parts.roller_y, ROLLER_SOURCE),
+    Equation("angular_acceleration", round_parts.roller_spin, ROLLER_SOURCE),
+)
+ROLLER_MOTION = (ACCELERATIONS - {"sliding_fraction"}) | {
+    "axial_acceleration", "rolling_acceleration", "angular_acceleration", "required_friction",
+    "roll_root",
+}  # fmt: skip
+ROLLER_CONDITIONS = (
+    Condition("flight", vibration.has_left_floor, FLOOR | ROLLER_MOTION, otherwise="contact"),
+    Condition("roll", round_parts.rolls, ROLLER_MOTION, otherwise="slip"),
+)
+
+ROLLER_SCENE = Scene(
+    name="roller-on-plane",
+    title="Roller, tube, ring or hoop lying on a plane, its axis across the track",
+    source="",
+    validity="A snapshot at the drive's peak for a part at rest relative to the track. Its axis "
+    "lies across the track unless axis_yaw turns it: 0 is along the track, as of "
+    "cylinder-on-plane. Rolling resistance and drilling friction are neglected. Closed forms "
+    "describe the part only while the throw number is below 1.",
+    variants={"physical": ROLLER_PHYSICAL},
+    default_variant="physical",
+    conditions={"physical": ROLLER_CONDITIONS},
+    defaults={
+        **PLANE_DEFAULTS, "yaw": 0.0, "axis_yaw": np.pi / 2, "inner_diameter": 0.0,
+        "rolling_factor": 2.0,
+    },
+)  # fmt: skip
+
+
+# --- A ball or a shell on a horizontal or inclined plane, from rest.
+
+SPHERE_SOURCE = "theory 18.1"
+SPHERE_PHYSICAL = (
+    *PLANE,
+    *UNILATERAL,
+    Equation("rolling_factor", round_parts.ball_factor, SPHERE_SOURCE),
+    Equation("rolling_share", round_parts.rolling_share, SPHERE_SOURCE),
+    Equation("required_friction", round_parts.ball_friction, SPHERE_SOURCE),
+    Equation("moved_fraction", round_parts.ball_fraction, SPHERE_SOURCE),
+    Equation("acceleration_x", round_parts.fraction_x, SPHERE_SOURCE),
+    Equation("acceleration_y", round_parts.fraction_y, SPHERE_SOURCE),
+    Equation("angular_acceleration", round_parts.ball_spin, SPHERE_SOURCE),
+)
+SPHERE_MOTION = (ACCELERATIONS - {"sliding_fraction"}) | {
+    "moved_fraction", "angular_acceleration", "required_friction",
+}  # fmt: skip
+SPHERE_CONDITIONS = (
+    Condition("flight", vibration.has_left_floor, FLOOR | SPHERE_MOTION, otherwise="contact"),
+    Condition("roll", round_parts.rolls, SPHERE_MOTION, otherwise="slip"),
+)
+
+SPHERE_SCENE = Scene(
+    name="sphere-on-plane",
+    title="Ball or hollow ball on a horizontal or inclined plane",
+    source="",
+    validity="A snapshot at the drive's peak for a ball at rest relative to the track, on a floor "
+    "without a wall. Rolling resistance is neglected: simulate it for that. Closed forms describe "
+    "the ball only while the throw number is below 1.",
+    variants={"physical": SPHERE_PHYSICAL},
+    default_variant="physical",
+    conditions={"physical": SPHERE_CONDITIONS},
+    defaults={**PLANE_DEFAULTS, "yaw": 0.0, "inner_diameter": 0.0, "rolling_factor": 2.5},
+)
+
+
+# --- A truncated cone on its side, which rolls about the vertical through its apex, from rest.
+
+CONE_PHYSICAL = (
+    *(e for e in PLANE if not e.gives.startswith("rotated")),
+    *UNILATERAL,
+    *ROLLER_AXIS,
+    Equation("mass_height", resting.cone_centre, "theory 16.1"),
+    Equation("side_foot", resting.side_foot, "theory 16.1"),
+    Equation("gyration", resting.cone_gyration, "theory 16.2"),
+    Equation("axial_gyration", round_parts.axial_gyration, ROLLER_SOURCE),
+    Equation("cone_half_angle", round_parts.cone_half_angle, ROLLER_SOURCE),
+    Equation("centre_radius", round_parts.centre_radius, ROLLER_SOURCE),
+    Equation("cone_factor", round_parts.cone_factor, ROLLER_SOURCE),
+    Equation("rolling_acceleration", round_parts.cone_acceleration, ROLLER_SOURCE),
+    Equation("turning_acceleration", round_parts.cone_turning, ROLLER_SOURCE),
+    Equation("required_friction", round_parts.cone_friction, ROLLER_SOURCE),
+)
+SHAPE = frozenset(("cone_factor",))
+CONE_MOTION = frozenset(
+    ("rolling_acceleration", "turning_acceleration", "required_friction", "regime")
+)  # fmt: skip
+CONE_CONDITIONS = (
+    Condition("flight", vibration.has_left_floor, FLOOR | CONE_MOTION, otherwise="contact"),
+    Condition("unstable_side", resting.is_side_unstable, SHAPE | CONE_MOTION, otherwise="contact"),
+    Condition("roll", round_parts.rolls, CONE_MOTION, otherwise="slip"),
+)
+
+CONE_SCENE = Scene(
+    name="cone-on-plane",
+    title="Truncated cone on its side, rolling about its apex",
+    source="",
+    validity="A snapshot at the drive's peak for a cone at rest relative to the track, which rolls "
+    "about the vertical through its apex. Its line of contact lies across the track unless "
+    "axis_yaw turns it. Where it slips the values are those that pure rolling would ask for; the "
+    "friction that it needs is that of the resultant. Rolling resistance is neglected.",
+    variants={"physical": CONE_PHYSICAL},
+    default_variant="physical",
+    conditions={"physical": CONE_CONDITIONS},
+    defaults={**PLANE_DEFAULTS, "axis_yaw": np.pi / 2},
+)
+
+
+# --- A cylinder that rolls and yaws on a level plane, by screw theory; chapter 4 of the source.
+
+AXES = (
+    *fields(
+        "floor_reduction",
+        "(4.1), theory 9.1",
+        floor_pitch=("pitch", "the pitch of the floor's wrench [m]"),
+    ),
+    *fields(
+        "floor_reduction",
+        "(4.3), theory 9.1",
+        floor_axis_normal=(
+            "axis_point",
+            (..., 0),
+            "where the axis of the floor's wrench passes the centre, along n [m]",
+        ),
+        floor_axis_rolling=(
+            "axis_point",
+            (..., 1),
+            "where the axis of the floor's wrench passes the centre, along eta [m]",
+        ),
+        floor_axis_axial=(
+            "axis_point",
+            (..., 2),
+            "where the axis of the floor's wrench passes the centre, along sigma [m]",
+        ),
+    ),
+    *fields(
+        "force_reduction",
+        "(4.1), theory 9.1",
+        force_pitch=(
+            "pitch",
+            "the pitch of the force system: 0 up to rounding, whatever the data [m]",
+        ),
+    ),
+    *fields(
+        "force_reduction",
+        "(4.3), theory 9.1",
+        force_axis_normal=(
+            "axis_point",
+            (..., 0),
+            "where the axis of the force system passes the centre, along n: r/2 [m]",
+        ),
+        force_axis_rolling=(
+            "axis_point",
+            (..., 1),
+            "where the axis of the force system passes the centre, along eta [m]",
+        ),
+        force_axis_axial=(
+            "axis_point",
+            (..., 2),
+            "where the axis of the force system passes the centre, along sigma [m]",
+        ),
+    ),
+)
+"""Pitch and axis of the wrenches of floor and forces."""
+
+COMMON = (
+    Equation("vibration_acceleration", vibration.vibration_acceleration, "theory 0.2"),
+    Equation("drive_normal", vibration.drive_normal, "(4.13)"),
+    Equation("rolling_drive", yawing.rolling_drive, "(4.13), theory 9.2"),
+    Equation("axial_drive", yawing.axial_drive, "(4.13), theory 9.2"),
+    Equation("gravity_normal", yawing.level_gravity, "(4.17)"),
+    Equation("normal_acceleration", vibration.normal_acceleration, "(4.17)"),
+    Equation("throw_number", vibration.throw_number, "theory 13.2"),
+    Equation("floor_acceleration", vibration.unchecked_acceleration, "(4.17)"),
+    Equation("floor_force", vibration.floor_force, "(4.17)"),
+    Equation("axial_friction_acceleration", yawing.axial_friction_acceleration, "(4.16)"),
+    Equation("rolling_friction", yawing.rolling_friction, "(4.15)"),
+    Equation("axial_friction", yawing.axial_friction, "(4.16)"),
+    Equation("spin_acceleration", yawing.spin_acceleration, "(4.19)"),
+    Equation("yaw_acceleration", yawing.yaw_acceleration, "(4.18), theory 9.3"),
+    Equation("printed_yaw_rate", yawing.printed_yaw_rate, "(4.20), theory 9.4"),
+    Equation("pressure_offset_axial", yawing.pressure_offset_axial, "theory 9.3"),
+    Equation("required_friction", yawing.required_friction, "theory 9.3"),
+    Equation("cone_margin", yawing.cone_margin, "theory 9.3"),
+    Equation("floor_wrench", yawing.floor_wrench, "theory 9.3"),
+    Equation("force_wrench", yawing.force_wrench, "(4.12), (4.13), theory 9.3"),
+    *AXES,
+)
+THESIS = (
+    *COMMON,
+    Equation(
+        "floor_reduction",
+        yawing.printed_floor_reduction,
+        "(4.1) to (4.7)",
+        "thesis",
+        derivative=yawing.unscaled_printed_floor_reduction,
+    ),
+    Equation(
+        "force_reduction",
+        yawing.printed_force_reduction,
+        "(4.1) to (4.7)",
+        "thesis",
+        derivative=yawing.unscaled_printed_force_reduction,
+    ),
+)
+DERIVED = (
+    *COMMON,
+    Equation(
+        "floor_reduction",
+        yawing.floor_reduction,
+        "(4.1) to (4.7)",
+        "derived",
+        derivative=yawing.unscaled_floor_reduction,
+    ),
+    Equation(
+        "force_reduction",
+        yawing.force_reduction,
+        "(4.1) to (4.7)",
+        "derived",
+        derivative=yawing.unscaled_force_reduction,
+    ),
+)
+
+FLOOR = frozenset(("normal_acceleration", "throw_number", "floor_acceleration", "floor_force"))
+ROLLING_AXIS = ("pitch", "axis_normal", "axis_rolling", "axis_axial")
+FORCE_AXIS = frozenset(f"force_{name}" for name in ROLLING_AXIS)
+ROLLING = FORCE_AXIS | {
+    *(f"floor_{name}" for name in ROLLING_AXIS),
+    "axial_friction_acceleration",
+    "rolling_friction",
+    "axial_friction",
+    "spin_acceleration",
+    "yaw_acceleration",
+    "pressure_offset_axial",
+    "cone_margin",
+    "regime",
+}
+ROLLING_CONDITIONS = (
+    Condition(
+        "flight",
+        vibration.has_left_floor,
+        FLOOR | ROLLING | {"required_friction", "printed_yaw_rate"},
+        "contact",
+    ),
+    Condition("tipping", yawing.tips_along_axis, ROLLING | {"required_friction"}),
+    Condition("singular", yawing.has_no_printed_yaw_rate, frozenset(("printed_yaw_rate",))),
+    Condition("singular", yawing.has_no_force_axis, FORCE_AXIS),
+    Condition("slip", yawing.slips, ROLLING, otherwise="roll"),
+)
+
+ROLLING_SCENE = Scene(
+    name="cylinder-rolling",
+    title="Cylindrical part that rolls and yaws on a level plane",
+    source="4",
+    validity="A snapshot at the drive's peak for a cylinder in pure rolling at the given spin and "
+    "yaw rates. Outside the friction cone (slip), beyond the cylinder's ends (tipping) and after "
+    "lift-off the values are those that pure rolling would ask for. The yaw of the axis is counted "
+    "from +x towards -y. Friction acts at mid-length; its moment about the vertical is an input.",
+    variants={"thesis": THESIS, "derived": DERIVED},
+    default_variant="derived",
+    conditions={"thesis": ROLLING_CONDITIONS, "derived": ROLLING_CONDITIONS},
+    defaults={
+        "alpha": 0.0,
+        "axis_yaw": 0.0,
+        "spin_rate": 0.0,
+        "yaw_rate": 0.0,
+        "drilling_moment": 0.0,
+        "gravity": STANDARD_GRAVITY,
+    },
+    rounding_bound=8,
+)
+
+
+# --- A disc, coin or ring that stands on its edge in the track, its face against the wall.
+
+DISC_SOURCE = "theory 18.1"
+DISC_PHYSICAL = (
+    *DRIVE,
+    *UNILATERAL,
+    Equation("gravity_normal", vibration.leaning_gravity_normal, "theory 0.4"),
+    Equation("gravity_across", vibration.gravity_across, "theory 0.4"),
+    Equation("floor_force", vibration.floor_force, DISC_SOURCE),
+    Equation("centripetal_acceleration", wall.centripetal_acceleration, "theory 4.1"),
+    Equation("wall_balance", wall.derived_wall_balance, "theory 4.1"),
+    Equation("wall_acceleration", wall.pushing_wall_acceleration, "theory 4.1"),
+    Equation("wall_force", wall.wall_force, "theory 4.1"),
+    Equation("wall_friction", round_parts.wall_as_floor, DISC_SOURCE),
+    Equation("net_push", round_parts.net_push, DISC_SOURCE),
+    Equation("rolling_factor", round_parts.tube_factor, DISC_SOURCE),
+    Equation("rolling_share", round_parts.rolling_share, DISC_SOURCE),
+    Equation("required_friction", round_parts.disc_friction, DISC_SOURCE),
+    Equation("acceleration_x", round_parts.disc_acceleration, DISC_SOURCE),
+    Equation("angular_acceleration", round_parts.disc_spin, DISC_SOURCE),
+    Equation("rolling_friction", round_parts.disc_floor_friction, DISC_SOURCE),
+    Equation("wall_drag", round_parts.wall_drag, DISC_SOURCE),
+    Equation("floor_wrench", round_parts.disc_floor_wrench, DISC_SOURCE),
+    Equation("force_wrench", round_parts.disc_force_wrench, DISC_SOURCE),
+    Equation(
+        "floor_reduction",
+        yawing.floor_reduction,
+        "(4.1) to (4.7)",
+        derivative=yawing.unscaled_floor_reduction,
+    ),
+    Equation(
+        "force_reduction",
+        yawing.force_reduction,
+        "(4.1) to (4.7)",
+        derivative=yawing.unscaled_force_reduction,
+    ),
+    *AXES,
+)
+WALL = frozenset(("wall_acceleration", "wall_force", "wall_drag", "net_push"))
+DISC_MOTION = frozenset(
+    (
+        "acceleration_x", "angular_acceleration", "required_friction", "rolling_friction",
+        *(one.gives for one in AXES), "regime",
+    )
+)  # fmt: skip
+DISC_CONDITIONS = (
+    Condition("flight", vibration.has_left_floor, FLOOR | DISC_MOTION, otherwise="contact"),
+    Condition("wall_lost", round_parts.leaves_wall, WALL | DISC_MOTION, otherwise="contact"),
+    Condition("singular", yawing.has_no_force_axis, FORCE_AXIS),
+    Condition("stick", round_parts.is_held, DISC_MOTION),
+    Condition("roll", round_parts.rolls, DISC_MOTION, otherwise="slip"),
+)
+
+DISC_SCENE = Scene(
+    name="disc-on-edge",
+    title="Disc, coin or ring on its edge, its face against the wall",
+    source="",
+    validity="A snapshot at the drive's peak for a disc at rest relative to the track. The wall's "
+    "force passes through the centre: what would turn the face along the wall is left out, and so "
+    "is rolling resistance. A coin that lies flat is a block: rectangle-on-plane.",
+    variants={"physical": DISC_PHYSICAL},
+    default_variant="physical",
+    conditions={"physical": DISC_CONDITIONS},
+    defaults={
+        "alpha": 0.0,
+        "gamma": 0.0,
+        "delta": 0.0,
+        "gravity": STANDARD_GRAVITY,
+        "centripetal_acceleration": 0.0,
+        "inner_diameter": 0.0,
+        "rolling_factor": 2.0,
+    },
+)
