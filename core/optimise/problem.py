@@ -114,6 +114,12 @@ class OptimisationProblem:
         """The upper bounds, shape (variables,), SI units."""
         return np.array([variable.upper for variable in self.variables])
 
+    def inside(self, unit: Array) -> Array:
+        """Return points, shares of the bounds (variables, ...), in SI units; both ends exact."""
+        ends = (-1, *[1] * (unit.ndim - 1))
+        lower, upper = self.lower.reshape(ends), self.upper.reshape(ends)
+        return np.where(unit == 1, upper, lower + unit * (upper - lower))
+
     @property
     def sign(self) -> float:
         """-1 if the criterion is minimised, else 1."""
@@ -242,27 +248,21 @@ class OptimisationProblem:
         """Return the margins of all constraints."""
         return [self.margin(kept, known, design) for kept in self.kept]
 
-    def smooth_margins(self, known: Arrays, design: Mapping[str, Array]) -> list[Array]:
-        """Return the margins of all constraints as smooth functions, for methods with slopes.
+    def smooth_margins(self, known: Arrays, design: Mapping[str, Array]) -> list[tuple[str, Array]]:
+        """Return outputs and margins of all constraints, for methods that follow slopes.
 
         A margin is the distance of an output from its bound, negative where the bound is broken. A
-        bound |y| <= b has a kink at y = 0; it becomes the two margins b - y and b + y.
-
-        Parameters
-        ----------
-        known : mapping of str to ndarray
-            All quantities at the candidates, SI units.
-        design : mapping of str to ndarray
-            The fixed parameters; a bound that differs between designs is among them.
+        bound |y| <= b has a kink at y = 0; it becomes the two margins b - y and b + y. Arguments as
+        in `margin`.
         """
         margins = []
         for kept in self.kept:
             if kept.absolute and kept.upper:
                 value = self.output(kept.output, known)
                 bound = design[LIMIT] if kept.bound is None else kept.bound
-                margins += [bound - value, bound + value]
+                margins += [(kept.output, bound - value), (kept.output, bound + value)]
             else:
-                margins.append(self.margin(kept, known, design))
+                margins.append((kept.output, self.margin(kept, known, design)))
         return margins
 
     def judged(

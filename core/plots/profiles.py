@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from vibrafeed.core.optimise.sentences import criterion_in_words
+from vibrafeed.core.optimise.optimisation import criterion_in_words
 from vibrafeed.core.plots.heading import finish, source_of
 from vibrafeed.core.plots.landscape import (
     SOLVED,
