@@ -22,8 +22,9 @@ from vibrafeed.core.study.distributions import Distribution, nominal, tolerance
 from vibrafeed.core.study.optimise_study import Limited, OptimiseStudy, Pareto, Weighted
 from vibrafeed.core.study.values import Between
 
-QUICK_SECONDS, OTHER_SECONDS, MOTION_SECONDS = 2e-5, 0.05, 1.2
-"""Roughly what a design takes; one of motions besides what following them does."""
+SECONDS = {"exact": 2e-5, "search": 0.01, "scipy": 0.2}
+"""Roughly what a design takes by each method."""
+MOTION_SECONDS = 0.2  # roughly, of a design of motions, besides what following them takes
 RIVAL_SECONDS = 0.02  # roughly, of a design by the method that verifies
 
 FLAGS = ("optimum_status", "regime", "knee")
@@ -121,14 +122,9 @@ class Optimisation(Prepared):
 
     @cached_property
     def _price(self) -> tuple[float, float]:
-        """The likely and the largest time in which one design is optimised on one core [s].
-
-        The service uses it to tell a user beforehand how long a study takes. Closed forms have one
-        time for each method; for motions it is their number times the time of one.
-        """
+        """The likely and the largest time in which one design is optimised on one core [s]."""
         if not self.problem.is_motion:
-            seconds = QUICK_SECONDS if self.method == "exact" else OTHER_SECONDS
-            seconds *= max(1.0, self.problem.nodes / NODES)
+            seconds = SECONDS[self.method] * max(1.0, self.problem.nodes / NODES)
             return seconds, seconds
         method = methods_of(self.plan.scene.name)[self.plan.variant]
         likely, most = self._priced_by(method)

@@ -139,12 +139,12 @@ class _Design:
         return [{"type": "ineq", "fun": lambda unit: self.smooth(unit)[1:]}]
 
     def smooth(self, unit: Array) -> Array:
-        """Return the objective and all smooth margins at a point, over their sizes."""
+        """Return the objective and the margins of all constraints at a point, over their sizes."""
         problem = self.problem
         self.evaluations += 1
         known = problem.known(problem.inside(unit)[:, None, None], self.design)
         rows = [problem.objective(known) / self.size]
-        for name, margin in problem.smooth_margins(known, self.design):
-            rows.append(margin / self.scales[name])
+        for kept in problem.kept:
+            rows.append(problem.margin(kept, known, self.design) / self.scales[kept.output])
         values = np.array([float(np.broadcast_to(row, (1, 1))[0, 0]) for row in rows])
         return np.where(np.isfinite(values), values, -NO_VALUE)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,14 +33,16 @@ from vibrafeed.core.watch import Watch
 
 MAX_VARIABLES = 8
 MEMBERS = 24  # of a population, and 8 more for each variable
-TIMES_MOTION, TIMES_ROUGH = 2, 6
-"""So many times the members for motions, which jump; and where parts rebound."""
+TIMES_MOTION = 2  # so many times the members for motions, which jump
 SAMPLES = 1024  # points from which the first members are taken
-MAX_GENERATIONS = 400
+MAX_GENERATIONS, ROUGH_GENERATIONS = 400, 80
+"""Where motions do not repeat tops stand on tops: populations do not narrow, and start again."""
 CROSSED = 0.9  # share of the variables that change
 SMALL = 1e-12  # a population that is narrower in all variables has converged
-LEVEL, LEVEL_WIDTH = 1e-15, 1e-6
-"""So near each other, as shares of the value and of the box, a smooth top is met to rounding."""
+LEVEL, LEVEL_JUMPS = (1e-15, 1e-6), (1e-11, 1e-3)
+"""So near each other, as shares of the value and of the box, members have met a smooth top; an edge
+of a jump is not met so exactly."""
+ROUGH = 0.03  # share of the first points without an exact value from which a design is rough
 CLOSER = (1e-2, 1e-5)  # widths of the populations that start around the best point afterwards
 CELLS = 256  # designs at a time: some 10,000 points a generation stay in the cache
 SEED = 1
@@ -75,7 +77,7 @@ class Points(NamedTuple):
         rows = (np.take_along_axis(one, places, axis=1) for one in self[1:])
         return Points(np.take_along_axis(self.unit, places[None], axis=2), *rows)
 
-    def of(self, cells: NDArray[np.bool_] | NDArray[np.intp]) -> Points:
+    def of(self, cells: Any) -> Points:
         """Return the points of some designs."""
         return Points(self.unit[:, cells], *(one[cells] for one in self[1:]))
 
@@ -94,7 +96,7 @@ class Found(NamedTuple):
     evaluations: NDArray[np.int64]
     done: NDArray[np.bool_]
 
-    def put(self, cells: NDArray[np.intp], other: Found) -> None:
+    def put(self, cells: Any, other: Found) -> None:
         """Take over another search of some designs, with the numbers `cells`."""
         self.best.unit[:, cells] = other.best.unit
         for mine, theirs in zip(self.best[1:], other.best[1:], strict=True):
@@ -205,46 +207,50 @@ def best_points(
         Takes the progress, and may stop the search.
     jumps : bool
         True if outputs may jump: populations then have more members. Where values have statistical
-        errors they have more again, and one design is searched after the other.
+        errors, one design is searched after the other.
     choose : callable, optional
         Takes all points of such a design that were judged, and its number; returns the index of the
         one to keep. The best by default.
     """
     found = _nothing(variables, cells)
+    members = (TIMES_MOTION if jumps else 1) * (MEMBERS + 8 * variables)
     first = _first(judge, variables, np.arange(cells))
-    is_rough = (first.error > 0).any(axis=1)
-    rough = np.flatnonzero(is_rough)
-    for group in (np.flatnonzero(~is_rough), *rough[:, None]):
-        if not group.size or watch.stopped():
-            continue
-        seen: list[Points] = [first.of(group)]
-        keeps = bool(is_rough[group[0]])
+    is_rough = (first.error > 0).mean(axis=1) > ROUGH
+    smooth = np.flatnonzero(~is_rough)
+    if smooth.size and not watch.stopped():
+        part = watch.part(smooth.size / cells)
+        one = _closed_in(
+            lambda unit, numbers: judge(unit, smooth[numbers]), first.of(smooth), members, part,
+            MAX_GENERATIONS, jumps=jumps,
+        )  # fmt: skip
+        found.put(smooth, one)
+    for cell in np.flatnonzero(is_rough | (found.best.error[:, 0] > 0)):
+        if watch.stopped():
+            break
+        seen = [first.of([cell])]
 
-        def judge_group(
-            unit: Array, numbers: NDArray[np.intp], group: NDArray[np.intp] = group,
-            seen: list[Points] = seen, keeps: bool = keeps,
-        ) -> Points:  # fmt: skip
-            judged = judge(unit, group[numbers])
-            if keeps:
-                seen.append(judged)
-            return judged
+        def judge_and_keep(
+            unit: Array, _: NDArray[np.intp], cell: int = cell, seen: list[Points] = seen
+        ) -> Points:
+            seen.append(judge(unit, np.array([cell])))
+            return seen[-1]
 
-        times = TIMES_ROUGH if keeps else TIMES_MOTION if jumps else 1
-        members = times * (MEMBERS + 8 * variables)
-        one = _closed_in(judge_group, seen[0], members, watch.part(group.size / cells), jumps=jumps)
-        if keeps and choose is not None and one.done.all():
+        part = watch.part(is_rough[cell] / cells)
+        one = _closed_in(judge_and_keep, seen[0], members, part, ROUGH_GENERATIONS, jumps=jumps)
+        if choose is not None and one.done.all():
             points = Points(*(np.concatenate(part, axis=-1) for part in zip(*seen, strict=True)))
-            place = choose(points, int(group[0]))
-            one = one._replace(best=points.at(np.array([[place]])))
-        found.put(group, one)
+            one = one._replace(best=points.at(np.array([[choose(points, cell)]])))
+        found.put([cell], one)
     return found
 
 
-def _closed_in(judge: Judge, first: Points, members: int, watch: Watch, *, jumps: bool) -> Found:
+def _closed_in(
+    judge: Judge, first: Points, members: int, watch: Watch, most: int, *, jumps: bool
+) -> Found:
     variables, cells, _ = first.unit.shape
     every = np.arange(cells)
     share = 0.7 if jumps else 1.0
-    found = _evolved(judge, _chosen(first, members), every, watch.part(share), jumps=jumps)
+    found = _evolved(judge, _chosen(first, members), every, watch.part(share), most, jumps=jumps)
     found.evaluations[:] += first.unit.shape[2]
     random = np.random.default_rng(SEED + 1)
     for width in CLOSER if jumps else ():
@@ -256,18 +262,18 @@ def _closed_in(judge: Judge, first: Points, members: int, watch: Watch, *, jumps
         start = judge(np.clip(found.best.unit[:, again] + away, 0.0, 1.0), again)
         part = watch.part((1 - share) / len(CLOSER))
         found.evaluations[again] += start.unit.shape[2]
-        found.put(again, _evolved(judge, start, again, part, jumps=jumps))
+        found.put(again, _evolved(judge, start, again, part, most, jumps=jumps))
     return found
 
 
 def _evolved(
-    judge: Judge, start: Points, cells: NDArray[np.intp], watch: Watch, *, jumps: bool
+    judge: Judge, start: Points, cells: NDArray[np.intp], watch: Watch, most: int, *, jumps: bool
 ) -> Found:
     variables, count, members = start.unit.shape
     random = np.random.default_rng(SEED)
     found = _nothing(variables, count)
     alive, points, reported = np.arange(count), start, 0.0
-    for generation in range(1, MAX_GENERATIONS + 1):
+    for generation in range(1, most + 1):
         if watch.stopped():
             break
         new = judge(_trial(points, random), cells[alive])
@@ -278,17 +284,17 @@ def _evolved(
         )
         points = Points(*(np.where(better, *two) for two in zip(new, points, strict=True)))
         widths = (points.unit.max(axis=2) - points.unit.min(axis=2)).max(axis=0)
-        last = generation == MAX_GENERATIONS
+        last = generation == most
         orders = np.log(np.clip(widths, SMALL, 1.0)) / np.log(SMALL)
         share = 1.0 if last else float(1 - (widths.size - orders.sum()) / count)
         if share > reported:
             watch.advance(share - reported)
             reported = share
         ended = (widths < SMALL) | last
-        if not jumps:
-            high, low = points.value.max(axis=1), points.value.min(axis=1)
-            level = (low >= high - LEVEL * np.abs(high)) & (points.beyond.max(axis=1) <= 0)
-            ended |= level & (widths < LEVEL_WIDTH)
+        level, width = LEVEL_JUMPS if jumps else LEVEL
+        high, low = points.value.max(axis=1), points.value.min(axis=1)
+        is_level = (low >= high - level * np.abs(high)) & (points.beyond.max(axis=1) <= 0)
+        ended |= is_level & (widths < width)
         if ended.any():
             top = points.of(ended)
             used = np.full(int(ended.sum()), members * generation, dtype=np.int64)
