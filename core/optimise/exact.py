@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.optimise.families import OF_SYSTEM
@@ -43,7 +44,7 @@ def by_exact(
     optima = closed_optima(problem, design)
     assert optima.value is not None
     x, status, value = optima.x.copy(), optima.status.copy(), optima.value.copy()
-    without = np.isnan(x).any(axis=0)
+    without: NDArray[np.bool_] = np.asarray(np.isnan(x).any(axis=0))
     still = np.flatnonzero((status == STATUS["no_motion"]) & without)
     if still.size:
         unit = filled(len(problem.names), still.size, REST_POINTS)

@@ -224,7 +224,7 @@ def best_points(
             MAX_GENERATIONS, jumps=jumps,
         )  # fmt: skip
         found.put(smooth, one)
-    for cell in np.flatnonzero(is_rough | (found.best.error[:, 0] > 0)):
+    for cell in np.flatnonzero(is_rough | (found.best.error[:, 0] > 0)).tolist():
         if watch.stopped():
             break
         seen = [first.of([cell])]
