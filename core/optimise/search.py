@@ -35,8 +35,9 @@ MAX_VARIABLES = 8
 MEMBERS = 24  # of a population, and 8 more for each variable
 TIMES_MOTION = 2  # so many times the members for motions, which jump
 SAMPLES = 1024  # points from which the first members are taken
-MAX_GENERATIONS, ROUGH_GENERATIONS = 400, 80
-"""Where motions do not repeat tops stand on tops: populations do not narrow, and start again."""
+MAX_GENERATIONS = 400
+ROUGH_GENERATIONS = 40
+"""For each variable. Where motions do not repeat tops stand on tops: populations do not narrow."""
 CROSSED = 0.9  # share of the variables that change
 SMALL = 1e-12  # a population that is narrower in all variables has converged
 LEVEL, LEVEL_JUMPS = (1e-15, 1e-6), (1e-11, 1e-3)
@@ -54,7 +55,7 @@ ROUNDS = ((8.0, 4), (LONGEST, 1))
 """Rounds of longer runs: the factor of their length, and the number of points kept then."""
 
 MAX_GRIDDED = 4  # variables that a grid can have
-MAX_POINTS = 8_000_000  # of all designs together
+MAX_POINTS = 4_000_000  # of all designs together
 
 
 class Points(NamedTuple):
@@ -236,7 +237,8 @@ def best_points(
             return seen[-1]
 
         part = watch.part(is_rough[cell] / cells)
-        one = _closed_in(judge_and_keep, seen[0], members, part, ROUGH_GENERATIONS, jumps=jumps)
+        most = ROUGH_GENERATIONS * variables
+        one = _closed_in(judge_and_keep, seen[0], members, part, most, jumps=jumps)
         if choose is not None and one.done.all():
             points = Points(*(np.concatenate(part, axis=-1) for part in zip(*seen, strict=True)))
             one = one._replace(best=points.at(np.array([[choose(points, cell)]])))
