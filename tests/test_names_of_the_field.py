@@ -55,7 +55,6 @@ ALLOWED = {
     "vibrafeed.app.cli.starter.*": "the same",
     # Words that mean themselves.
     "vibrafeed.app.jobs.errors.NotFoundError": "HTTP 404, Not Found",
-    "vibrafeed.core.optimise.scipy_methods.one_by_one": "one after the other",
     "vibrafeed.core.scenes.orienting_line.Device.place": "a key's number, as in `wiper_height_2`",
     # The rows set it, and are under other work: `trajectory` then.
     "vibrafeed.core.motion.method.Method.course": "of rows, too",

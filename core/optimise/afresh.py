@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.optimise.methods import METHODS
 from vibrafeed.core.optimise.problem import Kept, OptimisationProblem, cells_of, chosen_cells
 from vibrafeed.core.optimise.robust import SEED, Uncertain, samples_of
 from vibrafeed.core.plan.draws import points, values_at
@@ -132,7 +131,7 @@ def judged_afresh(
     x: Array,
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
-    method: str,
+    tolerance: float,
     number: int = 1,
 ) -> Afresh:
     """Return statistic, margins and broken shares of choices at fresh uncertain parameters.
@@ -145,8 +144,8 @@ def judged_afresh(
         The choices, SI units; where they are NaN those of the lower bounds are judged.
     design, scales : mapping of str to ndarray, each of shape (cells,)
         The fixed parameters, SI units, and the sizes of the outputs.
-    method : str
-        The key of `METHODS` by which they were found; what it leaves of a limit does not break it.
+    tolerance : float
+        Of the method by which they were found: what it leaves of a limit does not break it.
     number : int
         Another one draws other points.
     """
@@ -158,7 +157,7 @@ def judged_afresh(
     pieces = [slice(start, start + step) for start in range(0, cells, step)]
     parts = [
         _judged(again, x[:, piece], chosen_cells(design, piece), inside,
-                {n: METHODS[method].tolerance * size[piece] for n, size in scales.items()})
+                {n: tolerance * size[piece] for n, size in scales.items()})
         for piece in pieces
     ]  # fmt: skip
 

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
-from vibrafeed.core.optimise import known_optima
-from vibrafeed.core.optimise.codes import STATUS
+from vibrafeed.core.optimise.exact import closed_front
 from vibrafeed.core.optimise.methods import METHODS
 from vibrafeed.core.optimise.optima import Optima
 from vibrafeed.core.optimise.problem import LIMIT, OptimisationProblem, cells_of
@@ -53,12 +52,14 @@ def find_front(
     assert isinstance(criterion, Pareto)
     points = criterion.points
     if method == "exact":
-        return known_optima.by_closed_front(problem, design, points)
+        return closed_front(problem, design, points)
     solve = METHODS[method].solve
     inner, scale = problem.limited(), scales[criterion.against]
     ends = replace(watch, progress=None)  # the many points between them are the progress
     top = solve(inner, {**design, LIMIT: WIDE * scale}, scales, ends)
-    least = _least(problem, inner, design, scales, method, ends)
+    # At the other end the other output has a large weight in the objective.
+    heavy = Weighted(output=criterion.output, against=criterion.against, weight=HEAVY)
+    least = solve(replace(problem, criterion=heavy), design, scales, ends)
     cells = cells_of(design)
     x = np.repeat(least.x[:, :, None], points, axis=2)
     status = np.repeat(least.status[:, None], points, axis=1)
@@ -70,8 +71,7 @@ def find_front(
         levels = first[:, None] + (last - first)[:, None] * evenly(0.0, 1.0, points)
         repeated = {name: np.repeat(values[rest], points) for name, values in design.items()}
         wide = {name: np.repeat(values[rest], points) for name, values in scales.items()}
-        slack = 0.0 if method == "newton" else SLACK
-        limits = np.where(np.isnan(levels), WIDE, levels + slack * scale[rest, None])
+        limits = np.where(np.isnan(levels), WIDE, levels + SLACK * scale[rest, None])
         optima = solve(inner, {**repeated, LIMIT: limits.ravel()}, wide, watch)
         x[:, rest] = optima.x.reshape(len(problem.names), -1, points)
         status[rest] = optima.status.reshape(-1, points)
@@ -108,53 +108,6 @@ def distinct_points(output: Array, other: Array, sizes: Sequence[Array]) -> Arra
     pairs = zip((output, np.abs(other)), sizes, strict=True)
     moved = [np.abs(np.diff(one, axis=1)) > SMALL * size for one, size in pairs]
     return np.isfinite(output).any(axis=1) + np.logical_or(*moved).sum(axis=1, dtype=np.float64)
-
-
-def _least(
-    problem: OptimisationProblem,
-    inner: OptimisationProblem,
-    design: Mapping[str, Array],
-    scales: Mapping[str, Array],
-    method: str,
-    watch: Watch,
-) -> Optima:
-    """Return the ends of trade-off fronts at which the other output is least, for every design.
-
-    Compiled Newton tries a limit of 0 of the other output; where no choice keeps it, and for other
-    methods, the other output gets a large weight in the objective.
-
-    Parameters
-    ----------
-    problem, inner : OptimisationProblem
-        That of the front, and that of one of its points, with a limit of the other output.
-    design, scales : mapping of str to ndarray, each of shape (cells,)
-        The fixed parameters, and the sizes of outputs, by which violations are divided.
-    method : str
-        A key of `METHODS`.
-    watch : Watch
-        Takes the progress, and may stop the work.
-    """
-    criterion = problem.criterion
-    assert isinstance(criterion, Pareto)
-    heavy = Weighted(output=criterion.output, against=criterion.against, weight=HEAVY)
-    last = replace(problem, criterion=heavy)
-    if method != "newton":
-        return METHODS[method].solve(last, design, scales, watch)
-    none = METHODS["newton"].solve(
-        inner, {**design, LIMIT: np.zeros(cells_of(design))}, scales, watch
-    )
-    open_cells = np.flatnonzero(none.status == STATUS["infeasible"])
-    if not open_cells.size:
-        return none
-    part = METHODS["population"].solve(
-        last,
-        {name: values[open_cells] for name, values in design.items()},
-        {name: values[open_cells] for name, values in scales.items()},
-        watch,
-    )
-    x, status = none.x.copy(), none.status.copy()
-    x[:, open_cells], status[open_cells] = part.x, part.status
-    return Optima(x, status)
 
 
 def _other(problem: OptimisationProblem, optima: Optima, design: Mapping[str, Array]) -> Array:

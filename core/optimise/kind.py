@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Final
 
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.optimise.methods import METHODS
@@ -12,29 +12,6 @@ from vibrafeed.core.optimise.run import compute, label
 from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.optimise_study import OptimiseStudy
-
-BATCHED = (
-    ("rectangle-on-track", "physical"),
-    ("rectangle-on-track", "derived"),
-    ("rectangle-on-plane", "physical"),
-    ("rectangle-on-plane", "derived"),
-)
-"""Scenes and variants that need all of the compiled batch solver: one of each of its families."""
-
-
-def _fastest(scene: str, variant: str) -> dict[str, Any]:
-    """Return a study of the largest acceleration as plain data; running it compiles the kernels.
-
-    `scene` and `variant` are names, such as ``"rectangle-on-plane"`` and ``"physical"``.
-    """
-    return {
-        "kind": "optimise",
-        "scene": scene,
-        "variant": variant,
-        "criterion": {"kind": "maximise", "output": "acceleration_x"},
-        "parameters": {"frequency": 50, "amplitude": "0.2 mm", "friction": 0.4},
-    }
-
 
 KIND: Final = Kind(
     name="optimise",
@@ -56,5 +33,4 @@ KIND: Final = Kind(
     label=label,
     choices=MappingProxyType({"method": tuple(METHODS)}),
     measures=("optimisers",),
-    compiles=MappingProxyType({"optimise": tuple(_fastest(*system) for system in BATCHED)}),
 )

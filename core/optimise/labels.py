@@ -15,13 +15,12 @@ from vibrafeed.core.dataset.table import (
     quantity_attributes,
     regime_attributes,
 )
+from vibrafeed.core.optimise.check import accuracy, verified
 from vibrafeed.core.optimise.front import FLAT
 from vibrafeed.core.optimise.methods import METHODS
-from vibrafeed.core.optimise.optimisation import Optimisation
+from vibrafeed.core.optimise.optimisation import Optimisation, criterion_in_words
 from vibrafeed.core.optimise.problem import broken_names
-from vibrafeed.core.optimise.sentences import criterion_in_words
 from vibrafeed.core.optimise.slopes import sensitive
-from vibrafeed.core.optimise.verify import accuracy, verified
 from vibrafeed.core.plan.labels import coordinates_of, global_attributes, link_to_verdict
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.replicates import INTERVAL, REPLICATES

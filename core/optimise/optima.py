@@ -9,9 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.optimise.codes import STATUS
 from vibrafeed.core.optimise.problem import OptimisationProblem
+from vibrafeed.core.quantities import OPTIMUM_STATUSES
 from vibrafeed.core.watch import Watch
+
+STATUS: Mapping[str, int] = {name: flag.value for name, flag in OPTIMUM_STATUSES.items()}
+"""The value of each `OPTIMUM_STATUSES` entry."""
 
 
 @dataclass(frozen=True)
@@ -26,9 +29,6 @@ class Optima:
         Value of an `OPTIMUM_STATUSES` entry.
     value : ndarray or None
         The objective as the method computes it; None if it is to be taken from the scene's outputs.
-    residual : ndarray or None
-        Remainder of the gradient after the first-order conditions, each variable over its range, in
-        the unit of the objective; None if differences are to give it.
     evaluations : ndarray of int64 or int
         Number of points at which the outputs were computed.
     says : str
@@ -38,7 +38,6 @@ class Optima:
     x: Array
     status: NDArray[np.int8]
     value: Array | None = None
-    residual: Array | None = None
     evaluations: NDArray[np.int64] | int = 1
     says: str = ""
 
@@ -48,7 +47,6 @@ class Optima:
             self.x[:, cells],
             self.status[cells],
             None if self.value is None else self.value[cells],
-            None if self.residual is None else self.residual[cells],
             np.broadcast_to(self.evaluations, self.status.shape)[cells],
             self.says,
         )
@@ -63,11 +61,12 @@ Solver = Callable[[OptimisationProblem, Mapping[str, Array], Mapping[str, Array]
 """Takes problem, designs (arrays of shape (cells,)), scales of the outputs, and a watch."""
 
 
-def status_of(value: float, beyond: float, tolerance: float) -> int:
-    """Return the status of a best point: optimal, infeasible, or without a value.
+def statuses_of(value: Array, beyond: Array, tolerance: float = 0.0) -> NDArray[np.int8]:
+    """Return the status of best points: optimal, infeasible, or without a value, shape (cells,).
 
-    `value` is its objective; `beyond` is its violation of constraints, which `tolerance` allows.
+    `value` are their objectives; `beyond` their violations of constraints, which `tolerance`
+    allows.
     """
-    if beyond <= tolerance and np.isfinite(value):
-        return STATUS["optimal"]
-    return STATUS["infeasible"] if np.isfinite(beyond) else STATUS["no_value"]
+    status = np.where(np.isfinite(beyond), STATUS["infeasible"], STATUS["no_value"])
+    kept = (beyond <= tolerance) & np.isfinite(value)
+    return np.where(kept, STATUS["optimal"], status).astype(np.int8)

@@ -13,18 +13,18 @@ from vibrafeed.core.motion.prepare import other_method
 from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.optimise.problem import OptimisationProblem, broken_names
 from vibrafeed.core.optimise.robust import NODES
-from vibrafeed.core.optimise.scipy_methods import search_budget
-from vibrafeed.core.optimise.sentences import criterion_in_words
 from vibrafeed.core.optimise.slopes import sensitive
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.prepared import Box, Prepared
 from vibrafeed.core.plan.price import MARGIN, Price, price
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.study.optimise_study import OptimiseStudy, Pareto
+from vibrafeed.core.study.distributions import Distribution, nominal, tolerance
+from vibrafeed.core.study.optimise_study import Limited, OptimiseStudy, Pareto, Weighted
+from vibrafeed.core.study.values import Between
 
-QUICK = ("exact", "newton")  # without a search
-QUICK_SECONDS, OTHER_SECONDS, MOTION_SECONDS = 2e-5, 0.05, 1.2
-"""Roughly what a design takes; one of motions besides what following them does."""
+SECONDS = {"exact": 2e-5, "search": 0.01, "scipy": 0.2}
+"""Roughly what a design takes by each method."""
+MOTION_SECONDS = 0.2  # roughly, of a design of motions, besides what following them takes
 RIVAL_SECONDS = 0.02  # roughly, of a design by the method that verifies
 
 FLAGS = ("optimum_status", "regime", "knee")
@@ -85,7 +85,7 @@ class Optimisation(Prepared):
                 units |= dict.fromkeys(broken_names(kept.name), "1")
         for name in problem.names:
             units |= {f"binds_{name}_lower": "1", f"binds_{name}_upper": "1"}
-        units |= dict.fromkeys(("optimality_residual", "optimum_gap", "evaluations"), "1")
+        units |= dict.fromkeys(("optimum_gap", "evaluations"), "1")
         if isinstance(criterion, Pareto):
             units |= dict.fromkeys(("knee", "front_points"), "1")
         if self.study.sensitivities:
@@ -123,13 +123,12 @@ class Optimisation(Prepared):
     def _new_price(self) -> Price:
         more = max(1.0, self.problem.nodes / NODES)
         if not self.problem.is_motion:
-            seconds = QUICK_SECONDS if self.method in QUICK else OTHER_SECONDS
-            return Price(0.0, MARGIN * seconds * more)
+            return Price(0.0, MARGIN * SECONDS[self.method] * more)
         free = {one.name: (one.lower, one.upper) for one in self.problem.variables}
         method = methods_of(self.plan.scene.name)[self.plan.variant]
         motion = price(self.plan, self.designs, method.seconds_a_cell, free)
         # One interval of nine nodes is in the price of a search; more nodes cost as much more.
-        motions = more * search_budget(len(self.problem.names))
+        motions = more * expected_points(len(self.problem.names))
         return Price(motion.start, MARGIN * MOTION_SECONDS + motions * motion.cell)
 
     @property
@@ -170,3 +169,50 @@ class Optimisation(Prepared):
         flags = (*FLAGS, *self.plan.verdict_names)
         short = sum(name in flags or name.startswith("binds_") for name in self.units)
         return self.cells * (8 * (len(self.units) - short) + short)
+
+
+# --- in words
+
+
+def criterion_in_words(problem: OptimisationProblem) -> str:
+    """Return the criterion in a few words."""
+    return _looked_for(problem) + _over_interval(problem)
+
+
+def _over_interval(problem: OptimisationProblem) -> str:
+    """Return the words on uncertain parameters for a criterion; empty if there are none.
+
+    An example is ", in the worst case over friction from 0.2 to 0.4".
+    """
+    if problem.uncertain is None:
+        return ""
+    how = {"worst": "in the worst case", "mean": "on average"}.get(problem.uncertain.how)
+    how = how or f"of the {problem.uncertain.quantile:g} quantile"
+    names = (_known(name, one) for name, one in problem.uncertain.distributions.items())
+    return f", {how} over {', '.join(names)}"
+
+
+def _known(name: str, distribution: Distribution) -> str:
+    """Return the uncertainty of a parameter in words, such as "friction from 0.2 to 0.4".
+
+    It stands in the criterion of an optimisation; `name` is the parameter.
+    """
+    unit = QUANTITIES[name].suffix
+    if isinstance(distribution, Between):
+        return f"{name} from {distribution.lower:g} to {distribution.upper:g}{unit}"
+    lower, upper = tolerance(name, distribution)
+    return f"{name} about {nominal(distribution):g} ({lower:.4g} to {upper:.4g}){unit}"
+
+
+def _looked_for(problem: OptimisationProblem) -> str:
+    """Return the objective of an optimisation in words, such as "largest conveying_velocity"."""
+    criterion = problem.criterion
+    output, against = criterion.output, problem.against
+    if isinstance(criterion, Weighted):
+        return f"largest {output} - {criterion.weight:g} |{against}|"
+    if isinstance(criterion, Limited):
+        unit = QUANTITIES[criterion.against].suffix
+        return f"largest {output} with |{against}| <= {criterion.limit:g}{unit}"
+    if isinstance(criterion, Pareto):
+        return f"{output} high, |{against}| low: the whole front"
+    return f"{'least' if problem.sign < 0 else 'largest'} {output}"

@@ -114,6 +114,12 @@ class OptimisationProblem:
         """The upper bounds, shape (variables,), SI units."""
         return np.array([variable.upper for variable in self.variables])
 
+    def inside(self, unit: Array) -> Array:
+        """Return points, shares of the bounds (variables, ...), in SI units; both ends exact."""
+        ends = (-1, *[1] * (unit.ndim - 1))
+        lower, upper = self.lower.reshape(ends), self.upper.reshape(ends)
+        return np.where(unit == 1, upper, lower + unit * (upper - lower))
+
     @property
     def sign(self) -> float:
         """-1 if the criterion is minimised, else 1."""
@@ -237,33 +243,6 @@ class OptimisationProblem:
         bound = design[LIMIT] if kept.bound is None else kept.bound
         value = np.abs(value) if kept.absolute else value
         return np.asarray(bound - value if kept.upper else value - bound)
-
-    def margins(self, known: Arrays, design: Mapping[str, Array]) -> list[Array]:
-        """Return the margins of all constraints."""
-        return [self.margin(kept, known, design) for kept in self.kept]
-
-    def smooth_margins(self, known: Arrays, design: Mapping[str, Array]) -> list[Array]:
-        """Return the margins of all constraints as smooth functions, for methods with slopes.
-
-        A margin is the distance of an output from its bound, negative where the bound is broken. A
-        bound |y| <= b has a kink at y = 0; it becomes the two margins b - y and b + y.
-
-        Parameters
-        ----------
-        known : mapping of str to ndarray
-            All quantities at the candidates, SI units.
-        design : mapping of str to ndarray
-            The fixed parameters; a bound that differs between designs is among them.
-        """
-        margins = []
-        for kept in self.kept:
-            if kept.absolute and kept.upper:
-                value = self.output(kept.output, known)
-                bound = design[LIMIT] if kept.bound is None else kept.bound
-                margins += [bound - value, bound + value]
-            else:
-                margins.append(self.margin(kept, known, design))
-        return margins
 
     def judged(
         self,
@@ -395,20 +374,6 @@ class OptimisationProblem:
         scales: Mapping[str, Array],
         watch: Watch | None,
     ) -> tuple[Array, Array, Array]:
-        """Return objective, violation and statistical error of candidates and designs.
-
-        Where an output has no value the objective is -inf and the violation inf. The violation is
-        the sum over the constraints of what is broken, over the size of the output.
-
-        Parameters
-        ----------
-        x : ndarray, shape (variables, ...)
-            Candidates, SI units.
-        design, scales : mapping of str to ndarray
-            The fixed parameters, and the size of each output; they broadcast with a candidate.
-        watch : Watch or None
-            May stop motions.
-        """
         known = self.known(x, design, watch, self.bare)
         shape = np.broadcast_shapes(*(part.shape for part in (*x, *design.values())))
         value = np.broadcast_to(self.objective(known), shape)
@@ -417,7 +382,8 @@ class OptimisationProblem:
                 self.output(self.second, known)
             )
         beyond = np.zeros(shape)
-        for kept, margin in zip(self.kept, self.margins(known, design), strict=True):
+        for kept in self.kept:
+            margin = self.margin(kept, known, design)
             beyond = beyond + np.maximum(-margin, 0.0) / scales[kept.output]
         lost = np.isnan(value) | np.isnan(beyond)
         chance_error = np.broadcast_to(self.chance_error(known), shape)

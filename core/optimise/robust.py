@@ -9,7 +9,6 @@ from itertools import product
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan import draws
@@ -28,34 +27,6 @@ LEVELS = {1: NODES, 2: 5, 3: 3}
 MAX_UNCERTAIN = 6
 
 How = Literal["worst", "mean", "quantile"]
-
-
-def nodes_over(interval: ArrayLike, how: str, nodes: int = NODES) -> tuple[Array, Array | None]:
-    """Return points over an interval for a worst case or a mean, and weights of the mean or None.
-
-    `interval` is a pair of ends; `how` is ``"worst"``, with equally spaced points, or ``"mean"``,
-    with those of Gauss and Legendre; `nodes` is their number. Raises `ValueError` for other values.
-    """
-    low, high = (float(end) for end in np.asarray(interval, dtype=np.float64))
-    if not low <= high:
-        raise ValueError(
-            "the argument interval has to be a lower and an upper end, the lower at most the upper"
-        )
-    if nodes < (2 if how == "worst" else 1):
-        raise ValueError("too few nodes")
-    if how == "worst":
-        return np.linspace(low, high, nodes), None
-    if how == "mean":
-        roots, weights = np.polynomial.legendre.leggauss(nodes)
-        return low + (high - low) * (roots + 1) / 2, weights / 2
-    raise ValueError(f"the argument how has to be 'worst' or 'mean', not '{how}'")
-
-
-def over_nodes(values: Array, weights: Array | None) -> Array:
-    """Return the least, or the weighted mean, of values over nodes (the first axis)."""
-    if weights is None:
-        return np.asarray(values.min(axis=0))
-    return np.asarray(np.tensordot(weights, values, axes=1))
 
 
 @dataclass(frozen=True)
@@ -106,9 +77,11 @@ class Uncertain:
         if self.how == "quantile":
             share = self.quantile if sign > 0 else 1 - self.quantile
             return np.asarray(np.quantile(values, share, axis=0))
-        if self.how == "mean" and self.weights is None:
+        if self.how == "worst":
+            return np.asarray(values.min(axis=0))
+        if self.weights is None:
             return np.asarray(values.mean(axis=0))
-        return over_nodes(values, self.weights)
+        return np.asarray(np.tensordot(self.weights, values, axes=1))
 
 
 def uncertain_of(
@@ -141,9 +114,9 @@ def uncertain_of(
     if how == "worst":
         return Uncertain(distributions, _box(distributions), how)
     if how == "mean" and not others and isinstance(law, Between):
-        ends = parameter_to_si(name, np.array([law.lower, law.upper]))
-        places, weights = nodes_over(ends, how)
-        values = {name: places}
+        low, high = parameter_to_si(name, np.array([law.lower, law.upper]))
+        roots, weights = np.polynomial.legendre.leggauss(NODES)
+        values, weights = {name: low + (high - low) * (roots + 1) / 2}, weights / 2
     else:
         count = samples_of(how, share)
         values = values_at(distributions, draws.points(len(distributions), count, SEED)[:, 0])

@@ -10,16 +10,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.optimise.afresh import judged_afresh
-from vibrafeed.core.optimise.checked import checked
+from vibrafeed.core.optimise.afresh import OBJECTIVE, Afresh, judged_afresh
+from vibrafeed.core.optimise.check import gap_of
 from vibrafeed.core.optimise.front import distinct_points, find_front, knee
 from vibrafeed.core.optimise.labels import label
 from vibrafeed.core.optimise.methods import METHODS
+from vibrafeed.core.optimise.optima import STATUS, Optima
 from vibrafeed.core.optimise.optimisation import Optimisation
-from vibrafeed.core.optimise.problem import LIMIT, OptimisationProblem, cells_of, chosen_cells
-from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.optimise.problem import (
+    LIMIT,
+    OptimisationProblem,
+    broken_names,
+    cells_of,
+    chosen_cells,
+)
+from vibrafeed.core.optimise.search import spread
+from vibrafeed.core.optimise.slopes import slopes
+from vibrafeed.core.plan.grid import Grid, from_si
 from vibrafeed.core.plan.pieces import Computed
-from vibrafeed.core.study.optimise_study import Limited, Pareto
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.study.optimise_study import Limited, Maximise, Pareto
 from vibrafeed.core.watch import Watch
 
 RETRIES = 8  # solutions with more nodes where fresh points break a limit
@@ -75,13 +85,14 @@ def _solved(
     optima = replace(optima, x=problem.whole(optima.x))
     if problem.uncertain is None:
         return checked(prepared, optima, design, scales), optima.says
-    fresh = judged_afresh(problem, optima.x, design, scales, method)
+    tolerance = METHODS[method].tolerance
+    fresh = judged_afresh(problem, optima.x, design, scales, tolerance)
     broken, nodes = fresh.surprises(problem, optima.x, design, scales)
     if not retries:
         optima, nodes = optima.made_infeasible(broken), {}
     if not nodes and retries < RETRIES:
         # The points that have become nodes favour the answer, as those of a search do.
-        fresh = judged_afresh(problem, optima.x, design, scales, method, number=2)
+        fresh = judged_afresh(problem, optima.x, design, scales, tolerance, number=2)
     again = {}
     for cell, points in nodes.items():
         one = chosen_cells(design, [cell])
@@ -143,6 +154,246 @@ def with_limit(
     criterion = problem.criterion
     limit = criterion.limit if isinstance(criterion, Limited) else np.inf
     return {**design, LIMIT: np.full(cells, limit)}
+
+
+# --- what is told of the optima
+
+
+FORWARD = ("acceleration_x", "starting_acceleration", "conveying_velocity")
+"""Outputs that are forward motion where they are positive."""
+
+FLAT = 1e-14  # of the objective's scale: a smaller difference of all choices is rounding
+MISSED = 1e-6  # of the objective's scale: a larger gap means that the method missed the optimum
+AT_BOUND = 1e-9  # of a variable's range: it lies on its bound
+
+
+def checked(
+    prepared: Optimisation,
+    optima: Optima,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    fresh: Afresh | None = None,
+) -> dict[str, NDArray[Any]]:
+    """Return every variable of an optimisation's result, checked against other methods.
+
+    Parameters
+    ----------
+    prepared : Optimisation
+        The study.
+    optima : Optima
+        The optima that its method found.
+    design : mapping of str to ndarray
+        The fixed parameters of each design in SI units, shape (cells,).
+    scales : mapping of str to ndarray
+        The largest size of each output, shape (cells,), by which margins and gaps are judged.
+    fresh : Afresh, optional
+        What fresh points of uncertain parameters say of the optima.
+
+    Returns
+    -------
+    dict of str to ndarray
+        Best values, objective, outputs, margins, gap to another method's optimum, status
+        and regime, in the units of studies, shape (cells,).
+    """
+    problem, tolerance = prepared.problem, METHODS[prepared.method].tolerance
+    cells = optima.status.shape
+    lost: NDArray[np.bool_] = np.asarray(np.isnan(optima.x).any(axis=0))
+    # Without an optimum the outputs are those of the lower bounds, and left out below.
+    x = np.where(lost, problem.lower[:, None], optima.x)
+    longest = problem.longer()
+    known = longest.known(x, design)
+    size = problem.scale(scales)
+
+    def whole(values: Array) -> Array:
+        """Return values over all cells, NaN where there is no optimum."""
+        return np.where(lost, np.nan, np.broadcast_to(values, cells))
+
+    uncertain = problem.uncertain is not None
+    value = whole(longest.judged(x, design, scales)[0] if uncertain else problem.objective(known))
+    if optima.value is not None:
+        # At the edge of stick the outputs are those of a part at rest.
+        held = optima.status == STATUS["not_attained"]
+        value = np.where(held, optima.value, value)
+    objective = value if fresh is None else whole(_afresh(longest, fresh, value, x, design))
+    robust = uncertain and isinstance(problem.criterion, Maximise)
+    forward = objective if robust else problem.output(problem.criterion.output, known)
+    status = _status(problem, optima.status, known, design, scales, forward)
+    arrays: dict[str, NDArray[Any]] = {
+        f"best_{name}": from_si(name, optima.x[i]) for i, name in enumerate(problem.names)
+    }
+    arrays["objective"] = problem.sign * objective
+    arrays |= {n: whole(problem.output(n, known)) for n in prepared.units if n in known}
+    arrays |= _limits(
+        problem, fresh, x, design, {n: tolerance * v for n, v in scales.items()}, lost
+    )
+    arrays |= _at_bounds(problem, x, lost, max(tolerance, AT_BOUND))
+    here, near = _of_each_point(problem, known, design)
+    gap = gap_of(prepared.method, here, value, lost, near, scales) / size
+    arrays["optimum_gap"] = gap
+    left_open = np.full(cells, max(tolerance, MISSED))
+    if problem.states_error:
+        # Chance is taken as large as the shorter runs show it, of which this one was the best.
+        doubts = (one.judged_with_error(x, design, scales)[2] for one in (problem, longest))
+        unsure = whole(np.maximum(*doubts))
+        arrays["objective_error"] = np.fmax(whole(problem.error(known)), unsure)
+        left_open = np.fmax(left_open, unsure / size)
+    if fresh is not None:
+        arrays |= _of_samples(problem, fresh, arrays.get("objective_error", 0.0), lost)
+    missed = (status == STATUS["optimal"]) & (gap > left_open)
+    status = np.where(missed, np.int8(STATUS["suboptimal"]), status)
+    arrays["evaluations"] = np.broadcast_to(np.asarray(optima.evaluations, np.float64), cells)
+    if prepared.study.sensitivities:
+        arrays |= slopes(problem, x, design, lost)
+    arrays["optimum_status"] = status
+    return arrays | _verdicts(problem.regimes(known, scales, tolerance), lost)
+
+
+def _verdicts(
+    regimes: Mapping[str, NDArray[np.int8]], lost: NDArray[np.bool_]
+) -> dict[str, NDArray[np.int8]]:
+    """Return the regimes by each verdict, not assessed where there is no optimum."""
+    none = np.int8(REGIMES["not_assessed"].value)
+    return {
+        name: np.where(lost, none, np.broadcast_to(regime, lost.shape))
+        for name, regime in regimes.items()
+    }
+
+
+def _of_samples(
+    problem: OptimisationProblem, fresh: Afresh, error: Array | float, lost: NDArray[np.bool_]
+) -> dict[str, Array]:
+    """Return the error of a mean or a quantile, and the share left out; empty for a worst case.
+
+    `error` is that of the motion at each of the points, to which that of the points is added.
+    """
+    if not problem.is_sampled:
+        return {}
+    return {
+        "objective_error": np.where(lost, np.nan, fresh.objective.error + error),
+        "objective_left_out": np.where(lost, np.nan, fresh.left_out),
+    }
+
+
+def _limits(
+    problem: OptimisationProblem,
+    fresh: Afresh | None,
+    x: Array,
+    design: Mapping[str, Array],
+    close: Mapping[str, Array],
+    lost: NDArray[np.bool_],
+) -> dict[str, NDArray[Any]]:
+    """Return margins of constraints, which of them bind, and the shares of units that break them.
+
+    Under uncertain parameters a margin is the least one over nodes and fresh points. Arguments as
+    in `checked`; a margin within `close` counts as none, and `lost` is True without an optimum.
+    """
+    arrays: dict[str, NDArray[Any]] = {}
+    for kept in problem.kept:
+        margin = np.broadcast_to(problem.safe_margin(kept, x, design), lost.shape)
+        binds = (np.abs(margin) <= close[kept.output]) & ~lost
+        if fresh is not None:
+            margin = np.fmin(margin, fresh.worst[kept.name])
+            for name, one in zip(broken_names(kept.name), fresh.broken[kept.name], strict=True):
+                arrays[name] = np.where(lost, np.nan, one)
+        margin = np.where(np.abs(margin) <= close[kept.output], 0.0, margin)
+        arrays[f"margin_{kept.name}"] = np.where(lost, np.nan, margin)
+        arrays[f"binds_{kept.name}"] = binds.astype(np.int8)
+    return arrays
+
+
+def _afresh(
+    problem: OptimisationProblem,
+    fresh: Afresh,
+    value: Array,
+    x: Array,
+    design: Mapping[str, Array],
+) -> Array:
+    """Return the objective of optima at fresh points of what is uncertain, shape (cells,).
+
+    In a worst case it is the least over the nodes, `value`, and over the fresh points, of which the
+    worst are evaluated once more: means of a motion that does not repeat differ by chance.
+    """
+    if problem.is_sampled:
+        return fresh.objective.value
+    worst = {**design, **fresh.at_worst(OBJECTIVE)}
+    values = problem.objective(problem.known(x, worst))
+    return np.fmin(value, np.min(values, axis=0))
+
+
+def _at_bounds(
+    problem: OptimisationProblem, x: Array, lost: NDArray[np.bool_], tolerance: float
+) -> dict[str, NDArray[np.int8]]:
+    """Return flags that tell where a variable of an optimum is at one of its bounds, by name.
+
+    A flag is 1 there, else 0, int8 of shape (cells,); the names are ``binds_<variable>_<end>``. `x`
+    are the best values in SI units, shape (variables, cells), `lost` is True where there is no
+    optimum, and `tolerance` is a share of the variable's range.
+    """
+    span = problem.upper - problem.lower
+    arrays = {}
+    for i, name in enumerate(problem.names):
+        for end, bound in (("lower", problem.lower[i]), ("upper", problem.upper[i])):
+            at = (np.abs(x[i] - bound) <= tolerance * span[i]) & ~lost
+            arrays[f"binds_{name}_{end}"] = at.astype(np.int8)
+    return arrays
+
+
+def _status(
+    problem: OptimisationProblem,
+    status: NDArray[np.int8],
+    known: Mapping[str, Any],
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    forward: Array,
+) -> NDArray[np.int8]:
+    """Return the statuses of optima after physical checks: no motion, only backward, all equal.
+
+    Parameters
+    ----------
+    problem : OptimisationProblem
+        The problem.
+    status : ndarray of int8, shape (cells,)
+        The statuses that the method states.
+    known : mapping of str to ndarray
+        All quantities at the optima, SI units.
+    design, scales : mapping of str to ndarray, each of shape (cells,)
+        Fixed parameters of each design, and sizes of the outputs.
+    forward : ndarray, shape (cells,)
+        The output that is maximised, at the optimum.
+    """
+    optimal = status == STATUS["optimal"]
+    if problem.sign > 0 and problem.criterion.output in FORWARD:
+        rests = ~(np.broadcast_to(forward, status.shape) > 0)
+        status = np.where(optimal & rests, STATUS["no_motion"], status)
+        if problem.states_error:  # a mean velocity, which may be a negative one
+            back = forward < -problem.error(dict(known))
+            status = np.where(optimal & back, STATUS["only_backward"], status)
+    if np.any(optimal) and not problem.is_motion:
+        lower, upper = problem.lower[:, None, None], problem.upper[:, None, None]
+        x = lower + (upper - lower) * spread(16, len(problem.names))[:, None, :]
+        column = {name: values[:, None] for name, values in design.items()}
+        values = problem.objective(problem.known(x, column))
+        values = np.broadcast_to(values, (status.size, 16))
+        best = np.broadcast_to(problem.objective(dict(known)), status.shape)
+        apart = np.maximum(values.max(axis=1), best) - np.minimum(values.min(axis=1), best)
+        flat = apart <= FLAT * problem.scale(scales)
+        status = np.where(optimal & flat & (status == STATUS["optimal"]), STATUS["flat"], status)
+    return np.asarray(status, dtype=np.int8)
+
+
+def _of_each_point(
+    problem: OptimisationProblem, known: Mapping[str, Any], design: Mapping[str, Array]
+) -> tuple[OptimisationProblem, Mapping[str, Array]]:
+    """Return the problem that each optimum solves, and its fixed parameters, to check it alone.
+
+    Each point of a trade-off front is an optimum under a limit of the other output, which is that
+    of the point itself. `known` has all quantities at the optima, `design` the fixed parameters, SI
+    units.
+    """
+    if not isinstance(problem.criterion, Pareto):
+        return problem, design
+    other = np.abs(problem.output(problem.criterion.against, dict(known)))
+    return problem.limited(), {**design, LIMIT: np.broadcast_to(other, design[LIMIT].shape)}
 
 
 __all__ = ["compute", "designs_of", "label"]

@@ -1,390 +1,150 @@
-"""scipy's optimisers, and the search that is made of one of them: one design after the other.
+"""The method `scipy`: its differential evolution, polished by SLSQP, one design after the other.
 
-scipy is loaded when one of them runs.
+scipy is loaded when it runs.
 """
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import scipy
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.optimise.codes import STATUS
-from vibrafeed.core.optimise.optima import Optima, Solver, status_of
-from vibrafeed.core.optimise.problem import OptimisationProblem, cells_of, chosen_cells
-from vibrafeed.core.optimise.search import parts_of, search_maximum
-from vibrafeed.core.optimise.single import NO_VALUE, Single, spread
+from vibrafeed.core.optimise.optima import STATUS, Optima, statuses_of
+from vibrafeed.core.optimise.problem import OptimisationProblem, cells_of, chosen_cells, columns
 from vibrafeed.core.watch import Watch
 
-DesignSearch = Callable[[Single], tuple[Array, str]]
-"""Takes one design; returns the best point of the unit box, and what the method says."""
-
-STARTS = 8  # starts of the optimisers that follow slopes
-SAMPLES = 256  # points whose best are starts
-DENSE = 129  # points of the search over one variable
-MAX_DIRECT = 20_000  # points of a design that dividing rectangles may take
-SEARCH_BUDGET = 12_000
-"""Points of a design that the search for outputs that jump may take, of one or two variables."""
+TOLERANCE = 1e-8  # a violation over the outputs' sizes that still counts as none
+ABOUT = 6_000  # evaluations of a design, for the progress
+INFEASIBLE = 1e6  # anything that keeps the constraints is better
+NO_VALUE = 1e9  # stands for a missing value where SLSQP needs a number
+MOST_SHARE = 0.98  # of the progress of a design before its end: `ABOUT` is a guess
 
 
-class SearchStoppedError(Exception):
-    """The watch asked to stop amid a design."""
+def by_scipy(
+    problem: OptimisationProblem,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    watch: Watch,
+) -> Optima:
+    """Return the best candidate of every design by scipy's differential evolution and SLSQP.
 
-
-def _starts(single: Single, count: int = STARTS) -> Array:
-    """Return points from which a method that follows slopes is started, shape (count, variables).
-
-    They are shares of the bounds: half are the best of 256 evenly spread points, half far apart, so
-    that not all lead to one local maximum. `single` is the problem of one design.
+    SLSQP follows slopes: it polishes closed forms alone, not motions, which jump, nor values under
+    uncertain parameters, which have kinks. Arguments and result as in `by_search`; designs after a
+    stop are not computed.
     """
-    points = spread(SAMPLES, single.variables)
-    value, beyond = single.judged(points)
-    order = np.lexsort((-value, beyond))
-    # Half of them are the best, half are far apart.
-    best = order[: count - count // 2]
-    return points[:, np.concatenate([best, np.arange(count // 2)])].T
+    cells = cells_of(design)
+    x = np.full((len(problem.names), cells), np.nan)
+    status = np.full(cells, STATUS["not_computed"], dtype=np.int8)
+    evaluations = np.zeros(cells, dtype=np.int64)
+    says = ""
+    for cell in range(cells):
+        if watch.stopped():
+            break
+        one = _Design(problem, chosen_cells(design, [cell]), chosen_cells(scales, [cell]),
+                      watch.part(1 / cells))  # fmt: skip
+        unit, says = one.best()
+        if watch.stopped() and (problem.is_motion or not one.ended):
+            break  # the points that were asked for last have no value
+        value, beyond = one.judged(unit[:, None])
+        status[cell] = statuses_of(value, beyond, TOLERANCE)[0]
+        if status[cell] == STATUS["optimal"]:
+            x[:, cell] = problem.inside(unit)
+        evaluations[cell] = one.evaluations
+        one.tell(1.0)
+    return Optima(x, status, evaluations=evaluations, says=says)
 
 
-class _Smooth:
-    """The problem without kinks: max output - w t with t >= |other|, for methods with slopes."""
+class _Design:
+    """One design; points are shares of the bounds, shape (variables,) or (variables, n)."""
 
-    def __init__(self, single: Single):
-        """Add a variable for the other output's absolute value, if it has a weight."""
-        self.single, self.weight = single, single.problem.weight
-        self.extra = 1 if self.weight else 0
-
-    def start(self, unit: Array) -> Array:
-        """Return the start in the variables of the smooth problem: shares of the bounds, and t."""
-        if not self.extra:
-            return unit
-        return np.append(unit, abs(self.single.rows(unit)[1, 0]))
-
-    def bounds(self) -> list[tuple[float, float | None]]:
-        """Return the bounds of the smooth problem's variables."""
-        return [(0.0, 1.0)] * self.single.variables + [(0.0, None)] * self.extra
-
-    def value(self, z: Array) -> float:
-        """Return the value to minimise at a point z of the smooth problem.
-
-        z holds the shares of the bounds, and t if there is a weight.
-        """
-        rows = self.single.rows(z[: self.single.variables])
-        return float(-rows[0, 0] + (self.weight * z[-1] if self.extra else 0.0))
-
-    def slope(self, z: Array) -> Array:
-        """Return the derivatives of the value to minimise."""
-        slope = -self.single.slopes(z[: self.single.variables])[0]
-        return np.append(slope, self.weight) if self.extra else slope
-
-    def kept(self, z: Array) -> Array:
-        """Return the constraints of a smooth problem at a point `z`, which have to be positive.
-
-        `z` holds the variables as shares of their bounds. Of the rows of the search the first is
-        the output to maximise, the second the output whose size the criterion weighs (if `extra`),
-        and the others are constraints. The size has a kink: the last of `z`, a variable of its
-        own, takes its place and bounds the output from both sides.
-        """
-        rows = self.single.rows(z[: self.single.variables])[:, 0]
-        return (
-            np.concatenate([rows[2:], [z[-1] - rows[1], z[-1] + rows[1]]])
-            if self.extra
-            else (rows[2:])
-        )
-
-    def kept_slope(self, z: Array) -> Array:
-        """Return the derivatives of the constraints of a smooth problem at a point `z`.
-
-        The shape is (constraints, variables of the smooth problem). The size of another output is a
-        variable of its own, the last of `z`, if `extra` is true.
-        """
-        slopes = self.single.slopes(z[: self.single.variables])
-        if not self.extra:
-            return slopes[2:]
-        rows = np.concatenate([slopes[2:], [-slopes[1], slopes[1]]])
-        last = np.concatenate([np.zeros(len(slopes) - 2), np.ones(2)])
-        return np.column_stack([rows, last])
-
-    @property
-    def constrained(self) -> bool:
-        """True if the problem has constraints."""
-        return bool(self.single.problem.kept) or self.extra > 0
-
-
-def _best(single: Single, points: list[Array], tolerance: float) -> Array:
-    """Return the best of some points, shares of the bounds; those that keep all constraints first.
-
-    A violation up to `tolerance` counts as none.
-    """
-    units = np.clip(np.array(points).T, 0.0, 1.0)
-    value, beyond = single.judged(units)
-    return units[:, np.lexsort((-value, np.maximum(beyond, tolerance)))[0]]
-
-
-def slsqp(single: Single) -> tuple[Array, str]:
-    """Return the best point of sequential quadratic programming from several starts, and a message.
-
-    It is one of scipy's methods that a study may choose. `single` is the problem of one design; the
-    point is in shares of the bounds, shape (variables,).
-    """
-    smooth = _Smooth(single)
-    constraints = {"type": "ineq", "fun": smooth.kept, "jac": smooth.kept_slope}
-    ends, said = [], []
-    for start in _starts(single):
-        result = scipy.optimize.minimize(
-            smooth.value,
-            smooth.start(start),
-            jac=smooth.slope,
-            method="SLSQP",
-            bounds=smooth.bounds(),
-            constraints=[constraints] if smooth.constrained else [],
-            options={"ftol": 1e-15, "maxiter": 200},
-        )
-        ends.append(result.x[: single.variables])
-        said.append(str(result.message))
-    return _best(single, ends, 1e-9), max(set(said), key=said.count)
-
-
-def trust_constr(single: Single) -> tuple[Array, str]:
-    """Return the best point of scipy's trust-region interior point method, and scipy's message.
-
-    It is one of scipy's methods that a study may choose; it starts from four points. `single` is
-    the problem of one design; the point is in shares of the bounds, shape (variables,).
-    """
-    smooth = _Smooth(single)
-    constraints: list[Any] = []
-    if smooth.constrained:
-        constraints = [
-            scipy.optimize.NonlinearConstraint(smooth.kept, 0.0, np.inf, jac=smooth.kept_slope)
-        ]
-    bounds = scipy.optimize.Bounds(
-        [0.0] * (single.variables + smooth.extra),
-        [1.0] * single.variables + [np.inf] * smooth.extra,
-    )
-    ends = []
-    said = ""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of flat steps, which are no harm
-        for start in _starts(single, 4):
-            try:
-                result = scipy.optimize.minimize(
-                    smooth.value,
-                    smooth.start(start),
-                    jac=smooth.slope,
-                    method="trust-constr",
-                    bounds=bounds,
-                    constraints=constraints,
-                    options={"gtol": 1e-9, "xtol": 1e-10, "barrier_tol": 1e-9, "maxiter": 500},
-                )
-            except ValueError as error:  # its barrier can overflow where several constraints meet
-                said = str(error)
-                ends.append(start)
-                continue
-            ends.append(result.x[: single.variables])
-            said = str(result.message)
-    return _best(single, ends, 1e-7), said
-
-
-def differential_evolution(single: Single) -> tuple[Array, str]:
-    """Return the best point by scipy's differential evolution, and scipy's message.
-
-    It is one of scipy's methods that a study may choose. Whole populations are evaluated at once.
-    `single` is the problem of one design; the point is in shares of the bounds, shape (variables,).
-    """
-    constraints: Any = ()
-    if single.problem.kept:
-
-        def kept(unit: Array) -> Array:
-            """Return the smooth margins of points, over their scales."""
-            rows = single.rows(np.ascontiguousarray(unit))[2:]
-            return rows if np.ndim(unit) > 1 else rows[:, 0]
-
-        constraints = scipy.optimize.NonlinearConstraint(kept, 0.0, np.inf)
-    result = scipy.optimize.differential_evolution(
-        single.lost,
-        [(0.0, 1.0)] * single.variables,
-        constraints=constraints,
-        vectorized=True,
-        updating="deferred",
-        init="sobol",
-        popsize=16,
-        maxiter=300,
-        tol=1e-14,
-        atol=1e-14,
-        polish=False,
-        rng=1,
-    )
-    return np.asarray(result.x), str(result.message)
-
-
-def search_budget(variables: int) -> int:
-    """Return the number of points of the search: 3, 5 or 7 times as many for more variables."""
-    return SEARCH_BUDGET * parts_of(variables)
-
-
-def search(single: Single, budget: int | None = None) -> tuple[Array, str]:
-    """Return the best point of a global search for outputs with jumps, and its message.
-
-    It is the method for motions, whose best points are confirmed by longer runs. The point is in
-    shares of the bounds, shape (variables,).
-
-    Parameters
-    ----------
-    single : Single
-        The problem of one design.
-    budget : int, optional
-        The largest number of points to evaluate.
-
-    Raises
-    ------
-    SearchStoppedError
-        If the watch stops it.
-    """
-    budget = budget or search_budget(single.variables)
-    seen: list[tuple[Array, ...]] = []
-
-    def ranked(points: Array) -> Array:
-        """Return values that rank points: every feasible one above all infeasible ones.
-
-        `points` has the shape (n, variables).
-        """
-        value, beyond, chance_error = single.judged_with_error(points.T)
-        seen.append((points.T, value, beyond, chance_error))
-        # Anything that keeps the constraints beats anything that does not.
-        worse = np.where(np.isfinite(beyond), -NO_VALUE - beyond, np.nan)
-        return np.where(beyond > 0, worse, value)
-
-    ends = np.zeros(single.variables), np.ones(single.variables)
-    result = search_maximum(ranked, *ends, budget=budget, watch=single.watch)
-    if result.status == "stopped":
-        raise SearchStoppedError
-    if single.problem.is_motion and np.isfinite(result.value):
-        unit, *judged = (np.concatenate(parts, axis=-1) for parts in zip(*seen, strict=True))
-        return unit[:, single.most_reliable(unit, *judged)], result.message
-    return np.nan_to_num(result.point), result.message  # without any value, the lower bounds
-
-
-def shgo(single: Single) -> tuple[Array, str]:
-    """Return the best point by simplicial homology global optimisation, and scipy's message.
-
-    It is one of scipy's methods that a study may choose. `single` is the problem of one design. The
-    point is in shares of the bounds, shape (variables,); it is refined by local searches.
-    """
-    # Its local searches need numbers; its sampling leaves out what the constraints refuse.
-    result = scipy.optimize.shgo(
-        lambda unit: float(single.penalised(unit)),
-        [(0.0, 1.0)] * single.variables,
-        constraints=(
-            [{"type": "ineq", "fun": lambda unit: single.rows(unit)[2:, 0]}]
-            if single.problem.kept
-            else None
-        ),
-        n=64,
-        iters=2,
-        sampling_method="sobol",
-        minimizer_kwargs={"method": "SLSQP", "options": {"ftol": 1e-14}},
-    )
-    found = result.x if result.x is not None else _starts(single, 1)[0]
-    return _best(single, [found, *_starts(single, 2)], 1e-9), str(result.message)
-
-
-def direct(single: Single) -> tuple[Array, str]:
-    """Return the best point by dividing rectangles (DIRECT), and scipy's message.
-
-    It is one of scipy's methods that a study may choose. Violations of constraints are penalised.
-    `single` is the problem of one design; the point is in shares of the bounds, shape (variables,).
-    """
-    result = scipy.optimize.direct(
-        lambda unit: float(single.penalised(unit)),
-        [(0.0, 1.0)] * single.variables,
-        maxfun=MAX_DIRECT,
-        maxiter=2000,
-        locally_biased=True,
-        vol_tol=1e-24,
-    )
-    return np.asarray(result.x), str(result.message)
-
-
-def minimize_scalar(single: Single) -> tuple[Array, str]:
-    """Return the best point of one variable, by scipy's bounded search around minima of a grid.
-
-    It is one of scipy's methods that a study may choose; the three deepest minima are followed.
-    `single` is the problem of one design; the point is a share of the bounds, shape (1,). The
-    second result is a message.
-    """
-    points = np.linspace(0.0, 1.0, DENSE)
-    values = single.penalised(points[None, :])
-    ends = [points[[values.argmin()]]]
-    for lowest in np.argsort(values)[:3]:
-        bracket = points[max(lowest - 1, 0)], points[min(lowest + 1, DENSE - 1)]
-        result = scipy.optimize.minimize_scalar(
-            lambda unit: float(single.penalised(np.array([unit]))),
-            bounds=bracket,
-            method="bounded",
-            options={"xatol": 1e-13},
-        )
-        ends += [np.array([result.x]), np.array([bracket[0]]), np.array([bracket[1]])]
-    return _best(single, ends, 1e-9), "the best of the grid's deepest dips"
-
-
-def one_by_one(
-    search_design: DesignSearch, tolerance: float, about: Callable[[int], int]
-) -> Solver:
-    """Return a method of optimisation that solves designs one after the other.
-
-    Parameters
-    ----------
-    search_design : callable
-        Solves one design; returns the best point, as shares of the bounds, and a message.
-    tolerance : float
-        Violation of constraints that still counts as none, over the outputs' sizes.
-    about : callable
-        Returns the approximate number of evaluations of a design for a number of variables, for the
-        progress.
-    """
-
-    def solve(
+    def __init__(
+        self,
         problem: OptimisationProblem,
         design: Mapping[str, Array],
         scales: Mapping[str, Array],
         watch: Watch,
-    ) -> Optima:
-        """Return the optima of all designs, solved one by one.
+    ):
+        """Take one design of a problem."""
+        self.problem, self.watch = problem, watch
+        self.design, self.scales = columns(design), columns(scales)
+        self.size = float(problem.scale(scales)[0])
+        self.evaluations, self.reported, self.ended = 0, 0.0, False
 
-        Those after a stop are not computed.
-        """
-        cells = cells_of(design)
-        x = np.full((len(problem.names), cells), np.nan)
-        status = np.full(cells, STATUS["not_computed"], dtype=np.int8)
-        evaluations = np.zeros(cells, dtype=np.int64)
-        says = ""
-        points = about(len(problem.names))
-        for cell in range(cells):
-            if watch.stopped():
-                break
-            here = slice(cell, cell + 1)
-            single = Single(
-                problem,
-                chosen_cells(design, here),
-                chosen_cells(scales, here),
-                watch.part(1 / cells),
-                points,
-            )
-            try:
-                unit, says = search_design(single)
-            except SearchStoppedError:
-                break
-            if problem.is_motion and watch.stopped():
-                break  # the points that were asked for last have no value
-            value, beyond = single.judged(unit)
-            status[cell] = status_of(float(value[0]), float(beyond[0]), tolerance)
-            if status[cell] == STATUS["optimal"]:
-                x[:, cell] = single.points_in_box(unit)[:, 0]
-            evaluations[cell] = single.evaluations
-            single.end()
-        return Optima(x, status, evaluations=evaluations, says=says)
+    def tell(self, share: float) -> None:
+        """Report progress up to a share."""
+        if share > self.reported:
+            self.watch.advance(share - self.reported)
+            self.reported = share
 
-    return solve
+    def judged(self, unit: Array) -> tuple[Array, Array]:
+        """Return objective, over its scale, and violation of points, shape (n,)."""
+        self.tell(min(self.evaluations / ABOUT, MOST_SHARE))
+        self.evaluations += unit.shape[1]
+        quiet = replace(self.watch, progress=None)
+        x = self.problem.inside(unit)[:, None, :]
+        value, beyond = self.problem.judged(x, self.design, self.scales, quiet)
+        return value[0] / self.size, beyond[0]
+
+    def ranked(self, unit: Array) -> Array:
+        """Return the value to minimise, infinite where an output has none."""
+        value, beyond = self.judged(np.reshape(unit, (len(unit), -1)))
+        return np.where(
+            beyond > 0, np.where(np.isfinite(beyond), INFEASIBLE + beyond, np.inf), -value
+        )
+
+    def best(self) -> tuple[Array, str]:
+        """Return the best point and scipy's message."""
+        bounds = [(0.0, 1.0)] * len(self.problem.names)
+        result = scipy.optimize.differential_evolution(
+            lambda unit: self.ranked(unit) if unit.ndim > 1 else self.ranked(unit)[0],
+            bounds,
+            vectorized=True,
+            updating="deferred",
+            init="sobol",
+            popsize=16,
+            maxiter=300,
+            tol=1e-14,
+            atol=1e-14,
+            polish=False,
+            rng=1,
+            callback=lambda intermediate_result: self.watch.stopped(),
+        )
+        self.ended = not self.watch.stopped()
+        found, said = np.asarray(result.x), str(result.message)
+        is_smooth = not self.problem.is_motion and self.problem.uncertain is None
+        if not is_smooth or not self.ended or not np.isfinite(result.fun):
+            return found, said
+        polished = scipy.optimize.minimize(
+            lambda unit: -float(self.smooth(unit)[0]),
+            found,
+            jac="3-point",
+            method="SLSQP",
+            bounds=bounds,
+            constraints=self.constraints(),
+            options={"ftol": 1e-15, "maxiter": 200},
+        )
+        both = np.clip(np.stack([found, polished.x], axis=1), 0.0, 1.0)
+        value, beyond = self.judged(both)
+        place = np.lexsort((-value, np.maximum(beyond, TOLERANCE / 10)))[0]
+        return both[:, place], f"{said} {polished.message}"
+
+    def constraints(self) -> list[dict[str, Any]]:
+        """Return the margins that SLSQP keeps."""
+        if not self.problem.kept:
+            return []
+        return [{"type": "ineq", "fun": lambda unit: self.smooth(unit)[1:]}]
+
+    def smooth(self, unit: Array) -> Array:
+        """Return the objective and the margins of all constraints at a point, over their sizes."""
+        problem = self.problem
+        self.evaluations += 1
+        known = problem.known(problem.inside(unit)[:, None, None], self.design)
+        rows = [problem.objective(known) / self.size]
+        for kept in problem.kept:
+            rows.append(problem.margin(kept, known, self.design) / self.scales[kept.output])
+        values = np.array([float(np.broadcast_to(row, (1, 1))[0, 0]) for row in rows])
+        return np.where(np.isfinite(values), values, -NO_VALUE)

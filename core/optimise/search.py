@@ -1,310 +1,440 @@
-"""The global maximum of a function of one to eight variables over a box, without derivatives.
+"""The method `search`: differential evolution of many designs at once, for any outputs.
 
-For mean velocities of a motion in time and the like: piecewise smooth with jumps, several hills,
-and points without a value (theory 12.4). scipy's differential evolution from a population that
-fills the box, and again from others until the evaluations are spent.
+Storn and Price 1997, with Deb's rules (2000): a candidate that keeps the constraints beats one that
+does not, and of two that do not, the smaller violation wins. Only the order of values counts, so
+that outputs may jump, as mean velocities do, or have no value in places. What leaves the box is
+put onto its edge: maxima there are met exactly.
 
-The populations live in a box that is wider, and points outside are moved onto the edge, where the
-best velocities often lie: maxima on edges and in corners are met exactly. Random numbers come from
-a fixed seed: a search repeats to the last digit.
+Each design has a population of its own; all share the same random numbers, so that an answer does
+not depend on the other designs of a batch.
 """
 
 from __future__ import annotations
 
-import itertools
-import math
-from collections.abc import Callable
-from functools import cached_property
-from typing import Any, Literal, NamedTuple
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
-import scipy
-from numpy.typing import ArrayLike
+from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise.optima import STATUS, Optima, statuses_of
+from vibrafeed.core.optimise.problem import (
+    LONGEST,
+    UNKNOWN,
+    OptimisationProblem,
+    cells_of,
+    chosen_cells,
+    columns,
+)
+from vibrafeed.core.optimise.robust import NODES
 from vibrafeed.core.watch import Watch
 
-Evaluate = Callable[[Array], Array]
-"""Takes points (n, d), returns values (n,); what is not finite counts as no value."""
-
-SearchStatus = Literal["converged", "budget_spent", "flat", "no_value", "stopped"]
-
-MESSAGES: dict[SearchStatus, str] = {
-    "converged": "a population closed in on the best point to the tolerance",
-    "budget_spent": "the evaluations were spent before the tolerance was met",
-    "flat": "all values are equal",
-    "no_value": "no point has a value",
-    "stopped": "the search was stopped early",
-}
-
 MAX_VARIABLES = 8
-FEW = 4  # variables up to which all corners of a neighbourhood are evaluated
-FEWEST_EVALUATIONS = 400  # the smallest budget
-MEMBERS = 64  # of a population: a power of 2, as Sobol's points that fill the box come in these
-CLOSE = 0.05  # of the box: distance from the best point within which the last population starts
-BEYOND = 0.05  # of the box: what it is widened by on each side
-NEARBY = 1e-3  # of the width of the box: distance at which `drop` is taken
+MEMBERS = 24  # of a population, and 8 more for each variable
+TIMES_MOTION = 2  # so many times the members for motions, which jump
+SAMPLES = 1024  # points from which the first members are taken
+MAX_GENERATIONS = 400
+ROUGH_GENERATIONS = 40
+"""For each variable. Where motions do not repeat tops stand on tops: populations do not narrow."""
+CROSSED = 0.9  # share of the variables that change
+SMALL = 1e-12  # a population that is narrower in all variables has converged
+LEVEL, LEVEL_JUMPS = (1e-15, 1e-6), (1e-11, 1e-3)
+"""So near each other, as shares of the value and of the box, members have met a smooth top; an edge
+of a jump is not met so exactly."""
+ROUGH = 0.03  # share of the first points without an exact value from which a design is rough
+CLOSER = (1e-2, 1e-5)  # widths of the populations that start around the best point afterwards
+CELLS = 256  # designs at a time: some 10,000 points a generation stay in the cache
+SEED = 1
+
+NICHES = 128  # cells of a grid along each variable; the best point of each cell competes
+FOLLOWED = 32  # points that are followed again, for each of the shares below
+SHARES = (0.0, 1 / 3, 1.0)  # of its error, less which a mean is ranked; longer runs leave 1/3
+ROUNDS = ((8.0, 4), (LONGEST, 1))
+"""Rounds of longer runs: the factor of their length, and the number of points kept then."""
+
+MAX_GRIDDED = 4  # variables that a grid can have
+MAX_POINTS = 4_000_000  # of all designs together
 
 
-class SearchResult(NamedTuple):
-    """The result of a search.
+class Points(NamedTuple):
+    """Points of each design as shares of the bounds, shape (variables, cells, n), judged.
 
-    Attributes
-    ----------
-    point : ndarray, shape (d,)
-        The best point evaluated; NaN where none has a value. At a jump it lies on the better side.
-    value : float
-        Its value.
-    drop : float
-        What is lost at worst within 1e-3 of the box around it: large on the brink of a jump, and
-        inf where a neighbour has no value. NaN if the search was stopped.
-    evaluations : int
-        Points evaluated.
-    status : str
-        A key of `MESSAGES`.
-    message : str
-        The same in words.
+    Violation of the constraints, objective, and error of the objective have the shape (cells, n).
     """
 
-    point: Array
-    value: float
-    drop: float
-    evaluations: int
-    status: SearchStatus
-    message: str
+    unit: Array
+    beyond: Array
+    value: Array
+    error: Array
+
+    def best(self) -> NDArray[np.intp]:
+        """Return the index of the best point of each design, shape (cells,)."""
+        return np.lexsort((-self.value, self.beyond), axis=-1)[:, 0]
+
+    def at(self, places: NDArray[np.intp]) -> Points:
+        """Return the points at indices, shape (cells, k)."""
+        rows = (np.take_along_axis(one, places, axis=1) for one in self[1:])
+        return Points(np.take_along_axis(self.unit, places[None], axis=2), *rows)
+
+    def of(self, cells: Any) -> Points:
+        """Return the points of some designs."""
+        return Points(self.unit[:, cells], *(one[cells] for one in self[1:]))
 
 
-def search_maximum(
-    evaluate: Evaluate,
-    lower: ArrayLike,
-    upper: ArrayLike,
-    *,
-    budget: int,
-    tolerance: float = 1e-6,
-    seed: int = 0,
-    watch: Watch | None = None,
-) -> SearchResult:
-    """Return the largest value of a function that a search of a box finds, and its point.
+Judge = Callable[[Array, NDArray[np.intp]], Points]
+"""Takes points, shape (variables, k, n), of the designs with these k numbers, and judges them."""
 
-    It is for functions with jumps and several maxima, such as mean velocities.
+
+class Found(NamedTuple):
+    """The result of a search: the best point of each design, shape (cells, 1), and what it took.
+
+    `done`, shape (cells,), is False for a design that was not finished, which has NaN.
+    """
+
+    best: Points
+    evaluations: NDArray[np.int64]
+    done: NDArray[np.bool_]
+
+    def put(self, cells: Any, other: Found) -> None:
+        """Take over another search of some designs, with the numbers `cells`."""
+        self.best.unit[:, cells] = other.best.unit
+        for mine, theirs in zip(self.best[1:], other.best[1:], strict=True):
+            mine[cells] = theirs
+        self.evaluations[cells] += other.evaluations
+        self.done[cells] = other.done
+
+
+def _nothing(variables: int, cells: int) -> Found:
+    unit, rest = np.full((variables, cells, 1), np.nan), np.full((3, cells, 1), np.nan)
+    return Found(Points(unit, *rest), np.zeros(cells, np.int64), np.zeros(cells, np.bool_))
+
+
+def by_search(
+    problem: OptimisationProblem,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    watch: Watch,
+) -> Optima:
+    """Return the best candidate of every design, found by differential evolution.
+
+    Designs are taken in pieces that fit the cache. Where motions do not repeat, a mean has a
+    statistical error, and the largest of thousands of means is one that chance favoured: the best
+    points are then followed again, over a longer time.
 
     Parameters
     ----------
-    evaluate : callable
-        Returns the values, shape (n,), at points, shape (n, d); NaN or infinite without a value.
-    lower, upper : array_like, shape (d,)
-        Ends of the box; a variable whose ends are equal is held.
-    budget : int
-        The largest number of points to evaluate, at least 400.
-    tolerance : float
-        A population that is narrower than this share of the box has converged: another one starts.
-    seed : int
-        Seed of the random numbers.
-    watch : Watch, optional
-        May stop the search between batches of points.
+    design, scales : mapping of str to ndarray, each of shape (cells,)
+        The fixed parameters of each design, SI units, and the sizes of its outputs, by which
+        violations are divided.
+    watch : Watch
+        Takes the progress, and may stop the search: unfinished designs then have no optimum.
 
     Returns
     -------
-    SearchResult
-        Best point, shape (d,), and its value, NaN without one; the largest loss beside it, infinite
-        on the brink of a jump; number of evaluations, status and message.
+    Optima
+        The best values, shape (variables, cells), NaN where there are none; statuses and numbers of
+        evaluations, shape (cells,).
     """
-    lower, upper = (np.asarray(end, dtype=np.float64) for end in (lower, upper))
-    _check(lower, upper, budget, tolerance)
-    search = _Search(evaluate, lower, upper, watch or Watch())
-    status: SearchStatus = "converged"
-    try:
-        if search.free.size:
-            status = _evolve(search, budget - len(search.around), tolerance, seed)
-        search.look_around()
-    except _StoppedError:
-        status = "stopped"
-    return search.result_of(status)
+    cells = cells_of(design)
+    step = max(1, CELLS * NODES // max(NODES, problem.nodes))
+    pieces = []
+    for start in range(0, cells, step):
+        piece = slice(start, start + step)
+        here = chosen_cells(design, piece), chosen_cells(scales, piece)
+        pieces.append(_of_piece(problem, *here, watch.part(cells_of(here[0]) / cells)))
+    return Optima(
+        np.concatenate([piece.x for piece in pieces], axis=1),
+        np.concatenate([piece.status for piece in pieces]),
+        evaluations=np.concatenate([np.asarray(piece.evaluations) for piece in pieces]),
+    )
 
 
-def _check(lower: Array, upper: Array, budget: int, tolerance: float) -> None:
-    """Raise ValueError for an invalid box, budget or tolerance.
+def _of_piece(
+    problem: OptimisationProblem,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    watch: Watch,
+) -> Optima:
+    quiet = replace(watch, progress=None)
 
-    `lower` and `upper` are the ends of the box, shape (variables,).
+    def judge(unit: Array, cells: NDArray[np.intp]) -> Points:
+        here = columns(chosen_cells(design, cells)), columns(chosen_cells(scales, cells))
+        value, beyond, error = problem.judged_with_error(problem.inside(unit), *here, quiet)
+        return Points(unit, beyond, value, np.broadcast_to(error, value.shape))
+
+    def choose(seen: Points, cell: int) -> int:
+        here = chosen_cells(design, [cell]), chosen_cells(scales, [cell])
+        unit, beyond, value, error = seen
+        return most_reliable(problem, unit[:, 0], (value[0], beyond[0], error[0]), *here)[0]
+
+    found = best_points(
+        judge, len(problem.names), cells_of(design), watch,
+        jumps=problem.is_motion, choose=choose,
+    )  # fmt: skip
+    best = found.best
+    status = statuses_of(best.value[:, 0], best.beyond[:, 0])
+    status = np.where(found.done, status, np.int8(STATUS["not_computed"]))
+    x = np.where(status == STATUS["optimal"], problem.inside(best.unit[:, :, 0]), np.nan)
+    return Optima(x, status, evaluations=found.evaluations)
+
+
+def expected_points(variables: int) -> int:
+    """Return about how many motions the search for one design follows, to price a study."""
+    return 2 * SAMPLES + 200 * TIMES_MOTION * (MEMBERS + 8 * variables)
+
+
+def best_points(
+    judge: Judge,
+    variables: int,
+    cells: int,
+    watch: Watch,
+    *,
+    jumps: bool = False,
+    choose: Callable[[Points, int], int] | None = None,
+) -> Found:
+    """Return the best point of the unit box of each design.
+
+    Where outputs jump, populations start again around the best point, in ever smaller boxes.
+
+    Parameters
+    ----------
+    judge : callable
+        Judges points of designs, which have the numbers 0 to `cells` - 1.
+    variables, cells : int
+        Their number, and that of the designs.
+    watch : Watch
+        Takes the progress, and may stop the search.
+    jumps : bool
+        True if outputs may jump: populations then have more members. Where values have statistical
+        errors, one design is searched after the other.
+    choose : callable, optional
+        Takes all points of such a design that were judged, and its number; returns the index of the
+        one to keep. The best by default.
     """
-    if lower.shape != upper.shape or lower.ndim != 1:
-        raise ValueError(
-            "the arguments lower and upper have different shapes; give one bound of each "
-            "for every variable"
+    found = _nothing(variables, cells)
+    members = (TIMES_MOTION if jumps else 1) * (MEMBERS + 8 * variables)
+    first = _first(judge, variables, np.arange(cells))
+    is_rough = (first.error > 0).mean(axis=1) > ROUGH
+    smooth = np.flatnonzero(~is_rough)
+    if smooth.size and not watch.stopped():
+        part = watch.part(smooth.size / cells)
+        one = _closed_in(
+            lambda unit, numbers: judge(unit, smooth[numbers]), first.of(smooth), members, part,
+            MAX_GENERATIONS, jumps=jumps,
+        )  # fmt: skip
+        found.put(smooth, one)
+    for cell in np.flatnonzero(is_rough | (found.best.error[:, 0] > 0)).tolist():
+        if watch.stopped():
+            break
+        seen = [first.of([cell])]
+
+        def judge_and_keep(
+            unit: Array, _: NDArray[np.intp], cell: int = cell, seen: list[Points] = seen
+        ) -> Points:
+            seen.append(judge(unit, np.array([cell])))
+            return seen[-1]
+
+        part = watch.part(is_rough[cell] / cells)
+        most = ROUGH_GENERATIONS * variables
+        one = _closed_in(judge_and_keep, seen[0], members, part, most, jumps=jumps)
+        if choose is not None and one.done.all():
+            points = Points(*(np.concatenate(part, axis=-1) for part in zip(*seen, strict=True)))
+            one = one._replace(best=points.at(np.array([[choose(points, cell)]])))
+        found.put([cell], one)
+    return found
+
+
+def _closed_in(
+    judge: Judge, first: Points, members: int, watch: Watch, most: int, *, jumps: bool
+) -> Found:
+    variables, cells, _ = first.unit.shape
+    every = np.arange(cells)
+    share = 0.7 if jumps else 1.0
+    found = _evolved(judge, _chosen(first, members), every, watch.part(share), most, jumps=jumps)
+    found.evaluations[:] += first.unit.shape[2]
+    random = np.random.default_rng(SEED + 1)
+    for width in CLOSER if jumps else ():
+        again = every[found.done]
+        if not again.size or watch.stopped():
+            break
+        away = width * random.uniform(-1, 1, (variables, 1, MEMBERS + 8 * variables))
+        away[:, :, 0] = 0.0
+        start = judge(np.clip(found.best.unit[:, again] + away, 0.0, 1.0), again)
+        part = watch.part((1 - share) / len(CLOSER))
+        found.evaluations[again] += start.unit.shape[2]
+        found.put(again, _evolved(judge, start, again, part, most, jumps=jumps))
+    return found
+
+
+def _evolved(
+    judge: Judge, start: Points, cells: NDArray[np.intp], watch: Watch, most: int, *, jumps: bool
+) -> Found:
+    variables, count, members = start.unit.shape
+    random = np.random.default_rng(SEED)
+    found = _nothing(variables, count)
+    alive, points, reported = np.arange(count), start, 0.0
+    for generation in range(1, most + 1):
+        if watch.stopped():
+            break
+        new = judge(_trial(points, random), cells[alive])
+        if watch.stopped():
+            break  # motions that were not followed have no value
+        better = (new.beyond < points.beyond) | (
+            (new.beyond == points.beyond) & (new.value >= points.value)
         )
-    if not 1 <= lower.size <= MAX_VARIABLES:
-        raise ValueError(f"the search takes 1 to {MAX_VARIABLES} variables")
-    if not (np.isfinite(lower).all() and np.isfinite(upper).all() and (lower <= upper).all()):
-        raise ValueError(
-            "the arguments lower and upper, the bounds of the variables, have to be finite, "
-            "and lower at most upper"
-        )
-    if budget < FEWEST_EVALUATIONS:
-        raise ValueError(f"the argument budget has to be at least {FEWEST_EVALUATIONS} evaluations")
-    if not tolerance > 0:
-        raise ValueError("the argument tolerance has to be a number above 0")
+        points = Points(*(np.where(better, *two) for two in zip(new, points, strict=True)))
+        widths = (points.unit.max(axis=2) - points.unit.min(axis=2)).max(axis=0)
+        last = generation == most
+        orders = np.log(np.clip(widths, SMALL, 1.0)) / np.log(SMALL)
+        share = 1.0 if last else float(1 - (widths.size - orders.sum()) / count)
+        if share > reported:
+            watch.advance(share - reported)
+            reported = share
+        ended = (widths < SMALL) | last
+        level, width = LEVEL_JUMPS if jumps else LEVEL
+        high, low = points.value.max(axis=1), points.value.min(axis=1)
+        is_level = (low >= high - level * np.abs(high)) & (points.beyond.max(axis=1) <= 0)
+        ended |= is_level & (widths < width)
+        if ended.any():
+            top = points.of(ended)
+            used = np.full(int(ended.sum()), members * generation, dtype=np.int64)
+            done = np.ones(used.size, dtype=np.bool_)
+            found.put(alive[ended], Found(top.at(top.best()[:, None]), used, done))
+            alive, points = alive[~ended], points.of(~ended)
+            if not alive.size:
+                watch.advance(1.0 - reported)
+                break
+    return found
 
 
-class _StoppedError(Exception):
-    """The watch asked to stop."""
+def _first(judge: Judge, variables: int, cells: NDArray[np.intp]) -> Points:
+    """Return points all over the box, and as many of the box around those that keep the limits."""
+    corners = np.stack(np.meshgrid(*[[0.0, 1.0]] * variables, indexing="ij"))
+    points = np.concatenate([corners.reshape(variables, -1), spread(SAMPLES, variables)], axis=1)
+    points = points[:, None, :SAMPLES]
+    wide = judge(np.broadcast_to(points, (variables, cells.size, SAMPLES)), cells)
+    near = wide.beyond <= wide.beyond.min(axis=1, keepdims=True)
+    apart = SAMPLES ** (-1 / variables)
+    low = np.where(near, wide.unit, np.inf).min(axis=2, keepdims=True) - apart
+    high = np.where(near, wide.unit, -np.inf).max(axis=2, keepdims=True) + apart
+    low, high = np.maximum(low, 0.0), np.minimum(high, 1.0)
+    close = judge(low + (high - low) * points, cells)
+    return Points(*(np.concatenate(two, axis=-1) for two in zip(close, wide, strict=True)))
 
 
-class _SpentError(Exception):
-    """The next batch would go beyond the budget."""
+def _chosen(points: Points, members: int) -> Points:
+    """Return the first members of populations: half are the best points, half are spread out."""
+    order = np.lexsort((-points.value, points.beyond), axis=-1)[:, : members // 2]
+    rest = np.broadcast_to(np.arange(members - members // 2), (len(order), members - members // 2))
+    return points.at(np.concatenate([order, rest], axis=1))
 
 
-class _Search:
-    """Evaluates points of the unit box of the variables that are not held; keeps the best."""
+def _trial(points: Points, random: np.random.Generator) -> Array:
+    """Return a trial point for each member, of the shape of the points.
 
-    def __init__(self, evaluate: Evaluate, lower: Array, upper: Array, watch: Watch):
-        """Search a function in a box; variables with equal bounds are held fixed."""
-        self.evaluate, self.watch = evaluate, watch
-        self.lower, self.upper = lower, upper
-        self.free = np.flatnonzero(upper > lower)
-        self.point = np.full(self.free.size, np.nan)
-        self.value, self.least, self.drop = -math.inf, math.inf, math.nan
-        self.used = 0
-
-    def values(self, unit: Array) -> Array:
-        """Return the values of the function to maximise at points; -inf without a value.
-
-        `unit` are the points, shape (n, variables that are not held fixed), as shares of their
-        bounds; the result has the shape (n,). Evaluations are counted, and the best point so far is
-        kept in `point` and `value`.
-
-        Raises
-        ------
-        _StoppedError
-            If the watch stops the search.
-        ValueError
-            If the function returns another number of values.
-        """
-        if self.watch.stopped():
-            raise _StoppedError
-        values = np.asarray(self.evaluate(self.points_in_box(unit)), dtype=np.float64)
-        if values.shape != unit.shape[:1]:
-            raise ValueError(
-                f"the function returned values of shape {values.shape} for {len(unit)} "
-                "points; it has to return one value per point"
-            )
-        values = np.where(np.isfinite(values), values, -np.inf)
-        self.used += len(unit)
-        self.least = min(self.least, float(values.min()))
-        best = int(values.argmax())
-        if values[best] > self.value:
-            self.point, self.value = unit[best], float(values[best])
-        return values
-
-    def points_in_box(self, unit: Array) -> Array:
-        """Return points of the unit box as values of all variables, shape (n, variables).
-
-        `unit` has the shape (n, free variables), those whose bounds differ; both bounds are met
-        exactly.
-        """
-        points = np.tile(self.lower, (len(unit), 1))
-        low, high = self.lower[self.free], self.upper[self.free]
-        points[:, self.free] = np.where(unit == 1, high, low + unit * (high - low))
-        return points
-
-    @cached_property
-    def around(self) -> Array:
-        """The directions from a point to its neighbours in a search, shape (n, free variables).
-
-        They are all combinations of -1, 0 and 1, or the point and its axes if the variables are
-        many.
-        """
-        if self.free.size > FEW:
-            axes = np.eye(self.free.size)
-            return np.concatenate([np.zeros_like(axes[:1]), axes, -axes])
-        return np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=self.free.size)))
-
-    def look_around(self) -> None:
-        """Evaluate the neighbours of the best point, and set `drop` to the largest loss there.
-
-        They lie 1e-3 of the box away.
-        """
-        nearby = self.values(np.clip(np.nan_to_num(self.point) + NEARBY * self.around, 0.0, 1.0))
-        self.drop = self.value - float(nearby.min())
-
-    def result_of(self, status: SearchStatus) -> SearchResult:
-        """Return the result of the search so far, with the best point and its value.
-
-        It has, too, the largest loss beside that point and the number of evaluations. `status`
-        becomes flat or no_value where that fits. Without a value the point is NaN.
-        """
-        point, value = np.full(self.lower.size, np.nan), math.nan
-        if math.isfinite(self.value):
-            point, value = self.points_in_box(self.point[None])[0], self.value
-        if status != "stopped" and self.least == self.value:
-            status = "flat" if math.isfinite(value) else "no_value"
-        return SearchResult(point, value, self.drop, self.used, status, MESSAGES[status])
-
-
-def parts_of(variables: int) -> int:
-    """Return the number of populations into which the evaluations are divided.
-
-    It is 1 for one or two variables, then 3, 5 and 7: several populations start from all over the
-    box, since one alone may end on a lower hill, and the last starts around the best point.
+    It is a step towards the best member or none, and along the difference of two others, in some of
+    the variables. The random numbers are the same for all designs.
     """
-    return 2 * math.ceil(variables / 2) - 1
+    unit = points.unit
+    count, _, members = unit.shape
+    best = np.take_along_axis(unit, points.best()[None, :, None], axis=2)
+
+    def others() -> NDArray[np.intp]:
+        return (np.arange(members) + random.integers(1, members, size=members)) % members
+
+    first, second = others(), others()
+    share = random.uniform(0.4, 1.0, members)
+    # Half go towards the best, half do their own search: the rest keeps hills apart.
+    towards = np.where(random.random(members) < 0.5, share, 0.0)
+    base = np.where(towards > 0, unit, unit[:, :, others()])
+    moved = base + towards * (best - base) + share * (unit[:, :, first] - unit[:, :, second])
+    crossed = random.random((count, 1, members)) < CROSSED
+    crossed[random.integers(count, size=members), 0, np.arange(members)] = True
+    return np.clip(np.where(crossed, moved, unit), 0.0, 1.0)
 
 
-def _around(point: Array, random: np.random.Generator) -> Array:
-    """Return a population around a point of the unit box, including the point, shape (64, d)."""
-    away = CLOSE * random.uniform(-1, 1, (MEMBERS, point.size))
-    away[0] = 0.0
-    return np.clip(np.nan_to_num(point, nan=0.5) + away, -BEYOND, 1 + BEYOND)
+# --- points that fill a box
 
 
-def _evolve(search: _Search, budget: int, tolerance: float, seed: int) -> SearchStatus:
-    """Evolve populations one after another until the budget is used; return the status.
+def spread(points: int, variables: int) -> Array:
+    """Return evenly spread points of the unit box, shape (variables, points).
 
-    The status is ``"converged"`` if a population that found the best point narrowed to less than
-    `tolerance`, a share of the box, else ``"budget_spent"``. `search` evaluates the points and
-    keeps the best one, `budget` is their largest number, `seed` that of the random numbers.
+    The k-th point has the coordinates (1/2 + k r^-j) mod 1, j = 1 ... d, where d is the number of
+    variables and r the root of r^(d + 1) = r + 1 (Roberts 2018).
     """
+    root = 2.0
+    for _ in range(40):
+        root = (1 + root) ** (1 / (variables + 1))
+    steps = root ** -np.arange(1.0, variables + 1)
+    return (0.5 + steps[:, None] * np.arange(1, points + 1)) % 1.0
 
-    def lost(wide: Array) -> Array:
-        """Return the negated values of a population, shape (free, n), for scipy to minimise.
 
-        Raises `_SpentError` when the budget is used up.
-        """
-        if search.used + wide.shape[1] > budget:
-            raise _SpentError
-        return -search.values(np.clip(wide.T, 0.0, 1.0))
+def filled(variables: int, cells: int, points: int) -> Array:
+    """Return points that fill the unit box, shape (variables, n), about `points` of them.
 
-    def narrow(result: Any) -> bool:
-        """True if the population is narrower than the tolerance."""
-        return bool(np.ptp(np.clip(result.population, 0.0, 1.0), axis=0).max() < tolerance)
+    They are a grid, or an evenly spread sequence for more than four variables, where so coarse a
+    grid would hold little but edges. `cells` is the number of designs for which they are used,
+    which limits the grid.
+    """
+    if variables > MAX_GRIDDED:
+        return spread(points, variables)
+    width = max(5, min(201, int(min(points, MAX_POINTS / cells) ** (1 / variables))))
+    grid = np.stack(np.meshgrid(*[np.linspace(0, 1, width)] * variables, indexing="ij"))
+    return grid.reshape(variables, -1)
 
-    def over(intermediate_result: Any) -> bool:
-        """True if the population is narrow, or its share of the evaluations is used up."""
-        late = search.used - begun >= each and each < budget
-        return late or narrow(intermediate_result)
 
-    each = budget / parts_of(search.free.size)
-    random, top = np.random.default_rng(seed), -math.inf
-    try:
-        while True:
-            begun = search.used
-            last = each < budget and budget - begun <= 1.5 * each
-            ended = scipy.optimize.differential_evolution(
-                lost,
-                [(-BEYOND, 1 + BEYOND)] * search.free.size,
-                strategy="best1bin",
-                popsize=MEMBERS // search.free.size,  # a variable; scipy goes up to a power of 2
-                maxiter=budget,
-                init=_around(search.point, random) if last else "sobol",
-                tol=0.0,  # of values: those of a flat stretch are equal
-                callback=over,
-                polish=False,
-                vectorized=True,
-                updating="deferred",
-                rng=random,
-            )
-            if narrow(ended):
-                top = max(top, -float(ended.fun))
-    except _SpentError:
-        return "converged" if top == search.value else "budget_spent"
-    except RuntimeError as error:
-        raise error.__cause__ or error from None  # scipy's own words hide those of the objective
+# --- values that do not owe their size to chance
+
+
+def most_reliable(
+    problem: OptimisationProblem,
+    unit: Array,
+    judged: tuple[Array, Array, Array],
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+) -> tuple[int, float]:
+    """Return index and objective of the best evaluated point, chosen after longer runs if need be.
+
+    If the motion of the best point repeats, its mean is exact, and it is taken. Else the points of
+    the largest objective less its statistical error are followed for longer, and the best of these
+    is taken. Points that keep the constraints come first. The objective is -inf if no point has a
+    value.
+
+    Parameters
+    ----------
+    problem : OptimisationProblem
+        The problem.
+    unit : ndarray, shape (variables, n)
+        Points that were evaluated, as shares of the bounds.
+    judged : tuple of ndarray, each of shape (n,)
+        Their objective, violation of constraints, and statistical error of the objective.
+    design, scales : mapping of str to ndarray
+        Fixed parameters and sizes of the outputs of one design, arrays of shape (1,).
+    """
+    value, beyond, chance_error = judged
+    best = int(np.lexsort((-value, beyond))[0])
+    if not np.isfinite(value[best]) or chance_error[best] == 0:
+        return best, float(value[best])
+    open_ = np.flatnonzero((beyond <= beyond[best]) & np.isfinite(value))
+    cells = np.minimum((unit[:, open_] * NICHES).astype(np.int64), NICHES - 1)
+    unsure = _known(chance_error[open_])
+    ranked = [_best_of_cells(cells, value[open_] - share * unsure) for share in SHARES]
+    chosen = open_[np.unique(np.concatenate(ranked))]
+    for times, most in ROUNDS:
+        x = problem.inside(unit[:, chosen])
+        again, violation, unsure = problem.longer(times).judged_with_error(x, design, scales)
+        kept = np.lexsort((_known(unsure) - again, violation))[:most]
+        chosen = chosen[kept]
+    return int(chosen[0]), float(again[kept[0]])
+
+
+def _known(chance_error: Array) -> Array:
+    return np.where(chance_error < UNKNOWN, chance_error, 0.0)
+
+
+def _best_of_cells(cells: NDArray[np.int64], value: Array) -> NDArray[np.intp]:
+    order = np.argsort(-value, kind="stable")
+    _, first = np.unique(cells[:, order], axis=1, return_index=True)
+    return order[np.sort(first)][:FOLLOWED]

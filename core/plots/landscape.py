@@ -23,11 +23,11 @@ from vibrafeed.core.dataset.table import quantity_attributes
 from vibrafeed.core.intake import parse_json
 from vibrafeed.core.optimise import Optimisation
 from vibrafeed.core.optimise.afresh import BLOCK, pictured
-from vibrafeed.core.optimise.codes import STATUS
+from vibrafeed.core.optimise.optima import STATUS
+from vibrafeed.core.optimise.optimisation import criterion_in_words
 from vibrafeed.core.optimise.prepare import prepare
 from vibrafeed.core.optimise.problem import Kept, OptimisationProblem, chosen_cells
 from vibrafeed.core.optimise.run import designs_of
-from vibrafeed.core.optimise.sentences import criterion_in_words
 from vibrafeed.core.plan.grid import from_si, to_si
 from vibrafeed.core.plots.fixed import fixed_positions
 from vibrafeed.core.plots.heading import finish, number_lines, source_of

@@ -23,16 +23,10 @@ OPTIMUM: dict[str, Quantity] = {
     "optimum_status": flag(
         "Status of the optimum", "Status of the optimum: how the search ended.", OPTIMUM_STATUSES
     ),
-    "optimality_residual": number(
-        "", "Optimality residual",
-        "Residual of the first-order optimality conditions relative "
-        "to the objective's gradient, as "
-        "a share of the outputs' scale, each variable over its range.",
-    ),
     "optimum_gap": number(
         "", "Gap of the optimum",
-        "Objective of the exact answer, or of a dense grid, less the one found, as a share of "
-        "the outputs' scale.",
+        "Objective of the closed form, or of points all over the bounds, less the one found, as a "
+        "share of the outputs' scale.",
     ),
     "evaluations": number("", "Evaluations", "Points at which the outputs were computed."),
     "front_points": number(
@@ -42,5 +36,5 @@ OPTIMUM: dict[str, Quantity] = {
     "knee": number("", "Knee of the front", "The point farthest from the chord of the front."),
 }  # fmt: skip
 
-OF_THE_SEARCH = ("objective_error", "optimality_residual", "optimum_gap", "evaluations")
+OF_THE_SEARCH = ("objective_error", "optimum_gap", "evaluations")
 """Outputs that tell how an optimum was found, in place of what it is."""

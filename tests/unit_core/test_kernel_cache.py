@@ -19,7 +19,7 @@ from vibrafeed.core.warm import STUDIES
 from waiting import PATIENCE
 
 ROOT = CORE.parent
-FROZEN = ("quantities/flags.py", "optimise/codes.py")
+FROZEN = ("quantities/flags.py",)
 """What kernels may import besides kernels; the values are frozen into the code."""
 CALLEE = """
 from vibrafeed.core.compiled import compiled

@@ -6,7 +6,7 @@ import importlib
 import math
 import statistics
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from vibrafeed.core.assurance.accuracy.cells import SEED, random_cells, sample_size
 from vibrafeed.core.assurance.accuracy.curves import Curve, Measured, Point
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.optimise.codes import STATUS
-from vibrafeed.core.optimise.known_optima import is_closed, is_compiled
 from vibrafeed.core.optimise.methods import METHODS, refusal
+from vibrafeed.core.optimise.optima import STATUS
 from vibrafeed.core.optimise.optimisation import Optimisation
 from vibrafeed.core.optimise.problem import LIMIT, OptimisationProblem, cells_of, chosen_cells
 from vibrafeed.core.optimise.run import with_limit
@@ -149,7 +148,7 @@ def measure(
     results, late = _results_of(names, problem, design, scales, watch, seconds)
     if not results:
         return Measured("optimisers", (), ("It was stopped before the first method.",))
-    best, x, note = _reference(results, problem)
+    best, x, note = _reference(results)
     notes.append(note)
     answered = np.isfinite(best)
     notes.insert(
@@ -224,27 +223,26 @@ def _results_of(
 
 
 def _reference(
-    results: Mapping[str, OptimiserResult], problem: OptimisationProblem
+    results: Mapping[str, OptimiserResult],
 ) -> tuple[Array, Array, str]:
     """Return the reference of an optimiser benchmark: best objective and variables of each design.
 
-    It is the result of the exact method, or of `newton`, where it has one; else the best of all
-    methods in `results`. The third member is a sentence for the report on what the reference is.
+    It is the result of the exact method where it has one; else the best of all methods in
+    `results`. The third member is a sentence for the report on what the reference is.
     Shapes (designs,) and (variables, designs), variables in SI units.
     """
     values = np.stack([result.value for result in results.values()])
     winner = np.asarray(values.argmax(axis=0))
     best = values.max(axis=0)
     x = np.stack([result.x for result in results.values()])[winner, :, np.arange(winner.size)].T
-    known = next((name for name in ("exact", "newton") if name in results), None)
-    if known is None:
+    if "exact" not in results:
         return best, x, (
             "Reference: the best that any method found, since there is no exact answer; a gap that "
             "all share would not show."
         )  # fmt: skip
-    exact = results[known]
+    exact = results["exact"]
     has = np.isfinite(exact.value)
-    note = f"Reference: {_kind(known, problem)}; its own gap is 0 by definition."
+    note = "Reference: the closed form (method exact); its own gap is 0 by definition."
     return np.where(has, exact.value, best), np.where(has, exact.x, x), note
 
 
@@ -286,17 +284,3 @@ def _point(
     }
     median, largest = float(np.median(gap)), float(gap.max())
     return Point(name, np.nan, median, largest, result.seconds, int(used.sum()), more)
-
-
-def _kind(name: str, problem: OptimisationProblem) -> str:
-    """Return the name of the reference method in words, for a note below the comparison.
-
-    `name` is `exact` or `newton`, the method whose optimum the others are compared with. For a
-    problem without a closed form, or without a batch solver, it is returned as it is.
-    """
-    tests: dict[str, tuple[Callable[[OptimisationProblem], bool], str]] = {
-        "exact": (is_closed, "the closed form (method exact)"),
-        "newton": (is_compiled, "the batch solver (method newton), at its own tolerance of 1e-10"),
-    }
-    test, words = tests[name]
-    return words if test(problem) else name

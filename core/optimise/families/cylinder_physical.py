@@ -9,9 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from vibrafeed.core.mechanics import rolling
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.optimise.families.family import Family
-from vibrafeed.core.optimise.families.friction_disc import Candidate, fastest_slide
-from vibrafeed.core.optimise.families.optimum import Optimum
+from vibrafeed.core.optimise.families.family import Family, Optimum
+from vibrafeed.core.optimise.families.plane_physical import Candidate, fastest_slide
 from vibrafeed.core.study.optimise_study import Maximise
 
 # Friction directions at which the value is sampled before its root is bisected.
@@ -39,8 +38,7 @@ def cylinder_physical_fastest(
 
     `vibration_acceleration` is P, `gravity_along` and `gravity_normal` are gravity along -x, c, and
     onto the floor, G [m/s2], `friction_kinetic` is mu and `friction_static` at least that; they
-    broadcast. The result has the angles [rad], a_x and a_y [m/s2], binding constraints and a
-    status.
+    broadcast. The result has the angles [rad], a_x and a_y [m/s2] and a status.
     """
     return fastest_slide(
         vibration_acceleration,
@@ -233,7 +231,6 @@ def _acceleration(D: tuple[Array, Array], floor: Array, mu: Array) -> tuple[Arra
 
 
 FAMILY = Family(
-    name="cylinder_physical",
     systems=(("cylinder-on-plane", "physical", "acceleration_x"),),
     closed={Maximise: cylinder_physical_fastest},
     contacts=frozenset({"floor_contact"}),

@@ -6,19 +6,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibrafeed.core.mechanics.arrays import Array, ratio
-from vibrafeed.core.optimise.codes import ACTIVE
-from vibrafeed.core.optimise.families.family import Family
-from vibrafeed.core.optimise.families.optimum import (
+from vibrafeed.core.optimise.families.family import (
+    Family,
     Optimum,
     ParetoSet,
-    bounds_active,
     broadcast,
     optimum,
     statuses,
-    tight,
     valid_inputs,
 )
-from vibrafeed.core.optimise.kernels.columns import PlaneThesis
 from vibrafeed.core.study.optimise_study import Limited, Maximise, Pareto, Weighted
 from vibrafeed.core.study.values import evenly
 
@@ -44,7 +40,7 @@ def plane_thesis_limited(
 
     `vibration_acceleration` is P, `gravity_along` and `gravity_normal` are gravity along -x and
     onto the floor, G, and `limit` is in m/s2, too; `friction_kinetic` is mu; they broadcast. The
-    result has the angles [rad], a_x and a_y [m/s2], binding constraints and a status.
+    result has the angles [rad], a_x and a_y [m/s2] and a status.
     """
     P, c, G, mu, E = broadcast(
         vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, limit
@@ -67,11 +63,7 @@ def plane_thesis_limited(
     infeasible |= valid & ~driven & (mu * G > E)
     along, across = _printed_accelerations(P, c, G, mu, alpha, beta)
     status = statuses(valid, infeasible, driven, along)
-    active = bounds_active(alpha, beta) | tight(ACTIVE["across_lower"], E + across, P + G)
-    active |= tight(ACTIVE["across_upper"], E - across, P + G)
-    if floor_contact:
-        active |= tight(ACTIVE["floor"], G - P * np.sin(beta), P + G)
-    return optimum(alpha, beta, along, across, active, status)
+    return optimum(alpha, beta, along, across, status)
 
 
 def plane_thesis_weighted(
@@ -94,7 +86,7 @@ def plane_thesis_weighted(
     `vibration_acceleration` is P, `gravity_along` and `gravity_normal` are gravity along -x and
     onto the floor, G [m/s2], `friction_kinetic` is mu and `weight` w; they broadcast. With
     `floor_contact` the part has to stay on the floor, beta <= asin(G/P). The result has the angles
-    [rad], a_x and a_y [m/s2], binding constraints and a status.
+    [rad], a_x and a_y [m/s2] and a status.
     """
     P, c, G, mu, w = broadcast(
         vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, weight
@@ -109,11 +101,7 @@ def plane_thesis_weighted(
     beta = np.where(lifts, leaving, _curve_beta(alpha, mu))
     along, across = _printed_accelerations(P, c, G, mu, alpha, beta)
     status = statuses(valid, np.zeros_like(valid), driven, along)
-    kink = ACTIVE["across_lower"] | ACTIVE["across_upper"]
-    active = bounds_active(alpha, beta) | tight(kink, across, P + G)
-    if floor_contact:
-        active |= tight(ACTIVE["floor"], G - P * np.sin(beta), P + G)
-    return optimum(alpha, beta, along, across, active, status)
+    return optimum(alpha, beta, along, across, status)
 
 
 def plane_thesis_pareto(
@@ -211,7 +199,6 @@ def _alpha_max(g: Array, mu: Array) -> Array:
 
 
 FAMILY = Family(
-    name="plane_thesis",
     systems=tuple(
         (scene, variant, "acceleration_x")
         for scene in ("rectangle-on-plane", "cylinder-on-plane")
@@ -223,6 +210,4 @@ FAMILY = Family(
         Weighted: plane_thesis_weighted,
         Pareto: plane_thesis_pareto,
     },
-    batch=(Maximise, Limited),
-    kernel=PlaneThesis,
 )

@@ -19,7 +19,7 @@ STUDY = {
 }
 
 
-@pytest.mark.parametrize("method", ["population", "minimize_scalar", "slsqp"])
+@pytest.mark.parametrize("method", ["search", "scipy"])
 def test_the_bar_moves_within_a_design_and_ends_at_its_end(method):
     told: list[float] = []
     tabulate(prepare(parse_study({**STUDY, "method": method})), watch=Watch(told.append))

@@ -8,8 +8,8 @@ import pytest
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.optimise.prepare import prepare
 from vibrafeed.core.optimise.problem import OptimisationProblem, chosen_cells
-from vibrafeed.core.optimise.reliable import most_reliable
 from vibrafeed.core.optimise.run import designs_of
+from vibrafeed.core.optimise.search import most_reliable
 
 NOISE = 0.2
 
@@ -24,6 +24,9 @@ class Noisy:
 
     def true(self, x):
         return 1.0 - (x - 0.7) ** 2
+
+    def inside(self, unit):
+        return unit
 
     def longer(self, times):
         assert times > 1

@@ -38,12 +38,7 @@ def test_study_runs_and_its_regime_tells_of_every_cell(path: Path) -> None:
     assert not (regime == REGIMES["not_assessed"].value).any()
     # What has no finite value says so: the model does not hold there, or nothing limits it.
     reasons = [r.value for name, r in REGIMES.items() if not r.valid or name == "unbounded"]
-    left_out = (
-        {"optimality_residual"} if "worst case" in dataset.attrs.get("criterion", "") else set()
-    )
     for name, output in dataset.data_vars.items():
-        if name in left_out:
-            continue
         if name not in concerned and not set(output.dims) <= set(regime.dims):
             assert np.isfinite(output).all(), name  # no condition asks of it
             continue

@@ -108,7 +108,7 @@ def test_oriented_parts_are_those_that_lie_as_wanted():
         line("oriented_feed_rate", **BOX, wiper_height_1="12 mm", arrival_rate=300)
 
 
-@pytest.mark.parametrize("method", [None, "grid", "minimize_scalar"])
+@pytest.mark.parametrize("method", [None, "scipy"])
 @pytest.mark.parametrize(("end", "rate"), [("", 335.438), ("_lower", 335.438), ("_upper", 385.098)])
 def test_the_recommended_wiper_sorts(end, rate, method):
     found = vibrafeed.optimise(

@@ -176,7 +176,7 @@ def test_what_cannot_be_judged_is_told_and_why():
 def test_answers_are_set_against_50_digits_and_another_method():
     words = told(BEST)
     assert words["verified_cells"] == 3
-    assert "50 digits and answers of the method population" in words["verified_against"]
+    assert "50 digits and answers of the method search" in words["verified_against"]
     assert "within the bound" in words["verified_worst"]
     prepared = prepare_content(BEST)
     kind = KINDS["optimise"]
@@ -187,9 +187,7 @@ def test_answers_are_set_against_50_digits_and_another_method():
     text = kind.label(prepared, worse, Watch()).attributes["verified_worst"]
     places, _ = chosen_positions(prepared)
     tenth = float(0.1 * objective[places["friction"]].max())
-    assert number(r"population finds ([\d.e+-]+) m s-2 more", text) == pytest.approx(
-        tenth, rel=0.03
-    )
+    assert number(r"search finds ([\d.e+-]+) m s-2 more", text) == pytest.approx(tenth, rel=0.03)
 
 
 def test_a_front_and_a_motion_have_their_verification():

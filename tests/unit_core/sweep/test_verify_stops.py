@@ -48,7 +48,7 @@ def test_no_time_is_spent_after_the_deadline(kind, monkeypatch):
     monkeypatch.setattr("vibrafeed.core.sweep.precise.exact_values", never)
     monkeypatch.setattr("vibrafeed.core.motion.verify.run_equations", never)
     rivals = {name: replace(method, solve=never) for name, method in METHODS.items()}
-    monkeypatch.setattr("vibrafeed.core.optimise.verify.METHODS", rivals)
+    monkeypatch.setattr("vibrafeed.core.optimise.check.METHODS", rivals)
     prepared, done = prepare_content(STUDIES[kind]), []
     share = prepared.computing_share
 

@@ -1,24 +1,84 @@
-"""The rectangle on the track, friction on floor and wall, both contacts kept (theory 4.4, 12)."""
+"""Rectangle on the track: printed forces, and friction on floor and wall (theory 4.2, 4.4, 12)."""
 
 from __future__ import annotations
+
+from functools import partial
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.optimise.codes import ACTIVE, STATUS
-from vibrafeed.core.optimise.families.family import Family
-from vibrafeed.core.optimise.families.optimum import (
+from vibrafeed.core.optimise.families.family import (
+    Family,
     Optimum,
-    bounds_active,
     broadcast,
     optimum,
     statuses,
-    tight,
     valid_inputs,
 )
-from vibrafeed.core.optimise.kernels.columns import TrackPhysical
+from vibrafeed.core.optimise.optima import STATUS
 from vibrafeed.core.study.optimise_study import Maximise
+
+
+def track_fastest(
+    *,
+    variant: Literal["thesis", "derived"],
+    vibration_acceleration: ArrayLike,
+    gravity_along: ArrayLike,
+    gravity_across: ArrayLike,
+    friction_kinetic: ArrayLike,
+    wall_contact: bool,
+) -> Optimum:
+    """Return the drive angles of the largest K on the track, with the source's printed forces.
+
+    K is the acceleration along the track at rest. tan(alpha) = mu, beta = 0: K = P sqrt(1 + mu^2) -
+    c -+ mu g_y. There the wall has to pull unless g_y is large (theory 4.2, 12). With
+    `wall_contact` it may not, W = P cos(beta) sin(alpha) <= g_y at rest, and alpha = min(atan(mu),
+    asin(g_y/P)). The `thesis` variant prints the balance with the other sign, W <= -g_y, which no
+    lean onto the wall allows: `infeasible`.
+
+    `vibration_acceleration` is P, `gravity_along` is c, along -x, `gravity_across` g_y, towards the
+    wall [m/s2], `friction_kinetic` is mu; they broadcast. The result has the angles [rad], K
+    [m/s2] and a status.
+    """
+    P, c, gy, mu = broadcast(
+        vibration_acceleration, gravity_along, gravity_across, friction_kinetic
+    )
+    within = (P >= 0) & (mu >= 0)
+    valid, driven, (P, c, gy, mu) = valid_inputs(within, P, c, gy, mu)
+    sign = 1.0 if variant == "derived" else -1.0
+    wall_margin = sign * gy
+    alpha = np.arctan(mu)
+    infeasible = np.zeros_like(valid)
+    if wall_contact:
+        infeasible = valid & (wall_margin < 0)
+        sine = np.clip(wall_margin / np.where(driven, P, 1.0), 0.0, 1.0)
+        alpha = np.minimum(alpha, np.arcsin(sine))
+    beta = np.zeros_like(alpha)
+    K = P * (np.cos(alpha) + mu * np.sin(alpha)) - c - mu * wall_margin
+    status = statuses(valid, infeasible, driven, K)
+    return optimum(alpha, beta, K, np.zeros_like(K), status)
+
+
+THESIS = Family(
+    systems=(
+        ("rectangle-on-track", "thesis", "acceleration_x"),
+        ("rectangle-on-track", "thesis", "starting_acceleration"),
+    ),
+    closed={Maximise: partial(track_fastest, variant="thesis")},
+    against=None,
+)
+
+DERIVED = Family(
+    systems=(
+        ("rectangle-on-track", "derived", "acceleration_x"),
+        ("rectangle-on-track", "derived", "starting_acceleration"),
+        ("rectangle-on-track", "physical", "starting_acceleration"),
+    ),
+    closed={Maximise: partial(track_fastest, variant="derived")},
+    against=None,
+)
 
 
 def track_physical_fastest(
@@ -41,7 +101,7 @@ def track_physical_fastest(
     gravity along -x, c, towards the wall, g_y, and onto the floor, g_z [m/s2]; `friction_kinetic`
     is mu and `friction_static` mu_s >= mu; all broadcast. The status is `no_motion` if the same
     maximum with mu_s is not positive, `not_attained` if the best angles let the part stick: then
-    angles are NaN. The result has the angles [rad], a_x [m/s2], binding constraints and a status.
+    angles are NaN. The result has the angles [rad], a_x [m/s2] and a status.
     """
     P, c, gy, gz, mu, mu_s = broadcast(
         vibration_acceleration,
@@ -62,17 +122,13 @@ def track_physical_fastest(
     K = _both_value(P, c, gy, gz, mu, alpha, beta)
     stuck = _both_value(P, c, gy, gz, mu_s, alpha, beta) <= 0
     moves = start > 0
-    active = bounds_active(alpha, beta)
-    active |= tight(ACTIVE["wall"], gy - P * np.cos(beta) * np.sin(alpha), P + np.abs(gy))
-    active |= tight(ACTIVE["floor"], gz - P * np.sin(beta), P + np.abs(gz))
     status = statuses(valid, infeasible, driven, np.where(moves, 1.0, 0.0))
     at_edge = stuck & moves & (status == STATUS["optimal"])
     status = np.where(at_edge, STATUS["not_attained"], status).astype(np.int8)
     hidden = at_edge | (status == STATUS["no_motion"])
     alpha, beta, K = (np.where(hidden, np.nan, part) for part in (alpha, beta, K))
     across = np.where(hidden, np.nan, np.zeros_like(K))
-    active = np.where(hidden, 0, active).astype(np.int16)
-    return optimum(alpha, beta, K, across, active, status)
+    return optimum(alpha, beta, K, across, status)
 
 
 def _both_contacts(y: Array, z: Array, mu: Array) -> tuple[Array, Array]:
@@ -104,12 +160,9 @@ def _both_value(
     return np.asarray(push * np.cos(alpha) - c - mu * (floor + wall))
 
 
-FAMILY = Family(
-    name="track_physical",
+PHYSICAL = Family(
     systems=(("rectangle-on-track", "physical", "acceleration_x"),),
     closed={Maximise: track_physical_fastest},
-    batch=(Maximise,),
-    kernel=TrackPhysical,
     against=None,
     contacts=frozenset({"floor_contact", "wall_contact"}),
 )

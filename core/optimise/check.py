@@ -1,7 +1,8 @@
-"""Random answers of an optimisation judged again: what `verify` in a study asks for.
+"""The check of every optimum, once, by a method that did not find it.
 
-The outputs at an answer are evaluated with 50 digits (those of a motion by another method), and the
-answer itself is set against that of a global search.
+That is the closed form where there is one, else points all over the bounds. `verify` in a study
+goes further for some random optima: it computes the outputs there with 50 digits (those of a motion
+by another method), and the optimum by another method.
 """
 
 from __future__ import annotations
@@ -11,13 +12,21 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.motion.verify import Comparison, compare
 from vibrafeed.core.optimise.afresh import judged_afresh
-from vibrafeed.core.optimise.codes import STATUS
-from vibrafeed.core.optimise.methods import METHODS, refusal
+from vibrafeed.core.optimise.exact import closed_optima, is_closed
+from vibrafeed.core.optimise.methods import METHODS
+from vibrafeed.core.optimise.optima import STATUS
 from vibrafeed.core.optimise.optimisation import Optimisation
-from vibrafeed.core.optimise.problem import LIMIT, ROUNDING, chosen_cells
+from vibrafeed.core.optimise.problem import (
+    LIMIT,
+    ROUNDING,
+    OptimisationProblem,
+    chosen_cells,
+    columns,
+)
+from vibrafeed.core.optimise.search import filled, most_reliable
 from vibrafeed.core.plan.grid import to_si
 from vibrafeed.core.plan.sample import Sample, sample_of
 from vibrafeed.core.quantities import QUANTITIES
@@ -25,8 +34,80 @@ from vibrafeed.core.study.optimise_study import Limited, Pareto
 from vibrafeed.core.sweep.verify import AGAINST, Rounding, rounding_of
 from vibrafeed.core.watch import Watch
 
-RIVALS = ("population", "newton", "exact", "grid")
-"""Methods by which optima are verified: the first that differs and can solve the problem."""
+POINTS = 40_000  # with which a design's optimum is compared
+POINTS_MOTION = 1_600  # the same for motions, which take long
+BLOCK = 262_144  # points that are evaluated at a time
+
+
+def gap_of(
+    method: str,
+    problem: OptimisationProblem,
+    value: Array,
+    lost: Mask,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+) -> Array:
+    """Return the objective of another method less ours, to check it; NaN without both.
+
+    Parameters
+    ----------
+    method : str
+        The one by which our optima were found.
+    value : ndarray, shape (cells,)
+        Our objective.
+    lost : ndarray of bool, shape (cells,)
+        True where there is no optimum.
+    design, scales : mapping of str to ndarray, each of shape (cells,)
+        The fixed parameters, and the sizes of outputs, by which violations are divided.
+    """
+    design = _slack(problem, design, scales)
+    reference = np.full(lost.shape, np.nan)
+    if method != "exact" and is_closed(problem):
+        reference = np.asarray(closed_optima(problem, design).value)
+    rest = np.flatnonzero(np.isnan(reference) & ~lost)
+    if rest.size:
+        others, sizes = chosen_cells(design, rest), chosen_cells(scales, rest)
+        best = best_of_points(problem, others, sizes)
+        reference[rest] = np.where(np.isfinite(best), best, np.nan)
+    return np.where(lost, np.nan, reference - value)
+
+
+def _slack(
+    problem: OptimisationProblem, design: Mapping[str, Array], scales: Mapping[str, Array]
+) -> Mapping[str, Array]:
+    if LIMIT not in (kept.name for kept in problem.kept) or not problem.against:
+        return design
+    # A limit of nothing, which rounding may just break, would leave no answer.
+    return {**design, LIMIT: design[LIMIT] + ROUNDING * scales[problem.against]}
+
+
+def best_of_points(
+    problem: OptimisationProblem, design: Mapping[str, Array], scales: Mapping[str, Array]
+) -> Array:
+    """Return the best objective of each design at points all over the bounds, shape (cells,).
+
+    It is -inf where no point keeps the constraints. Of motions that do not repeat the best points
+    are followed for longer before one is chosen. Arguments as in `gap_of`.
+    """
+    cells, points = next(iter(design.values())).size, POINTS
+    if problem.is_motion:
+        points = POINTS_MOTION
+    unit = filled(len(problem.names), cells, points)
+    x = problem.inside(unit)[:, None, :]
+    step = max(1, BLOCK // (unit.shape[1] * problem.nodes))
+    best = np.full(cells, -np.inf)
+    for start in range(0, cells, step):
+        piece = np.arange(start, min(start + step, cells))
+        here, sizes = chosen_cells(design, piece), chosen_cells(scales, piece)
+        judged = problem.judged_with_error(x, columns(here), columns(sizes))
+        value, beyond, error = (np.broadcast_to(one, judged[0].shape) for one in judged)
+        best[piece] = np.where(beyond <= 0, value, -np.inf).max(axis=1)
+        unsure = (error > 0).any(axis=1) & (beyond <= 0).any(axis=1)
+        for cell in np.flatnonzero(unsure):
+            one = value[cell], beyond[cell], error[cell]
+            alone = chosen_cells(here, [cell]), chosen_cells(sizes, [cell])
+            best[piece[cell]] = most_reliable(problem, unit, one, *alone)[1]
+    return best
 
 
 def accuracy(gaps: Array) -> str:
@@ -161,15 +242,10 @@ def _outputs(
 
 
 def _rival(prepared: Optimisation) -> str | None:
-    """Return the name of the method that verifies optima, another than theirs, or None.
-
-    None for motions, too, which take too long: their optima are compared with a grid in any case
-    (`optimum_gap`).
-    """
+    # Motions take too long: their optima are compared with points in any case.
     if prepared.problem.is_motion:
         return None
-    can = (name for name in RIVALS if refusal(name, prepared.problem) is None)
-    return next((name for name in can if name != prepared.method), None)
+    return "search" if prepared.method != "search" else "scipy"
 
 
 def _better(
@@ -209,9 +285,7 @@ def _better(
     scales = problem.scales(here)
     if isinstance(problem.criterion, Pareto):
         problem = problem.limited()
-    if LIMIT in (kept.name for kept in problem.kept) and problem.against:
-        # A limit of nothing, which rounding may just break, would leave no answer.
-        here[LIMIT] = here[LIMIT] + ROUNDING * scales[problem.against]
+    here = dict(_slack(problem, here, scales))
     optima = METHODS[rival].solve(problem, here, scales, watch)
     lost = np.isnan(optima.x).any(axis=0)
     x = np.where(lost, problem.lower[:, None], optima.x)
@@ -219,7 +293,7 @@ def _better(
     sound = ~lost & (beyond <= METHODS[rival].tolerance)
     if problem.uncertain is not None:
         # As ours are: at points of which neither search knew.
-        fresh = judged_afresh(problem, x, here, scales, rival)
+        fresh = judged_afresh(problem, x, here, scales, METHODS[rival].tolerance)
         theirs = np.where(problem.is_sampled, fresh.objective.value, theirs)
         sound &= ~fresh.surprises(problem, x, here, scales)[0]
     ours = problem.sign * known["objective"][chosen]
