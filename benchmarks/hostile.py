@@ -1,19 +1,16 @@
-"""Clients that mean harm: what they cost the service, and what they cost everybody else.
+"""Clients that mean harm, for tests/service/test_hostile.py: their cost for all others.
 
-`python -m benchmarks.hostile` carries out each attack of `benchmarks.attacks` against a fresh
-server that may open 1,024 files; names of attacks as arguments choose some. Meanwhile a process of
-its own asks /healthz and for a small slice, again and again, each time on a new connection, and
-from another address of this machine: it is another owner. Printed are the longest silences of both
-(from the first try to the right answer), the server's memory at its peak and 10 s after the attack,
-the processor time that the attack cost, how busy the server and its workers are 15 s after it, and
-the bytes it wrote into the log. Exits with 1 if a limit is missed.
+`suffered` carries out an attack against a fresh server that may open 1,024 files. Meanwhile a
+process of its own asks /healthz and for a small slice, again and again, each time on a new
+connection, and from another address of this machine: it is another owner.
 """
 
 from __future__ import annotations
 
 import http.client
 import multiprocessing
-import resource
+import selectors
+import socket
 import threading
 import time
 from collections.abc import Callable
@@ -22,16 +19,31 @@ from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any
 
 import psutil
 
-from benchmarks.attacks import ATTACKS, ELSEWHERE, MB, SMALL
-from benchmarks.options import options
 from benchmarks.serving import Served, served
 
 OPEN_FILES = 1024
 REST = 10.0  # s after an attack, until the memory is looked at again
 STILL, LOOK = 5.0, 3.0  # s from then on, until it is looked whether somebody still works, and for
+MB = 1_000_000
+ELSEWHERE = "127.0.0.2"  # where another owner asks from: without keys an address is one
+PLANE = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["acceleration_x"]}
+GRID = {"frequency": 50, "amplitude": 0.0005, "alpha": 5, "friction": 0.3}
+SMALL: dict[str, Any] = {
+    **PLANE,
+    "parameters": {**GRID, "beta": {"start": 0, "stop": 90, "num": 10}},
+}
+LARGE: dict[str, Any] = {  # a slice of it has 10^6 values
+    **PLANE,
+    "parameters": {
+        **GRID,
+        "beta": {"start": 0, "stop": 90, "num": 1000},
+        "gamma": {"start": 0, "stop": 20, "num": 1000},
+    },
+}
 
 
 @dataclass(frozen=True)
@@ -79,7 +91,98 @@ class Found:
         ]
 
 
-# --- what others notice
+def silent(server: Served, seconds: float) -> None:
+    """Attack: keep 1,200 connections open without sending anything."""
+    _crowd(server, [b""] * 1200, seconds)
+
+
+def deaf_slices(server: Served, seconds: float) -> None:
+    """Attack: twice 200 clients request a slice of 10^6 values and read nothing."""
+    path = _slice_of(server, LARGE, "beta,gamma")
+    for _ in range(2):
+        _crowd(server, [_request(server, "GET", path)] * 200, seconds / 2)
+
+
+def _slice_of(server: Served, study: dict[str, Any], axes: str) -> str:
+    """Return the path of a slice of a sweep over axes, with what else is asked."""
+    key = server.post("/sweeps", study)["id"]
+    return f"/sweeps/{key}/slice?output=acceleration_x&axes={axes}"
+
+
+def _request(server: Served, method: str, path: str, *headers: str) -> bytes:
+    """Return the bytes of a request's head."""
+    host = "{}:{}".format(*server.place)
+    return "\r\n".join([f"{method} {path} HTTP/1.1", f"Host: {host}", *headers, "", ""]).encode()
+
+
+@dataclass
+class _Hostile:
+    """One connection of a crowd, and what it has not said yet."""
+
+    socket: socket.socket
+    left: bytes
+
+
+def _crowd(
+    server: Served,
+    requests: list[bytes],
+    seconds: float,
+    *,
+    at_once: int | None = None,
+    bytes_a_second: int = 0,
+    is_read: bool = False,
+) -> None:
+    """Open a connection for each request, say it, and keep the connection for so long.
+
+    Connections that the server closes are opened anew, and nothing is read unless `is_read`: then
+    the crowd leaves once all are answered. With `bytes_a_second` a request is said so slowly from
+    the byte `at_once` on.
+    """
+    first = (at_once or 0) if bytes_a_second else None
+    until = time.monotonic() + seconds
+    chosen = selectors.DefaultSelector()
+
+    def join(request: bytes) -> None:
+        """Open a connection for a request and register it."""
+        client = socket.socket()
+        client.setblocking(False)
+        client.connect_ex(server.place)
+        chosen.register(client, selectors.EVENT_READ | selectors.EVENT_WRITE, (request, None))
+
+    for request in requests:
+        join(request)
+    spoken: dict[socket.socket, _Hostile] = {}
+    answered, due = 0, time.monotonic() + 1
+    while (now := time.monotonic()) < until and answered < len(requests):
+        for key, events in chosen.select(0.1):
+            client, (request, _) = key.fileobj, key.data
+            assert isinstance(client, socket.socket)
+            if client not in spoken:
+                if not events & selectors.EVENT_WRITE:
+                    continue
+                with suppress(OSError):
+                    client.send(request[:first])
+                spoken[client] = _Hostile(client, b"" if first is None else request[first:])
+                chosen.modify(client, selectors.EVENT_READ, key.data)
+                continue
+            with suppress(OSError):
+                if client.recv(1, socket.MSG_PEEK):  # an answer, which stays where it is
+                    answered += is_read
+                    chosen.unregister(client)
+                    continue
+            spoken.pop(client).socket.close()
+            chosen.unregister(client)
+            join(request)
+        if bytes_a_second and now > due:
+            due = now + 1
+            for one in spoken.values():
+                with suppress(OSError):
+                    one.socket.send(one.left[:bytes_a_second])
+                one.left = one.left[bytes_a_second:]
+    for one in spoken.values():
+        one.socket.close()
+    for key in list(chosen.get_map().values()):
+        key.fileobj.close()  # type: ignore[union-attr]
 
 
 def watch(server: Served, small: str, telling: Connection) -> None:
@@ -156,34 +259,3 @@ def _peak(pid: int) -> int:
     lines = Path(f"/proc/{pid}/status").read_text().splitlines()
     (line,) = (line for line in lines if line.startswith("VmHWM:"))
     return int(line.split()[1]) * 1024
-
-
-def main() -> None:
-    """Print the effects of each attack; exit with 1 if a limit is exceeded."""
-    arguments = options(__doc__, *ATTACKS, shorter=(1.0, "divides the time of each"))
-    _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
-    limits = Limits()
-    print(
-        f"at most: /healthz silent {limits.health:g} s, another's slice {limits.small:g} s, "
-        f"peak {limits.peak / MB:g} MB, after {limits.after / MB:g} MB, {limits.busy:g} cores busy"
-    )
-    print(f"{'':19} /healthz  slice   peak  after  processor    log   busy")
-    missed = False
-    for name in arguments.names or ATTACKS:
-        attack, seconds = ATTACKS[name]
-        found = suffered(attack, seconds / arguments.shorter)
-        print(
-            f"{name:19} {found.health:6.2f} s {found.small:5.2f} s {found.peak / MB:5.0f} "
-            f"{found.after / MB:5.0f} MB {found.processor:6.1f} s {found.log / 1000:7.0f} kB "
-            f"{found.busy:5.2f}",
-            flush=True,
-        )
-        for what in found.missed(Limits()):
-            print("  MISSED", what)
-            missed = True
-    raise SystemExit(missed)
-
-
-if __name__ == "__main__":
-    main()

@@ -24,7 +24,7 @@ PLATFORMS = {
 }
 MACOS = "14.0"
 PYTHONS = ("3.11", "3.12", "3.13", "3.14")
-APART = {"dev", "docs", "engines", "rivals"}
+APART = {"dev", "docs", "engines"}
 """Extras of who works on vibrafeed itself."""
 
 

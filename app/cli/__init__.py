@@ -33,7 +33,7 @@ COMMANDS: Final = MappingProxyType(
         "one share.",
         "sheet": "Write a one-page PDF summary of a result: parameters, outputs, a picture.",
         "drive": "Fit the harmonics of a drive, with errors, to an accelerometer recording.",
-        "report": "Measure accuracy and run time of methods; write a page, pictures and datasets.",
+        "report": "Measure the error of studies over run time: a page, pictures and datasets.",
         "atlas": "Write the atlas that `vibrafeed lookup` reads, or the book of charts, or both.",
         "lookup": "Look up speed, regime and shares of motion in an atlas, each with its error.",
         "scenes": "Print the catalogue: scenes, parameters, outputs, units, equations, validity.",
@@ -43,7 +43,6 @@ COMMANDS: Final = MappingProxyType(
         "serve": "Serve the HTTP interface.",
         "scrub": "Compare all results of a service with their digests; exit with code 1 if one is "
         "damaged.",
-        "validate": "Solve problems with known results, and report the errors.",
         "warm": "Compile the simulation code for this processor, once; takes about a minute.",
         "key": "Keys for the HTTP interface.",
     }

@@ -1,4 +1,4 @@
-"""The form of hard cases: studies by their numbers, and truths from elsewhere."""
+"""Study files of commands: read, prepared, refused together, and stopped by Ctrl-C."""
 
 from __future__ import annotations
 

@@ -11,10 +11,10 @@ from vibrafeed.app.jobs.database import Database
 from vibrafeed.app.jobs.ledger import Work
 from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.settings import Settings
-from vibrafeed.core.assurance.accuracy.families import SECONDS
 from vibrafeed.core.kinds import KINDS
 
 SHORT = 10  # in times of a block; items that take longer are long
+REPORT_SECONDS = 60.0  # of a report, whose study says nothing of it
 MAX_KNOWN = 1000  # items whose expected time is kept in memory
 
 
@@ -102,11 +102,11 @@ class PriorityClasses:
 
         `item` is the item of work, which names the study in the store. The time by formula is
         multiplied by what studies of this kind and method took beside it of late, which the ledger
-        of jobs keeps. An accuracy report takes a fixed time a block. The time is 0 if the study
+        of jobs keeps. A report counts as a minute. The time is 0 if the study
         cannot be read, so that it holds up no other; the error shows when the item is carried out.
         """
         if item.process not in KINDS:
-            return _Price(item.blocks * SECONDS, 0.0, "")
+            return _Price(REPORT_SECONDS, 0.0, "")
         try:
             prepared = self._store.get(item.key)
         except Exception:  # it holds up no other: who carries it out says what is wrong with it

@@ -55,6 +55,5 @@ KIND: Final = Kind(
     compute=compute,
     label=label,
     choices=MappingProxyType({"method": tuple(METHODS)}),
-    measures=("optimisers",),
     compiles=MappingProxyType({"optimise": tuple(_fastest(*system) for system in BATCHED)}),
 )

@@ -223,5 +223,4 @@ SCENE = Scene(
     },
     constraints=(),
     seconds_a_cell=2e-5,
-    seconds_a_verified_cell=8.0,
 )

@@ -178,5 +178,4 @@ SCENE = Scene(
     },
     constraints=(),
     seconds_a_cell=1e-6,
-    seconds_a_verified_cell=0.4,
 )

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.known_answers import MEAN_VELOCITIES
 from benchmarks.motions import (
     planar_stepped_motion,
     reference_motion,
@@ -17,7 +18,6 @@ from benchmarks.motions import (
     stepped_motion,
     stepped_path,
 )
-from benchmarks.worked_values import MEAN_VELOCITIES
 from vibrafeed.core.motion.result import STATUS
 
 GRAVITY = 9.8

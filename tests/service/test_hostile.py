@@ -1,4 +1,4 @@
-"""Clients that mean harm, in short; `python -m benchmarks.hostile` is the long run."""
+"""Clients that mean harm: others are answered, and memory comes back."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from benchmarks import attacks, hostile
+from benchmarks import hostile
 from night import count
 
 # Without the bounds memory passes 2 GB and stays there, and the log has a line for each client.
@@ -18,10 +18,10 @@ BY_NIGHT = hostile.Limits(health=8, small=12, **MEMORY)
 
 
 def test_silent_clients_take_no_memory_and_others_are_answered():
-    assert hostile.suffered(attacks.silent, SECONDS).missed(BY_DAY) == []
+    assert hostile.suffered(hostile.silent, SECONDS).missed(BY_DAY) == []
 
 
 @pytest.mark.night
-@pytest.mark.parametrize(("attack", "seconds"), [(attacks.silent, 15), (attacks.deaf_slices, 14)])
+@pytest.mark.parametrize(("attack", "seconds"), [(hostile.silent, 15), (hostile.deaf_slices, 14)])
 def test_others_are_answered_soon_and_memory_comes_back(attack, seconds):
     assert hostile.suffered(attack, seconds).missed(BY_NIGHT) == []
