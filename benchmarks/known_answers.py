@@ -138,9 +138,9 @@ def fault(known: Known, tables: dict[str, Table]) -> str:
     finite = np.isfinite(result.value)
     if not (result.explained or finite.all()):
         return "not finite, and no status says why"
-    if finite.any() and not np.isfinite(result.stated[finite] if finite.shape else result.stated).all():  # noqa: E501  # fmt: skip
-        return "finite, with a stated error that is not"
     stated = np.where(finite, result.stated, 0.0)
+    if not np.isfinite(stated).all():
+        return "finite, with a stated error that is not"
     if not hasattr(known, "value") or known.holds(result.value, stated):
         return ""
     return f"{result.value} instead of {known.value} within {known.tolerance}"

@@ -106,7 +106,7 @@ def _groups(files: list[str], tables: dict[str, Table]) -> Iterator[str]:
         wrong = [one.name for one in answers if fault(one, tables)]
         judged = [one for one in answers if one.relation != "shown"]
         evidence = ", ".join(dict.fromkeys(one.evidence for one in answers))
-        verdict = f"**wrong: {', '.join(wrong)}**" if wrong else f"all {len(judged)} right"
+        verdict = f"**wrong: {', '.join(wrong)}**" if wrong else f"{len(judged)} of {len(judged)} right"
         rows.append((answers[0].group, f"`{file}.toml`", str(len(answers)), evidence, verdict))
     yield from markdown_table(("group", "file", "answers", "evidence", "judged"), rows)
 
@@ -126,14 +126,14 @@ def _measured(tables: dict[str, Table]) -> Iterator[str]:
     )
     yield ""
     rows = []
-    for file in ("dice", "coins"):
+    for file, part in (("dice", "cuboid"), ("coins", "coin")):
         for known in known_answers(file):
             letter, way, number = known.name.replace("let-down", "down").split("-")
             if way == "thrown":
                 down = value(answer(f"{letter}-let-down-{number}"))
                 ratio, throws = known.inputs["ratio"], known.inputs.get("throws", "")
                 shares = (f"{one:.3f}" for one in (known.value, down, value(known)))
-                rows.append((f"{file[:-1]} {ratio:g}", str(throws), *shares))
+                rows.append((f"{part} {ratio:g}", str(throws), *shares))
     columns = ("x/y, or height over diameter", "throws", "measured", "let down", "thrown")
     yield from markdown_table([*columns], (map(str, row) for row in rows))
     yield ""

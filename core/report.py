@@ -264,8 +264,8 @@ class _Witnessed:
 
 def _motions(prepared: Prepared, watch: Watch) -> Report:
     study: Any = prepared.study
-    given = {name: v for name, v in study.settings().items() if name == "max_periods"}
-    known = _witnessed(prepared, given, watch)
+    limits = {name: v for name, v in study.settings().items() if name == "max_periods"}
+    known = _witnessed(prepared, limits, watch)
     hops = known.truth.hops
     groups = {"sliding": known.trusted & ~hops, "hopping": known.trusted & hops}
     groups = {name: where for name, where in groups.items() if where.any()}
@@ -277,7 +277,7 @@ def _motions(prepared: Prepared, watch: Watch) -> Report:
         for k, tolerance in enumerate(TOLERANCES):
             if watch.stopped():
                 break
-            settings = {**given, "tolerance": tolerance}
+            settings = {**limits, "tolerance": tolerance}
             runs = [_run(prepared, "events", cells, settings, share) for _ in range(3)]
             off = np.abs(runs[0].velocity - velocity)
             error[i, k], largest[i, k] = np.median(off), off.max()
@@ -306,7 +306,7 @@ def _words_of(known: _Witnessed) -> str:
     )
 
 
-def _witnessed(prepared: Prepared, given: Mapping[str, float], watch: Watch) -> _Witnessed:
+def _witnessed(prepared: Prepared, limits: Mapping[str, float], watch: Watch) -> _Witnessed:
     """Return random cells that move and repeat their motion, as the witness has followed them.
 
     Of two exact methods that differ by more than `OTHER_MOTION` one fell into another motion: such
@@ -318,15 +318,15 @@ def _witnessed(prepared: Prepared, given: Mapping[str, float], watch: Watch) -> 
     count = min(CANDIDATES * MOTION_CELLS, grid.cells)
     sample = grid.at(random_positions(grid, count, SEED), count, names)
     one = {name: values[:1] for name, values in sample.items()}
-    _run(prepared, "events", one, given, watch.part(0.02))  # compiles
-    first = _run(prepared, "events", sample, given, watch.part(0.08))
+    _run(prepared, "events", one, limits, watch.part(0.02))  # compiles
+    first = _run(prepared, "events", sample, limits, watch.part(0.08))
     chosen = np.flatnonzero(first.periodic & (np.abs(first.velocity) > ROUNDING))
     if not chosen.size:
         return _Witnessed(sample, first, np.zeros(count, dtype=np.bool_), count)
     chosen = _both_kinds(chosen, first.hops, MOTION_CELLS)
     picked = {name: values[chosen] for name, values in sample.items()}
-    truth = _run(prepared, WITNESS, picked, given, watch.part(0.8))
-    ours = _run(prepared, "events", picked, {**given, "tolerance": 1e-12}, watch.part(0.05))
+    truth = _run(prepared, WITNESS, picked, limits, watch.part(0.8))
+    ours = _run(prepared, "events", picked, {**limits, "tolerance": 1e-12}, watch.part(0.05))
     with np.errstate(invalid="ignore"):
         trusted = truth.periodic & (truth.stated < WITNESS_ERROR)
         trusted &= np.abs(ours.velocity - truth.velocity) < OTHER_MOTION
