@@ -106,7 +106,8 @@ def _groups(files: list[str], tables: dict[str, Table]) -> Iterator[str]:
         wrong = [one.name for one in answers if fault(one, tables)]
         judged = [one for one in answers if one.relation != "shown"]
         evidence = ", ".join(dict.fromkeys(one.evidence for one in answers))
-        verdict = f"**wrong: {', '.join(wrong)}**" if wrong else f"{len(judged)} of {len(judged)} right"
+        right = f"{len(judged)} of {len(judged)} right"
+        verdict = f"**wrong: {', '.join(wrong)}**" if wrong else right
         rows.append((answers[0].group, f"`{file}.toml`", str(len(answers)), evidence, verdict))
     yield from markdown_table(("group", "file", "answers", "evidence", "judged"), rows)
 
