@@ -1,4 +1,4 @@
-"""Study files of commands: read, prepared, refused together, and stopped by Ctrl-C."""
+"""The form of hard cases: studies by their numbers, and truths from elsewhere."""
 
 from __future__ import annotations
 

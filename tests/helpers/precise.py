@@ -20,17 +20,6 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.errors import VibrafeedError
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.mechanics.elementwise import LOGARITHMIC, arc_quotient, arc_series
-from vibrafeed.core.mechanics.quotients import (
-    arctan_quotient,
-    expm1_quotient,
-    log1p_quotient,
-    sin_quotient,
-    sinh_quotient,
-    tan_quotient,
-    tanh_quotient,
-)
-from vibrafeed.core.mechanics.rolling import slip_share
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.watch import Watch
 
@@ -71,7 +60,7 @@ def _arc(m: Any, square: Any, root: Any) -> Any:
     u = m.sqrt(abs(square))
     if square < 0:
         return m.atan(u) / u
-    return (m.log((1 + u) / root) if square > LOGARITHMIC else m.atanh(u)) / u
+    return (m.log((1 + u) / root) if square > 0.25 else m.atanh(u)) / u
 
 
 def _slip(m: Any, x: Any, y: Any, s: Any, held: Any) -> Any:
@@ -92,64 +81,64 @@ def _over_itself(name: str) -> Callable[..., Any]:
     return lambda m, x: m.one if x == 0 else getattr(m, name)(x) / x
 
 
-DIGITS_OF: dict[Any, Callable[..., Any]] = {
-    np.add: lambda m, x, y: x + y,
-    np.subtract: lambda m, x, y: x - y,
-    np.multiply: lambda m, x, y: x * y,
-    np.divide: _divide,
-    np.power: lambda m, x, y: m.inf if x == 0 and y < 0 else x**y,
-    np.positive: lambda m, x: x,
-    np.negative: lambda m, x: -x,
-    np.square: lambda m, x: x * x,
-    np.reciprocal: lambda m, x: _divide(m, 1, x),
-    np.sqrt: lambda m, x: m.sqrt(x),
-    np.hypot: lambda m, x, y: m.sqrt(x * x + y * y),
-    np.ldexp: lambda m, x, n: m.ldexp(x, int(n)),
-    np.exp: lambda m, x: m.exp(x),
-    np.expm1: lambda m, x: m.expm1(x),
-    np.log: lambda m, x: -m.inf if x == 0 else m.log(x),
-    np.log1p: lambda m, x: -m.inf if x == -1 else m.log1p(x),
-    arc_quotient: _arc,
-    arc_series: lambda m, w: _arc(m, w, m.sqrt(1 - w)),
-    slip_share: _slip,
-    expm1_quotient: lambda m, x: m.one if x == 0 else -m.expm1(-x) / x,
-    log1p_quotient: _over_itself("log1p"),
-    sin_quotient: _over_itself("sin"),
-    sinh_quotient: _over_itself("sinh"),
-    tan_quotient: _over_itself("tan"),
-    tanh_quotient: _over_itself("tanh"),
-    arctan_quotient: _over_itself("atan"),
-    np.sin: lambda m, x: m.sin(x),
-    np.cos: lambda m, x: m.cos(x),
-    np.tan: lambda m, x: m.tan(x),
-    np.arcsin: lambda m, x: m.asin(x),
-    np.arccos: lambda m, x: m.acos(x),
-    np.arctan: lambda m, x: m.atan(x),
-    np.arctan2: lambda m, y, x: m.atan2(y, x),
-    np.sinh: lambda m, x: m.sinh(x),
-    np.cosh: lambda m, x: m.cosh(x),
-    np.tanh: lambda m, x: m.tanh(x),
-    np.arctanh: lambda m, x: m.sign(x) * m.inf if abs(x) == 1 else m.atanh(x),
-    np.less: lambda m, x, y: x < y,
-    np.less_equal: lambda m, x, y: x <= y,
-    np.greater: lambda m, x, y: x > y,
-    np.greater_equal: lambda m, x, y: x >= y,
-    np.equal: lambda m, x, y: x == y,
-    np.not_equal: lambda m, x, y: x != y,
-    np.isnan: lambda m, x: m.isnan(x),
-    np.isinf: lambda m, x: m.isinf(x),
-    np.isfinite: lambda m, x: m.isfinite(x),
-    np.rint: lambda m, x: m.nint(x) if m.isfinite(x) else x,  # one zero, without a sign
-    np.maximum: lambda m, x, y: x if x >= y or m.isnan(x) else y,
-    np.minimum: lambda m, x, y: x if x <= y or m.isnan(x) else y,
-    np.absolute: lambda m, x: abs(x),
-    np.sign: lambda m, x: x if m.isnan(x) else m.sign(x),
+DIGITS_OF: dict[str, Callable[..., Any]] = {
+    "add": lambda m, x, y: x + y,
+    "subtract": lambda m, x, y: x - y,
+    "multiply": lambda m, x, y: x * y,
+    "divide": _divide,
+    "power": lambda m, x, y: m.inf if x == 0 and y < 0 else x**y,
+    "positive": lambda m, x: x,
+    "negative": lambda m, x: -x,
+    "square": lambda m, x: x * x,
+    "reciprocal": lambda m, x: _divide(m, 1, x),
+    "sqrt": lambda m, x: m.sqrt(x),
+    "hypot": lambda m, x, y: m.sqrt(x * x + y * y),
+    "ldexp": lambda m, x, n: m.ldexp(x, int(n)),
+    "exp": lambda m, x: m.exp(x),
+    "expm1": lambda m, x: m.expm1(x),
+    "log": lambda m, x: -m.inf if x == 0 else m.log(x),
+    "log1p": lambda m, x: -m.inf if x == -1 else m.log1p(x),
+    "arc_quotient": _arc,
+    "arc_series": lambda m, w: _arc(m, w, m.sqrt(1 - w)),
+    "slip_share": _slip,
+    "expm1_quotient": lambda m, x: m.one if x == 0 else -m.expm1(-x) / x,
+    "log1p_quotient": _over_itself("log1p"),
+    "sin_quotient": _over_itself("sin"),
+    "sinh_quotient": _over_itself("sinh"),
+    "tan_quotient": _over_itself("tan"),
+    "tanh_quotient": _over_itself("tanh"),
+    "arctan_quotient": _over_itself("atan"),
+    "sin": lambda m, x: m.sin(x),
+    "cos": lambda m, x: m.cos(x),
+    "tan": lambda m, x: m.tan(x),
+    "arcsin": lambda m, x: m.asin(x),
+    "arccos": lambda m, x: m.acos(x),
+    "arctan": lambda m, x: m.atan(x),
+    "arctan2": lambda m, y, x: m.atan2(y, x),
+    "sinh": lambda m, x: m.sinh(x),
+    "cosh": lambda m, x: m.cosh(x),
+    "tanh": lambda m, x: m.tanh(x),
+    "arctanh": lambda m, x: m.sign(x) * m.inf if abs(x) == 1 else m.atanh(x),
+    "less": lambda m, x, y: x < y,
+    "less_equal": lambda m, x, y: x <= y,
+    "greater": lambda m, x, y: x > y,
+    "greater_equal": lambda m, x, y: x >= y,
+    "equal": lambda m, x, y: x == y,
+    "not_equal": lambda m, x, y: x != y,
+    "isnan": lambda m, x: m.isnan(x),
+    "isinf": lambda m, x: m.isinf(x),
+    "isfinite": lambda m, x: m.isfinite(x),
+    "rint": lambda m, x: m.nint(x) if m.isfinite(x) else x,  # one zero, without a sign
+    "maximum": lambda m, x, y: x if x >= y or m.isnan(x) else y,
+    "minimum": lambda m, x, y: x if x <= y or m.isnan(x) else y,
+    "absolute": lambda m, x: abs(x),
+    "sign": lambda m, x: x if m.isnan(x) else m.sign(x),
 }
-"""Functions of numpy for numbers of many digits: a context of mpmath, and the arguments."""
+"""Functions by their names, numpy's and ours: each takes a context of mpmath and the arguments."""
 
 
-TRUTHS = {np.less, np.less_equal, np.greater, np.greater_equal, np.equal, np.not_equal, np.isnan,
-          np.isinf, np.isfinite}  # fmt: skip
+TRUTHS = ("less", "less_equal", "greater", "greater_equal", "equal", "not_equal", "isnan", "isinf",
+          "isfinite")  # fmt: skip
 
 
 class NotPreciseError(VibrafeedError):
@@ -188,7 +177,7 @@ class Number(NDArrayOperatorsMixin):
         return f"Number({CONTEXT.nstr(self.value, 20)})"
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **settings: Any) -> Any:
-        if method != "__call__" or settings or ufunc not in DIGITS_OF:
+        if method != "__call__" or settings or ufunc.__name__ not in DIGITS_OF:
             raise TypeError(f"numpy.{ufunc.__name__} is not known to {DIGITS} digits")
         return _apply(ufunc, inputs)
 
@@ -206,7 +195,7 @@ class Precise(np.ndarray[Any, np.dtype[np.object_]]):
         self, ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **settings: Any
     ) -> Any:
         """Apply a numpy function with 50 digits."""
-        if method == "__call__" and ufunc in DIGITS_OF:
+        if method == "__call__" and ufunc.__name__ in DIGITS_OF:
             result = _apply(ufunc, inputs)
             if out is None:
                 return result
@@ -225,13 +214,15 @@ class Precise(np.ndarray[Any, np.dtype[np.object_]]):
 def _apply(function: Any, inputs: Sequence[Any]) -> Any:
     """Return the results of a function of arrays of numbers, element by element."""
     results = _of_elements(function, len(inputs))(*map(np.asarray, inputs))
-    return np.asarray(results).astype(np.bool_) if function in TRUTHS else _labelled(results)
+    return (
+        np.asarray(results).astype(np.bool_) if function.__name__ in TRUTHS else _labelled(results)
+    )
 
 
 @cache
 def _of_elements(function: Any, count: int) -> Any:
     """Return a numpy function that applies a function with 50 digits to each element of arrays."""
-    digits, truth = DIGITS_OF[function], function in TRUTHS
+    digits, truth = DIGITS_OF[function.__name__], function.__name__ in TRUTHS
 
     def apply(*elements: Any) -> Any:
         result = digits(CONTEXT, *[x.value if type(x) is Number else _mpf(x) for x in elements])

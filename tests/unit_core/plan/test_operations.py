@@ -88,7 +88,11 @@ def test_a_loop_has_the_bits_of_numpy(operation):
             assert np.float64(got).tobytes() == np.float64(want).tobytes(), values
 
 
-@pytest.mark.parametrize("function", DIGITS_OF, ids=lambda function: function.__name__)
+@pytest.mark.parametrize(
+    "function",
+    [row.function for row in OPERATIONS.values() if name(row) in DIGITS_OF],
+    ids=lambda function: function.__name__,
+)
 def test_digits_begin_as_numpy_does(function):
     for values in points(function):
         got = function(*(Number(v) if isinstance(v, float) else v for v in values))
@@ -100,7 +104,7 @@ def test_digits_begin_as_numpy_does(function):
 
 
 @pytest.mark.parametrize(
-    "operation", rows(lambda row: row.function in DIGITS_OF and row.slope), ids=name
+    "operation", rows(lambda row: name(row) in DIGITS_OF and row.slope), ids=name
 )
 def test_slopes_are_those_of_fifty_digits(operation):
     """A central difference over a step of 1e-15 leaves 30 digits of 50: rules have no witness."""
@@ -109,7 +113,7 @@ def test_slopes_are_those_of_fifty_digits(operation):
         for place in range(len([v for v in values if isinstance(v, float)])):
             carried = [Dual(v, 1.0, []) if k == place else v for k, v in enumerate(values)]
             above, below = (
-                DIGITS_OF[function](
+                DIGITS_OF[function.__name__](
                     CONTEXT,
                     *(CONTEXT.mpf(v) + way * step * (k == place) for k, v in enumerate(values)),
                 )
