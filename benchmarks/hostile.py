@@ -16,7 +16,6 @@ import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -28,7 +27,6 @@ from benchmarks.serving import Served, served
 OPEN_FILES = 1024
 REST = 10.0  # s after an attack, until the memory is looked at again
 STILL, LOOK = 5.0, 3.0  # s from then on, until it is looked whether somebody still works, and for
-MB = 1_000_000
 ELSEWHERE = "127.0.0.2"  # where another owner asks from: without keys an address is one
 PLANE = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["acceleration_x"]}
 GRID = {"frequency": 50, "amplitude": 0.0005, "alpha": 5, "friction": 0.3}
@@ -46,51 +44,6 @@ LARGE: dict[str, Any] = {  # a slice of it has 10^6 values
 }
 
 
-@dataclass(frozen=True)
-class Limits:
-    """What an attack may do at most: silences [s], memory [bytes], bytes of log a second.
-
-    `busy` are cores that still work after it.
-    """
-
-    health: float = 1.0
-    small: float = 3.0
-    peak: float = 1000 * MB
-    after: float = 300 * MB
-    log: float = 100_000
-    busy: float = 0.5
-
-
-@dataclass
-class Found:
-    """What an attack did."""
-
-    seconds: float = 0.0
-    health: float = 0.0
-    small: float = 0.0
-    peak: int = 0
-    after: int = 0
-    processor: float = 0.0
-    log: int = 0
-    busy: float = 0.0
-
-    def missed(self, limits: Limits) -> list[str]:
-        """Return the limits that an attack has exceeded."""
-        figures = {
-            "health": self.health,
-            "small": self.small,
-            "peak": self.peak,
-            "after": self.after,
-            "log": self.log / max(1.0, self.seconds),
-            "busy": self.busy,
-        }
-        return [
-            f"{name}: {value:,.1f}, at most {getattr(limits, name):,}"
-            for name, value in figures.items()
-            if value > getattr(limits, name)
-        ]
-
-
 def silent(server: Served, seconds: float) -> None:
     """Attack: keep 1,200 connections open without sending anything."""
     _crowd(server, [b""] * 1200, seconds)
@@ -98,91 +51,51 @@ def silent(server: Served, seconds: float) -> None:
 
 def deaf_slices(server: Served, seconds: float) -> None:
     """Attack: twice 200 clients request a slice of 10^6 values and read nothing."""
-    path = _slice_of(server, LARGE, "beta,gamma")
-    for _ in range(2):
-        _crowd(server, [_request(server, "GET", path)] * 200, seconds / 2)
-
-
-def _slice_of(server: Served, study: dict[str, Any], axes: str) -> str:
-    """Return the path of a slice of a sweep over axes, with what else is asked."""
-    key = server.post("/sweeps", study)["id"]
-    return f"/sweeps/{key}/slice?output=acceleration_x&axes={axes}"
-
-
-def _request(server: Served, method: str, path: str, *headers: str) -> bytes:
-    """Return the bytes of a request's head."""
+    key = server.post("/sweeps", LARGE)["id"]
+    path = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta,gamma"
     host = "{}:{}".format(*server.place)
-    return "\r\n".join([f"{method} {path} HTTP/1.1", f"Host: {host}", *headers, "", ""]).encode()
+    request = f"GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n".encode()
+    for _ in range(2):
+        _crowd(server, [request] * 200, seconds / 2)
 
 
-@dataclass
-class _Hostile:
-    """One connection of a crowd, and what it has not said yet."""
+def _crowd(server: Served, requests: list[bytes], seconds: float) -> None:
+    """Open a connection for each request, send it, read nothing, and keep it open for so long.
 
-    socket: socket.socket
-    left: bytes
-
-
-def _crowd(
-    server: Served,
-    requests: list[bytes],
-    seconds: float,
-    *,
-    at_once: int | None = None,
-    bytes_a_second: int = 0,
-    is_read: bool = False,
-) -> None:
-    """Open a connection for each request, say it, and keep the connection for so long.
-
-    Connections that the server closes are opened anew, and nothing is read unless `is_read`: then
-    the crowd leaves once all are answered. With `bytes_a_second` a request is said so slowly from
-    the byte `at_once` on.
+    Connections that the server closes are opened anew.
     """
-    first = (at_once or 0) if bytes_a_second else None
     until = time.monotonic() + seconds
     chosen = selectors.DefaultSelector()
 
     def join(request: bytes) -> None:
-        """Open a connection for a request and register it."""
         client = socket.socket()
         client.setblocking(False)
         client.connect_ex(server.place)
-        chosen.register(client, selectors.EVENT_READ | selectors.EVENT_WRITE, (request, None))
+        chosen.register(client, selectors.EVENT_READ | selectors.EVENT_WRITE, request)
 
     for request in requests:
         join(request)
-    spoken: dict[socket.socket, _Hostile] = {}
-    answered, due = 0, time.monotonic() + 1
-    while (now := time.monotonic()) < until and answered < len(requests):
+    sent: set[socket.socket] = set()
+    while time.monotonic() < until and chosen.get_map():
         for key, events in chosen.select(0.1):
-            client, (request, _) = key.fileobj, key.data
+            client = key.fileobj
             assert isinstance(client, socket.socket)
-            if client not in spoken:
-                if not events & selectors.EVENT_WRITE:
-                    continue
-                with suppress(OSError):
-                    client.send(request[:first])
-                spoken[client] = _Hostile(client, b"" if first is None else request[first:])
-                chosen.modify(client, selectors.EVENT_READ, key.data)
+            if client not in sent:
+                if events & selectors.EVENT_WRITE:
+                    with suppress(OSError):
+                        client.send(key.data)
+                    sent.add(client)
+                    chosen.modify(client, selectors.EVENT_READ, key.data)
                 continue
+            chosen.unregister(client)
             with suppress(OSError):
                 if client.recv(1, socket.MSG_PEEK):  # an answer, which stays where it is
-                    answered += is_read
-                    chosen.unregister(client)
                     continue
-            spoken.pop(client).socket.close()
-            chosen.unregister(client)
-            join(request)
-        if bytes_a_second and now > due:
-            due = now + 1
-            for one in spoken.values():
-                with suppress(OSError):
-                    one.socket.send(one.left[:bytes_a_second])
-                one.left = one.left[bytes_a_second:]
-    for one in spoken.values():
-        one.socket.close()
-    for key in list(chosen.get_map().values()):
-        key.fileobj.close()  # type: ignore[union-attr]
+            sent.discard(client)
+            client.close()
+            join(key.data)
+    for client in sent | {key.fileobj for key in chosen.get_map().values()}:
+        client.close()
 
 
 def watch(server: Served, small: str, telling: Connection) -> None:
@@ -207,55 +120,46 @@ def _silence(server: Served, path: str, every: float, over: threading.Event) -> 
     return max(longest, time.monotonic() - since - every)
 
 
-def suffered(attack: Callable[[Served, float], None], seconds: float) -> Found:
-    """Return the effects of an attack on a fresh server."""
-    found = Found(seconds)
+def suffered(attack: Callable[[Served, float], None], seconds: float) -> dict[str, float]:
+    """Return the effects of an attack on a fresh server.
+
+    `health` and `small` are the longest silences of /healthz and of another owner's slice [s],
+    `peak` and `after` the server's memory, at most and 10 s after the attack [bytes], `log` the
+    bytes of log a second, and `busy` the cores that work on 15 s after it.
+    """
     with served(open_files=OPEN_FILES, workers=2) as server:
         key = server.post("/sweeps", SMALL)["id"]
         small = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta"
         server.get(small)
         here, there = multiprocessing.Pipe()
-        watcher = multiprocessing.get_context("spawn").Process(
-            target=watch, args=(server, small, there)
-        )
+        spawn = multiprocessing.get_context("spawn")
+        watcher = spawn.Process(target=watch, args=(server, small, there))
         watcher.start()
         here.recv()
-        process = psutil.Process(server.pid)
-        before = process.cpu_times()
         attack(server, seconds)
         time.sleep(REST)
-        after = process.cpu_times()
-        found.processor = after.user + after.system - before.user - before.system
-        found.after = server.memory()
-        found.peak = _peak(server.pid)
-        found.log = server.log.stat().st_size
+        after, status = server.memory(), Path(f"/proc/{server.pid}/status").read_text()
+        log = server.log.stat().st_size / max(1.0, seconds)
         time.sleep(STILL)
-        found.busy = _busy(process)
+        busy = _busy(psutil.Process(server.pid))
         here.send("over")
-        found.health, found.small = here.recv()
+        health, slice_ = here.recv()
         watcher.join()
-    return found
+    peak = 1024 * int(status.partition("VmHWM:")[2].split()[0])
+    return {"health": health, "small": slice_, "peak": peak, "after": after, "log": log,
+            "busy": busy}  # fmt: skip
 
 
 def _busy(process: psutil.Process) -> float:
     """Return the number of cores that a process and its children keep busy."""
 
     def spent() -> dict[int, float]:
-        """Return the processor time of each process."""
-        found = {}
+        times = {}
         for one in (process, *process.children(recursive=True)):
             with suppress(psutil.Error):
-                times = one.cpu_times()
-                found[one.pid] = times.user + times.system
-        return found
+                times[one.pid] = sum(one.cpu_times()[:2])
+        return times
 
     before = spent()
     time.sleep(LOOK)
     return sum(seconds - before.get(pid, 0.0) for pid, seconds in spent().items()) / LOOK
-
-
-def _peak(pid: int) -> int:
-    """Return the peak memory of a process [bytes]."""
-    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
-    (line,) = (line for line in lines if line.startswith("VmHWM:"))
-    return int(line.split()[1]) * 1024

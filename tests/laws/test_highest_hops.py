@@ -1,4 +1,4 @@
-"""Rebounds that lose little: the fastest landing by the highest hop; and equal cells are one cell."""
+"""Rebounds that lose little: the fastest landing by the highest hop. Equal cells are one cell."""
 
 from __future__ import annotations
 
