@@ -1,85 +1,101 @@
-"""Clients that mean harm: what they cost the service, and what they cost everybody else.
+"""Clients that mean harm, for tests/service/test_hostile.py: their cost for all others.
 
-`python -m benchmarks.hostile` carries out each attack of `benchmarks.attacks` against a fresh
-server that may open 1,024 files; names of attacks as arguments choose some. Meanwhile a process of
-its own asks /healthz and for a small slice, again and again, each time on a new connection, and
-from another address of this machine: it is another owner. Printed are the longest silences of both
-(from the first try to the right answer), the server's memory at its peak and 10 s after the attack,
-the processor time that the attack cost, how busy the server and its workers are 15 s after it, and
-the bytes it wrote into the log. Exits with 1 if a limit is missed.
+`suffered` carries out an attack against a fresh server that may open 1,024 files. Meanwhile a
+process of its own asks /healthz and for a small slice, again and again, each time on a new
+connection, and from another address of this machine: it is another owner.
 """
 
 from __future__ import annotations
 
 import http.client
 import multiprocessing
-import resource
+import selectors
+import socket
 import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any
 
 import psutil
 
-from benchmarks.attacks import ATTACKS, ELSEWHERE, MB, SMALL
-from benchmarks.options import options
 from benchmarks.serving import Served, served
 
 OPEN_FILES = 1024
 REST = 10.0  # s after an attack, until the memory is looked at again
 STILL, LOOK = 5.0, 3.0  # s from then on, until it is looked whether somebody still works, and for
+ELSEWHERE = "127.0.0.2"  # where another owner asks from: without keys an address is one
+PLANE = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["acceleration_x"]}
+GRID = {"frequency": 50, "amplitude": 0.0005, "alpha": 5, "friction": 0.3}
+SMALL: dict[str, Any] = {
+    **PLANE,
+    "parameters": {**GRID, "beta": {"start": 0, "stop": 90, "num": 10}},
+}
+LARGE: dict[str, Any] = {  # a slice of it has 10^6 values
+    **PLANE,
+    "parameters": {
+        **GRID,
+        "beta": {"start": 0, "stop": 90, "num": 1000},
+        "gamma": {"start": 0, "stop": 20, "num": 1000},
+    },
+}
 
 
-@dataclass(frozen=True)
-class Limits:
-    """What an attack may do at most: silences [s], memory [bytes], bytes of log a second.
+def silent(server: Served, seconds: float) -> None:
+    """Attack: keep 1,200 connections open without sending anything."""
+    _crowd(server, [b""] * 1200, seconds)
 
-    `busy` are cores that still work after it.
+
+def deaf_slices(server: Served, seconds: float) -> None:
+    """Attack: twice 200 clients request a slice of 10^6 values and read nothing."""
+    key = server.post("/sweeps", LARGE)["id"]
+    path = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta,gamma"
+    host = "{}:{}".format(*server.place)
+    request = f"GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n".encode()
+    for _ in range(2):
+        _crowd(server, [request] * 200, seconds / 2)
+
+
+def _crowd(server: Served, requests: list[bytes], seconds: float) -> None:
+    """Open a connection for each request, send it, read nothing, and keep it open for so long.
+
+    Connections that the server closes are opened anew.
     """
+    until = time.monotonic() + seconds
+    chosen = selectors.DefaultSelector()
 
-    health: float = 1.0
-    small: float = 3.0
-    peak: float = 1000 * MB
-    after: float = 300 * MB
-    log: float = 100_000
-    busy: float = 0.5
+    def join(request: bytes) -> None:
+        client = socket.socket()
+        client.setblocking(False)
+        client.connect_ex(server.place)
+        chosen.register(client, selectors.EVENT_READ | selectors.EVENT_WRITE, request)
 
-
-@dataclass
-class Found:
-    """What an attack did."""
-
-    seconds: float = 0.0
-    health: float = 0.0
-    small: float = 0.0
-    peak: int = 0
-    after: int = 0
-    processor: float = 0.0
-    log: int = 0
-    busy: float = 0.0
-
-    def missed(self, limits: Limits) -> list[str]:
-        """Return the limits that an attack has exceeded."""
-        figures = {
-            "health": self.health,
-            "small": self.small,
-            "peak": self.peak,
-            "after": self.after,
-            "log": self.log / max(1.0, self.seconds),
-            "busy": self.busy,
-        }
-        return [
-            f"{name}: {value:,.1f}, at most {getattr(limits, name):,}"
-            for name, value in figures.items()
-            if value > getattr(limits, name)
-        ]
-
-
-# --- what others notice
+    for request in requests:
+        join(request)
+    sent: set[socket.socket] = set()
+    while time.monotonic() < until and chosen.get_map():
+        for key, events in chosen.select(0.1):
+            client = key.fileobj
+            assert isinstance(client, socket.socket)
+            if client not in sent:
+                if events & selectors.EVENT_WRITE:
+                    with suppress(OSError):
+                        client.send(key.data)
+                    sent.add(client)
+                    chosen.modify(client, selectors.EVENT_READ, key.data)
+                continue
+            chosen.unregister(client)
+            with suppress(OSError):
+                if client.recv(1, socket.MSG_PEEK):  # an answer, which stays where it is
+                    continue
+            sent.discard(client)
+            client.close()
+            join(key.data)
+    for client in sent | {key.fileobj for key in chosen.get_map().values()}:
+        client.close()
 
 
 def watch(server: Served, small: str, telling: Connection) -> None:
@@ -104,86 +120,46 @@ def _silence(server: Served, path: str, every: float, over: threading.Event) -> 
     return max(longest, time.monotonic() - since - every)
 
 
-def suffered(attack: Callable[[Served, float], None], seconds: float) -> Found:
-    """Return the effects of an attack on a fresh server."""
-    found = Found(seconds)
+def suffered(attack: Callable[[Served, float], None], seconds: float) -> dict[str, float]:
+    """Return the effects of an attack on a fresh server.
+
+    `health` and `small` are the longest silences of /healthz and of another owner's slice [s],
+    `peak` and `after` the server's memory, at most and 10 s after the attack [bytes], `log` the
+    bytes of log a second, and `busy` the cores that work on 15 s after it.
+    """
     with served(open_files=OPEN_FILES, workers=2) as server:
         key = server.post("/sweeps", SMALL)["id"]
         small = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta"
         server.get(small)
         here, there = multiprocessing.Pipe()
-        watcher = multiprocessing.get_context("spawn").Process(
-            target=watch, args=(server, small, there)
-        )
+        spawn = multiprocessing.get_context("spawn")
+        watcher = spawn.Process(target=watch, args=(server, small, there))
         watcher.start()
         here.recv()
-        process = psutil.Process(server.pid)
-        before = process.cpu_times()
         attack(server, seconds)
         time.sleep(REST)
-        after = process.cpu_times()
-        found.processor = after.user + after.system - before.user - before.system
-        found.after = server.memory()
-        found.peak = _peak(server.pid)
-        found.log = server.log.stat().st_size
+        after, status = server.memory(), Path(f"/proc/{server.pid}/status").read_text()
+        log = server.log.stat().st_size / max(1.0, seconds)
         time.sleep(STILL)
-        found.busy = _busy(process)
+        busy = _busy(psutil.Process(server.pid))
         here.send("over")
-        found.health, found.small = here.recv()
+        health, slice_ = here.recv()
         watcher.join()
-    return found
+    peak = 1024 * int(status.partition("VmHWM:")[2].split()[0])
+    return {"health": health, "small": slice_, "peak": peak, "after": after, "log": log,
+            "busy": busy}  # fmt: skip
 
 
 def _busy(process: psutil.Process) -> float:
     """Return the number of cores that a process and its children keep busy."""
 
     def spent() -> dict[int, float]:
-        """Return the processor time of each process."""
-        found = {}
+        times = {}
         for one in (process, *process.children(recursive=True)):
             with suppress(psutil.Error):
-                times = one.cpu_times()
-                found[one.pid] = times.user + times.system
-        return found
+                times[one.pid] = sum(one.cpu_times()[:2])
+        return times
 
     before = spent()
     time.sleep(LOOK)
     return sum(seconds - before.get(pid, 0.0) for pid, seconds in spent().items()) / LOOK
-
-
-def _peak(pid: int) -> int:
-    """Return the peak memory of a process [bytes]."""
-    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
-    (line,) = (line for line in lines if line.startswith("VmHWM:"))
-    return int(line.split()[1]) * 1024
-
-
-def main() -> None:
-    """Print the effects of each attack; exit with 1 if a limit is exceeded."""
-    arguments = options(__doc__, *ATTACKS, shorter=(1.0, "divides the time of each"))
-    _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
-    limits = Limits()
-    print(
-        f"at most: /healthz silent {limits.health:g} s, another's slice {limits.small:g} s, "
-        f"peak {limits.peak / MB:g} MB, after {limits.after / MB:g} MB, {limits.busy:g} cores busy"
-    )
-    print(f"{'':19} /healthz  slice   peak  after  processor    log   busy")
-    missed = False
-    for name in arguments.names or ATTACKS:
-        attack, seconds = ATTACKS[name]
-        found = suffered(attack, seconds / arguments.shorter)
-        print(
-            f"{name:19} {found.health:6.2f} s {found.small:5.2f} s {found.peak / MB:5.0f} "
-            f"{found.after / MB:5.0f} MB {found.processor:6.1f} s {found.log / 1000:7.0f} kB "
-            f"{found.busy:5.2f}",
-            flush=True,
-        )
-        for what in found.missed(Limits()):
-            print("  MISSED", what)
-            missed = True
-    raise SystemExit(missed)
-
-
-if __name__ == "__main__":
-    main()

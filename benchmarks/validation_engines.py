@@ -1,4 +1,4 @@
-"""General physics engines on problems of `vibrafeed validate`: error against run time.
+"""General physics engines on known answers: error against run time.
 
 `python -m benchmarks.validation_engines` runs those that are installed beside this project;
 `--python siconos=/usr/bin/python3` names the Python in which another one is. It writes
@@ -21,13 +21,10 @@ import numpy as np
 
 from benchmarks.best_wave import motions
 from benchmarks.engine_drivers import BLOCKS
+from benchmarks.known_answers import Known, found
+from benchmarks.known_answers import answer as known_answer
 from benchmarks.options import options
 from benchmarks.timing import least
-from vibrafeed.core.assurance.case import Case
-from vibrafeed.core.assurance.catalogue import cases
-from vibrafeed.core.assurance.forms.formulas import GRAVITY
-from vibrafeed.core.assurance.forms.laws import LATER, turning_phase
-from vibrafeed.core.assurance.judge import outputs_of
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.motion.waves import ALONG, NORMAL, speed
 from vibrafeed.core.plan.equations import run_equations
@@ -39,6 +36,7 @@ RESULTS, PICTURE = GENERATED / "validation-engines.json", GENERATED / "validatio
 DRIVERS = Path(__file__).with_name("engine_drivers.py")
 STEPS = (20, 100, 500, 2000)  # a period
 DURING = 20  # periods that are averaged
+GRAVITY = 9.81  # m s-2, of these answers
 NAMES = {
     "mujoco": "MuJoCo", "pybullet": "PyBullet", "pymunk": "pymunk", "dart": "DART",
     "siconos": "Siconos",
@@ -53,47 +51,47 @@ ASKED = {
     "Z-turn-1": ("Level sine: where slip turns", 10),
     "V-speed-7": ("Short hops", 30),
 }
-"""Cases that engines can run, with one coefficient of friction: title, and periods until the motion
-repeats."""
+"""Known answers that engines can find, with one coefficient of friction: title, and periods until
+the motion repeats."""
 
 
 @cache
-def asked_cases() -> Mapping[str, tuple[Case, float]]:
-    """Return each case with the full-precision result of `events`."""
-    found = {}
-    for case in cases():
-        if case.id in ASKED:
-            value = float(case.result(outputs_of(case.terms)))
-            assert case.holds(value)
-            found[case.id] = (case, value)
-    return {name: found[name] for name in ASKED}
+def asked_cases() -> Mapping[str, tuple[Known, float]]:
+    """Return each known answer with the full-precision result of `events`."""
+    cases = {}
+    for name in ASKED:
+        case = known_answer(name)
+        value = float(found(case, {}).value)
+        assert case.holds(value)
+        cases[name] = (case, value)
+    return cases
 
 
-def jobs(case: Case) -> list[dict[str, Any]]:
+def jobs(case: Known) -> list[dict[str, Any]]:
     """Return the inputs of a case for the engines, one job per number of steps."""
     given = _parameters(case)
     frequency = given["frequency"]
-    found = []
+    work = []
     for steps in STEPS:
         phases = np.linspace(0.0, 2 * math.pi, steps + 1)
         step = 1 / (frequency * steps)
         gravity = -np.diff(_track(given, phases)).T / step
         gravity[:, 1] -= GRAVITY
-        found.append(
+        work.append(
             {
                 "step": step,
                 "friction": given.get("friction", given.get("friction_kinetic")),
                 "gravities": gravity.tolist(),
-                "before": ASKED[case.id][1],
+                "before": ASKED[case.name][1],
                 "during": DURING,
             }
         )
-    return found
+    return work
 
 
-def _parameters(case: Case) -> dict[str, float]:
+def _parameters(case: Known) -> dict[str, float]:
     """Return a case's parameters in SI units and radians."""
-    given = case.terms[0].study["parameters"]
+    given = case.study["parameters"]
     return {
         name: math.radians(value) if QUANTITIES[name].is_angle else value
         for name, value in given.items()
@@ -117,16 +115,18 @@ def _track(given: Mapping[str, float], phases: np.ndarray) -> np.ndarray:
     return np.array(found)
 
 
-def answer(case: Case, steps: int, told: Mapping[str, Any]) -> float:
+def answer(case: Known, steps: int, told: Mapping[str, Any]) -> float:
     """Return an engine's result of a case, in the case's unit."""
     (term,) = case.terms
-    if term.output == "conveying_velocity":
-        return term.times * told["mean"] - term.minus
-    at = (turning_phase(case.inputs) + LATER) / (2 * math.pi) * steps  # speeds are at ends of steps
-    return term.times * float(np.interp(at, range(1, steps + 1), told["speeds"]))
+    times = float(term.get("times", 1.0))
+    if term["output"] == "conveying_velocity":
+        return times * float(told["mean"])
+    (time,) = case.study["trajectory"]
+    at = time * case.study["parameters"]["frequency"] * steps  # speeds are at ends of steps
+    return times * float(np.interp(at, range(1, steps + 1), told["speeds"]))
 
 
-def ours(case: Case) -> float:
+def ours(case: Known) -> float:
     """Return the processor time of `events` per cell, of 2,000 cells at once [s]."""
     given, cells = _parameters(case), 2000
     arrays = {name: np.full(cells, value) for name, value in given.items()}
@@ -161,11 +161,11 @@ def rows(pythons: Mapping[str, str]) -> Iterator[dict[str, Any]]:
         for case, truth in asked_cases().values():
             for steps in STEPS:
                 result = next(results)
-                found = answer(case, steps, result)
-                periods = (ASKED[case.id][1] + DURING) / DURING
+                value = answer(case, steps, result)
+                periods = (ASKED[case.name][1] + DURING) / DURING
                 yield {
-                    "engine": name, "version": told["version"], "problem": case.id,
-                    "steps": steps, "found": found, "error": abs(found / truth - 1),
+                    "engine": name, "version": told["version"], "problem": case.name,
+                    "steps": steps, "found": value, "error": abs(value / truth - 1),
                     "seconds": result["seconds"] * DURING * periods,
                 }  # fmt: skip
 

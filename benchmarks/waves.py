@@ -1,25 +1,16 @@
-"""Random drives of any wave for tests, and what harmonics cost; `python -m benchmarks.waves`.
+"""Random drives of any wave, for tests and `benchmarks.missed_events`.
 
 Drives of one to eight harmonics on each axis, and of two to twelve steps, with random parts; parts
-that bounce. The program prints the time of a cell under more and more harmonics as a ratio to the
-plain sine, both measured in turns in one run, on one thread. That ways of following them agree is
-tested in tests/laws/test_waves.py and test_planar_means.py.
+that bounce.
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.options import options
-from vibrafeed.core.motion import planar, waves
-from vibrafeed.core.motion.groups import Groups, cells_of
-from vibrafeed.core.motion.kernels import track
-from vibrafeed.core.motion.kernels.arrays import NEVER
-from vibrafeed.core.motion.result import COLUMNS
+from vibrafeed.core.motion import waves
+from vibrafeed.core.motion.groups import Groups
 from vibrafeed.core.motion.waves import ENDS, TURN, Wave
 
 PLANAR = {"tolerance": 1e-12, "max_periods": 1000.0}
@@ -122,49 +113,6 @@ def lifting(pick: Pick, wave: Wave, *, clean: bool) -> Groups:
     )  # fmt: skip
 
 
-def more_orders(pick: Pick, sine: Groups, orders: int) -> Groups:
-    """Return the parts with so many harmonics on each axis in place of the sine."""
-    pushes = (sine.drive_number_along, sine.drive_number_across, sine.drive_number_normal)
-    cells = np.size(sine.drive_number_along)
-    found = np.zeros((3, 2, orders, cells))
-    for axis, push in enumerate(np.broadcast_to(push, cells) for push in pushes):
-        share = np.ones((orders, cells))
-        share[1:] = pick.uniform(0, 0.5, (orders - 1, cells))
-        share[1:] /= np.sqrt(np.arange(2, orders + 1))[:, np.newaxis]
-        phase = pick.uniform(0, TURN, (orders, cells))
-        phase[0] = 0.0
-        share *= push / share.sum(axis=0)
-        found[axis] = share * np.cos(phase), share * np.sin(phase)
-    return sine._replace(wave=Wave(found, np.zeros((4, 0, cells))))
-
-
-def times(name: str, sine: Groups, run: Callable, rounds: int) -> None:
-    """Print the time per cell by harmonic order, relative to the sine."""
-    pick = np.random.default_rng(1)
-    sets = {"sine": sine} | {k: more_orders(pick, sine, k) for k in (1, 2, 5, 10)}
-    settings = PLANAR if run is planar.solve_cells else SPATIAL
-    rows = {k: np.ascontiguousarray(cells_of(g, **settings)[0]) for k, g in sets.items()}
-    cells = len(rows["sine"])
-    table, status = np.empty((cells, COLUMNS)), np.empty(cells, dtype=np.int8)
-    best = np.full((len(sets), cells), np.inf)
-    for _ in range(rounds):
-        for number, one in enumerate(rows.values()):
-            for cell in range(cells):
-                piece = slice(cell, cell + 1)
-                begin = time.perf_counter()
-                run(one[piece], table[piece], status[piece], NEVER)
-                best[number, cell] = min(best[number, cell], time.perf_counter() - begin)
-    print(f"{name}, {cells} cells, microseconds with the call; ratio to the sine cell by cell:")
-    for number, key in enumerate(sets):
-        ratio = np.median(best[number] / best[0])
-        median, mean = np.median(best[number]), best[number].mean()
-        label = key if key == "sine" else f"{key} orders"
-        print(
-            f"   {label:9}: median {1e6 * median:8.1f}, mean {1e6 * mean:8.1f}; median ratio "
-            f"{ratio:.2f}, ratio of means {mean / best[0].mean():.2f}"
-        )
-
-
 def feeder_parts(cells: int, seed: int, across: float) -> Groups:
     """Return random parts of a feeder's track under a sine, azimuth up to `across`."""
     pick = np.random.default_rng(seed)
@@ -177,21 +125,3 @@ def feeder_parts(cells: int, seed: int, across: float) -> Groups:
         drive_number_across=across * drive * np.cos(beta) * np.sin(alpha),
         gravity_number_across=0.1 * across,
     )  # fmt: skip
-
-
-def main() -> None:
-    """Print the times in the plane and in space."""
-    given = options(__doc__, timed=300, rounds=15, seed=7)
-    flat = feeder_parts(given.timed, given.seed, 0.0)
-    times("In the plane", flat, planar.solve_cells, given.rounds)
-
-    def in_space(rows: NDArray, table: NDArray, status: NDArray, stop: NDArray) -> None:
-        """Run the kernel of motions in space."""
-        track.solve_cells(True, 0.0, rows, table, status, stop)
-
-    aslant = feeder_parts(given.timed, given.seed, 1.0)
-    times("On the track", aslant, in_space, max(3, given.rounds // 4))
-
-
-if __name__ == "__main__":
-    main()

@@ -46,10 +46,7 @@ ALLOWED = {
     "vibrafeed.core.intake.section.Section.place": "makes it",
     "vibrafeed.core.study.*.places": "where each parameter's problem is said to be",
     "vibrafeed.core.study.*.output_places": "where each output's problem is said to be",
-    # Answers to questions: `vibrafeed new` asks, and `vibrafeed validate --answers` reads a file.
-    "vibrafeed.core.assurance.answers.*": "the file of another program's answers has this key",
-    "vibrafeed.core.assurance.answers": "the same",
-    "vibrafeed.app.cli.validate.validate.answers": "the option's name",
+    # Answers to questions: `vibrafeed new` asks.
     "vibrafeed.app.cli.new.*": "answers to the questions that it asks",
     "vibrafeed.app.cli.questions.*": "the same",
     "vibrafeed.app.cli.starter.*": "the same",

@@ -32,11 +32,10 @@ COMMANDS: Final = MappingProxyType(
         "one part.",
         "sheet": "Write a one-page PDF summary of a result: parameters, outputs, a picture.",
         "drive": "Fit the harmonics of a drive, with errors, to an accelerometer recording.",
-        "report": "Measure accuracy and run time of methods; write a page, pictures and datasets.",
+        "report": "Measure the error of studies over run time: a page, pictures and datasets.",
         "scenes": "Print the catalogue: scenes, parameters, outputs, units, equations, validity.",
         "materials": "Print published friction, restitution and leaf springs, with their sources.",
         "serve": "Serve the HTTP interface.",
-        "validate": "Solve problems with known results, and report the errors.",
         "key": "Keys for the HTTP interface.",
     }
 )

@@ -1,25 +1,28 @@
-"""`vibrafeed report`: the accuracy report, error against run time."""
+"""`vibrafeed report`: error against run time of studies, as a page, pictures and datasets."""
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import FAILED
 from vibrafeed.app.cli.studies import interruption, prepare_all, refuse, refuse_clashes
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import StudyError
+
+if TYPE_CHECKING:
+    from vibrafeed.core.plan.prepared import Prepared
 
 
 def report(
     files: Annotated[
-        list[Path] | None,
-        typer.Argument(
-            help="Study files (TOML or JSON) to measure the accuracy of.", show_default=False
-        ),
-    ] = None,
+        list[Path],
+        typer.Argument(help="Study files (TOML or JSON) to measure.", show_default=False),
+    ],
     output: Annotated[
         Path | None,
         typer.Option(
@@ -28,68 +31,76 @@ def report(
             help="Folder for the report; by default `accuracy` in the folder of the first study.",
         ),
     ] = None,
-    only: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Measure only this family: closed_forms, model, motion, storage or "
-            "optimisers; repeat the option for several. By default all families that "
-            "apply to a study."
-        ),
-    ] = None,
-    extremes: Annotated[
-        bool,
-        typer.Option(
-            "--extremes",
-            help="Also run about 200 hard cases, and list the equations, memory and program "
-            "modules that a study of one output of each scene needs.",
-        ),
-    ] = False,
     seconds: Annotated[
         float,
         typer.Option(
-            help="Time limit of each family in seconds: after it no further measurement starts.",
+            help="Time limit of each study in seconds: after it no further setting is measured.",
             min=0,
         ),
     ] = 60.0,
 ) -> None:
-    """Measure accuracy and run time of methods; write a page, pictures and datasets.
+    """Measure the error of each study over its run time; write a page, pictures and datasets.
 
-    Closed forms against 50 digits, methods of motion, optimisers and files, each on random cells of
-    the study. Exit code 2 means that a study file is wrong, 1 that a result could not be written,
-    that a hard case came out wrong, or that it was stopped by Ctrl-C: what was measured by then is
-    written.
+    Closed forms in 32-bit and 64-bit floats against extended precision, motions over the tolerance
+    of their method against the method `reference`, on random cells of the study. Exit code 2 means
+    that a study file is wrong, 1 that a result could not be written or that it was stopped by
+    Ctrl-C: studies that were done by then are written.
     """
-    from vibrafeed.app.cli.accuracy import EXTREMES, dataset_of, write_report
-    from vibrafeed.core.assurance.accuracy.families import families_of
+    from vibrafeed.core.report import check
 
-    files = files or []
-    if not files and not extremes:
-        fix = "Name study files, or add --extremes, which needs no study"
-        refuse({Path("report"): [Problem("files", "the command names no study to measure", fix)]})
     studies = prepare_all(files)
     invalid = {}
     for path, prepared in studies.items():
         try:
-            families_of(prepared, only or ())
+            check(prepared)
         except StudyError as error:
             invalid[path] = error.problems
     if invalid:
         refuse(invalid)
-    beside = files[0].parent if files else Path()
-    folder = output or beside / "accuracy"
-    refuse_clashes(
-        {file: dataset_of(folder, file.stem) for file in files},
-        taken=[dataset_of(folder, name) for name in EXTREMES] if extremes else (),
-    )
+    folder = output or files[0].parent / "accuracy"
+    targets = {path: folder / f"accuracy-{path.stem}.nc" for path in studies}
+    refuse_clashes(targets)
     with interruption() as interrupted:
         try:
-            written, right = write_report(
-                studies, folder, only or (), seconds, interrupted, extremes
-            )
+            written = _write(studies, targets, seconds, interrupted)
         except OSError as error:
             console.fail(f"{error.filename or folder}: {error.strerror or error}.")
             raise typer.Exit(FAILED) from None
     for path in written:
         typer.echo(f"wrote {path}")
-    if interrupted() or not right:
+    if interrupted():
         raise typer.Exit(FAILED)
+
+
+def _write(
+    studies: Mapping[Path, Prepared],
+    targets: Mapping[Path, Path],
+    seconds: float,
+    stopped: Callable[[], bool],
+) -> list[Path]:
+    """Measure studies and write dataset and picture of each, and the page; return their paths."""
+    from vibrafeed.app.jobs.accuracy import PAGE, draw
+    from vibrafeed.core.dataset.files import whole
+    from vibrafeed.core.dataset.netcdf import write_netcdf
+    from vibrafeed.core.report import measure
+    from vibrafeed.core.watch import Watch
+
+    written: list[Path] = []
+    sections: list[str] = []
+    for path, prepared in studies.items():
+        if stopped():
+            break
+        target = targets[path]
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with console.progress(path.name) as advance:
+            watch = Watch(advance, stopped, time.monotonic() + seconds)
+            measured = measure(prepared, watch)
+        write_netcdf(measured.table(prepared), target, history=f"vibrafeed report {path}")
+        picture = draw(target, target.with_suffix(".png"), console.fail)
+        written += [target, *([picture] if picture else [])]
+        title = prepared.study.title or prepared.plan.scene.title
+        sections.append(measured.section(str(path), title, picture.name if picture else None))
+        page = target.parent / PAGE
+        with whole(page) as temporary:  # whatever becomes of the next study
+            temporary.write_text(measured.page(sections), encoding="utf-8")
+    return [*written, page] if sections else []

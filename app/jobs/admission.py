@@ -16,7 +16,6 @@ from vibrafeed.app.jobs.scrub import BROKEN, damages
 from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.jobs.studies import identifier
 from vibrafeed.app.settings import Settings
-from vibrafeed.core.assurance.accuracy.families import SECONDS
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plan.prepared import Prepared
@@ -28,6 +27,7 @@ SCRUBBED = 4_000_000_000
 DAY = 86_400.0  # s
 MAX_JOBS = 100_000  # ended jobs of each owner that the ledger keeps: the latest
 REPORT_BYTES = 10_000_000  # bytes that an accuracy report may take on the disk
+REPORT_SECONDS = 60.0  # of a report, whose study does not state it
 
 
 class Admission:
@@ -188,7 +188,7 @@ class Admission:
         """Return cells of a block, number of blocks, disk space [bytes], price [s] of a job."""
         cells, blocks = work.blocks(prepared, process, self._settings)
         if process not in KINDS:
-            return cells, blocks, REPORT_BYTES, blocks * SECONDS
+            return cells, blocks, REPORT_BYTES, REPORT_SECONDS
         # Blocks and the result are there at the same time, for a moment.
         needed = prepared.bytes + prepared.computed_bytes
         return cells, blocks, needed, prepared.price.of(prepared.cells)

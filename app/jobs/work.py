@@ -20,11 +20,11 @@ from vibrafeed.app.jobs.errors import BlindWorkerError, NotFoundError, OtherVers
 from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.jobs.studies import identifier
 from vibrafeed.app.settings import Settings
-from vibrafeed.core.assurance.accuracy.families import families_of
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plan.pieces import Cut, cells_of_piece, join
 from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.report import check, measure
 from vibrafeed.core.watch import Watch
 
 IN_SHARES = (
@@ -38,8 +38,8 @@ _netcdf = threading.Lock()  # the library crashes if two threads of a worker use
 def blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, int]:
     """Return the number of cells of a block, or `IN_SHARES`, and the number of blocks of a job.
 
-    A block is what a worker computes at a time. An accuracy report has one for each family of
-    measurements; a study that is computed in parts has one a part, and `IN_PARTS` as cells.
+    A block is what a worker computes at a time. A report of accuracy is one block; a
+    study that is computed in parts has one a part, and `IN_PARTS` as cells.
 
     Parameters
     ----------
@@ -52,7 +52,8 @@ def blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, i
     """
     cells = cells_of_piece(prepared, settings.block_seconds)
     if process not in KINDS:
-        return cells, len(families_of(prepared))  # one each
+        check(prepared)
+        return cells, 1
     if shares.is_in_shares(prepared, settings):
         return IN_SHARES, shares.count_of(prepared)
     return cells, len(Cut(prepared, cells))
@@ -75,8 +76,6 @@ def missing_blocks(directory: str, key: str, process: str, cells: int, count: in
         Number of blocks.
     """
     store = Store(Path(directory))
-    if process not in KINDS:  # their number follows from the study
-        count = len(families_of(_study(directory, key, process)))
     if cells != IN_SHARES or process not in KINDS:
         return [index for index in range(count) if not store.has_block(key, cells, index)]
     if store.has_group(key):  # joined already, and not yet told so
@@ -129,10 +128,7 @@ def compute_block(
             part = prepared.within(Cut(prepared, cells).box(index))
             computed = KINDS[prepared.study.kind].compute(part, watch)
         else:
-            from vibrafeed.app.jobs.accuracy import measure_block
-
-            with _netcdf:
-                computed = measure_block(prepared, index, watch)
+            computed = measure(prepared, watch).computed()
         if watch.stopped():
             raise StoppedError(UNWANTED)
         store.write_block(key, cells, index, computed)

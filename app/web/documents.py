@@ -143,7 +143,7 @@ class Results(BaseModel):
     dataset: ResultFile
     files: list[Link] | None = Field(
         default=None,
-        description="Further files of the result: the page and the pictures of an accuracy report.",
+        description="Further files of the result: page and picture of a report on accuracy.",
     )
 
 

@@ -1,4 +1,4 @@
-"""The processes that the service offers: one for each kind of study, and the accuracy of any."""
+"""The processes that the service offers: one a kind of study, and the accuracy of one."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ else:
         """A study whose accuracy can be measured."""
 
         model_config = ConfigDict(defer_build=True)
-        root: _any_of(kind for kind in KINDS.values() if kind.measures)
+        root: _any_of(kind for kind in KINDS.values() if kind.is_measured)
 
 
 @dataclass(frozen=True)
@@ -69,8 +69,8 @@ PROCESSES: dict[str, Process] = {
     },
     ACCURACY: Process(
         "Measure accuracy and run time",
-        "Measures for a study what each method costs and how wrong it is; takes up to some "
-        "minutes, and is always a job.",
+        "Measures the error of a study over its run time, against a witness; takes up to a minute "
+        "or so, and is always a job.",
         MeasuredStudy,
         KINDS["sweep"].example,
     ),

@@ -84,7 +84,7 @@ KIND: Final = Kind(
     choose=lambda sketch: choose_system(sketch.scene, sketch.method, sketch.names),
     compute=compute,
     label=label,
-    measures=("motion", "storage"),
+    is_measured=True,
     compiles=MappingProxyType(
         {
             "motion-planar": (

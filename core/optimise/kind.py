@@ -32,5 +32,4 @@ KIND: Final = Kind(
     compute=compute,
     label=label,
     choices=MappingProxyType({"method": tuple(METHODS)}),
-    measures=("optimisers",),
 )

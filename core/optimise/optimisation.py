@@ -13,6 +13,7 @@ from vibrafeed.core.motion.prepare import other_method
 from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.optimise.problem import OptimisationProblem, broken_names
 from vibrafeed.core.optimise.robust import NODES
+from vibrafeed.core.optimise.search import expected_points
 from vibrafeed.core.optimise.slopes import sensitive
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.prepared import Box, Prepared

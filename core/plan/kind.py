@@ -45,8 +45,8 @@ class Kind:
         returns the `Table` of results.
     choices : mapping of str to iterable of str
         Values of keys that are no scenes, variants or outputs, and that the model does not list.
-    measures : tuple of str
-        Families of measurements of its accuracy, in the order of the page.
+    is_measured : bool
+        True if error against run time is measured for its studies (`vibrafeed.core.report`).
     compiles : mapping of str to tuple of mapping
         Studies that between them need every kernel of the kind; each group has its own kernels, so
         that several processes can compile at a time.
@@ -63,7 +63,7 @@ class Kind:
     compute: Callable[[Any, Watch], Computed]
     label: Callable[[Any, Computed, Watch], Table]
     choices: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
-    measures: tuple[str, ...] = ()
+    is_measured: bool = False
     compiles: Mapping[str, tuple[Mapping[str, Any], ...]] = field(
         default_factory=lambda: MappingProxyType({})
     )

@@ -205,7 +205,6 @@ RECTANGLE_SCENE = Scene(
     },
     constraints=(),
     seconds_a_cell=1e-6,
-    seconds_a_verified_cell=0.4,
 )
 
 
@@ -443,5 +442,4 @@ CYLINDER_SCENE = Scene(
     },
     constraints=(),
     seconds_a_cell=2e-5,
-    seconds_a_verified_cell=8.0,
 )

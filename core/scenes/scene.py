@@ -215,9 +215,8 @@ class Scene:
         The key by which a study chooses among the variants.
     variant_defaults : mapping
         Defaults of single variants, over those of all.
-    seconds_a_cell, seconds_a_verified_cell : float
-        Roughly what a point takes on one core by compiled closed forms, and by 50 digits with
-        condition numbers.
+    seconds_a_cell : float
+        Roughly what a point takes on one core by the closed forms.
     rounding_bound : int or None
         Largest error of an output in ulps over its condition number, if one is known; the tests
         hold every output to it, at random, extreme and threshold points.
@@ -240,7 +239,6 @@ class Scene:
         default_factory=lambda: MappingProxyType({})
     )
     seconds_a_cell: float = 1e-8
-    seconds_a_verified_cell: float = 0.01
     rounding_bound: int | None = None
     fit: Callable[[Scene, Collection[str]], Scene] | None = None
 

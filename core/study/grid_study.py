@@ -168,8 +168,8 @@ class Study(Frozen):
     )
     verify: int | None = Field(
         None,
-        description="Number of random cells to evaluate again, with 50 digits or by another "
-        "method; the result states the worst of them.",
+        description="Number of random cells to evaluate again, in extended precision or by "
+        "another method; the result states the worst of them.",
         strict=True,
         ge=1,
         le=10_000,

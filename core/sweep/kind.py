@@ -39,7 +39,7 @@ KIND: Final = Kind(
     choose=lambda sketch: choose_scene(sketch.scene, sketch.variant),
     compute=compute,
     label=label,
-    measures=("closed_forms", "model", "motion", "storage"),
+    is_measured=True,
     compiles=MappingProxyType(
         {
             "reduce": tuple(

@@ -1,7 +1,7 @@
-"""Random cells of a result evaluated again, to 50 digits: what `verify` in a study asks for.
+"""Random cells of a result evaluated again in extended precision: what `verify` asks for.
 
-It tells what floats, grids and files do to the equations. Equations that are wrong in themselves
-give the same to any number of digits; that is for the tests of each scene.
+It tells what rounding, grids and files do to the equations. Equations that are wrong in themselves
+give the same with any number of digits; that is for the tests of each scene.
 """
 
 from __future__ import annotations
@@ -9,11 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.plan.sample import Sample, sample_of
@@ -21,9 +23,16 @@ from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.watch import Watch
 
-AGAINST = "the same equations with 50 digits"
-PIECE = 8  # cells that are verified before a stop is looked for
-MAX_SECONDS_OF_A_PIECE = 1.0  # a piece that would take longer is one cell
+EXTENDED: Final = bool(np.finfo(np.longdouble).eps < 2.0**-60)
+"""Whether `numpy.longdouble` has more digits than a double: not on Windows and ARM Macs."""
+
+AGAINST = (
+    "the same equations in extended precision"
+    if EXTENDED
+    else "nothing: numpy.longdouble is double precision on this machine"
+)
+STEP = 2.0**-30
+"""Of the central differences behind a condition number, as a share of the parameter."""
 
 
 def accuracy(scene: Scene) -> str:
@@ -37,6 +46,34 @@ def accuracy(scene: Scene) -> str:
         f"rounding: at most {scene.rounding_bound} ulp times the condition number, which is the "
         "sum of |x dF/dx| over |F| for the parameters, and at least 1"
     )
+
+
+def outputs_in(
+    plan: Plan, cells: Mapping[str, NDArray[Any]], dtype: Any
+) -> dict[str, NDArray[Any]]:
+    """Return the outputs of closed forms, computed throughout in one floating-point type.
+
+    Parameters
+    ----------
+    plan : Plan
+        Closed forms.
+    cells : mapping of str to ndarray, shape (n,)
+        The parameters, SI units.
+    dtype : type
+        Such as `numpy.longdouble`.
+
+    Returns
+    -------
+    dict of str to ndarray, shape (n,)
+        SI units. An output that an equation computes in another type is left out.
+    """
+    size = max((values.size for values in cells.values()), default=1)
+    given = {name: np.asarray(value, dtype=dtype) for name, value in plan.defaults.items()}
+    given |= {name: np.asarray(cells[name], dtype=dtype) for name in plan.parameters}
+    with np.errstate(all="ignore"):  # overflow of a short type is an error like others
+        known = run_equations(plan, given)
+    values = {name: np.asarray(known[name]) for name in plan.outputs}
+    return {n: np.broadcast_to(v, size) for n, v in values.items() if v.dtype == dtype}
 
 
 @dataclass(frozen=True)
@@ -78,7 +115,7 @@ class Rounding:
     left_of_zero : float
         Largest absolute value of what is 0 by law, SI units; such values have no relative error.
     not_known : tuple of str
-        Outputs that an equation rounds on its way, so that their 50 digits are not known.
+        Outputs that an equation computes in double precision, so that no further digits are known.
     evaluated : ndarray of bool
         The cells that were evaluated before a stop.
     bound : int or None
@@ -105,7 +142,7 @@ class Rounding:
 
     @property
     def compared(self) -> NDArray[np.bool_]:
-        """The number of compared cells."""
+        """The compared cells."""
         return self.evaluated
 
     def in_words(self, where: str) -> str:
@@ -115,7 +152,7 @@ class Rounding:
         condition number. `where` is the position of its cell in words.
         """
         if self.worst is None:
-            text = "no value that is not 0 is known to 50 digits"
+            text = "no value that is not 0 is known to more digits"
         else:
             worst = self.worst
             unit = QUANTITIES[worst.name].unit.replace("degree", "rad")
@@ -131,17 +168,14 @@ class Rounding:
         if self.left_of_zero:
             text += f"; of values that are 0, {self.left_of_zero:.2g} is left at most"
         if self.not_known:
-            text += f"; not known to 50 digits: {', '.join(self.not_known)}"
+            text += f"; computed in double precision alone: {', '.join(self.not_known)}"
         return text
 
 
 def rounding_of(
-    plan: Plan,
-    cells: Mapping[str, Array],
-    got: Mapping[str, Array],
-    watch: Watch | None = None,
+    plan: Plan, cells: Mapping[str, Array], got: Mapping[str, Array], watch: Watch | None = None
 ) -> Rounding:
-    """Return the effect of rounding on a plan's outputs at cells, by values of 50 digits.
+    """Return the effect of rounding on a plan's outputs at cells, by values in extended precision.
 
     Parameters
     ----------
@@ -152,124 +186,70 @@ def rounding_of(
     got : mapping of str to ndarray, shape (n,)
         The outputs as they were computed, SI units.
     watch : Watch, optional
-        Asked before each piece of the cells and each output; a piece that it stops is left out.
-
-    Returns
-    -------
-    Rounding
-        The worst value with its error, what is left where the exact value is 0, outputs without
-        exact values, and a mask of the cells that were compared before a stop.
+        Asked before each output; once it stops, no cell counts as compared.
     """
     watch = watch or Watch()
     size = next(iter(got.values())).size
-    step = 1 if plan.scene.seconds_a_verified_cell > MAX_SECONDS_OF_A_PIECE / PIECE else PIECE
+    bound = plan.scene.rounding_bound
+    if not EXTENDED or watch.stopped():
+        return Rounding(None, 0.0, (), np.zeros(size, dtype=np.bool_), bound)
+    exact = outputs_in(plan, cells, np.longdouble)
+    moved = _moved(plan, cells, watch)
+    if moved is None:
+        return Rounding(None, 0.0, (), np.zeros(size, dtype=np.bool_), bound)
     worst: Value | None = None
-    zero, not_known, done = 0.0, dict[str, None](), 0
-    for start in range(0, size, step):
-        piece = np.arange(start, min(start + step, size))
-        found = _judged(plan, cells, got, piece, worst, watch)
-        if found is None:
-            break
-        worst, left_of_zero, rounded = found
-        zero, not_known = max(zero, left_of_zero), not_known | dict.fromkeys(rounded)
-        done += piece.size
-        watch.advance(piece.size / size)
-    evaluated = np.arange(size) < done
-    return Rounding(worst, zero, tuple(not_known), evaluated, plan.scene.rounding_bound)
-
-
-def _judged(
-    plan: Plan,
-    cells: Mapping[str, Array],
-    got: Mapping[str, Array],
-    piece: NDArray[np.intp],
-    worst: Value | None,
-    watch: Watch,
-) -> tuple[Value | None, float, tuple[str, ...]] | None:
-    """Compare some computed cells with exact values of 50 digits; None if `watch` stopped it.
-
-    Parameters
-    ----------
-    cells : mapping of str to ndarray, shape (n,)
-        Parameters at all cells that are verified, SI units.
-    got : mapping of str to ndarray, shape (n,)
-        The outputs as computed in floats.
-    piece : ndarray of int
-        Numbers of the cells to compare now.
-    worst : Value or None
-        The worst value of earlier cells.
-
-    Returns
-    -------
-    tuple
-        The value with the largest error over its condition number; the largest float whose exact
-        value is 0; the names of outputs that cannot be computed to 50 digits.
-    """
-    from vibrafeed.core.sweep.precise import VANISHES, exact_values  # mpmath, for those who verify
-
-    if watch.stopped():
-        return None
-    exact = exact_values(plan, {name: cells[name][piece] for name in plan.parameters}, partial=True)
     zero = 0.0
     for name in (name for name in got if name in exact):
-        if watch.stopped():
-            return None
-        for value, number in zip(exact[name], got[name][piece], strict=True):
-            if abs(value) < VANISHES:
-                zero = max(zero, abs(float(number)) if np.isfinite(number) else math.inf)
-        worst = _worst(plan.only(name), cells, exact[name], got[name], piece, worst)
-    return worst, zero, tuple(name for name in got if name not in exact)
+        nothing = exact[name] == 0
+        zero = max(zero, float(np.max(np.abs(got[name][nothing]), initial=0.0)))
+        worst = _worse(name, exact[name], moved[name], got[name], worst)
+    not_known = tuple(name for name in got if name not in exact)
+    return Rounding(worst, zero, not_known, np.ones(size, dtype=np.bool_), bound)
 
 
-def _worst(
-    plan: Plan,
-    cells: Mapping[str, Array],
-    exact: NDArray[np.object_],
+def _worse(
+    name: str,
+    exact: NDArray[np.longdouble],
+    moved: NDArray[np.longdouble],
     got: Array,
-    piece: NDArray[np.intp],
     worst: Value | None,
 ) -> Value | None:
-    """Return the worst of some verified values: the largest error over its condition number.
+    """Return the value of an output with the largest error over its condition number.
 
-    The condition number says how much the rounding of parameters alone may change the value; it is
-    at least 1 and takes long: it is not computed for errors that cannot exceed the worst.
-
-    Parameters
-    ----------
-    plan : Plan
-        The equations of this one output.
-    cells : mapping of str to ndarray, shape (n,)
-        Parameters at all cells that are verified.
-    exact : ndarray of mpmath numbers, shape (m,)
-        The exact values at the cells numbered `piece`.
-    got : ndarray, shape (n,)
-        The values computed in floats.
-    worst : Value or None
-        The worst of earlier cells and outputs, which is returned if none here is worse.
+    `worst` is returned if none is worse. A value that is not finite is right if it is the same, and
+    infinitely wrong otherwise; a value that is 0 has no relative error.
     """
-    from vibrafeed.core.sweep.precise import CONTEXT, errors_of, sensitivities
-
-    (name,) = plan.outputs
-    nothing = np.full(piece.size, CONTEXT.zero)
-    ulps = errors_of(got[piece], exact, nothing, np.float64).ulps
-    large = np.flatnonzero(
-        ~np.isnan(ulps) & (ulps > (-1.0 if worst is None else worst.conditioned))
-    )
-    if not large.size:
+    finite = np.isfinite(exact) & np.isfinite(got)
+    same = (exact == got) | (np.isnan(exact) & np.isnan(got))
+    with np.errstate(all="ignore"):
+        error = np.where(same, 0.0, np.where(finite, np.abs(exact - got), np.inf))
+        ulps = np.where(same, 0.0, error / np.spacing(np.abs(exact.astype(np.float64))))
+        kappa = np.fmax(moved / np.abs(exact), 1.0)
+        conditioned = np.where(same, 0.0, np.where(finite, ulps / kappa, np.inf))
+    conditioned[(exact == 0) & finite & ~same] = -1.0
+    cell = int(np.argmax(conditioned))
+    if conditioned[cell] < 0 or (worst and conditioned[cell] <= worst.conditioned):
         return worst
-    piece, exact = piece[large], exact[large]
-    moved = sensitivities(plan, {key: cells[key][piece] for key in plan.parameters})[name]
-    errors = errors_of(got[piece], exact, np.broadcast_to(moved, piece.size), np.float64)
-    for k, cell in enumerate(piece):
-        kappa, error = errors.condition[k], 0.0
-        if errors.ulps[k]:
-            error = float(abs(CONTEXT.mpf(float(got[cell])) - exact[k]))
-        one = Value(
-            name, int(cell), error, float(errors.ulps[k]), 1.0 if np.isnan(kappa) else float(kappa)
+    return Value(name, cell, float(error[cell]), float(ulps[cell]), float(kappa[cell]))
+
+
+def _moved(
+    plan: Plan, cells: Mapping[str, Array], watch: Watch
+) -> dict[str, NDArray[np.longdouble]] | None:
+    """Return the sum of |x dF/dx| over the parameters x for each output F; None after a stop."""
+    total: dict[str, Any] = dict.fromkeys(plan.outputs, np.longdouble(0.0))
+    for name in plan.parameters:
+        if watch.stopped():
+            return None
+        value = np.asarray(cells[name], dtype=np.longdouble)
+        up, down = (
+            outputs_in(plan, {**cells, name: value * (1 + way * STEP)}, np.longdouble)
+            for way in (1, -1)
         )
-        if worst is None or one.conditioned > worst.conditioned:
-            worst = one
-    return worst
+        with np.errstate(invalid="ignore"):
+            total = {n: total[n] + np.abs(up[n] - down[n]) / (2 * STEP) for n in up}
+        watch.advance(1 / len(plan.parameters))
+    return total
 
 
 def verified(
@@ -277,7 +257,7 @@ def verified(
 ) -> dict[str, str | int]:
     """Return the result of verifying some cells of a sweep, as attributes; empty if not asked for.
 
-    The cells are computed again with 50 digits, and the worst error is told.
+    The cells are computed again in extended precision, and the worst error is told.
 
     Parameters
     ----------
@@ -286,11 +266,13 @@ def verified(
     values_at : callable
         Returns the outputs at the cells of a sample, as they were computed, SI units.
     watch : Watch
-        May stop it; the cells compared until then count.
+        May stop it.
     """
     if prepared.study.verify is None:
         return {}
     plan, sample = prepared.plan, sample_of(prepared, {})
+    if not EXTENDED:
+        return sample.verification_attributes(AGAINST, "not compared", evaluated=sample.chosen)
     cells = prepared.grid.at(sample.positions, sample.count, plan.parameters)
     rounding = rounding_of(plan, cells, values_at(sample), watch)
     evaluated = int(rounding.evaluated.sum())

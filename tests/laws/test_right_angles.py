@@ -8,6 +8,7 @@ import warnings
 import numpy as np
 import pytest
 
+from precise import CONTEXT, exact_values
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.mechanics.angles import cosine, radians, sine
@@ -19,7 +20,6 @@ from vibrafeed.core.plan.plan import make_plan, scene_parameters
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.scenes.aliases import instead_of
-from vibrafeed.core.sweep.precise import CONTEXT, exact_values
 
 TURNS = range(-8, 9)
 COSINES, SINES = (1.0, 0.0, -1.0, 0.0), (0.0, 1.0, 0.0, -1.0)

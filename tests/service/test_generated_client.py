@@ -126,7 +126,7 @@ open(file, "wb").write(content)
 job = call("execute_sweep", body=large, prefer="respond-async")
 call("follow_job", job.job_id)
 assert json.load(call("get_group", job.job_id, "zarr.json").payload)["zarr_format"] == 3
-job = call("execute_accuracy", body=best, prefer="respond-async")
+job = call("execute_accuracy", body=sweep, prefer="respond-async")
 call("follow_job", job.job_id)
 measured = call("get_results", job.job_id)
 page = [link.href for link in measured.files if link.type_ == "text/markdown"][0]

@@ -153,8 +153,8 @@ def test_processes_and_their_descriptions(client):
         assert isinstance(told["inputs"]["study"]["schema"], dict)
         assert isinstance(told["outputs"]["dataset"]["schema"], dict)
         schema = told["inputs"]["study"]["schema"]
-        if process["id"] == "accuracy":  # of studies of any kind
-            assert set(schema["discriminator"]["mapping"]) == {"sweep", "simulate", "optimise"}
+        if process["id"] == "accuracy":  # of studies with a witness
+            assert set(schema["discriminator"]["mapping"]) == {"sweep", "simulate"}
         else:
             assert schema["properties"]["kind"]["const"] == process["id"]
 

@@ -44,7 +44,7 @@ export class Accuracy {
         );
       }
       this.said.textContent =
-        "Each mark is a method of computation: further left is faster, further down is more accurate.";
+        "Each mark is a setting: further left is faster, further down is more accurate.";
     } catch (error) {
       this.said.textContent = error.message;
     }

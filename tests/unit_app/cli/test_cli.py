@@ -462,7 +462,7 @@ def test_verification_is_told_in_one_line(study, tmp_path):
     assert result.exit_code == 0, result.output
     lines = [line for line in result.output.splitlines() if "verified by" in line]
     assert len(lines) == 1
-    assert "3 cells verified by the same equations with 50 digits; worst: " in lines[0]
+    assert "3 cells verified by the same equations in extended precision; worst: " in lines[0]
     assert "within the bound of 8" in lines[0]
 
 

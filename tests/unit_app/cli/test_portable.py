@@ -20,7 +20,7 @@ from vibrafeed.app import cli
 ROOT = Path(__file__).parents[3]
 PROJECT = [ROOT / "vibrafeed"]
 OPTIONAL = {  # what is looked for, and not needed
-    ("core/assurance/accuracy/report.py", "os.getloadavg"),
+    ("core/report.py", "os.getloadavg"),
     ("core/threads.py", "os.register_at_fork"),
     ("app/cli/studies.py", "os.set_blocking"),
 }

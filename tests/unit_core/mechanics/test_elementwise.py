@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from precise import CONTEXT, DIGITS_OF
 from vibrafeed.core.compiled import compiled_source
 from vibrafeed.core.mechanics.elementwise import arc_quotient, arc_series, binade, exponent
 from vibrafeed.core.mechanics.rolling import slip_share
-from vibrafeed.core.plan.operations import OPERATIONS
-from vibrafeed.core.sweep.precise import CONTEXT
 
 RANDOM = np.random.default_rng(36)
 LOOP = """
@@ -21,7 +20,7 @@ def loop(x, powers, exponents):
 
 def worst_ulps(function, *arguments):
     """Return the largest error against 50 digits, in units in the last place."""
-    digits = OPERATIONS[function].digits
+    digits = DIGITS_OF[function.__name__]
     errors = []
     for got, *values in zip(function(*arguments), *arguments, strict=True):
         exact = digits(CONTEXT, *(CONTEXT.mpf(float(value)) for value in values))
@@ -71,5 +70,5 @@ def test_a_solid_cylinder_has_its_root_after_five_steps():
     some = RANDOM.integers(0, turn.size, 100)
     for place in some:
         values = (CONTEXT.mpf(float(v[place])) for v in (x, y, s))
-        exact = OPERATIONS[slip_share].digits(CONTEXT, *values, CONTEXT.mpf(3))
+        exact = DIGITS_OF["slip_share"](CONTEXT, *values, CONTEXT.mpf(3))
         assert abs(exact - CONTEXT.mpf(float(z[place]))) < 1e-15

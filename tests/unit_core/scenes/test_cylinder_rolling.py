@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from benchmarks.worked_values import DRIVE
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
@@ -14,6 +13,7 @@ from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.sweep.prepare import prepare
 
 SCENE = "cylinder-rolling"
+DRIVE = 4e-4 * (2 * np.pi * 50) ** 2  # of 50 Hz and 0.4 mm [m s-2]
 BASE = {
     "frequency": 50, "amplitude": 4e-4, "alpha": 12, "beta": 6, "gravity": 9.8, "diameter": 0.008,
     "length": 0.02, "mass": 0.005, "friction": 0.35,

@@ -9,14 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from vibrafeed.core.assurance.accuracy import closed_forms
-from vibrafeed.core.assurance.accuracy.cells import random_cells
-from vibrafeed.core.intake import prepare_content, read_content
-from vibrafeed.core.plan.equations import run_equations
-from vibrafeed.core.plan.plan import make_plan, scene_parameters
-from vibrafeed.core.scenes import SCENES
-from vibrafeed.core.scenes.aliases import instead_of
-from vibrafeed.core.sweep.precise import (
+from precise import (
     CONTEXT,
     DIGITS,
     NotPreciseError,
@@ -25,7 +18,12 @@ from vibrafeed.core.sweep.precise import (
     exact_values,
     sensitivities,
 )
-from vibrafeed.core.watch import Watch
+from vibrafeed.core.intake import prepare_content, read_content
+from vibrafeed.core.plan.equations import run_equations
+from vibrafeed.core.plan.grid import random_positions
+from vibrafeed.core.plan.plan import make_plan, scene_parameters
+from vibrafeed.core.scenes import SCENES
+from vibrafeed.core.scenes.aliases import instead_of
 
 ROOT = Path(__file__).parents[3]
 # Next to lift-off the normal acceleration is a difference of nearly equal numbers.
@@ -119,12 +117,9 @@ def test_an_equation_that_rounds_has_no_value_rather_than_a_wrong_one():
     """The screws of this scene are made in floats."""
     sweep = prepare_content(read_content(ROOT / "configs/cylinder-rolling.toml"))
     plan = sweep.plan.only("floor_pitch")
-    cells = random_cells(sweep.grid, 3, plan.parameters)
+    cells = sweep.grid.at(random_positions(sweep.grid, 3, 2004), 3, plan.parameters)
     with pytest.raises(NotPreciseError, match="cylinder-rolling"):
         exact_values(plan, cells)
-    measured = closed_forms.measure(sweep, Watch(), cells=3)
-    assert "floor_pitch" not in [curve.subject for curve in measured.curves]
-    assert "floor_pitch" in measured.notes[-1]
 
 
 def test_numbers_behave_as_floats_at_the_edges():

@@ -33,14 +33,14 @@ def test_an_ill_conditioned_cell_is_told_with_its_condition():
     # All four cells are taken. The worst is found among them by a direct computation.
     words = told(SWEEP)
     assert words["verified_cells"] == 4
-    assert words["verified_against"] == "the same equations with 50 digits"
+    assert words["verified_against"] == "the same equations in extended precision"
     table = tabulate(prepare_content({**SWEEP, "outputs": ["normal_acceleration"]}))
     shares, ulps = {}, {}
     with mpmath.workdps(50):
         for i, amplitude in enumerate((1e-4, DRIVE)):
             for k, beta in enumerate((10, 30)):
                 turn = mpmath.mpf(float(np.deg2rad(float(beta))))
-                p = mpmath.mpf(amplitude) * (2 * mpmath.pi * 50) ** 2
+                p = mpmath.mpf(amplitude) * (2 * mpmath.mpf(math.pi) * 50) ** 2
                 g = mpmath.mpf(9.81)
                 value = g - p * mpmath.sin(turn)
                 moved = g + 3 * p * mpmath.sin(turn) + p * mpmath.cos(turn) * turn
@@ -173,10 +173,10 @@ def test_what_cannot_be_judged_is_told_and_why():
     assert words["verified_worst"].endswith("1 could not be judged: 1 limit_reached")
 
 
-def test_answers_are_set_against_50_digits_and_another_method():
+def test_answers_are_set_against_extended_precision_and_another_method():
     words = told(BEST)
     assert words["verified_cells"] == 3
-    assert "50 digits and answers of the method search" in words["verified_against"]
+    assert "extended precision and answers of the method search" in words["verified_against"]
     assert "within the bound" in words["verified_worst"]
     prepared = prepare_content(BEST)
     kind = KINDS["optimise"]
@@ -194,7 +194,7 @@ def test_a_front_and_a_motion_have_their_verification():
     pareto = {"kind": "pareto", "points": 5}
     words = told({**BEST, "criterion": pareto, "verify": 6})
     assert "front " in words["verified_worst"]
-    assert "50 digits" in words["verified_against"]
+    assert "extended precision" in words["verified_against"]
     moving = {
         "kind": "optimise",
         "scene": "rectangle-on-plane",

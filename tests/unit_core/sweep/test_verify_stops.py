@@ -8,13 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from verified_studies import BEST, MOTION, PAIR, STUDIES, SWEEP
+from verified_studies import BEST, MOTION, STUDIES, SWEEP
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import KINDS, is_whole, tabulate
 from vibrafeed.core.optimise.methods import METHODS
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.sample import chosen_positions
-from vibrafeed.core.sweep.verify import rounding_of
 from vibrafeed.core.watch import Watch
 
 
@@ -45,7 +44,7 @@ def test_no_time_is_spent_after_the_deadline(kind, monkeypatch):
         raise AssertionError("it was stopped")
 
     # What verifies is not reached: the words are no claim about a single cell.
-    monkeypatch.setattr("vibrafeed.core.sweep.precise.exact_values", never)
+    monkeypatch.setattr("vibrafeed.core.sweep.verify.outputs_in", never)
     monkeypatch.setattr("vibrafeed.core.motion.verify.run_equations", never)
     rivals = {name: replace(method, solve=never) for name, method in METHODS.items()}
     monkeypatch.setattr("vibrafeed.core.optimise.check.METHODS", rivals)
@@ -74,24 +73,15 @@ def test_following_again_stops_between_cells():
     assert labelled(MOTION, Countdown(1))["verified_worst"].startswith("stopped before 3 of 3")
 
 
-@pytest.mark.parametrize(("looks", "cells"), [(0, 0), (2, 0), (3, 8), (5, 8), (6, 16), (9, 20)])
-def test_50_digits_stop_between_pieces(looks, cells):
-    # Looks: before each piece of 8 cells, and before each of the two outputs in it.
+@pytest.mark.parametrize(("looks", "cells"), [(0, 0), (2, 0), (4, 0), (5, 20)])
+def test_extended_precision_stops_between_parameters(looks, cells):
+    # Looks: before the outputs, and before the differences by each of four parameters.
     many = {**SWEEP["parameters"], "amplitude": {"start": 1e-5, "stop": 1e-4, "num": 10}}
     told = labelled({**SWEEP, "parameters": many, "verify": 20}, Countdown(looks))
     assert told["verified_cells"] == cells
     assert told.get("verified_left_out", 0) == 20 - cells
     assert ("stopped before" in told["verified_worst"]) == (cells < 20)
     assert ("ulp" in told["verified_worst"]) == (cells > 0)
-
-
-def test_a_cell_that_takes_long_is_a_piece():
-    prepared = prepare_content(PAIR)
-    places, count = chosen_positions(prepared)
-    cells = prepared.grid.at(places, count, prepared.plan.parameters)
-    got = {name: np.zeros(count) for name in prepared.plan.outputs}
-    found = rounding_of(prepared.plan, cells, got, Watch(stop=Countdown(3)))
-    assert found.evaluated.tolist() == [True, False]
 
 
 def test_answers_stop_between_the_two_ways():

@@ -13,8 +13,7 @@ from vibrafeed.core.motion.kernels.arrays import Flags, Floats
 
 TURN = 2.0 * math.pi
 MAX_ORDER = 24
-"""Of the series: those of order 16 are judged by those of order 24
-(`benchmarks.events_in_space`)."""
+"""Of the series: those of order 16 are judged by those of order 24."""
 INVERSE = np.array([math.inf, *(1.0 / k for k in range(1, MAX_ORDER + 2))])
 """1/k, by which a term is integrated: a division takes four times as long as a product."""
 

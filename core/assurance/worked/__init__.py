@@ -1,1 +1,0 @@
-"""Cases whose numbers stand elsewhere: worked values, measured speeds, figures of the thesis."""

@@ -1,0 +1,408 @@
+"""Error against run time of one study, against a witness: `vibrafeed report`.
+
+The closed forms of a sweep run in 32-bit and 64-bit floats, and are compared with the same
+equations in extended precision (`numpy.longdouble`). The motions of a simulation are followed by
+the method `events` over its tolerance, and are compared with the method `reference`, which shares
+no code with it. Cells are drawn at random from the grid of the study; equal studies have equal
+cells.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import statistics
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibrafeed import core
+from vibrafeed.core.dataset.markdown import markdown_table
+from vibrafeed.core.dataset.table import Table, TableVariable
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.blocks import BLOCK_CELLS
+from vibrafeed.core.plan.equations import run_equations
+from vibrafeed.core.plan.grid import random_positions
+from vibrafeed.core.plan.labels import global_attributes
+from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.plan.plan import Plan, plan_scene, scene_parameters
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.quantities import MOTION_STATUSES
+from vibrafeed.core.sweep.verify import EXTENDED, outputs_in
+from vibrafeed.core.watch import Watch
+
+SEED = 2004
+FORMULA_CELLS, MOTION_CELLS = 1000, 24
+CANDIDATES = 8  # a motion wanted: those that do not repeat, or rest, are left out
+TYPES = {"float32": np.float32, "float64": np.float64}
+TOLERANCES = tuple(10.0**-k for k in (1, 2, 3, 4, 6, 8, 10, 12))
+WITNESS = "reference"
+OUTPUTS = ("conveying_velocity", "conveying_velocity_error", "flight_fraction", "drive_number",
+           "velocity_scale", "motion_status")  # fmt: skip
+ROUNDING = 1e-15  # of the drive's speed: what moves less is at rest
+OTHER_MOTION = 1e-6  # of the drive's speed: two exact methods that differ by more fell into two
+WITNESS_ERROR = 1e-9  # of the drive's speed: more, and the witness is none
+REPEATS = 5
+LEAST_SECONDS = 2e-3  # of one repeat: the clock and the start of a call do not matter then
+LIBRARIES = ("numpy", "numba", "scipy", "netCDF4")
+
+
+@dataclass(frozen=True)
+class Report:
+    """The curves of one study: error against run time over the settings of its method.
+
+    Attributes
+    ----------
+    curves, settings : tuple of str
+        Outputs of closed forms, or groups of motions; types of float, or tolerances.
+    error, largest, seconds : ndarray, shape (curves, settings)
+        Median and largest error, and time of one cell on one thread [s]; NaN where none is known.
+    cells : ndarray of int, shape (curves,)
+        Number of cells of each curve.
+    notes : mapping of str to str
+        `measured` (the scene and its method), `witness` (what is compared with what), `machine`,
+        `date`, `versions`.
+    """
+
+    curves: tuple[str, ...]
+    settings: tuple[str, ...]
+    error: Array
+    largest: Array
+    seconds: Array
+    cells: NDArray[np.int32]
+    notes: Mapping[str, str]
+
+    def computed(self) -> Computed:
+        """Return the report as arrays and texts, as a block of a job is stored."""
+        arrays = {name: getattr(self, name) for name in ("error", "largest", "seconds", "cells")}
+        names = {"curves": " ".join(self.curves), "settings": " ".join(self.settings)}
+        return Computed(arrays, {**self.notes, **names})
+
+    @classmethod
+    def of(cls, computed: Computed) -> Report:
+        """Return the report that `computed` was made of."""
+        notes = dict(computed.notes)
+        curves, settings = (tuple(notes.pop(name).split()) for name in ("curves", "settings"))
+        arrays: dict[str, Any] = dict(computed.arrays)
+        return cls(curves, settings, notes=notes, **arrays)
+
+    def table(self, prepared: Prepared) -> Table:
+        """Return the report as a table over `curve` and `setting`, flags with their meanings."""
+        both = ("curve", "setting")
+        numbers = {
+            "error": (self.error, "median error", "1"),
+            "error_largest": (self.largest, "largest error", "1"),
+            "time_per_cell": (self.seconds, "time of one cell", "s"),
+        }
+        cells = TableVariable(("curve",), self.cells, {"long_name": "cells measured", "units": "1"})
+        return Table(
+            {"curve": _flags("curve", self.curves), "setting": _flags("setting", self.settings)},
+            {
+                **{
+                    name: TableVariable(both, values, {"long_name": label, "units": unit})
+                    for name, (values, label, unit) in numbers.items()
+                },
+                "cells": cells,
+            },
+            {**global_attributes(prepared, "error against run time"), **self.notes},
+        )
+
+    def section(self, name: str, title: str, picture: str | None) -> str:
+        """Return the section of a page: notes, table, picture, as Markdown.
+
+        `name` is the study's file, `title` its title, `picture` the file of its picture.
+        """
+        rows = (
+            (curve, f"{self.cells[i]:,}", setting, *map(_number, (self.error[i, k],
+             self.largest[i, k])), f"{_number(1e6 * self.seconds[i, k])} us")
+            for i, curve in enumerate(self.curves)
+            for k, setting in enumerate(self.settings)
+            if np.isfinite(self.error[i, k])
+        )  # fmt: skip
+        columns = ("curve", "cells", "setting", "median error", "largest error", "time of a cell")
+        parts = [
+            f"## {title} ({Path(name).stem})",
+            f"`vibrafeed report {name}`: {self.notes['measured']}. {self.notes['witness']}",
+            "\n".join(markdown_table(columns, rows)),
+            *([f"![Error against run time]({picture})"] if picture else []),
+        ]
+        return "\n\n".join(parts)
+
+    def page(self, sections: Sequence[str]) -> str:
+        """Return the page of several sections, with the machine and versions of this report."""
+        head = (
+            f"Error against run time. Machine: {self.notes['machine']}. Date: "
+            f"{self.notes['date']}. Versions: {self.notes['versions']}. Times vary from run to "
+            "run, errors do not: the cells are drawn with a fixed seed."
+        )
+        return "\n\n".join(("# Accuracy", head, *sections)) + "\n"
+
+
+def measure(prepared: Prepared, watch: Watch | None = None) -> Report:
+    """Measure error against run time of the method that computes a study.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        A sweep or a simulation.
+    watch : Watch, optional
+        May stop it: settings that were not reached are NaN.
+
+    Raises
+    ------
+    StudyError
+        If the study has no witness: it is of another kind, or its parts have no mean velocity or
+        no method `reference`.
+    """
+    check(prepared)
+    watch = watch or Watch()
+    facts = _facts()  # before the measurement adds to the load
+    measured = _closed_forms if prepared.study.kind == "sweep" else _motions
+    report = measured(prepared, watch)
+    scene = f"{prepared.plan.scene.name}, {prepared.plan.scene.choice} {prepared.plan.variant}"
+    return replace(report, notes={"measured": scene, **report.notes, **facts})
+
+
+def check(prepared: Prepared) -> None:
+    """Raise `StudyError` if there is nothing to compare a study with."""
+    kind, scene = prepared.study.kind, prepared.plan.scene
+    if kind not in ("sweep", "simulate"):
+        message = f"the error of a study of kind '{kind}' is not measured over its run time"
+        fix = "Measure a study of kind sweep or simulate; `verify` checks the results of others"
+        raise StudyError([Problem("kind", message, fix)])
+    is_point = "conveying_velocity" in scene.outputs(scene.default_variant)
+    if kind == "simulate" and not (is_point and WITNESS in scene.variants):
+        message = f"no method of {scene.name} is a witness of its mean velocity"
+        fix = "Measure one part on a plane or a track; `verify` compares others"
+        raise StudyError([Problem("scene", message, fix)])
+
+
+def _closed_forms(prepared: Prepared, watch: Watch) -> Report:
+    plan, grid = prepared.plan, prepared.grid
+    count = min(FORMULA_CELLS, grid.cells)
+    sample = grid.at(random_positions(grid, count, SEED), count, plan.parameters)
+    shape = (len(plan.outputs), len(TYPES))
+    error, largest, seconds = (np.full(shape, np.nan) for _ in range(3))
+    cells = np.zeros(shape[0], dtype=np.int32)
+    witness = np.longdouble if EXTENDED else np.float64
+    for k, dtype in enumerate(TYPES.values()):
+        with np.errstate(over="ignore"):
+            held = {name: values.astype(dtype) for name, values in sample.items()}
+        fits = np.all([np.isfinite(v) & ((v != 0) | (sample[n] == 0)) for n, v in held.items()], 0)
+        exact = {} if dtype is witness else outputs_in(plan, held, witness)
+        for i, name in enumerate(plan.outputs):
+            if watch.stopped():
+                break
+            alone = plan.only(name)
+            seconds[i, k] = _seconds_of(alone, held, dtype)
+            got = outputs_in(alone, held, dtype).get(name)
+            if name in exact and got is not None:
+                off = _relative(got, exact[name])[fits]
+                off = off[np.isfinite(off)]
+                if off.size:
+                    error[i, k], largest[i, k] = np.median(off), off.max()
+                    cells[i] = max(cells[i], off.size)
+            watch.advance(1 / error.size)
+    against = (
+        "extended precision (numpy.longdouble), at the parameters as each type holds them"
+        if EXTENDED
+        else "float64: numpy.longdouble has no more digits on this machine"
+    )
+    words = (
+        f"Error: share of the value, against the same equations in {against}; cells whose value "
+        "is 0 or not finite are left out. Time: one thread, by numpy, blocks of "
+        f"{BLOCK_CELLS:,} different cells; median of {REPEATS}."
+    )
+    return Report(plan.outputs, tuple(TYPES), error, largest, seconds, cells, {"witness": words})
+
+
+def _seconds_of(plan: Plan, held: Mapping[str, NDArray[Any]], dtype: Any) -> float:
+    """Return the time of one cell of a block in which every parameter differs [s]."""
+    block = {name: np.resize(held[name], BLOCK_CELLS) for name in plan.parameters}
+    return _median_seconds(lambda: outputs_in(plan, block, dtype)) / BLOCK_CELLS
+
+
+def _relative(got: NDArray[Any], exact: NDArray[Any]) -> Array:
+    """Return errors as shares of the exact values; NaN where there is no such share."""
+    with np.errstate(all="ignore"):
+        off = np.abs(got - exact) / np.abs(exact)
+    off = np.where(np.isfinite(exact) & ~np.isfinite(got), np.inf, off)
+    return np.asarray(np.where(np.isfinite(exact) & (exact != 0), off, np.nan), dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class _Means:
+    velocity: Array  # mean, and its stated error, as shares of the drive's speed
+    stated: Array
+    periodic: NDArray[np.bool_]
+    hops: NDArray[np.bool_]
+    seconds: float  # of a cell
+
+
+@dataclass(frozen=True)
+class _Witnessed:
+    """Random cells whose motion the witness has followed, SI units, shape (cells,)."""
+
+    cells: Mapping[str, Array]
+    truth: _Means
+    trusted: NDArray[np.bool_]
+    tried: int
+
+    def group(self, where: NDArray[np.bool_]) -> tuple[dict[str, Array], Array]:
+        """Return parameters and true velocities of some of the cells."""
+        here = {name: values[where] for name, values in self.cells.items()}
+        return here, self.truth.velocity[where]
+
+
+def _motions(prepared: Prepared, watch: Watch) -> Report:
+    study: Any = prepared.study
+    limits = {name: v for name, v in study.settings().items() if name == "max_periods"}
+    known = _witnessed(prepared, limits, watch)
+    hops = known.truth.hops
+    groups = {"sliding": known.trusted & ~hops, "hopping": known.trusted & hops}
+    groups = {name: where for name, where in groups.items() if where.any()}
+    shape = (len(groups), len(TOLERANCES))
+    error, largest, seconds = (np.full(shape, np.nan) for _ in range(3))
+    share = watch.part(0.05 / max(1, 3 * error.size))
+    for i, where in enumerate(groups.values()):
+        cells, velocity = known.group(where)
+        for k, tolerance in enumerate(TOLERANCES):
+            if watch.stopped():
+                break
+            settings = {**limits, "tolerance": tolerance}
+            runs = [_run(prepared, "events", cells, settings, share) for _ in range(3)]
+            off = np.abs(runs[0].velocity - velocity)
+            error[i, k], largest[i, k] = np.median(off), off.max()
+            seconds[i, k] = min(run.seconds for run in runs)
+    sizes = np.array([where.sum() for where in groups.values()], dtype=np.int32)
+    names = tuple(f"{tolerance:.0e}" for tolerance in TOLERANCES)
+    words = {"witness": _words_of(known)}
+    return Report(tuple(groups), names, error, largest, seconds, sizes, words)
+
+
+def _words_of(known: _Witnessed) -> str:
+    """Return the error that is measured, and the witness, in words."""
+    words = (
+        "Error: of the mean velocity by the method events over its tolerance, as a share of the "
+        "drive's speed A w, against the method reference, which shares no code with it"
+    )
+    if not known.trusted.any():
+        return (
+            f"{words}. No cell of {known.tried} random ones moves, repeats its motion and was "
+            "followed by the witness in the time given: nothing is measured."
+        )
+    own = float(known.truth.stated[known.trusted].max())
+    return (
+        f"{words}, takes {_number(1e3 * known.truth.seconds)} ms a cell and states an error of at "
+        f"most {own:.1e}. Random cells whose motion repeats; time: one thread, the fastest "
+        "of three runs."
+    )
+
+
+def _witnessed(prepared: Prepared, limits: Mapping[str, float], watch: Watch) -> _Witnessed:
+    """Return random cells that move and repeat their motion, as the witness has followed them.
+
+    Of two exact methods that differ by more than `OTHER_MOTION` one fell into another motion: such
+    cells are not trusted.
+    """
+    scene, grid = prepared.plan.scene, prepared.grid
+    used = {name for method in scene.variants for name in scene_parameters(scene, method)}
+    names = [name for name in (*grid.axes, *grid.fixed) if name in used]
+    count = min(CANDIDATES * MOTION_CELLS, grid.cells)
+    sample = grid.at(random_positions(grid, count, SEED), count, names)
+    one = {name: values[:1] for name, values in sample.items()}
+    _run(prepared, "events", one, limits, watch.part(0.02))  # compiles
+    first = _run(prepared, "events", sample, limits, watch.part(0.08))
+    chosen = np.flatnonzero(first.periodic & (np.abs(first.velocity) > ROUNDING))
+    if not chosen.size:
+        return _Witnessed(sample, first, np.zeros(count, dtype=np.bool_), count)
+    chosen = _both_kinds(chosen, first.hops, MOTION_CELLS)
+    picked = {name: values[chosen] for name, values in sample.items()}
+    truth = _run(prepared, WITNESS, picked, limits, watch.part(0.8))
+    ours = _run(prepared, "events", picked, {**limits, "tolerance": 1e-12}, watch.part(0.05))
+    with np.errstate(invalid="ignore"):
+        trusted = truth.periodic & (truth.stated < WITNESS_ERROR)
+        trusted &= np.abs(ours.velocity - truth.velocity) < OTHER_MOTION
+    return _Witnessed(picked, truth, trusted, count)
+
+
+def _run(
+    prepared: Prepared,
+    method: str,
+    cells: Mapping[str, Array],
+    settings: Mapping[str, float],
+    watch: Watch,
+) -> _Means:
+    """Run a method of simulation at cells (SI units, shape (n,)) on one thread, and time it."""
+    plan = plan_scene(prepared.plan.scene, method, OUTPUTS, tuple(cells))
+    kept = {name: value for name, value in settings.items() if name in plan.defaults}
+    plan = replace(plan, defaults={**plan.defaults, **kept})
+    inputs = {name: cells[name] for name in plan.parameters}
+    started = time.perf_counter()
+    known = run_equations(plan, inputs, replace(watch, threads=1))
+    seconds = time.perf_counter() - started
+    count = next(iter(cells.values())).size
+    drive = known["drive_number"] * known["velocity_scale"]  # the speed of the track, A w
+    with np.errstate(divide="ignore", invalid="ignore"):  # a drive at rest has no share
+        shares = [known[n] / drive for n in ("conveying_velocity", "conveying_velocity_error")]
+    velocity, stated = (np.broadcast_to(share, count) for share in shares)
+    status = np.broadcast_to(known["motion_status"], count)
+    hops = np.broadcast_to(known["flight_fraction"] > 0, count)
+    return _Means(
+        velocity, stated, status == MOTION_STATUSES["periodic"].value, hops, seconds / count
+    )
+
+
+def _both_kinds(chosen: NDArray[np.intp], hops: NDArray[np.bool_], count: int) -> Any:
+    """Return up to `count` of the chosen cells in order, half of them hopping if there are."""
+    air, floor = chosen[hops[chosen]], chosen[~hops[chosen]]
+    half = count // 2
+    more = max(0, half - floor.size), max(0, half - air.size)
+    return np.sort(np.concatenate([air[: half + more[0]], floor[: half + more[1]]]))
+
+
+def _median_seconds(run: Callable[[], object]) -> float:
+    """Return the median wall time of one call [s], over repeats of at least 2 ms."""
+    started = time.perf_counter()
+    run()
+    calls = max(1, int(LEAST_SECONDS / max(time.perf_counter() - started, 1e-7)))
+
+    def repeat() -> float:
+        started = time.perf_counter()
+        for _ in range(calls):
+            run()
+        return (time.perf_counter() - started) / calls
+
+    return statistics.median(repeat() for _ in range(REPEATS))
+
+
+def _facts() -> dict[str, str]:
+    """Return `machine`, `date` and `versions`, on which times depend."""
+    libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
+    load = f", load {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
+    return {
+        "machine": f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores, "
+        f"{platform.system()}{load}",
+        "date": datetime.now(UTC).date().isoformat(),
+        "versions": f"vibrafeed {core.__version__}, Python {platform.python_version()}, "
+        f"{libraries}",
+    }
+
+
+def _flags(name: str, words: Sequence[str]) -> TableVariable:
+    """Return a coordinate of words as CF flags, which every NetCDF client reads."""
+    values = np.arange(len(words), dtype=np.int16)
+    meanings = {"long_name": name, "flag_values": values, "flag_meanings": " ".join(words)}
+    return TableVariable((name,), values, meanings)
+
+
+def _number(value: float) -> str:
+    return f"{float(f'{value:.2g}'):g}" if np.isfinite(value) else "-"
