@@ -37,10 +37,10 @@ digits."""
 
 
 class Elementwise:
-    """A function of arrays that graphs, dual numbers and precise numbers treat as numpy's own.
+    """A function of arrays that graphs and precise numbers treat as numpy's own.
 
-    Objects that take numpy's functions by `__array_ufunc__` (a graph, a number with a slope, a
-    number of 50 digits) are handed this one; plain arrays run its body.
+    Objects that take numpy's functions by `__array_ufunc__` (a graph, a number of 50 digits) are
+    handed this one; plain arrays run its body.
 
     Attributes
     ----------

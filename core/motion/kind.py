@@ -95,7 +95,6 @@ KIND: Final = Kind(
                 *_all(_PLANE, "events"),
                 _motion(_PLANE, {**_SINE, "amplitude": "0.6 mm", **_RESTLESS}, "events"),
                 _motion(_PLANE, {**_WAVE, "amplitude_normal_1": "0.5 mm", **_RESTLESS}, "events"),
-                _motion(_PLANE, _SINE, "events", sensitivities=True),
             ),
             "motion-track": (*_all(_TRACK, "events"), *_all(_ROLLING, "events")),
             "motion-tumbling": (

@@ -10,6 +10,7 @@ import numpy as np
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.optimise.problem import OptimisationProblem, columns
 from vibrafeed.core.optimise.reliable import most_reliable
+from vibrafeed.core.plan.differences import jacobian
 from vibrafeed.core.watch import Watch
 
 STEP = 1e-6  # of a variable's range, for central differences: 1e-10 of the slope is left
@@ -158,12 +159,8 @@ class Single:
         bounds, that stay within the bounds, beyond which an output may have no value. `unit` is the
         point as shares of the bounds, shape (variables,).
         """
-        steps = STEP * np.eye(self.variables)
-        inside = np.clip(unit, 0.0, 1.0)[:, None]
-        before, after = np.maximum(inside - steps, 0.0), np.minimum(inside + steps, 1.0)
-        rows = self.rows(np.concatenate([before, after], axis=1))
-        count = self.variables
-        return (rows[:, count:] - rows[:, :count]) / np.diag(after - before)
+        inside = np.clip(unit, 0.0, 1.0)
+        return jacobian(lambda points: self.rows(points.T).T, inside, STEP).T
 
 
 def spread(points: int, variables: int) -> Array:

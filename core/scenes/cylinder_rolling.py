@@ -85,37 +85,13 @@ COMMON = (
 )
 THESIS = (
     *COMMON,
-    Equation(
-        "floor_reduction",
-        yawing.printed_floor_reduction,
-        "(4.1) to (4.7)",
-        "thesis",
-        derivative=yawing.unscaled_printed_floor_reduction,
-    ),
-    Equation(
-        "force_reduction",
-        yawing.printed_force_reduction,
-        "(4.1) to (4.7)",
-        "thesis",
-        derivative=yawing.unscaled_printed_force_reduction,
-    ),
+    Equation("floor_reduction", yawing.printed_floor_reduction, "(4.1) to (4.7)", "thesis"),
+    Equation("force_reduction", yawing.printed_force_reduction, "(4.1) to (4.7)", "thesis"),
 )
 DERIVED = (
     *COMMON,
-    Equation(
-        "floor_reduction",
-        yawing.floor_reduction,
-        "(4.1) to (4.7)",
-        "derived",
-        derivative=yawing.unscaled_floor_reduction,
-    ),
-    Equation(
-        "force_reduction",
-        yawing.force_reduction,
-        "(4.1) to (4.7)",
-        "derived",
-        derivative=yawing.unscaled_force_reduction,
-    ),
+    Equation("floor_reduction", yawing.floor_reduction, "(4.1) to (4.7)", "derived"),
+    Equation("force_reduction", yawing.force_reduction, "(4.1) to (4.7)", "derived"),
 )
 
 FLOOR = frozenset(("normal_acceleration", "throw_number", "floor_acceleration", "floor_force"))

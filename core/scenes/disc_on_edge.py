@@ -29,18 +29,8 @@ PHYSICAL = (
     Equation("wall_drag", edge_disc.wall_drag, SOURCE),
     Equation("floor_wrench", edge_disc.disc_floor_wrench, SOURCE),
     Equation("force_wrench", edge_disc.disc_force_wrench, SOURCE),
-    Equation(
-        "floor_reduction",
-        yawing.floor_reduction,
-        "(4.1) to (4.7)",
-        derivative=yawing.unscaled_floor_reduction,
-    ),
-    Equation(
-        "force_reduction",
-        yawing.force_reduction,
-        "(4.1) to (4.7)",
-        derivative=yawing.unscaled_force_reduction,
-    ),
+    Equation("floor_reduction", yawing.floor_reduction, "(4.1) to (4.7)"),
+    Equation("force_reduction", yawing.force_reduction, "(4.1) to (4.7)"),
     *AXES,
 )
 WALL = frozenset(("wall_acceleration", "wall_force", "wall_drag", "net_push"))

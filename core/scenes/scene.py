@@ -64,16 +64,12 @@ class Equation:
     variant : str
         The variant whose formula it is, where variants differ; else ``all``. What hangs on it is
         of that variant too (`Scene.variant_of`).
-    derivative : callable, optional
-        The same function in steps that have a derivative, of the same arguments, where those of
-        ``function`` have none: it is run in its place on numbers with a derivative.
     """
 
     gives: str
     function: Function
     source: str
     variant: str = "all"
-    derivative: Function | None = None
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:

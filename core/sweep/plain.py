@@ -1,4 +1,4 @@
-"""Sweeps whose result holds every cell: with or without the derivatives of its outputs."""
+"""Sweeps: of every cell, with the derivatives of its outputs, or of statistics in their place."""
 
 from __future__ import annotations
 
@@ -10,16 +10,23 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import Problem
+from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan.derived import Asked, asked_of
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.plan.price import evaluation_seconds, pace
+from vibrafeed.core.plan.sample import Sample
 from vibrafeed.core.plan.shares import SHARDS
 from vibrafeed.core.plan.tiles import Tiled
+from vibrafeed.core.reduce.reduced import Reduced
 from vibrafeed.core.study.sweep_study import SweepStudy
-from vibrafeed.core.sweep.cells import compute, label
+from vibrafeed.core.sweep.cells import attributes_of, compute, label
 from vibrafeed.core.sweep.shares import Shards, seconds_in_shards
+from vibrafeed.core.sweep.verify import verified
 from vibrafeed.core.watch import Watch
+
+SEEN_SECONDS = 0.5e-9
+"""Seconds that reducing takes for a cell, beside evaluating it."""
 
 
 class Sweep(Prepared):
@@ -102,8 +109,8 @@ class DerivedSweep(Prepared):
 
     @cached_property
     def seconds_a_cell(self) -> float:
-        """The time of a cell on one core [s]: each parameter needs its own pass."""
-        passes = 1 + (2 * len(self.derived.parameters) if self.derived else 0)
+        """The time of a cell on one core [s]."""
+        passes = 1 if self.derived is None else self.derived.passes
         return passes * self.plan.scene.seconds_a_cell * pace()
 
     def compute(self, watch: Watch) -> Computed:
@@ -113,3 +120,32 @@ class DerivedSweep(Prepared):
     def label(self, computed: Computed, watch: Watch) -> Table:
         """Return the labelled results; `watch` may stop verifying."""
         return label(self, computed, watch)
+
+
+class ReducedSweep(Reduced):
+    """A sweep whose result holds statistics over some axes in place of all cells."""
+
+    study: SweepStudy
+
+    @cached_property
+    def seconds_a_cell(self) -> float:
+        """The time of a cell on one core [s]."""
+        return evaluation_seconds(self.plan, self.grid) / self.cells + SEEN_SECONDS * pace()
+
+    def attributes(self) -> dict[str, str]:
+        """Return the attributes of the result that are known before computing."""
+        return attributes_of(self)
+
+    def verified(self, watch: Watch) -> dict[str, str | int]:
+        """Return the result of verifying some cells as attributes; they are computed one by one.
+
+        The result of a reduced sweep does not have its cells. `watch` may stop it.
+        """
+        whole = Sweep(self.study, self.plan, self.grid)
+        tiled = Tiled(whole)
+
+        def values_at(sample: Sample) -> dict[str, Array]:
+            """Return the outputs at sampled cells."""
+            return tiled.at(sample.positions, sample.count)
+
+        return {**verified(whole, values_at, watch)}

@@ -11,7 +11,7 @@ from vibrafeed.core.plan.blocks import evaluate_in_blocks
 from vibrafeed.core.plan.evaluate import empty_results
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import SCENES
-from vibrafeed.core.sweep.prepare import prepare
+from vibrafeed.core.sweep.kind import prepare
 
 SCENE = "cylinder-rolling"
 BASE = {
