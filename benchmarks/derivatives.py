@@ -54,9 +54,8 @@ def main() -> None:
         print(f"by {name:17s}" + ", ".join(f"{n:,} {word}" for word, n in told.most_common()))
     f, g, a = (found[name].logarithmic(cells[name]) for name in NAMES[:3])
     size = np.abs(f) + np.abs(g) + np.abs(a)
-    stated = sum(found[name].error * cells[name] for name in NAMES[:3]) / np.abs(
-        found["beta"].value
-    )
+    value = np.where(found["beta"].value == 0, np.nan, np.abs(found["beta"].value))
+    stated = sum(found[name].error * cells[name] for name in NAMES[:3]) / value
     for words_, errors in (
         ("misses of the law for f", np.abs(f + 2 * g - 1) / size),
         ("misses of the law for A", np.abs(a + g - 1) / size),

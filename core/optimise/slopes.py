@@ -45,7 +45,7 @@ def slopes(
     """
     names, output, kept = sensitive(problem), problem.criterion.output, ~lost
     used = problem.plan.only(output).parameters
-    found = {name: np.where(kept, np.nan if name in used else 0.0, np.nan) for name in names}
+    elasticities = {name: np.where(kept, np.nan if name in used else 0.0, np.nan) for name in names}
     if kept.any():
         cells = {name: design[name][kept] for name in used if name in design}
         cells |= {name: x[i, kept] for i, name in enumerate(problem.names) if name in used}
@@ -53,5 +53,5 @@ def slopes(
         by = tuple(name for name in names if name in used)
         values = values_of(plan, cells, by)
         for (_, name), derived in derivatives(plan, cells, by).items():
-            found[name][kept] = derived.logarithmic(values[name])
-    return {f"sensitivity_{name}": values for name, values in found.items()}
+            elasticities[name][kept] = derived.logarithmic(values[name])
+    return {f"sensitivity_{name}": values for name, values in elasticities.items()}

@@ -50,7 +50,7 @@ class Asked:
 
     @property
     def passes(self) -> int:
-        """How often each cell is computed, once for itself and usually four times a parameter."""
+        """The number of times that a cell is computed: usually four for each parameter, and one."""
         return 1 + 4 * len(self.parameters)
 
     @cached_property

@@ -109,30 +109,27 @@ def derivatives(
     """
     watch = watch or Watch()
     values = values_of(plan, cells, parameters)
-    count = next(iter(values.values())).size
-    found = {
-        (output, parameter): Derived(
-            *np.full((3, count), np.nan), np.full(count, STATUS["not_computed"], dtype=np.int8)
-        )
-        for parameter in parameters
-        for output in plan.outputs
-    }
     whole, counts = _with_counts(plan)
-    given = (*whole.parameters, *parameters)
+    model = _Model(whole, plan.outputs, counts, watch)
+    count = next(iter(values.values())).size
+    shape = (len(parameters), len(plan.outputs), count)
+    value, slope, error = np.full((3, *shape), np.nan)
+    status = np.full(shape, STATUS["not_computed"], dtype=np.int8)
     share = 1 / (ceil(count / BLOCK) * (1 + len(parameters)))
     for start in range(0, count, BLOCK):
         piece = slice(start, start + BLOCK)
-        part = {name: values[name][piece] for name in given}
-        around = _Cells(whole, plan.outputs, counts, watch, part)
-        here, kinds = around.evaluated(part, share)
-        for parameter in parameters:
-            derived = around.derived(parameter, here, kinds, share)
-            if watch.stopped():
-                return found
-            for output, one in derived.items():
-                for array, some in zip(found[output, parameter], one, strict=True):
-                    array[piece] = some
-    return found
+        near = {name: values[name][piece] for name in (*whole.parameters, *parameters)}
+        outputs, kinds = model.at(near, share)
+        for place, parameter in enumerate(parameters):
+            told = model.derived(near, parameter, outputs, kinds, share)
+            if not watch.stopped():
+                for array, part in zip((value, slope, error, status), told, strict=True):
+                    array[place, :, piece] = part
+    return {
+        (output, parameter): Derived(*(array[k, j] for array in (value, slope, error, status)))
+        for k, parameter in enumerate(parameters)
+        for j, output in enumerate(plan.outputs)
+    }
 
 
 def values_of(
@@ -218,107 +215,98 @@ def jacobian(rows: Callable[[Array], Array], at: Array, step: float) -> Array:
 
 
 @dataclass(frozen=True)
-class _Cells:
+class _Model:
+    """The outputs of a plan over parameters; its arrays have the shape (outputs, cells)."""
+
     plan: Plan
     outputs: tuple[str, ...]
     counts: tuple[str, ...]
     watch: Watch
-    values: Mapping[str, Array]
 
-    def evaluated(self, values: Mapping[str, Array], share: float) -> tuple[dict[str, Array], Any]:
-        """Return the outputs at cells, and what has to be the same within a regime."""
-        size = next(iter(values.values())).size
+    def at(self, values: Mapping[str, Array], share: float) -> tuple[Array, Array]:
+        """Return outputs, and the counts and regimes that are the same within a regime."""
         known = run_equations(self.plan, values, self.watch.part(share))
+        size = next(iter(values.values())).size
         alike = [*(known[name] for name in self.counts), *regimes(self.plan, known).values()]
-        kinds = [np.broadcast_to(np.asarray(one, np.float64), size) for one in alike]
-        outputs = {name: np.broadcast_to(known[name], size) for name in self.outputs}
-        return outputs, np.reshape(kinds, (len(kinds), size))
+        outputs, kinds = (
+            np.reshape([np.broadcast_to(np.asarray(one, np.float64), size) for one in rows],
+                       (len(rows), size))
+            for rows in ([known[name] for name in self.outputs], alike)
+        )  # fmt: skip
+        return outputs, kinds
 
     def derived(
-        self, parameter: str, here: Mapping[str, Array], kinds: Any, share: float
-    ) -> dict[str, Derived]:
-        """Return the derivative of each output by a parameter, given outputs and kinds at cells."""
-        at = self.values[parameter]
-        scale = _scale_of(parameter, at)
-        found = {
-            name: Derived(value, np.full(at.size, np.nan), np.full(at.size, np.inf),
-                          np.full(at.size, STATUS["kink"], dtype=np.int8))
-            for name, value in here.items()
-        }  # fmt: skip
-        repeats = kinds[0] >= 1 if self.counts else np.ones(at.size, dtype=bool)
-        (todo,) = np.nonzero(repeats)
+        self, values: Mapping[str, Array], parameter: str, middle: Array, kinds: Array, share: float
+    ) -> tuple[Array, Array, Array, NDArray[np.int8]]:
+        """Return value, derivative, its error and its status, given outputs and kinds at cells."""
+        scale = _scale_of(parameter, values[parameter])
+        size, finite = np.abs(middle) / scale, np.isfinite(middle)
+        slope, error = np.full(middle.shape, np.nan), np.full(middle.shape, np.inf)
+        status = np.full(middle.shape, STATUS["kink"], dtype=np.int8)
+        repeats = kinds[0] >= 1 if self.counts else np.ones(scale.size, dtype=bool)
+        is_open = repeats & finite.any(axis=0)
         for relative in STEPS:
+            (todo,) = np.nonzero(is_open)
             if not todo.size or self.watch.stopped():
                 break
-            self._improve(found, parameter, todo, relative * scale[todo], scale[todo], kinds, share)
-            share = 0.0
-            todo = todo[~np.all([_is_good(one, scale)[todo] for one in found.values()], axis=0)]
-        return {name: _judged(one, scale, repeats) for name, one in found.items()}
+            near = {name: array[todo] for name, array in values.items()}
+            here = middle[:, todo], kinds[:, todo], size[:, todo]
+            tried = self._tried(near, parameter, relative * scale[todo], *here, share)
+            better = tried[1] < error[:, todo]
+            for array, new in zip((slope, error, status), tried, strict=True):
+                array[:, todo] = np.where(better, new, array[:, todo])
+            good = error <= GOOD * np.fmax(np.abs(slope), size)
+            is_open, share = repeats & ~(good | ~finite).all(axis=0), 0.0
+        room = np.fmax(TRUSTED * np.abs(slope), NEGLIGIBLE * size)
+        status[np.isfinite(error) & ~(error <= room)] = STATUS["unsettled"]
+        status[~finite] = STATUS["no_value"]
+        status[:, ~repeats] = STATUS["not_periodic"]
+        slope[status >= STATUS["kink"]] = error[status >= STATUS["kink"]] = np.nan
+        return middle, slope, error, status
 
-    def _improve(
-        self, found: Mapping[str, Derived], parameter: str, todo: NDArray[np.intp], step: Array,
-        scale: Array, kinds: Any, share: float,
-    ) -> None:  # fmt: skip
-        near = {name: values[todo] for name, values in self.values.items()}
+    def _tried(
+        self, near: Mapping[str, Array], parameter: str, step: Array, middle: Array, kinds: Array,
+        size: Array, share: float,
+    ) -> tuple[Array, Array, Array]:  # fmt: skip
+        """Return derivatives by one step, their errors, infinite if it does not count, and status.
+
+        `size` is the output over the scale of the parameter.
+        """
         at = near[parameter]
         over, under = (self._may_be(near, parameter, at + way * step) for way in (1, -1))
         inside, step = over != under, np.where(over >= under, step, -step)
-        points = at + np.where(inside, OFFSETS[1], OFFSETS[0]) * step
-        moved = {name: np.tile(values, 4) for name, values in near.items()}
-        outputs, others = self.evaluated({**moved, parameter: points.ravel()}, share)
-        others = others.reshape(len(others), 4, todo.size)
+        around = at + np.where(inside, OFFSETS[1], OFFSETS[0]) * step
+        moved = {name: np.tile(array, 4) for name, array in near.items()}
+        rows = self.at({**moved, parameter: around.ravel()}, share)
+        outputs, others = (row.reshape(-1, *around.shape) for row in rows)
         # At an end of its range a motion may be of another kind, as without any rebound.
-        own = np.where(inside, others[:, -1], kinds[:, todo])
+        own = np.where(inside, others[:, -1], kinds)
         same = np.isclose(others, own[:, np.newaxis], rtol=1e-12, atol=0).all(axis=(0, 1))
-        for name, one in found.items():
-            middle = one.value[todo]
-            values = np.vstack([outputs[name].reshape(4, todo.size), middle])
-            new = slopes_of(values, step, np.abs(middle) / scale, inside)
-            error = new.error + ROUNDING * np.abs(middle / step)
-            better = same & (new.is_smooth | new.is_even) & (error < one.error[todo])
-            where = todo[better]
-            one.slope[where], one.error[where] = new.slope[better], error[better]
-            one.status[where] = np.where(inside[better], STATUS["one_sided"], STATUS["differences"])
+        values = np.concatenate([np.moveaxis(outputs, 1, 0), middle[np.newaxis]])
+        slopes = slopes_of(values, step, size, inside)
+        counts = same & (slopes.is_smooth | slopes.is_even)
+        error = np.where(counts, slopes.error + ROUNDING * np.abs(middle / step), np.inf)
+        status = np.where(inside, STATUS["one_sided"], STATUS["differences"])
+        return slopes.slope, error, np.broadcast_to(status, error.shape)
 
     def _may_be(self, near: Mapping[str, Array], parameter: str, to: Array) -> Mask:
-        """Return where a parameter may have other values beside those of all others."""
+        """True for values that a parameter may have beside those of all others."""
         quantity = QUANTITIES[parameter]
         unit = np.deg2rad(1.0) if quantity.is_angle else 1.0
         lower, upper = quantity.lower * unit, quantity.upper * unit
-        inside = ((to > lower) if quantity.strict else (to >= lower)) & (to <= upper)
+        allowed = ((to > lower) if quantity.strict else (to >= lower)) & (to <= upper)
         values = {**near, parameter: to}
         for one in (*self.plan.scene.constraints, *CONSTRAINTS):
             concerned = one.variant in ("", self.plan.variant) and parameter in one.parameters
             if concerned and set(one.parameters) <= set(values):
                 rows = zip(*(values[name] for name in one.parameters), strict=True)
-                inside &= [one.holds(*np.repeat(row, 2).tolist()) for row in rows]
-        return np.asarray(inside)
+                allowed &= [one.holds(*np.repeat(row, 2).tolist()) for row in rows]
+        return np.asarray(allowed)
 
 
 def _scale_of(parameter: str, at: Array) -> Array:
     """Return a power of two near the size of each value, or the least usual size, 1 for angles."""
     quantity = QUANTITIES[parameter]
-    least = 0.0 if quantity.is_angle or not quantity.usual else quantity.usual[0]
+    least = 1.0 if quantity.is_angle else (quantity.usual or (0.0,))[0]
     size = np.maximum(np.abs(at), least)
-    size = np.maximum(size, 1.0) if quantity.is_angle else np.where(size == 0, 1.0, size)
-    return np.asarray(np.ldexp(1.0, np.frexp(size)[1]))
-
-
-def _is_good(one: Derived, scale: Array) -> Mask:
-    """Return where another step is not worth its time; also where there is no value."""
-    with np.errstate(all="ignore"):
-        floor = np.fmax(np.abs(one.slope), np.abs(one.value) / scale)
-        return (one.error <= GOOD * floor) | ~np.isfinite(one.value)
-
-
-def _judged(one: Derived, scale: Array, repeats: Mask) -> Derived:
-    """Return a derivative with its final status, NaN where the status says that there is none."""
-    with np.errstate(all="ignore"):
-        room = np.fmax(TRUSTED * np.abs(one.slope), NEGLIGIBLE * np.abs(one.value) / scale)
-        rough = np.isfinite(one.error) & ~(one.error <= room)
-    status = np.where(rough, np.int8(STATUS["unsettled"]), one.status)
-    status = np.where(np.isfinite(one.value), status, np.int8(STATUS["no_value"]))
-    status = np.where(repeats, status, np.int8(STATUS["not_periodic"]))
-    none = status >= STATUS["kink"]
-    slope, error = (np.where(none, np.nan, values) for values in (one.slope, one.error))
-    return Derived(one.value, slope, error, status)
+    return np.asarray(np.ldexp(1.0, np.frexp(np.where(size == 0, 1.0, size))[1]))
