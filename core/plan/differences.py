@@ -40,11 +40,9 @@ GOOD = 1e-8  # relative error from which on no other step is tried
 TRUSTED = 1e-3  # largest relative error of a derivative that is still reported
 NEGLIGIBLE = 1e-6  # and, over value and scale, of one that is next to 0
 ROUNDING = 2.0**-51  # relative rounding of the difference of two values
-SMOOTH = 0.7
-"""Share of the difference of two slopes that is left at half the step: a half at a smooth point,
-all of it at a kink, twice as much at a jump."""
-EVEN = 1e-6
-"""Difference of two slopes, as a share of the larger slope, that counts as none."""
+AGREE = 1e-5
+"""Difference of the slopes on both sides of x, over the larger slope and over value and scale, that
+counts as none: more is a kink or a jump."""
 COUNTS = ("period_multiple", "impacts_per_period", "collisions_per_period")
 """Whole numbers that do not change inside a regime; a scene may lack some."""
 BLOCK = 1 << 15  # cells that are computed at once
@@ -169,35 +167,31 @@ class Slopes(NamedTuple):
     ----------
     slope, error : ndarray
         The derivative, and the difference of the quotients over the step and over half of it.
-    apart : ndarray
-        Difference of the slopes on both sides.
-    is_smooth, is_even : ndarray of bool
-        Whether `apart` goes with the step as that of a smooth function; whether it is none.
+    apart, near : ndarray
+        Difference of the slopes on both sides, over the step and over half of it: half as much if
+        the function is smooth, as much at a kink, twice as much at a jump.
+    largest : ndarray
+        The larger of both quotients.
     """
 
     slope: Array
     error: Array
     apart: Array
-    is_smooth: Mask
-    is_even: Mask
+    near: Array
+    largest: Array
 
 
-def slopes_of(
-    values: Array, step: Array, floor: Array | float = 0.0, inside: Mask | bool = False
-) -> Slopes:
+def slopes_of(values: Array, step: Array, inside: Mask | bool = False) -> Slopes:
     """Return derivatives from values at the points `OFFSETS`, then at x itself, shape (5, ...).
 
-    `step` is h, below 0 where `inside` points lie below x. Slopes that differ by less than 1e-6 of
-    the larger and of `floor` are even.
+    `step` is h, below 0 where `inside` points lie below x.
     """
     with np.errstate(all="ignore"):
         both = np.tensordot(WEIGHTS[0], values, 1) / step
         one = np.tensordot(WEIGHTS[1], values - values[-1], 1) / step  # equal values: exactly 0
         wide, narrow, apart, near = np.where(inside, one, both)
         largest = np.maximum(np.abs(wide), np.abs(narrow))
-        is_smooth = np.abs(near) <= SMOOTH * np.abs(apart)
-        is_even = np.abs(near) <= EVEN * (largest + floor)
-        return Slopes((4 * narrow - wide) / 3, np.abs(narrow - wide), apart, is_smooth, is_even)
+        return Slopes((4 * narrow - wide) / 3, np.abs(narrow - wide), apart, near, largest)
 
 
 def jacobian(rows: Callable[[Array], Array], at: Array, step: float) -> Array:
@@ -283,9 +277,12 @@ class _Model:
         own = np.where(inside, others[:, -1], kinds)
         same = np.isclose(others, own[:, np.newaxis], rtol=1e-12, atol=0).all(axis=(0, 1))
         values = np.concatenate([np.moveaxis(outputs, 1, 0), middle[np.newaxis]])
-        slopes = slopes_of(values, step, size, inside)
-        counts = same & (slopes.is_smooth | slopes.is_even)
-        error = np.where(counts, slopes.error + ROUNDING * np.abs(middle / step), np.inf)
+        slopes = slopes_of(values, step, inside)
+        with np.errstate(all="ignore"):
+            kink = np.abs(2 * slopes.near - slopes.apart)  # 0 but for h^3 where F is smooth
+            counts = same & (kink <= AGREE * (slopes.largest + size))
+            error = slopes.error + kink / 2 + ROUNDING * np.abs(middle / step)
+        error = np.where(counts, error, np.inf)
         status = np.where(inside, STATUS["one_sided"], STATUS["differences"])
         return slopes.slope, error, np.broadcast_to(status, error.shape)
 

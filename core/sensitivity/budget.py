@@ -28,6 +28,11 @@ MAX_CORNERS = 10
 """Most parameters for which all corners of the box are evaluated, 1,024 of them."""
 INSIDE = 256
 """Number of points inside the box that are evaluated."""
+SMOOTH = 0.7
+"""Share of the difference of both slopes that is left at half the step: a half at a smooth point,
+all of it at a kink, twice as much at a jump."""
+EVEN = 1e-6
+"""Difference of the slopes on both sides, as a share of the larger slope, that counts as none."""
 BENT = 0.1
 """Difference of both slopes, over the steepness of the whole tolerance, that no bend explains."""
 
@@ -147,8 +152,9 @@ class Budget:
             found = slopes_of(np.stack([far_below, below, above, far_above, base]), steps)
             half = (self.ends[1] - self.ends[0])[:, None] / 2
             whole = np.maximum(np.abs(at_lower - values[0]), np.abs(at_upper - values[0])) / half
-            bends = found.is_smooth & (np.abs(found.apart) <= BENT * whole)
-            slope = np.where(bends | found.is_even, found.slope, np.nan)
+            near, far = np.abs(found.near), np.abs(found.apart)
+            bends = (near <= SMOOTH * far) & (far <= BENT * whole)
+            slope = np.where(bends | (near <= EVEN * found.largest), found.slope, np.nan)
             spread = np.array([deviation(name, one) for name, one in self.distributions.items()])
             variance = (slope * spread[:, None]) ** 2
             share = variance / variance.sum(axis=0)

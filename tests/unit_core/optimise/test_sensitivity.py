@@ -280,6 +280,26 @@ def test_a_kink_has_no_derivative():
     assert "kink" in found.note
 
 
+def test_a_kink_of_a_third_of_a_percent_is_not_averaged():
+    # Where the part begins to press on the wall: d ln a/d ln f is 2.2233 on one side, 2.2158 on
+    # the other. The slopes bend more over a large step.
+    point = {
+        "frequency": 50.0, "amplitude": 2e-4, "friction": 0.2, "gamma": 0.0,
+        "delta": math.radians(2), "beta": math.radians(11.308209914778725),
+    }  # fmt: skip
+    P = point["amplitude"] * (2 * math.pi * point["frequency"]) ** 2
+    point["alpha"] = math.asin(9.80665 * math.sin(point["delta"]) / (P * math.cos(point["beta"])))
+    sides = []
+    for off in (-1e-6, 0.0, 1e-6):
+        at = {**point, "frequency": 50 * (1 + off)}
+        one = sensitivities("rectangle-on-track", "physical", ["acceleration_x"], at, ["frequency"])
+        sides.append(one["acceleration_x", "frequency"])
+    assert sides[0].logarithmic == pytest.approx(2.22333, abs=1e-5)
+    assert sides[2].logarithmic == pytest.approx(2.21579, abs=1e-5)
+    assert math.isnan(sides[1].derivative)
+    assert "kink" in sides[1].note
+
+
 def test_even_functions_have_slope_0_where_they_turn():
     point = {"frequency": 50.0, "amplitude": 3e-4, "beta": 0.3, "friction": 0.2, "alpha": 0.0}
     found = sensitivities(
