@@ -36,6 +36,7 @@ from vibrafeed.core.calibrate.posterior import (
 from vibrafeed.core.calibrate.scatter import Likelihood, log_sum
 from vibrafeed.core.dataset.table import Table, TableVariable, quantity_attributes
 from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.differences import jacobian
 from vibrafeed.core.plan.labels import global_attributes
 from vibrafeed.core.plan.pieces import FOLLOWED, Computed
 from vibrafeed.core.quantities import QUANTITIES
@@ -88,7 +89,7 @@ class LeastSquares:
         optimum = scipy.optimize.least_squares(
             lambda x: self._residuals(x[np.newaxis])[0],
             share,
-            jac=self._slopes,
+            jac=lambda share: jacobian(self._residuals, share, STEP).T,
             bounds=(0.0, 1.0),
             x_scale="jac",
             xtol=1e-12,
@@ -127,21 +128,6 @@ class LeastSquares:
         over = np.nan_to_num(residual / np.sqrt(variance), nan=FAR)
         before = [one.deviations_from_mean(points[:, k]) for k, one in enumerate(model.unknowns)]
         return np.concatenate([over, np.stack(before, axis=1)], axis=1)
-
-    def _slopes(self, share: Array) -> Array:
-        """Return the Jacobian of the scaled residuals at a point, for the least-squares solver.
-
-        `share` is the point, shape (unknowns,): each unknown as (value - lower)/(upper - lower) of
-        its bounds. The result has the shape (measured runs + unknowns, unknowns), by central
-        differences that are one-sided at a bound.
-        """
-        steps = STEP * np.eye(share.size)
-        ahead, behind = np.minimum(share + steps, 1.0), np.maximum(share - steps, 0.0)
-        residuals = self._residuals(np.concatenate([ahead, behind]))
-        apart = np.diag(ahead - behind)
-        change = residuals[: share.size] - residuals[share.size :]
-        slopes: Array = (change / apart[:, np.newaxis]).T
-        return slopes
 
 
 SHARES = (0.16, 0.84, 0.025, 0.975)

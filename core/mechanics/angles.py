@@ -5,9 +5,8 @@ on a plane would roll for that, and an infinite throw number be 8e15. Therefore 
 while it is in degrees, where that is exact, and the float that a multiple of 90 degrees becomes
 counts as that multiple. Every other float has numpy's sine and cosine, to the bit.
 
-`sine` and `cosine` are made of numpy's functions alone, so that numbers of 50 digits and numbers
-with a slope go through them as arrays do. For the same reason they do not compare the angle itself:
-a slope has none of the jump that a comparison would stand for.
+`sine` and `cosine` are made of numpy's functions alone: numbers of 50 digits go through them
+as arrays do.
 """
 
 from __future__ import annotations
@@ -48,8 +47,7 @@ def cosine(angle: Array) -> Array:
 def _axis(angle: Array) -> tuple[Array, Array, Mask]:
     """Return the nearest multiple of pi/2, the angle less it, and a mask where both are equal.
 
-    All in radians. For numbers that carry a slope, the difference has the slope of the angle and
-    the multiple has none, since `rint` is constant between its jumps.
+    All in radians.
     """
     nearest = np.rint(angle / QUARTER) * QUARTER
     apart = angle - nearest

@@ -37,10 +37,10 @@ digits."""
 
 
 class Elementwise:
-    """A function of arrays that graphs, dual numbers and precise numbers treat as numpy's own.
+    """A function of arrays that graphs and precise numbers treat as numpy's own.
 
-    Objects that take numpy's functions by `__array_ufunc__` (a graph, a number with a slope, a
-    number of 50 digits) are handed this one; plain arrays run its body.
+    Objects that take numpy's functions by `__array_ufunc__` (a graph, a number of 50 digits) are
+    handed this one; plain arrays run its body.
 
     Attributes
     ----------
@@ -139,43 +139,36 @@ def arc_quotient(square: Array, root: Array) -> Array:
 # the quotient by its own rule would lose digits near 0 and be none at 0.
 
 
-@Elementwise
 def expm1_quotient(s: Array) -> Array:
     """Return (1 - exp(-s))/s, with the limit 1 at s = 0."""
     return ratio(-np.expm1(-s), s, 1.0)
 
 
-@Elementwise
 def log1p_quotient(z: Array) -> Array:
     """Return log1p(z)/z, with the limit 1 at 0."""
     return ratio(np.log1p(z), z, 1.0)
 
 
-@Elementwise
 def sin_quotient(u: Array) -> Array:
     """Return sin(u)/u, with the limit 1 at 0."""
     return ratio(np.sin(u), u, 1.0)
 
 
-@Elementwise
 def sinh_quotient(u: Array) -> Array:
     """Return sinh(u)/u, with the limit 1 at 0."""
     return ratio(np.sinh(u), u, 1.0)
 
 
-@Elementwise
 def tan_quotient(u: Array) -> Array:
     """Return tan(u)/u, with the limit 1 at 0."""
     return ratio(np.tan(u), u, 1.0)
 
 
-@Elementwise
 def tanh_quotient(u: Array) -> Array:
     """Return tanh(u)/u, with the limit 1 at 0."""
     return ratio(np.tanh(u), u, 1.0)
 
 
-@Elementwise
 def arctan_quotient(u: Array) -> Array:
     """Return atan(u)/u, with the limit 1 at 0."""
     return ratio(np.arctan(u), u, 1.0)

@@ -207,18 +207,6 @@ class Wrench:
         """Return pitch and axis, (4.1) to (4.7); a pure couple has none."""
         return reduce_screw(self.force, self.moment)
 
-    def reduced_unscaled(self) -> ScrewReduction:
-        """Return pitch F.M/F^2 [m] and axis F x M/F^2 [m] of a wrench, in steps with a derivative.
-
-        Force F and moment M, arrays of shape (..., 3), may carry derivatives. The method `reduced`
-        scales floats to keep squares in range; here squares may overflow.
-        """
-        square = np.sum(self.force * self.force, axis=-1)
-        pitch = np.sum(self.force * self.moment, axis=-1) / square
-        kind = ScrewKind.GENERAL if np.any(np.isfinite(pitch)) else ScrewKind.ZERO
-        axis = cross(self.force, self.moment) / square[..., None]
-        return ScrewReduction(pitch, axis, np.asarray(kind, dtype=np.int8))
-
 
 @dataclass(frozen=True, eq=False)
 class MomentumScrew:

@@ -196,26 +196,6 @@ def printed_force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
     return _as_printed(force_wrench.reduced())
 
 
-def unscaled_floor_reduction(*, floor_wrench: Wrench) -> ScrewReduction:
-    """Return pitch and axis of the floor's wrench, computed in differentiable steps."""
-    return floor_wrench.reduced_unscaled()
-
-
-def unscaled_force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
-    """Return pitch and axis of the force system, computed in differentiable steps."""
-    return force_wrench.reduced_unscaled()
-
-
-def unscaled_printed_floor_reduction(*, floor_wrench: Wrench) -> ScrewReduction:
-    """Return pitch and axis of the floor's wrench as printed, in differentiable steps."""
-    return _as_printed(floor_wrench.reduced_unscaled())
-
-
-def unscaled_printed_force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
-    """Return pitch and axis of the force system as printed, in differentiable steps."""
-    return _as_printed(force_wrench.reduced_unscaled())
-
-
 def tips_along_axis(*, pressure_offset_axial: Array, length: Array) -> Mask:
     """True where the floor's normal force would leave the cylinder: |e| > L/2, it tips."""
     return np.abs(pressure_offset_axial) > length / 2

@@ -13,7 +13,6 @@ from vibrafeed.core.lazy import lazily
 __all__ = [
     "again",
     "cells",
-    "derive",
     "flow",
     "rows",
     "solve",
@@ -25,10 +24,10 @@ __all__ = [
 
 if TYPE_CHECKING:
     from vibrafeed.core.motion.kernels import cells, rows, track, tumbling
-    from vibrafeed.core.motion.kernels.planar import again, derive, flow, solve, unrepeated, wave
+    from vibrafeed.core.motion.kernels.planar import again, flow, solve, unrepeated, wave
 else:
     _ONE_PACKAGE = ("cells", "rows", "track", "tumbling")
-    _PLANAR = ("again", "derive", "flow", "solve", "unrepeated", "wave")
+    _PLANAR = ("again", "flow", "solve", "unrepeated", "wave")
     __getattr__ = lazily(
         f"{__package__}.kernels",
         {},

@@ -91,7 +91,6 @@ KIND: Final = Kind(
                 *_all(_PLANE),
                 _motion(_PLANE, {**_SINE, "amplitude": "0.6 mm", **_RESTLESS}),
                 _motion(_PLANE, {**_WAVE, "amplitude_normal_1": "0.5 mm", **_RESTLESS}),
-                _motion(_PLANE, _SINE, sensitivities=True),
             ),
             "motion-track": (*_all(_TRACK), *_all(_ROLLING)),
             "motion-tumbling": (

@@ -46,16 +46,6 @@ def solve_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> 
     table[order], status[order] = means, found
 
 
-def derive_cells(spent: bool, groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill result table, derivatives and statuses of cells under a sine.
-
-    `spent` asks for derivatives of energies, too; a row of `groups` holds the fields of `Cell`;
-    `stop` is a flag that ends the work. `status` gets one value a cell.
-    """
-    compiled.derive.derive_cells(spent, groups, table, status, stop)
-    _average(groups, table, status, stop)
-
-
 def spend_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill the energy table of cells; NaN where the motion does not repeat.
 

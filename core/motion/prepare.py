@@ -33,9 +33,6 @@ from vibrafeed.core.study.values import Fixed
 
 SCALES = ("velocity_scale", "length_scale")
 ERROR = "conveying_velocity_error"
-MAX_BY_DIFFERENCES = 1_000
-"""Cells times parameters whose derivatives are taken from differences, 25 motions each: 25,000 in
-all, as much as a large map of a scene in space."""
 
 
 class Simulation(Prepared):
@@ -54,7 +51,9 @@ class Simulation(Prepared):
         return asked_of(self.plan, self.study.values(), self.study.sensitivities, self.cells)
 
     def _new_price(self) -> Price:
-        return price(self.plan, self.grid, self.method.seconds_a_cell)
+        found = price(self.plan, self.grid, self.method.seconds_a_cell)
+        passes = 1 if self.derived is None else self.derived.passes
+        return found._replace(cell=passes * found.cell)
 
     @property
     def verified_by(self) -> str:
@@ -172,50 +171,16 @@ def prepare(study: SimulateStudy) -> Simulation:
 def _derivable(prepared: Simulation) -> Simulation:
     """Return a simulation unchanged; raise `StudyError` if its derivatives cannot be computed.
 
-    That is if the motion has no cycle, or if derivatives by finite differences are asked for at too
-    many cells times parameters. `prepared` is the planned simulation.
+    That is if the motion has no cycle. `prepared` is the planned simulation.
     """
-    asked = prepared.derived
-    if asked is None:
+    if prepared.derived is None:
         return prepared
     if "period_multiple" not in prepared.plan.scene.outputs(prepared.plan.variant):
         message = f"the motion of {prepared.plan.scene.name} is followed for a time, not a cycle"
         cyclic = (*CONTACTS, *ROLLING, ROW)
         fix = f"Leave it out, or choose among {', '.join(cyclic)}"
         raise StudyError([Problem("sensitivities", message, fix)])
-    runs = prepared.cells * len(asked.parameters)
-    if runs > MAX_BY_DIFFERENCES and not _all_exact(prepared):
-        message = (
-            "only motion in the plane under the plain sine, of one restitution, by the method "
-            f"events, has exact derivatives; {runs:,} others are too many"
-        )
-        fix = f"Keep cells times parameters within {MAX_BY_DIFFERENCES:,}, or set alpha to 0"
-        raise StudyError([Problem("sensitivities", message, fix)])
     return prepared
-
-
-def _all_exact(prepared: Simulation) -> bool:
-    """True if derivatives of all cells of a simulation are exact, carried through the events.
-
-    That is so for motion in the plane of track and normal, under a sine, by the method `events`,
-    with constant restitution. It is decided from names and bounds of the parameters, without
-    computing: a drive across (azimuth `alpha`) and a lean of the track (`delta`) have to be 0
-    throughout, and a wall only straight. Scenes without a part on a floor, such as tumbling parts
-    and rows, are never exact.
-    """
-    grid, scene = prepared.grid, prepared.plan.scene
-    is_sine = all(equation.gives != "wave" for equation in prepared.plan.equations)
-    level = all(
-        grid.bounds(name) == (0.0, 0.0)
-        for name in ("alpha", "delta")
-        if name in grid.axes or name in grid.fixed
-    )
-    if scene.name not in CONTACTS:
-        return False
-    straight = "curvature_number" in prepared.plan.defaults or not CONTACTS[scene.name].wall
-    falls = any(equation.gives == "impact_damping" for equation in prepared.plan.equations)
-    in_plane = level and straight and not falls
-    return prepared.plan.variant == "events" and is_sine and in_plane
 
 
 def never_left_out(scene: Scene, method: str) -> tuple[str, ...]:

@@ -15,12 +15,12 @@ from vibrafeed.core.dataset.table import (
     quantity_attributes,
 )
 from vibrafeed.core.motion.course import TRAJECTORY_FLAGS, TrajectoryRequest, TrajectoryValues
-from vibrafeed.core.motion.derivatives import derivatives_at
 from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.prepare import Simulation, prepare
 from vibrafeed.core.motion.systems import CONTACTS
 from vibrafeed.core.motion.verify import accuracy, verified, verified_at
 from vibrafeed.core.plan.derived import cells_of
+from vibrafeed.core.plan.differences import derivatives
 from vibrafeed.core.plan.equations import regimes, run_equations
 from vibrafeed.core.plan.labels import (
     coordinates_of,
@@ -53,7 +53,7 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
     arrays |= {n: _over_own_axes(prepared, n, v) for n, v in regimes(plan, known).items()}
     if prepared.derived is not None:
         asked, part = prepared.derived, plan.part(prepared.derived.outputs)
-        found = derivatives_at(part, cells_of(part, prepared.grid), asked.parameters, watch)
+        found = derivatives(part, cells_of(part, prepared.grid), asked.parameters, watch)
         arrays |= asked.arrays(plan, prepared.grid, prepared.dims, found)
     if prepared.study.trajectory is not None:
         path = _trajectory(prepared, known, watch)

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.derivatives import derivatives_at
 from vibrafeed.core.optimise.problem import OptimisationProblem
-from vibrafeed.core.plan.derivatives import DERIVATIVE_STATUS, values_of
+from vibrafeed.core.plan.differences import derivatives, values_of
 from vibrafeed.core.plan.plan import plan_scene
 
 MAX_SENSITIVE = 1_000
@@ -29,9 +28,9 @@ def slopes(
     """Return the elasticities d ln(output)/d ln(parameter) of the objective's output at optima.
 
     They tell a user which parameter matters at the optimum. The names are
-    ``sensitivity_<parameter>``, the values arrays (cells,). Those of closed forms are exact, those
-    of motion are differences inside one regime. NaN where there is none: at a kink, a jump, and for
-    a parameter or an output that is 0. 0 for a variable that the output does not depend on.
+    ``sensitivity_<parameter>``, the values arrays (cells,), from differences inside one regime. NaN
+    where there is none: at a kink, a jump, and for a parameter or an output that is 0. 0 for a
+    variable that the output does not depend on.
 
     Parameters
     ----------
@@ -46,43 +45,13 @@ def slopes(
     """
     names, output, kept = sensitive(problem), problem.criterion.output, ~lost
     used = problem.plan.only(output).parameters
-    found = {name: np.where(kept, np.nan if name in used else 0.0, np.nan) for name in names}
+    elasticities = {name: np.where(kept, np.nan if name in used else 0.0, np.nan) for name in names}
     if kept.any():
-        _derive(problem, x, design, kept, found)
-    return {f"sensitivity_{name}": values for name, values in found.items()}
-
-
-def _derive(
-    problem: OptimisationProblem,
-    x: Array,
-    design: Mapping[str, Array],
-    kept: NDArray[np.bool_],
-    derivatives: Mapping[str, Array],
-) -> None:
-    """Fill in the elasticities of an output at optima, by those parameters on which it depends.
-
-    Elasticity is d ln(output)/d ln(parameter). It is NaN at a kink and wherever else there is none.
-
-    Parameters
-    ----------
-    x : ndarray, shape (variables, cells)
-        The optima, SI units.
-    design : mapping of str to ndarray
-        The fixed parameters, shape (cells,).
-    kept : ndarray of bool, shape (cells,)
-        True where there is an optimum; only these cells are filled.
-    derivatives : mapping of str to ndarray
-        An array (cells,) for each parameter, which is filled.
-    """
-    output = problem.criterion.output
-    used = problem.plan.only(output).parameters
-    cells = {name: design[name][kept] for name in used if name in design}
-    cells |= {name: x[i, kept] for i, name in enumerate(problem.names) if name in used}
-    plan = plan_scene(problem.plan.scene, problem.plan.variant, (output,), cells)
-    names = tuple(name for name in derivatives if name in used)
-    values = values_of(plan, cells, names)
-    for (_, name), derived in derivatives_at(plan, cells, names).items():
-        exponents = derived.logarithmic(values[name])
-        derivatives[name][kept] = np.where(
-            derived.status < DERIVATIVE_STATUS["kink"], exponents, np.nan
-        )
+        cells = {name: design[name][kept] for name in used if name in design}
+        cells |= {name: x[i, kept] for i, name in enumerate(problem.names) if name in used}
+        plan = plan_scene(problem.plan.scene, problem.plan.variant, (output,), cells)
+        by = tuple(name for name in names if name in used)
+        values = values_of(plan, cells, by)
+        for (_, name), derived in derivatives(plan, cells, by).items():
+            elasticities[name][kept] = derived.logarithmic(values[name])
+    return {f"sensitivity_{name}": values for name, values in elasticities.items()}

@@ -15,12 +15,12 @@ from vibrafeed.core.dataset.table import TableVariable, flag_attributes
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.quantities.derivative import DERIVATIVE_STATUSES
+from vibrafeed.core.quantities.flags import DERIVATIVE_STATUSES
 from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.suggestions import suggestion
 
 if TYPE_CHECKING:
-    from vibrafeed.core.plan.derivatives import Derivatives
+    from vibrafeed.core.plan.differences import Derivatives
     from vibrafeed.core.plan.grid import Grid
 
 SECTION = "sensitivities"
@@ -48,17 +48,23 @@ class Asked:
     outputs: tuple[str, ...]
     parameters: tuple[str, ...]
 
+    @property
+    def passes(self) -> int:
+        """The number of times that a cell is computed: usually four for each parameter, and one."""
+        return 1 + 4 * len(self.parameters)
+
     @cached_property
     def units(self) -> dict[str, str]:
         """The unit of each variable that the asked derivatives add to a result, by name, in order.
 
-        For each parameter and output there are a derivative and an elasticity (per cent per cent,
-        unit 1); for each parameter a status, which tells where there is no derivative.
+        For each parameter and output there are a derivative, its error, and an elasticity (per cent
+        per cent, unit 1); for each parameter a status, which tells where there is no derivative.
         """
         units = {}
         for parameter in self.parameters:
             for output in self.outputs:
                 units[derivative_name(output, parameter)] = _per(output, parameter)
+                units[error_name(output, parameter)] = _per(output, parameter)
                 units[elasticity_name(output, parameter)] = "1"
             units[status_name(parameter)] = "1"
         return units
@@ -73,7 +79,7 @@ class Asked:
         dims = dict.fromkeys(self.units, every)
         for output in self.outputs:
             for parameter in self.parameters:
-                for name in (derivative_name, elasticity_name):
+                for name in (derivative_name, error_name, elasticity_name):
                     dims[name(output, parameter)] = grid.dims(depends[output])
         return dims
 
@@ -100,6 +106,8 @@ class Asked:
             for output, derivative in zip(self.outputs, derived, strict=True):
                 name = derivative_name(output, parameter)
                 arrays[name] = squeezed(name, derivative.slope * _factor(output, parameter))
+                name = error_name(output, parameter)
+                arrays[name] = squeezed(name, derivative.error * _factor(output, parameter))
                 name = elasticity_name(output, parameter)
                 arrays[name] = squeezed(name, derivative.logarithmic(at))
             name = status_name(parameter)
@@ -125,6 +133,12 @@ class Asked:
                     f"{status_name(parameter)} says why there is none.",
                     **about,
                 }
+                labels[error_name(output, parameter)] = {
+                    "units": _per(output, parameter),
+                    "long_name": f"Error of the derivative of {in_sentence(of)} by {by}",
+                    "comment": "An estimate, from differences over a step and over half of it.",
+                    **about,
+                }
                 labels[elasticity_name(output, parameter)] = {
                     "units": "1",
                     "long_name": f"Sensitivity of {in_sentence(of)} to {by}",
@@ -142,6 +156,11 @@ class Asked:
 def derivative_name(output: str, parameter: str) -> str:
     """Return the name of the derivative of an output by a parameter."""
     return f"derivative_{output}_by_{parameter}"
+
+
+def error_name(output: str, parameter: str) -> str:
+    """Return the name of the error of a derivative."""
+    return f"{derivative_name(output, parameter)}_error"
 
 
 def elasticity_name(output: str, parameter: str) -> str:

@@ -201,3 +201,15 @@ MOTION_MODES: dict[str, Flag] = {
     "flight": Flag(3, "the part is off the floor"),
     "unknown": Flag(4, "no motion was found for this time", valid=False),
 }
+
+DERIVATIVE_STATUSES: dict[str, Flag] = {
+    "differences": Flag(0, "from central differences inside one regime"),
+    "one_sided": Flag(1, "from inside, at an end of what the parameter may be"),
+    "kink": Flag(3, "none: a kink or a jump, where the two sides differ or cannot be separated"),
+    "not_periodic": Flag(4, "none: the motion does not repeat, it is aperiodic or runs away"),
+    "no_value": Flag(5, "none: the output has no finite value here"),
+    "unsettled": Flag(6, "none: differences do not settle, or the regime changes too near"),
+    "not_computed": Flag(7, "not computed"),
+}
+"""The status of a derivative: how it was computed, or why there is none; of a cell and a parameter,
+the most serious of all outputs."""

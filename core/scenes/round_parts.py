@@ -228,14 +228,12 @@ THESIS = (
         yawing.printed_floor_reduction,
         "(4.1) to (4.7)",
         "thesis",
-        derivative=yawing.unscaled_printed_floor_reduction,
     ),
     Equation(
         "force_reduction",
         yawing.printed_force_reduction,
         "(4.1) to (4.7)",
         "thesis",
-        derivative=yawing.unscaled_printed_force_reduction,
     ),
 )
 DERIVED = (
@@ -245,14 +243,12 @@ DERIVED = (
         yawing.floor_reduction,
         "(4.1) to (4.7)",
         "derived",
-        derivative=yawing.unscaled_floor_reduction,
     ),
     Equation(
         "force_reduction",
         yawing.force_reduction,
         "(4.1) to (4.7)",
         "derived",
-        derivative=yawing.unscaled_force_reduction,
     ),
 )
 
@@ -334,13 +330,11 @@ DISC_PHYSICAL = (
         "floor_reduction",
         yawing.floor_reduction,
         "(4.1) to (4.7)",
-        derivative=yawing.unscaled_floor_reduction,
     ),
     Equation(
         "force_reduction",
         yawing.force_reduction,
         "(4.1) to (4.7)",
-        derivative=yawing.unscaled_force_reduction,
     ),
     *AXES,
 )

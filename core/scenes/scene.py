@@ -49,9 +49,6 @@ class Equation:
     variant : str
         The variant whose formula it is, where variants differ; else ``all``. What hangs on it is
         of that variant too (`Scene.variant_of`).
-    derivative : callable, optional
-        The same function in steps that have a derivative, of the same arguments, where those of
-        ``function`` have none: it is run in its place on numbers with a derivative.
     needs : tuple of str, optional
         The quantities that it needs; the argument names of its function if left out.
     says : str, optional
@@ -62,7 +59,6 @@ class Equation:
     function: Function
     source: str
     variant: str = "all"
-    derivative: Function | None = None
     needs: tuple[str, ...] | None = None
     says: str = ""
 

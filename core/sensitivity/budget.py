@@ -16,6 +16,7 @@ from itertools import product
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.differences import slopes_of
 from vibrafeed.core.plan.draws import points
 from vibrafeed.core.plan.grid import parameter_to_si
 from vibrafeed.core.study.distributions import Distribution, deviation, nominal, tolerance
@@ -148,15 +149,12 @@ class Budget:
         at_lower, at_upper, base, far_below, below, above, far_above = parts
         steps = self._steps[:, None]
         with np.errstate(invalid="ignore", divide="ignore"):
-            far = (far_above - 2 * base + far_below) / steps
-            near = (above - 2 * base + below) / (steps / 2)
-            wide, narrow = (far_above - far_below) / (2 * steps), (above - below) / steps
-            slope = (4 * narrow - wide) / 3
-            largest = np.maximum(np.abs(above - base), np.abs(base - below)) / (steps / 2)
+            found = slopes_of(np.stack([far_below, below, above, far_above, base]), steps)
             half = (self.ends[1] - self.ends[0])[:, None] / 2
             whole = np.maximum(np.abs(at_lower - values[0]), np.abs(at_upper - values[0])) / half
-            bends = (np.abs(near) <= SMOOTH * np.abs(far)) & (np.abs(far) <= BENT * whole)
-            slope = np.where(bends | (np.abs(near) <= EVEN * largest), slope, np.nan)
+            near, far = np.abs(found.near), np.abs(found.apart)
+            bends = (near <= SMOOTH * far) & (far <= BENT * whole)
+            slope = np.where(bends | (near <= EVEN * found.largest), found.slope, np.nan)
             spread = np.array([deviation(name, one) for name, one in self.distributions.items()])
             variance = (slope * spread[:, None]) ** 2
             share = variance / variance.sum(axis=0)

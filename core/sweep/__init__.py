@@ -14,14 +14,12 @@ __all__ = [
 
 if TYPE_CHECKING:
     from vibrafeed.core.sweep.kind import KIND
-    from vibrafeed.core.sweep.plain import Sweep
-    from vibrafeed.core.sweep.reduced import ReducedSweep
+    from vibrafeed.core.sweep.plain import ReducedSweep, Sweep
 else:
     __getattr__ = lazily(
         __name__,
         {
             "kind": ("KIND",),
-            "plain": ("Sweep",),
-            "reduced": ("ReducedSweep",),
+            "plain": ("Sweep", "ReducedSweep"),
         },
     )

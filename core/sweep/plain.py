@@ -1,4 +1,4 @@
-"""Sweeps whose result holds every cell: with or without the derivatives of its outputs."""
+"""Sweeps: of every cell, with the derivatives of its outputs, or of statistics in their place."""
 
 from __future__ import annotations
 
@@ -10,15 +10,19 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import Problem
+from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan.derived import Asked, asked_of
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.plan.price import Price
+from vibrafeed.core.plan.sample import Sample
 from vibrafeed.core.plan.shares import SHARDS
 from vibrafeed.core.plan.tiles import Tiled
+from vibrafeed.core.reduce.reduced import Reduced
 from vibrafeed.core.study.sweep_study import SweepStudy
-from vibrafeed.core.sweep.cells import compute, label
+from vibrafeed.core.sweep.cells import attributes_of, compute, label
 from vibrafeed.core.sweep.shares import Shards
+from vibrafeed.core.sweep.verify import verified
 from vibrafeed.core.watch import Watch
 
 
@@ -92,7 +96,7 @@ class DerivedSweep(Prepared):
         return asked_of(self.plan, self.study.values(), self.study.sensitivities, self.cells)
 
     def _new_price(self) -> Price:
-        passes = 1 + (2 * len(self.derived.parameters) if self.derived else 0)
+        passes = 1 if self.derived is None else self.derived.passes
         return Price(0.0, passes * super()._new_price().cell)
 
     def compute(self, watch: Watch) -> Computed:
@@ -102,3 +106,27 @@ class DerivedSweep(Prepared):
     def label(self, computed: Computed, watch: Watch) -> Table:
         """Return the labelled results; `watch` may stop verifying."""
         return label(self, computed, watch)
+
+
+class ReducedSweep(Reduced):
+    """A sweep whose result holds statistics over some axes in place of all cells."""
+
+    study: SweepStudy
+
+    def attributes(self) -> dict[str, str]:
+        """Return the attributes of the result that are known before computing."""
+        return attributes_of(self)
+
+    def verified(self, watch: Watch) -> dict[str, str | int]:
+        """Return the result of verifying some cells as attributes; they are computed one by one.
+
+        The result of a reduced sweep does not have its cells. `watch` may stop it.
+        """
+        whole = Sweep(self.study, self.plan, self.grid)
+        tiled = Tiled(whole)
+
+        def values_at(sample: Sample) -> dict[str, Array]:
+            """Return the outputs at sampled cells."""
+            return tiled.at(sample.positions, sample.count)
+
+        return {**verified(whole, values_at, watch)}

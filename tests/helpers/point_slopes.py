@@ -9,13 +9,12 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from vibrafeed.core.errors import StudyError
-from vibrafeed.core.motion.derivatives import derivatives_at
 from vibrafeed.core.motion.prepare import choose_system
-from vibrafeed.core.plan.derivatives import DERIVATIVE_STATUS, Derived, derivatives, values_of
+from vibrafeed.core.plan.differences import STATUS, Derived, derivatives, values_of
 from vibrafeed.core.plan.plan import make_plan, plan_scene
-from vibrafeed.core.quantities.derivative import DERIVATIVE_STATUSES
+from vibrafeed.core.quantities.flags import DERIVATIVE_STATUSES
 
-NAMES = {value: name for name, value in DERIVATIVE_STATUS.items()}
+NAMES = {value: name for name, value in STATUS.items()}
 
 
 class Sensitivity(NamedTuple):
@@ -28,9 +27,9 @@ class Sensitivity(NamedTuple):
     logarithmic : float
         d ln(output)/d ln(parameter), the exponent of a power law; NaN where the output is 0.
     error : float
-        Estimate of the error of `derivative`; 0 if exact up to rounding.
+        Estimate of the error of `derivative`.
     note : str
-        Why there is no derivative, or how it was found; empty for an exact one.
+        Why there is no derivative, or that it is one-sided; empty for one of both sides.
     """
 
     derivative: float
@@ -50,7 +49,7 @@ def sensitivities(
     point: Mapping[str, float],
     parameters: Collection[str],
 ) -> Sensitivities:
-    """Return the exact derivatives of closed-form outputs at a point.
+    """Return the derivatives of closed-form outputs at a point.
 
     Parameters
     ----------
@@ -76,23 +75,13 @@ def sensitivities(
 
 def in_words(derived: Derived, at: float) -> Sensitivity:
     """Return the derivative at a single cell, where the parameter has the value `at`."""
-    _, slope, error, status, below, above, jumps = (field[0] for field in derived)
-    if status == DERIVATIVE_STATUS["both_sides"]:
-        note = "from both sides of a switch"
-    elif status == DERIVATIVE_STATUS["differences"]:
-        note = "from differences"
-    elif status == DERIVATIVE_STATUS["no_value"]:
-        note = "the output has no finite value here"
-    elif status == DERIVATIVE_STATUS["kink"] and not math.isnan(below + above):
-        sides = f"{below:g} below and {above:g} above"
-        note = f"at a switch: {sides}{', with a jump' if jumps else ''}"
-    elif status == DERIVATIVE_STATUS["exact"]:
-        note = ""
-    else:
-        note = DERIVATIVE_STATUSES[NAMES[int(status)]].description.removeprefix("none: ")
-    if status >= DERIVATIVE_STATUS["kink"]:
+    _, slope, error, status = (field[0] for field in derived)
+    name = NAMES[int(status)]
+    note = DERIVATIVE_STATUSES[name].description.removeprefix("none: ")
+    if status >= STATUS["kink"]:
         return Sensitivity(math.nan, math.nan, math.nan, note)
     logarithmic = float(derived.logarithmic(np.asarray([at]))[0])
+    note = "" if name == "differences" else note
     return Sensitivity(float(slope), logarithmic, float(error), note)
 
 
@@ -119,12 +108,12 @@ def motion_sensitivities(
     Raises
     ------
     StudyError
-        As for a simulation, and as `derivatives_at` does.
+        As for a simulation, and as `derivatives` does.
     """
     system, chosen, problems = choose_system(scene, method, point)
     if problems:
         raise StudyError(problems)
     plan = plan_scene(system, chosen, outputs, point)
     at = values_of(plan, point, parameters)
-    found = derivatives_at(plan, point, parameters)
+    found = derivatives(plan, point, parameters)
     return {key: in_words(one, float(at[key[1]][0])) for key, one in found.items()}

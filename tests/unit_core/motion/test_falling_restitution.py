@@ -19,7 +19,7 @@ from vibrafeed.core.motion.kernels.planar.rebound import Restitution, impulse, r
 from vibrafeed.core.motion.methods.events import motion_by_events, planar_motion, planar_path
 from vibrafeed.core.motion.result import STATUS, Motion
 from vibrafeed.core.quantities import REGIMES
-from vibrafeed.core.quantities.derivative import DERIVATIVE_STATUSES
+from vibrafeed.core.quantities.flags import DERIVATIVE_STATUSES
 
 TURN = 2 * np.pi
 EXACTLY = {"tolerance": 1e-12, "max_periods": 1000.0}

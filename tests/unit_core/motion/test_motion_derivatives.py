@@ -1,177 +1,82 @@
-"""Derivatives of planar motion against differences, against many digits, and against laws."""
+"""Derivatives of motion against exact ones, against closed forms, and against laws."""
 
 from __future__ import annotations
 
+import json
 import math
+from pathlib import Path
 
 import mpmath
 import numpy as np
 import pytest
 
-from benchmarks.derivatives import BAR, SURE, derived, errors, random_cells, repeating
+from benchmarks.derivatives import NAMES, OUTPUT, random_cells
 from point_slopes import motion_sensitivities
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
-from vibrafeed.core.motion.derivatives import derivatives_at
-from vibrafeed.core.motion.groups import Groups, cells_of
-from vibrafeed.core.motion.kernels.planar.derive import KINK
-from vibrafeed.core.motion.kernels.planar.slope_tables import DERIVED
 from vibrafeed.core.motion.prepare import choose_system
-from vibrafeed.core.motion.result import STATUS
-from vibrafeed.core.plan.derivatives import DERIVATIVE_STATUS
+from vibrafeed.core.plan.differences import STATUS, derivatives
 from vibrafeed.core.plan.plan import plan_scene
+from vibrafeed.core.watch import Watch
 
 PLANE = "rectangle-on-plane"
 POINT = {
     "frequency": 50.0, "amplitude": 3e-4, "beta": 0.5, "gamma": 0.02, "friction": 0.3,
     "gravity": 9.81,
 }  # fmt: skip
+EXACT = Path(__file__).parents[2] / "data" / "planar_derivatives.json"
 
 
-def cell(c, s, friction=0.3, static=None, restitution=0.0, gs=0.02):
-    static = friction if static is None else static
-    groups = Groups(c, s, gs, 1.0, static, friction, restitution)
-    return cells_of(groups, tolerance=1e-12, max_periods=1000.0)[0]
+def plan_of(cells, *outputs, scene=PLANE):
+    system, method, _ = choose_system(scene, None, cells)
+    return plan_scene(system, method, outputs, cells)
 
 
-# --- the kernel
+# --- against exact ones
 
 
-def test_random_cells_against_differences_inside_one_regime():
-    cells = repeating(random_cells(150, 5))
-    judged = 0
-    for error, unsure, _, found in errors(cells).values():
-        good = (found.margin > KINK)[:, None] & (unsure < SURE)
-        assert not (good & ~(error <= BAR)).any()
-        judged += good.sum()
-    assert judged > 4_500  # of some 135 cells, 7 groups and 7 fields; at e = 0 no two sides
+def test_motions_have_the_derivatives_that_were_carried_through_their_events():
+    """Within the stated error, and 1e-8 of the larger of slope and value over parameter."""
+    exact = json.loads(EXACT.read_text())
+    names, outputs = exact["parameters"], exact["outputs"]
+    points = np.array([one["point"] for one in exact["motions"]]).T
+    cells = dict(zip(names, points, strict=True))
+    found = derivatives(plan_of(cells, *outputs), cells, names)
+    errors = []
+    for row, output in enumerate(outputs):
+        for column, name in enumerate(names):
+            one = found[output, name]
+            slope = np.array([m["slopes"][row][column] for m in exact["motions"]], dtype=float)
+            known = np.isfinite(slope)
+            assert known.sum() >= 10
+            assert (np.isfinite(one.slope) == known).all(), (output, name)
+            size = np.maximum(np.abs(slope), np.abs(one.value) / np.fmax(cells[name], 1e-3))[known]
+            off = np.abs(one.slope - slope)[known]
+            # Shares are counted without the last hops, up to 1e-7 of a period (theory 13.5).
+            room = 1e-6 if output == "flight_fraction" else 1e-8
+            assert (off <= 2 * one.error[known] + room * size).all(), (output, name)
+            errors.extend(off[size > 0] / size[size > 0])
+    assert np.median(errors) < 1e-9
 
 
-def test_results_are_those_of_the_plain_kernel_to_the_last_bit():
-    from benchmarks.derivatives import plain
-
-    cells = random_cells(300, 6)
-    table, status = plain(cells)
-    found = derived(cells)
-    np.testing.assert_array_equal(table, found.results)
-    np.testing.assert_array_equal(status, found.status)
-
-
-def test_shares_add_up_and_so_do_energies():
-    found = derived(repeating(random_cells(300, 7)))
-    sure = found.margin > KINK
-    slopes = found.slopes[sure]
-    shares = slopes[:, [DERIVED.stick, DERIVED.forward, DERIVED.backward, DERIVED.flight]]
-    size = np.abs(shares).max(axis=1)
-    assert (np.abs(shares.sum(axis=1)) <= 1e-12 + 1e-11 * size).all()
+def test_random_motions_keep_the_law_of_scaling_within_their_stated_errors():
+    cells = random_cells(300, 5)
+    found = derivatives(plan_of(cells, OUTPUT), cells, NAMES)
+    f, g, a = (found[OUTPUT, name] for name in ("frequency", "gravity", "amplitude"))
+    known = np.isfinite(f.slope + g.slope + a.slope) & (f.value != 0)
+    assert known.sum() > 200
+    e = {name: found[OUTPUT, name].logarithmic(cells[name])[known] for name in NAMES[:3]}
+    size = 1 + sum(np.abs(one) for one in e.values())
+    stated = sum((found[OUTPUT, name].error * cells[name])[known] for name in NAMES[:3]) / np.abs(
+        f.value[known]
+    )
+    for miss in (e["frequency"] + 2 * e["gravity"] - 1, e["amplitude"] + e["gravity"] - 1):
+        assert (np.abs(miss) <= 1e-9 * size + 2 * stated).all()
+        assert np.quantile(np.abs(miss) / size, 0.95) < 1e-8
 
 
-def test_energy_of_the_drive_is_the_mean_of_its_push():
-    # The kernel takes it from the balance; here each energy is judged by itself.
-    from vibrafeed.core.motion.kernels.arrays import NEVER
-    from vibrafeed.core.motion.planar import spend_cells
-
-    cells = repeating(random_cells(60, 8))
-    found, h = derived(cells), 1e-5
-
-    def spent(cells):
-        table, status = np.full((len(cells), 3), np.nan), np.zeros(len(cells), np.int8)
-        spend_cells(cells, table, status, NEVER)
-        return table
-
-    near = found.margin > 1e-3
-    for group in range(4):
-        step = np.zeros_like(cells)
-        step[:, group] = h
-        difference = (spent(cells + step) - spent(cells - step)) / (2 * h)
-        slopes = found.slopes[:, DERIVED.friction :, group]
-        off = np.abs(slopes - difference)[near] / (1 + np.abs(difference[near]))
-        assert np.median(off) < 1e-9
-        assert np.quantile(off, 0.9) < 1e-6
-
-
-@pytest.mark.parametrize("restitution", [1e-6, 1e-5])
-def test_without_restitution_the_derivative_is_that_from_above(restitution):
-    # Shrinking hops take a time of the first order in e, and move the part by the second.
-    row = cell(1.4, 1.3)
-    found = derived(row)
-    here, above = found.results[0], derived(cell(1.4, 1.3, restitution=restitution)).results[0]
-    slope = found.slopes[0, :, 6]
-    assert found.margin[0] > KINK
-    assert slope[DERIVED.flight] > 0
-    assert abs((above[0] - here[0]) / restitution - slope[DERIVED.velocity]) < 50 * restitution
-    # What was resolved of the hops is less than all of them.
-    assert 0 < (above[6] - here[6]) / restitution <= slope[DERIVED.flight] * (1 + 1e-3)
-
-
-def hopping(count, seed, more):
-    """Return random cells without rebound that land once a period; static friction up to `more`."""
-    pick = np.random.default_rng(seed)
-    throw, beta = pick.uniform(1.05, 3.2, count), np.radians(pick.uniform(8, 75, count))
-    gamma, kinetic = np.radians(pick.uniform(-5, 5, count)), pick.uniform(0.1, 0.9, count)
-    normal = throw * np.cos(gamma)
-    columns = (
-        normal / np.tan(beta), normal, np.sin(gamma), np.cos(gamma),
-        kinetic * pick.uniform(1.0, more, count), kinetic, 0.0,
-    )  # fmt: skip
-    return cells_of(Groups(*columns), tolerance=1e-12, max_periods=1000.0)[0]
-
-
-@pytest.mark.parametrize(("more", "jumps"), [(1.0, 0), (1.6, 5)])
-def test_the_least_restitution_moves_a_mean_as_the_derivative_at_none_says(more, jumps):
-    """Velocity and shares over random cells, by steps of 1e-6, and of half of it."""
-    cells = hopping(200, 1, more)
-    here, steps = derived(cells), []
-    for step in (1e-6, 5e-7):
-        near = cells.copy()
-        near[:, 6] = step
-        there = derived(near)
-        # Velocity, and the four shares, of the results; hops are whole down to 1e-7.
-        steps.append((there.results[:, [0, 3, 4, 5, 6]] - here.results[:, [0, 3, 4, 5, 6]]) / step)
-    told = [
-        DERIVED.velocity,
-        DERIVED.stick,
-        DERIVED.forward,
-        DERIVED.backward,
-        DERIVED.flight,
-    ]
-    slopes = here.slopes[:, told, 6]
-    sure = (here.margin > 1e-5) & (here.status == STATUS["periodic"])
-    jump = np.isnan(slopes[:, 0])
-    assert sure.sum() > 100
-    assert jump.sum() >= jumps
-    assert np.isfinite(here.slopes[jump][:, 0, :6]).all()  # by all else it has a derivative
-    good = sure & ~jump
-    assert (np.abs(slopes[good, 0]) > 0.01).sum() > 20  # of the first order, not of the second
-    # The second order: some 50 times the step, more for shares beside an edge.
-    off = np.abs(steps[0] - slopes)[good]
-    assert (off[:, 0] <= 5e-3).all()
-    assert (np.quantile(off, 0.9, axis=0) <= 1e-3).all()
-    # Of a jump half the step makes as much: its quotient is twice as large, else it would be equal.
-    apart = np.abs(steps[1] - 2 * steps[0])[jump & sure, 0] / np.abs(steps[1])[jump & sure, 0]
-    assert (apart < 0.5).all()
-
-
-def test_energies_move_with_the_least_restitution_as_the_derivative_at_none_says():
-    """Impacts of small hops take what the floor would rub in their time, to the first order."""
-    from vibrafeed.core.motion.kernels.arrays import NEVER
-    from vibrafeed.core.motion.planar import spend_cells
-
-    def spent(cells):
-        table, status = np.full((len(cells), 3), np.nan), np.zeros(len(cells), np.int8)
-        spend_cells(cells, table, status, NEVER)
-        return table
-
-    cells = hopping(200, 2, 1.0)
-    here, near, step = derived(cells), cells.copy(), 1e-6
-    near[:, 6] = step
-    slopes = here.slopes[:, [DERIVED.friction, DERIVED.impact, DERIVED.drive], 6]
-    sure = (here.margin > 1e-5) & (here.status == STATUS["periodic"])
-    off = np.abs((spent(near) - spent(cells)) / step - slopes)[sure]
-    assert sure.sum() > 100
-    assert (np.abs(slopes[sure, :2]) > 0.01).mean() > 0.5
-    assert (np.quantile(off, 0.9, axis=0) <= 1e-3).all()
+# --- at kinks, at jumps, at ends
 
 
 def test_where_the_least_restitution_jumps_there_is_no_derivative_by_it_alone():
@@ -180,85 +85,55 @@ def test_where_the_least_restitution_jumps_there_is_no_derivative_by_it_alone():
         "frequency": 63.083, "amplitude": 0.184447e-3, "beta": math.radians(39.096),
         "friction_static": 1.0514, "friction_kinetic": 0.7356, "restitution": 0.0,
     }  # fmt: skip
-    names = ["restitution", "beta"]
-    found = motion_sensitivities(PLANE, None, ["conveying_velocity"], point, names)
-    by_restitution = found["conveying_velocity", "restitution"]
-    assert math.isnan(by_restitution.derivative)
-    assert "kink" in by_restitution.note
-    assert found["conveying_velocity", "beta"].note == ""
+    found = motion_sensitivities(PLANE, None, [OUTPUT], point, ["restitution", "beta"])
+    assert math.isnan(found[OUTPUT, "restitution"].derivative)
+    assert "kink" in found[OUTPUT, "restitution"].note
+    assert found[OUTPUT, "beta"].note == ""
 
 
 def test_a_landing_that_stops_a_slip_leaves_one_of_the_first_order():
-    # It was told 0, as exact; differences give 0.1175554 m/s (an independent quad solver, too).
+    # Differences of an independent solver in quadruple precision give 0.1175554 m/s.
     point = {
         "frequency": 50.0, "amplitude": 0.5e-3, "beta": math.radians(40.0), "friction": 0.6,
         "restitution": 0.0,
     }  # fmt: skip
-    found = motion_sensitivities(PLANE, None, ["conveying_velocity"], point, ["restitution"])
-    one = found["conveying_velocity", "restitution"]
+    one = motion_sensitivities(PLANE, None, [OUTPUT], point, ["restitution"])[OUTPUT, "restitution"]
     assert one.derivative == pytest.approx(0.1175554, abs=5e-8)
-    assert (one.error, one.note) == (0.0, "")
+    assert "from inside" in one.note
 
 
-@pytest.mark.parametrize(
-    "row",
-    [
-        cell(2.0, 1.0),  # throw number 1: hops begin
-        cell(0.02 + 0.3 * 1.0, 0.0),  # friction just holds
-        cell(2.0, math.sqrt(1 + math.pi**2)),  # a hop as long as the period: it lands where n = 0
-        cell(1.5, 0.5, friction=0.02 * (1 + 1e-12)),  # it nearly slides down for ever
-    ],
-)
-def test_at_an_edge_there_is_none(row):
-    found = derived(row)
-    periodic = found.status[0] in (STATUS["periodic"], STATUS["at_rest"])
-    assert not periodic or found.margin[0] <= KINK
+def test_equal_coefficients_of_friction_are_an_end_of_either():
+    point = {name: value for name, value in POINT.items() if name != "friction"}
+    point |= {"friction_static": 0.3, "friction_kinetic": 0.3}
+    names = ["friction_static", "friction_kinetic"]
+    found = motion_sensitivities(PLANE, None, [OUTPUT], point, names)
+    assert all("from inside" in found[OUTPUT, name].note for name in names)
+    both = motion_sensitivities(PLANE, None, [OUTPUT], POINT, ["friction"])[OUTPUT, "friction"]
+    total = sum(found[OUTPUT, name].derivative for name in names)
+    assert total == pytest.approx(both.derivative, rel=1e-6)
 
 
-def border(one, other, kind):
-    """Return the two neighbouring floats between two rows where `kind` of their motion changes."""
-    low, high = 0.0, 1.0
-    first = kind(one)
-    while True:
-        middle = (low + high) / 2
-        if middle in (low, high):
-            return one + (other - one) * low, one + (other - one) * high
-        if kind(one + (other - one) * middle) == first:
-            low = middle
-        else:
-            high = middle
+@pytest.mark.parametrize("off", [0.0, 1e-12, 1e-9, 1e-6, 1e-3])
+def test_next_to_a_border_nothing_is_told_that_belongs_to_neither_side(off):
+    """At throw number 1 hops begin: derivatives beside it are those of their side, or none."""
+    w = 2 * math.pi * POINT["frequency"]
+    limit = POINT["gravity"] * math.cos(POINT["gamma"]) / (w * w * math.sin(POINT["beta"]))
+    for side in (-1, 1):
+        far, near = (
+            motion_sensitivities(
+                PLANE, None, [OUTPUT], {**POINT, "amplitude": limit * (1 + side * at)}, ["gamma"]
+            )[OUTPUT, "gamma"]
+            for at in (2e-3, off)
+        )
+        assert far.note == ""
+        assert near.note or near.derivative == pytest.approx(far.derivative, rel=0.05)
+        assert near.note or off > 0
 
 
-@pytest.mark.parametrize(
-    ("one", "other", "column"),
-    [
-        (cell(0.5, 0.1), cell(1.5, 0.1), 3),  # the part begins to stick no more
-        (cell(0.5, 0.9), cell(0.9, 0.9), 5),  # it begins to slide back
-        (cell(1.5, 1.1, restitution=0.3), cell(1.5, 2.5, restitution=0.3), 5),
-        (cell(1.5, 3.5), cell(1.5, 4.0), 11 - 1),  # the period doubles
-    ],
-)
-def test_next_to_a_border_nothing_is_told_that_belongs_to_neither_side(one, other, column):
-    """Derivatives close to a border are flagged, or those of their side some way off."""
-
-    def kind(row):
-        results = derived(row).results[0]
-        return results[column] if column == 10 else results[column] > 0
-
-    assert kind(one) != kind(other)
-    below, above = border(one, other, kind)
-    way = other - one
-    for start, side in ((below, -1), (above, 1)):
-        far = derived(start + side * 1e-6 * way)
-        for off in (0.0, 1e-15, 1e-13, 1e-11, 1e-9):
-            near = derived(start + side * off * way)
-            if near.margin[0] <= KINK:
-                continue
-            here, there = near.slopes[0, 0], far.slopes[0, 0]
-            alike = np.abs(here - there) <= 0.05 * (1e-2 + np.abs(there))
-            # Where a landing grazes the floor slopes grow without bound on the way to it.
-            grows = np.abs(here).max() > np.abs(there).max() > 1e3
-            assert grows or alike.all()
+def test_what_is_stopped_is_not_computed():
+    cells = random_cells(50, 1)
+    found = derivatives(plan_of(cells, OUTPUT), cells, ["beta"], Watch(stop=lambda: True))
+    assert (found[OUTPUT, "beta"].status == STATUS["not_computed"]).all()
 
 
 # --- through the equations
@@ -283,54 +158,25 @@ def test_two_sided_sliding_against_its_closed_form():
     one = told["conveying_velocity", "friction"]
     with mp.workdps(40):
         exact = float(mp.diff(speed, mpmath.mpf(mu)))
-    assert one.derivative == pytest.approx(exact, rel=1e-12)
-    assert (one.error, one.note) == (0.0, "")
-
-
-def test_scaling_binds_the_exponents():
-    # (A, f, g) -> (A, s f, s^2 g) gives s v; (s A, f, s g) gives s v (theory 13.16).
-    names = ("frequency", "gravity", "amplitude")
-    system, method, _ = choose_system(PLANE, None, POINT)
-    outputs = ("conveying_velocity", "landing_speed", "hop_height", "flight_fraction")
-    plan = plan_scene(system, method, outputs, POINT)
-    rng = np.random.default_rng(3)
-    cells = {
-        **POINT,
-        "amplitude": rng.uniform(5e-5, 6e-4, 200),
-        "friction": rng.uniform(0.1, 0.6, 200),
-        "beta": rng.uniform(0.1, 0.8, 200),
-    }
-    found = derivatives_at(plan, cells, names)
-    for output, of_f, of_a in zip(outputs, (1, 1, 0, 0), (1, 1, 1, 0), strict=True):
-        derived_by = {name: found[output, name] for name in names}
-        one = derived_by["gravity"]
-        sure = (one.status == DERIVATIVE_STATUS["exact"]) & (one.value != 0)
-        assert sure.sum() > 50
-        f, g, a = (
-            derived_by[name].logarithmic(np.broadcast_to(cells[name], (200,)))[sure]
-            for name in names
-        )
-        size = 1 + np.abs(f) + np.abs(g) + np.abs(a)
-        assert (np.abs(f + 2 * g - of_f) <= 1e-12 * size).all()
-        assert (np.abs(a + g - of_a) <= 1e-12 * size).all()
+    assert one.derivative == pytest.approx(exact, rel=1e-9)
+    assert abs(one.derivative - exact) <= one.error
+    assert one.note == ""
 
 
 def test_a_grid_tells_cell_by_cell_what_points_tell():
-    system, method, _ = choose_system(PLANE, None, POINT)
     outputs = ("conveying_velocity", "efficiency", "drive_power")
-    plan = plan_scene(system, method, outputs, POINT)
+    plan = plan_of(POINT, *outputs)
     throws = np.array([0.3, 1.0, 1.5, 3.5])
     w = 2 * math.pi * POINT["frequency"]
     amplitudes = throws * POINT["gravity"] * math.cos(POINT["gamma"])
     amplitudes = amplitudes / (w * w * math.sin(POINT["beta"]))
-    found = derivatives_at(plan, {**POINT, "amplitude": amplitudes}, ["amplitude", "gamma"])
-    assert (found["efficiency", "gamma"].status == DERIVATIVE_STATUS["exact"]).tolist() == [
-        True, False, True, True,
-    ]  # fmt: skip
+    found = derivatives(plan, {**POINT, "amplitude": amplitudes}, ["amplitude", "gamma"])
+    found_at = found["efficiency", "gamma"].status == STATUS["differences"]
+    assert found_at.tolist() == [True, False, True, True]
     for place, amplitude in enumerate(amplitudes.tolist()):
         point = {**POINT, "amplitude": amplitude}
         for key, one in motion_sensitivities(PLANE, None, outputs, point, ["gamma"]).items():
-            np.testing.assert_equal(found[key].slope[place], one.derivative)
+            np.testing.assert_allclose(found[key].slope[place], one.derivative, rtol=1e-9)
 
 
 def test_a_push_across_presses_to_the_wall_and_has_no_two_sides():
@@ -371,8 +217,11 @@ def test_a_simulation_gives_derivatives_with_units_and_how_they_were_found():
     np.testing.assert_allclose(of_beta, step / 1e-3, rtol=1e-3)
     exponent = found.sensitivity_conveying_velocity_to_beta
     np.testing.assert_allclose(exponent, of_beta * 25 / found.conveying_velocity, rtol=1e-12)
-    assert (found.derivative_status_beta == DERIVATIVE_STATUS["exact"]).all()
-    assert "exact" in found.derivative_status_beta.attrs["flag_meanings"]
+    assert (found.derivative_status_beta == STATUS["differences"]).all()
+    assert "one_sided" in found.derivative_status_beta.attrs["flag_meanings"]
+    error = found.derivative_conveying_velocity_by_beta_error
+    assert error.attrs["units"] == "m s-1 degree-1"
+    assert (error <= 1e-8 * abs(of_beta)).all()
     assert not [name for name in found if "motion_status_" in name]
     np.testing.assert_array_equal(found.conveying_velocity, plain.conveying_velocity)
 
@@ -382,15 +231,16 @@ def test_derivatives_by_a_default_and_in_few_names():
     assert set(found) == {
         "conveying_velocity", "motion_status", "regime", "derivative_status_gravity",
         "derivative_conveying_velocity_by_gravity", "sensitivity_conveying_velocity_to_gravity",
+        "derivative_conveying_velocity_by_gravity_error",
     }  # fmt: skip
     assert found.derivative_conveying_velocity_by_gravity.attrs["units"] == "m s-1 m-1 s2"
     assert np.isfinite(found.sensitivity_conveying_velocity_to_gravity).all()
 
 
-def test_motion_in_space_is_derived_by_differences():
+def test_motion_in_space_is_derived_as_motion_in_the_plane():
     parameters = {**STUDY["parameters"], "alpha": "5 deg", "amplitude": "0.3 mm"}
     found = told(parameters=parameters, sensitivities=["friction"])
-    assert found.derivative_status_friction == DERIVATIVE_STATUS["differences"]
+    assert found.derivative_status_friction == STATUS["differences"]
     assert np.isfinite(found.derivative_conveying_velocity_by_friction)
 
 
@@ -405,11 +255,6 @@ def test_motion_in_space_is_derived_by_differences():
             {"parameters": {**STUDY["parameters"], "amplitude": {
                 "start": 1e-4, "stop": 1e-3, "num": 600_000}}},
             "2,400,000 derivatives",
-        ),
-        (
-            {"parameters": {**STUDY["parameters"], "alpha": "5 deg", "amplitude": {
-                "start": 1e-4, "stop": 1e-3, "num": 2_000}}},
-            "10,000 others are too many",
         ),
     ],
 )  # fmt: skip
@@ -474,15 +319,15 @@ SWEEP = {
 }  # fmt: skip
 
 
-def test_a_sweep_is_derived_exactly_on_the_axes_that_each_output_has():
+def test_a_sweep_is_derived_on_the_axes_that_each_output_has():
     found = tabulate(prepare_content(SWEEP)).to_xarray()
     exponent = found.sensitivity_throw_number_to_amplitude
     assert exponent.dims == ("amplitude", "beta")
-    np.testing.assert_allclose(exponent, 1.0, rtol=1e-15)
+    np.testing.assert_allclose(exponent, 1.0, rtol=1e-9)
     by_beta = found.derivative_throw_number_by_beta * found.throw_number**-1
     cotangent = np.radians(1 / np.tan(np.radians(found.beta)))
-    np.testing.assert_allclose(by_beta, 0 * by_beta + cotangent, rtol=1e-13)
-    assert (found.derivative_status_amplitude == DERIVATIVE_STATUS["exact"]).all()
+    np.testing.assert_allclose(by_beta, 0 * by_beta + cotangent, rtol=1e-9)
+    assert (found.derivative_status_amplitude == STATUS["differences"]).all()
     plain = tabulate(prepare_content({**SWEEP, "sensitivities": None})).to_xarray()
     np.testing.assert_array_equal(found.acceleration_x, plain.acceleration_x)
 

@@ -498,10 +498,10 @@ class TestSensitivities:
             floor_contact=False,
             sensitivities=True,
         )
-        np.testing.assert_allclose(found.sensitivity_frequency, 2, rtol=1e-14)
-        np.testing.assert_allclose(found.sensitivity_amplitude, 1, rtol=1e-14)
+        np.testing.assert_allclose(found.sensitivity_frequency, 2, rtol=1e-9)
+        np.testing.assert_allclose(found.sensitivity_amplitude, 1, rtol=1e-9)
         beta = np.deg2rad(found.best_beta)
-        np.testing.assert_allclose(found.sensitivity_beta, -beta * np.tan(beta), rtol=1e-12)
+        np.testing.assert_allclose(found.sensitivity_beta, -beta * np.tan(beta), rtol=1e-9)
         assert "sensitivity_friction" not in found
 
     def test_a_variable_that_only_a_constraint_needs_has_none(self):
@@ -509,8 +509,8 @@ class TestSensitivities:
         gentle = load_study(CONFIGS[0].parent / "optimise-minimise.toml")
         found = run_study(gentle.model_copy(update={"sensitivities": True}))
         np.testing.assert_array_equal(found.sensitivity_beta, 0.0)
-        np.testing.assert_allclose(found.sensitivity_amplitude, 1, rtol=1e-14)
-        np.testing.assert_allclose(found.sensitivity_frequency, 2, rtol=1e-14)
+        np.testing.assert_allclose(found.sensitivity_amplitude, 1, rtol=1e-9)
+        np.testing.assert_allclose(found.sensitivity_frequency, 2, rtol=1e-9)
 
     def test_those_of_a_smooth_optimum_by_its_own_variables_are_0(self):
         found = solved(criterion={"kind": "maximise"}, variant="thesis", sensitivities=True,

@@ -1,4 +1,4 @@
-"""Sensitivities against exact derivatives at 60 digits, and against laws."""
+"""Derivatives of closed forms against those at 60 digits, and against laws."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from point_slopes import motion_sensitivities, sensitivities
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.plan import plan as plans
 from vibrafeed.core.scenes import SCENES
-from vibrafeed.core.scenes.scene import Equation, Scene
 
 POINTS, PAIRS = 4, 24  # random points of a variant, and derivatives taken at each
 
@@ -35,14 +34,14 @@ def condition(derivative, given):
 
 
 def check(output, parameter, found, derivative, given):
-    """Compare with the exact derivative: 1e-12 of it, times its condition number."""
+    """Compare with the exact derivative: the stated error, 1e-12 times the condition number."""
     exact = derivative(given)
     if not exact:
         # What is 0 by cancellation has no relative error; the terms are below 1e5.
         assert abs(found.derivative) <= 1e-9, (output, parameter)
         return
     error = abs(mpf(found.derivative) - exact) / abs(exact)
-    allowed = mpf(1e-12) * condition(derivative, given) + mpf(found.error) / abs(exact)
+    allowed = mpf(1e-12) * condition(derivative, given) + 4 * mpf(found.error) / abs(exact)
     assert error <= allowed, (output, parameter, found, mp.nstr(exact, 20), mp.nstr(error, 3))
 
 
@@ -175,14 +174,15 @@ def test_the_other_scenes_against_differences(scene, variant):
 # --- laws
 
 
-def test_a_power_law_gives_its_exponent_exactly():
+def test_a_power_law_gives_its_exponent():
     point = {"frequency": 53.0, "amplitude": 2.7e-4}
     found = sensitivities(
         "rectangle-on-plane", None, ["vibration_acceleration"], point, ["frequency", "amplitude"]
     )
-    assert found["vibration_acceleration", "frequency"].logarithmic == pytest.approx(2, rel=4e-16)
-    assert found["vibration_acceleration", "amplitude"].logarithmic == pytest.approx(1, rel=4e-16)
-    assert found["vibration_acceleration", "amplitude"].error == 0
+    assert found["vibration_acceleration", "frequency"].logarithmic == pytest.approx(2, rel=1e-9)
+    of_amplitude = found["vibration_acceleration", "amplitude"]
+    assert of_amplitude.logarithmic == pytest.approx(1, rel=1e-9)
+    assert of_amplitude.error <= 1e-9 * of_amplitude.derivative
 
 
 def test_dimensions_bind_the_exponents():
@@ -196,8 +196,8 @@ def test_dimensions_bind_the_exponents():
     amplitude, radius, distance, frequency, gravity = (
         of["transport_velocity", name].logarithmic for name in parameters
     )
-    assert amplitude + radius + distance + gravity == pytest.approx(1, abs=1e-13)  # metres
-    assert frequency + 2 * gravity == pytest.approx(1, abs=1e-13)  # per second
+    assert amplitude + radius + distance + gravity == pytest.approx(1, abs=1e-9)  # metres
+    assert frequency + 2 * gravity == pytest.approx(1, abs=1e-9)  # per second
 
 
 ON_TRACK = {
@@ -205,7 +205,7 @@ ON_TRACK = {
 }  # fmt: skip
 
 
-def test_a_removable_singularity_has_an_exact_slope():
+def test_a_removable_singularity_has_its_slope_from_inside():
     # v^2 = 2 K x phi(s): at speed 0 and mu = 0 phi is at its limit, with the slope -1/2.
     point = ON_TRACK | {"friction_kinetic": 0.0, "radius": 0.2}
     one = sensitivities(
@@ -214,8 +214,8 @@ def test_a_removable_singularity_has_an_exact_slope():
     P = 3e-4 * (100 * math.pi) ** 2
     K, x, R = P * math.cos(0.3), 0.5, 0.2
     # K has no slope by mu on a level track with alpha = 0; ds/dmu = 2 x/R.
-    assert one.derivative == pytest.approx(-math.sqrt(2 * K * x) * x / (2 * R), rel=1e-15)
-    assert one.note == ""
+    assert one.derivative == pytest.approx(-math.sqrt(2 * K * x) * x / (2 * R), rel=1e-8)
+    assert "from inside" in one.note
 
 
 @pytest.mark.parametrize("radius", [1e-9, 0.2, 1e9])
@@ -243,8 +243,8 @@ def test_a_travel_time_has_its_slope_by_friction_down_to_none(radius, friction, 
             return -by_s * 2 * root**2 / R / (2 * square**1.5) * 2 * root
 
         exact = float(mpmath.quad(slope, mpmath.linspace(0, mpmath.sqrt(x), 9)))
-    assert one.derivative == pytest.approx(exact, rel=1e-12)
-    assert one.note == ""
+    assert one.derivative == pytest.approx(exact, abs=4 * one.error)
+    assert one.error <= 1e-5 * abs(exact) + 1e-8
 
 
 def test_a_jump_has_no_derivative():
@@ -277,7 +277,27 @@ def test_a_kink_has_no_derivative():
         {"frequency": frequency, "amplitude": 1.0, "beta": beta, "gravity": 1.0}, ["gravity"],
     )["floor_acceleration", "gravity"]  # fmt: skip
     assert math.isnan(found.derivative)
-    assert "at a switch" in found.note
+    assert "kink" in found.note
+
+
+def test_a_kink_of_a_third_of_a_percent_is_not_averaged():
+    # Where the part begins to press on the wall: d ln a/d ln f is 2.2233 on one side, 2.2158 on
+    # the other. The slopes bend more over a large step.
+    point = {
+        "frequency": 50.0, "amplitude": 2e-4, "friction": 0.2, "gamma": 0.0,
+        "delta": math.radians(2), "beta": math.radians(11.308209914778725),
+    }  # fmt: skip
+    P = point["amplitude"] * (2 * math.pi * point["frequency"]) ** 2
+    point["alpha"] = math.asin(9.80665 * math.sin(point["delta"]) / (P * math.cos(point["beta"])))
+    sides = []
+    for off in (-1e-6, 0.0, 1e-6):
+        at = {**point, "frequency": 50 * (1 + off)}
+        one = sensitivities("rectangle-on-track", "physical", ["acceleration_x"], at, ["frequency"])
+        sides.append(one["acceleration_x", "frequency"])
+    assert sides[0].logarithmic == pytest.approx(2.22333, abs=1e-5)
+    assert sides[2].logarithmic == pytest.approx(2.21579, abs=1e-5)
+    assert math.isnan(sides[1].derivative)
+    assert "kink" in sides[1].note
 
 
 def test_even_functions_have_slope_0_where_they_turn():
@@ -296,21 +316,10 @@ def test_a_parameter_that_plays_no_part_is_refused():
         )  # fmt: skip
 
 
-def test_an_equation_without_rules_is_named(monkeypatch):
-    scene = SCENES["rectangle-on-plane"]
-    steps = Equation("vibration_acceleration", lambda *, frequency: np.floor(frequency), "none")
-    bad = Scene("bad", "bad", "none", "none", {"one": (steps,)}, "one", {"one": ()})
-    monkeypatch.setitem(plans.SCENES, scene.name, bad)
-    with pytest.raises(StudyError, match=r"vibration_acceleration.*floor"):
-        sensitivities(
-            scene.name, None, ["vibration_acceleration"], {"frequency": 50.0}, ["frequency"]
-        )
-
-
 # --- simulated motion
 
 
-def test_motion_in_hop_after_hop_has_its_exact_exponents():
+def test_motion_in_hop_after_hop_has_its_known_exponents():
     # v = pi g cos(beta + gamma)/(w sin beta): -1 for frequency, 0 for amplitude (theory 13.8).
     beta, throw, w = 0.4, 3.5, 2 * math.pi * 50
     point = {
@@ -330,7 +339,7 @@ def test_motion_in_hop_after_hop_has_its_exact_exponents():
     for name, exponent in exact.items():
         one = of["conveying_velocity", name]
         assert one.logarithmic == pytest.approx(exponent, abs=1e-9)
-        assert abs(one.logarithmic - exponent) <= 1e-12 + 100 * one.error * point[name] / 0.14
+        assert abs(one.logarithmic - exponent) <= 1e-11 + 100 * one.error * point[name] / 0.14
 
 
 def test_scaling_binds_the_exponents_of_motion():

@@ -25,7 +25,7 @@ from vibrafeed.core.quantities.row import MAX_NUMBERED
 from vibrafeed.core.quantities.row import NUMBERS as OF_PARTS
 from vibrafeed.core.scenes import ALIASES, SCENES, Condition, Equation
 from vibrafeed.core.scenes.scene import Scene
-from vibrafeed.core.sweep.prepare import prepare
+from vibrafeed.core.sweep.kind import prepare
 
 READABLE = re.compile(r"[A-Z][a-z']+,? (?! )[^`\[\]]*(?<! )\.")
 """A description: it begins with a word, and has no marks of code and no units in brackets."""

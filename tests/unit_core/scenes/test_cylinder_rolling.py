@@ -10,7 +10,7 @@ from vibrafeed.core.plan.blocks import evaluate_in_blocks
 from vibrafeed.core.plan.evaluate import empty_results
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import SCENES
-from vibrafeed.core.sweep.prepare import prepare
+from vibrafeed.core.sweep.kind import prepare
 
 SCENE = "cylinder-rolling"
 DRIVE = 4e-4 * (2 * np.pi * 50) ** 2  # of 50 Hz and 0.4 mm [m s-2]

@@ -12,7 +12,7 @@ from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.quantities import REGIMES
-from vibrafeed.core.sweep.prepare import prepare
+from vibrafeed.core.sweep.kind import prepare
 from vibrafeed.core.sweep.slice import cut
 
 SQUARE = {"height": 1.0, "length": 1.0}

@@ -22,5 +22,5 @@ compiled for a sine and for other waves, which the type of `waves` tells.
 
 A sine is the wave of one harmonic, and has forms of its own: with them a cell takes 5.0 us where it
 slides and 6.6 us where it hops, as a wave of one harmonic 5.5 and 7.3 us, with rebounds 18 for 21
-us (the least of 15 rounds over 1,070 random cells). The derivatives stand on them, too.
+us (the least of 15 rounds over 1,070 random cells).
 """

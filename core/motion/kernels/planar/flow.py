@@ -261,9 +261,3 @@ def phase_to(target: float, tau: float) -> float:
     d = (target - tau) % TURN
     # What rounding put a hair before tau is at tau.
     return 0.0 if d > TURN - 1e-12 else d
-
-
-@compiled
-def arc_sine(value: float) -> float:
-    """Return the arc sine of a number, cut to [-1, 1] if rounding has put it outside."""
-    return math.asin(min(1.0, max(-1.0, value)))
