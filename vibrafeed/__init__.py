@@ -123,7 +123,7 @@ _HOMES = {
     "intake": ("load_study",),
     "materials": ("friction", "leaf_springs"),
     "motion.drive_error": ("DriveError",),
-    "motion.rates": ("effective_distance", "parts_per_minute", "velocity_for"),
+    "motion.feeding": ("effective_distance", "parts_per_minute", "velocity_for"),
     "quantities": ("QUANTITIES", "REGIMES"),
     "study": tuple(name for name in __all__ if name.endswith("Study")),
 }

@@ -286,9 +286,9 @@ class TestProblems:
     def test_everything_at_once(self):
         found = problems(
             scene="rectangle-on-plane", method="event", outputs=["conveying_velocty"],
-            tolerance=2, periods=9, parameters={"friction": None, "mass": "3 g", "betta": 3},
+            tolerance=2, max_period=9, parameters={"friction": None, "mass": "3 g", "betta": 3},
         )  # fmt: skip
-        assert "Did you mean 'max_periods'" in found["periods"]
+        assert "Did you mean 'max_periods'" in found["max_period"]
         assert "2 is too large. Write at most 1" in found["tolerance"]
         assert "Did you mean 'beta'" in found["parameters.betta"]
         assert "Did you mean 'events'" in found["method"]
