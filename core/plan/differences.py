@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.plan.equations import regimes, run_equations
+from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.plan import Plan, plan_scene
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.flags import DERIVATIVE_STATUSES
@@ -150,7 +150,7 @@ def values_of(
 
 
 def _with_counts(plan: Plan) -> tuple[Plan, tuple[str, ...]]:
-    """Return a plan that also has the counts and regimes of motion, and the names of the counts."""
+    """Return a plan that also has the counts of motion, and their names."""
     if not any(equation.takes_long for equation in plan.equations):
         return plan.part(plan.outputs), ()
     counts = tuple(name for name in COUNTS if name in plan.scene.outputs(plan.variant))
@@ -218,15 +218,13 @@ class _Model:
     watch: Watch
 
     def at(self, values: Mapping[str, Array], share: float) -> tuple[Array, Array]:
-        """Return outputs, and the counts and regimes that are the same within a regime."""
+        """Return outputs, and the counts that are the same within a regime."""
         known = run_equations(self.plan, values, self.watch.part(share))
         size = next(iter(values.values())).size
-        alike = [*(known[name] for name in self.counts), *regimes(self.plan, known).values()]
         outputs, kinds = (
-            np.reshape([np.broadcast_to(np.asarray(one, np.float64), size) for one in rows],
-                       (len(rows), size))
-            for rows in ([known[name] for name in self.outputs], alike)
-        )  # fmt: skip
+            np.reshape([np.broadcast_to(known[name], size) for name in names], (len(names), size))
+            for names in (self.outputs, self.counts)
+        )
         return outputs, kinds
 
     def derived(
