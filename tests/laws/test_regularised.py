@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from benchmarks.known_answers import MEAN_VELOCITIES
 from benchmarks.motions import regularised_motion
+from mean_velocities import MEAN_VELOCITIES
 from night import first_by_day
 from vibrafeed.core.motion.methods import regularised
 from vibrafeed.core.motion.methods.regularised import (

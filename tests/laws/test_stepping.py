@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.known_answers import MEAN_VELOCITIES
 from benchmarks.motions import (
     planar_stepped_motion,
     reference_motion,
@@ -18,6 +17,7 @@ from benchmarks.motions import (
     stepped_motion,
     stepped_path,
 )
+from mean_velocities import MEAN_VELOCITIES
 from vibrafeed.core.motion.result import STATUS
 
 GRAVITY = 9.8
