@@ -94,8 +94,8 @@ def _crowd(server: Served, requests: list[bytes], seconds: float) -> None:
             sent.discard(client)
             client.close()
             join(key.data)
-    for client in sent | {key.fileobj for key in chosen.get_map().values()}:
-        client.close()
+    for one in [*sent, *(key.fileobj for key in chosen.get_map().values())]:
+        one.close()  # type: ignore[union-attr]
 
 
 def watch(server: Served, small: str, telling: Connection) -> None:

@@ -38,7 +38,6 @@ from vibrafeed.core.quantities.flags import is_regime
 
 FOLDER = Path(__file__).parents[1] / "tests" / "known_answers"
 FILES = tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))
-GRAVITY = 9.8  # m s-2, of the mean velocities
 WITHOUT_VALUE = {"unbounded", "no_motion", "stopped", "no_pass"}
 """Valid regimes that explain a value that is not finite; all that are not valid do so too."""
 STATED = "conveying_velocity_error"
@@ -183,46 +182,3 @@ def _statuses(variables: Mapping[str, TableVariable]) -> tuple[set[str], bool]:
     last = present.get("motion_status")
     named = [last] if last is not None else list(present.values())
     return {name for flags in named for name in flags}, explained
-
-
-# --- worked mean velocities, for tests of kernels
-
-
-class MeanVelocity(SimpleNamespace):
-    """The mean velocity of a part that starts at rest on the floor; SI units, degrees."""
-
-    value: float
-    frequency: float
-    amplitude: float
-
-    @property
-    def circular_frequency(self) -> float:
-        """The circular frequency, 2 pi f [rad s-1]."""
-        return 2.0 * math.pi * self.frequency
-
-    @property
-    def scaled(self) -> float:
-        """The mean velocity in g/w, the unit of simulation methods."""
-        return self.value * self.circular_frequency / GRAVITY
-
-    def groups(self) -> dict[str, float]:
-        """Return the groups of `vibrafeed.core.motion.groups.Groups`, without those that are 0."""
-        w = self.circular_frequency
-        drive = self.amplitude * w * w / GRAVITY
-        beta, gamma = math.radians(self.beta), math.radians(self.gamma)
-        return {
-            "drive_number_along": drive * math.cos(beta),
-            "drive_number_normal": drive * math.sin(beta),
-            "gravity_number_along": math.sin(gamma),
-            "gravity_number_normal": math.cos(gamma),
-            "friction_static": self.friction_static,
-            "friction_kinetic": self.friction_kinetic,
-            "restitution": self.restitution,
-        }
-
-
-MEAN_VELOCITIES = {
-    one.title.partition(":")[0]: MeanVelocity(**one.study["parameters"], value=one.value)
-    for one in known_answers("worked-values")
-    if one.name.startswith("V-mean-velocity")
-}

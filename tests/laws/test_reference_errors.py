@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from benchmarks.honest_estimates import by_events, random_groups
-from benchmarks.known_answers import GRAVITY, MEAN_VELOCITIES
 from benchmarks.motions import reference_motion, reference_path
+from mean_velocities import GRAVITY, MEAN_VELOCITIES
 from vibrafeed.core.motion.methods.reference.polynomials import TERMS, crossings, first_fall
 from vibrafeed.core.motion.result import STATUS
 

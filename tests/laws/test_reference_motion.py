@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.known_answers import GRAVITY, MEAN_VELOCITIES
 from benchmarks.motions import reference_motion, reference_path
+from mean_velocities import GRAVITY, MEAN_VELOCITIES
 from vibrafeed.core.motion.result import STATUS
 
 NO_DRIVE: dict[str, Any] = {

@@ -8,8 +8,8 @@ import sys
 import numpy as np
 import pytest
 
-from benchmarks.known_answers import MEAN_VELOCITIES
 from benchmarks.motions import tumbling_motion, tumbling_path
+from mean_velocities import MEAN_VELOCITIES
 from vibrafeed.core.mechanics import impact
 from vibrafeed.core.motion.kernels.tumbling.geometry import corner_at, speed_scale
 from vibrafeed.core.motion.kernels.tumbling.impact import strike

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.known_answers import MEAN_VELOCITIES
 from benchmarks.motions import planar_motion, planar_path
+from mean_velocities import MEAN_VELOCITIES
 from vibrafeed.core.quantities import MOTION_STATUSES
 
 STATUS = {name: flag.value for name, flag in MOTION_STATUSES.items()}
