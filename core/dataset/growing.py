@@ -111,7 +111,7 @@ class GrowingNetcdf:
         assert self._file is not None
         if (
             index != self.done
-        ):  # the tile before could not be written: this one would take its place
+        ):  # it would take the place of one that failed
             raise VibrafeedError(f"tile {index:,} cannot follow {self.done:,} tiles")
         lengths, checksum = self._file.write(self.tiles[index], arrays)
         self._journal.add({"lengths": lengths, "checksum": checksum, "seconds": seconds})
