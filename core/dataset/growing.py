@@ -109,9 +109,7 @@ class GrowingNetcdf:
             If it is not the next tile.
         """
         assert self._file is not None
-        if (
-            index != self.done
-        ):  # it would take the place of one that failed
+        if index != self.done:  # it would take the place of one that failed
             raise VibrafeedError(f"tile {index:,} cannot follow {self.done:,} tiles")
         lengths, checksum = self._file.write(self.tiles[index], arrays)
         self._journal.add({"lengths": lengths, "checksum": checksum, "seconds": seconds})
