@@ -122,7 +122,7 @@ def run(
         typer.Option(
             min=1,
             help="Number of shares into which --scheduler divides the sweep, by default set by "
-            "the size of the sweep; or of those to join, if there are several.",
+            "the size of the sweep; or of those to join in an object store.",
         ),
     ] = None,
 ) -> None:

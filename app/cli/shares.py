@@ -128,8 +128,8 @@ def join_if_there(
     if len(studies) > 1:
         return None
     ((path, target),) = targets.items()
-    with report_errors(path, target):
-        counts = counts_of(target)
+    asked = set() if count is None else {count}  # an object store is not looked at unasked
+    counts = asked if "://" in target else counts_of(target)
     if not counts:
         return None
     if count is None and len(counts) > 1:

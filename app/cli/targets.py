@@ -20,10 +20,7 @@ from vibrafeed.core.dataset.formats import (
     write_result,
 )
 from vibrafeed.core.errors import LimitError, MissingPackageError, Problem
-from vibrafeed.core.kinds import is_whole
-from vibrafeed.core.plan.sample import LEFT_OUT
 from vibrafeed.core.suggestions import nearest
-from vibrafeed.core.sweep.targets import attributes_there, is_complete, is_zarr
 
 if TYPE_CHECKING:
     from vibrafeed.core.dataset.table import Table
@@ -175,6 +172,8 @@ def complete_already(
     force : bool
         True to replace any existing file; a Zarr group, which is a folder, is never replaced.
     """
+    from vibrafeed.core.sweep.targets import is_complete, is_zarr
+
     problems: dict[Path, Sequence[Problem]] = {}
     complete = []
     for path, target in targets.items():
@@ -200,6 +199,8 @@ def refuse_others(
     `studies` and `targets` are by the study's file; `force` allows it. The shards of a Zarr group
     are checked one by one where they are computed.
     """
+    from vibrafeed.core.sweep.targets import is_zarr
+
     files = {path: target for path, target in targets.items() if not is_zarr(target)}
     complete_already(studies, files, resume=True, force=force)
 
@@ -209,6 +210,10 @@ def _is_whole(prepared: Prepared, target: str) -> bool:
 
     `target` is the path of the result; `prepared` is its study.
     """
+    from vibrafeed.core.kinds import is_whole
+    from vibrafeed.core.plan.sample import LEFT_OUT
+    from vibrafeed.core.sweep.targets import attributes_there
+
     if not prepared.keeps_some:  # it may be large, and is written when it is computed
         return LEFT_OUT not in attributes_there(target)
     return is_whole(read_result(target))

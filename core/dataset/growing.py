@@ -20,6 +20,7 @@ from vibrafeed.core.dataset.chunks import ChunkFile
 from vibrafeed.core.dataset.files import Behind, partial, settle
 from vibrafeed.core.dataset.journal import Journal
 from vibrafeed.core.dataset.layout import Tiles
+from vibrafeed.core.errors import VibrafeedError
 from vibrafeed.core.system import sync
 
 # Written bytes, or seconds, after which a thread waits until the disk has them, while more are
@@ -101,8 +102,15 @@ class GrowingNetcdf:
             The values of each array in the tile.
         seconds : float
             Computing time of all tiles so far [s].
+
+        Raises
+        ------
+        VibrafeedError
+            If it is not the next tile.
         """
         assert self._file is not None
+        if index != self.done:  # it would take the place of one that failed
+            raise VibrafeedError(f"tile {index:,} cannot follow {self.done:,} tiles")
         lengths, checksum = self._file.write(self.tiles[index], arrays)
         self._journal.add({"lengths": lengths, "checksum": checksum, "seconds": seconds})
         self.done += 1

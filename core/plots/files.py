@@ -17,6 +17,7 @@ from vibrafeed.core.plots.fixed import read_fixed
 from vibrafeed.core.plots.pictures import PlotError, unreadable
 
 DPI = 150  # dots per inch of a PNG
+MOVING = (".gif", ".mp4")  # of which `animate` writes the first
 FORMATS = {".png": "png", ".svg": "svg", ".pdf": "pdf"}
 METADATA: Mapping[str, dict[str, str | None]] = {
     "png": {"Software": "vibrafeed"},
@@ -60,7 +61,7 @@ def draw_file(
         is left behind.
     """
     files = [file] if isinstance(file, Path) else list(file)
-    moving = kind == "animation" or any(target.suffix.lower() == ".gif" for target in targets)
+    moving = kind == "animation" or any(target.suffix.lower() in MOVING for target in targets)
     if moving:
         _animate_file(files, targets, (variable, axes, at), kind, slow, look)
         return
@@ -130,7 +131,7 @@ def check_format(target: Path) -> None:
     """Raise `PlotError` if pictures cannot be saved in the format of a file name."""
     if target.suffix.lower() not in FORMATS:
         message = f"'{target.suffix}': unknown picture format"
-        fix = "End the name of the picture in .png, .svg or .pdf, of a motion in .gif"
+        fix = "End the name of the picture in .png, .svg or .pdf"
         raise PlotError("output", message, fix)
 
 

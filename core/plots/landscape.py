@@ -206,7 +206,8 @@ def _held(problem: OptimisationProblem, best: xarray.Dataset) -> Array:
 
 
 def _fact(name: str, value: float, units: ShownUnits) -> str:
-    return held_at(_array(name, np.asarray(from_si(name, value), dtype=np.float64)), units)
+    written = np.asarray(from_si(name, np.asarray(value)), dtype=np.float64)
+    return held_at(_array(name, written), units)
 
 
 def _computed(

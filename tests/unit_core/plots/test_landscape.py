@@ -80,7 +80,8 @@ def test_the_star_stands_at_the_best_of_what_is_drawn(picture):
     from vibrafeed.core.plots.landscape import _computed
     from vibrafeed.core.study.shown import ShownUnits
 
-    shown = _computed(dataset, prepare_content(ROBUST), {}, ShownUnits())
+    prepared = prepare_content(ROBUST)
+    shown = _computed(dataset, prepared, {}, ShownUnits(), prepared.problem.names, np.zeros(2))
     allowed = np.where(
         shown.margins["throw number \N{LESS-THAN OR EQUAL TO} 1"] >= 0, shown.value, -np.inf
     )

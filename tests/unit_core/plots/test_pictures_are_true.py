@@ -26,7 +26,7 @@ from random_studies import KINDS, Content, is_reduced, random_study, shipped
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
-from vibrafeed.core.plots import draw
+from vibrafeed.core.plots import PlotError, draw
 from vibrafeed.core.plots.text import name_in_words, words
 from vibrafeed.core.quantities import MOTION_STATUSES, QUANTITIES, REGIMES
 from vibrafeed.core.study.distributions import quantiles, read_distribution
@@ -287,24 +287,6 @@ def check_map(reader: Reader, random: np.random.Generator) -> int:
     return checked
 
 
-def check_values(reader: Reader) -> int:
-    """Compare each row with the cell, computed beside another one."""
-    cell, checked = one_cell(reader.content, {}), 0
-    named = {str(one.attrs.get("long_name", words(str(key)))): str(key)
-             for key, one in reader.dataset.data_vars.items()}  # fmt: skip
-    sheet = reader.figure.axes[-1]
-    texts = [text.get_text().replace("\N{NO-BREAK SPACE}", " ") for text in sheet.texts]
-    for label, shown in zip(texts[::2], texts[1::2], strict=True):
-        name = named.get(re.sub(r" \$.*\$$", "", label), "")
-        match = re.match(r"(\N{MINUS SIGN}?[\d.]+(?:e[+\N{MINUS SIGN}-]?\d+)?)\s?(.*)$", shown)
-        if name in QUANTITIES and match and not QUANTITIES[name].words:
-            found = in_studies(number_in(match[1]), unit_in(f"({match[2] or '1'})"))
-            # Four digits are shown.
-            assert found == pytest.approx(float(cell[name]), rel=6e-4, abs=1e-15), (label, shown)
-            checked += 1
-    return checked
-
-
 def check_motion(reader: Reader) -> int:
     """Compare what the part has gained over a cycle with its mean velocity."""
     single = {k: v for k, v in reader.content.items() if k not in ("trajectory", "duration")}
@@ -376,7 +358,7 @@ def check_distribution(reader: Reader) -> int:
 
 
 def check_objective(reader: Reader, random: np.random.Generator) -> int:
-    """Compare points of the objective along a variable with studies at these points."""
+    """Compare a point of the objective along a single variable with a study at that point."""
     content, checked = reader.content, 0
     criterion = content["criterion"]
     if criterion["kind"] not in ("maximise", "minimise") or content.get("uncertain"):
@@ -385,7 +367,7 @@ def check_objective(reader: Reader, random: np.random.Generator) -> int:
     names = [str(name).removeprefix("best_") for name in dataset.data_vars
              if str(name).startswith("best_")]  # fmt: skip
     best = {name: float(dataset[f"best_{name}"]) for name in names}
-    if len(names) == 2 or (len(names) > 1 and not np.isfinite([*best.values()]).all()):
+    if len(names) > 1:  # a map
         return 0
     motion = "motion_method" in dataset.attrs
     base = {"kind": "simulate" if motion else "sweep", "scene": content["scene"],
@@ -464,8 +446,6 @@ def judge(content: Content, dataset: xarray.Dataset, figure: Figure, random: Any
         return check_objective(reader, random)
     if content["kind"] in ("optimise", "sensitivity"):
         return check_copies(reader, random)
-    if title == "Values of one design":
-        return check_values(reader)
     if not reader.output or not reader.across:
         return 0
     if reader.up:
@@ -514,7 +494,12 @@ def test_what_is_drawn_is_what_the_title_says(kind: str):
         if is_reduced(content):
             content.pop("reduce")
         dataset = result_of(content)
-        figure = draw(dataset)
+        try:
+            figure = draw(dataset)
+        except PlotError:  # one value of each output
+            if any(one.size > 1 for one in dataset.data_vars.values()):
+                raise
+            continue
         drawn += 1
         try:
             compared += judge(content, dataset, figure, random)

@@ -147,6 +147,13 @@ def test_two_runs_do_not_write_one_file(sweep, tmp_path):
     one.close()
 
 
+def test_a_tile_never_takes_the_place_of_one_that_could_not_be_written(sweep, tmp_path):
+    target = open_target(tmp_path / "a.nc", sweep, outline_table(sweep))
+    with pytest.raises(VibrafeedError, match="tile 1 cannot follow 0 tiles"):
+        target.write(1, Tiled(sweep).values(target.tiles[1]), 0.0)
+    target.close()
+
+
 def test_a_tile_that_differs_from_what_was_verified_is_an_error(sweep, tmp_path, monkeypatch):
     plain = Tiled.values
     monkeypatch.setattr(
