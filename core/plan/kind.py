@@ -2,18 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.prepared import Chosen, Prepared
-from vibrafeed.core.plan.sketch import Sketch
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.study.grid_study import Study
 from vibrafeed.core.watch import Watch
+
+
+class Sketch(NamedTuple):
+    """The names in a study, or in content that is no sound study yet.
+
+    Attributes
+    ----------
+    scene : str
+        Its scene.
+    variant, method : str or None
+        What it chooses, if anything.
+    outputs : collection of str
+        The outputs that it asks for.
+    names : collection of str
+        The parameters that it gives or leaves open, wherever they stand.
+    """
+
+    scene: str
+    variant: str | None
+    method: str | None
+    outputs: Collection[str]
+    names: Collection[str]
 
 
 @dataclass(frozen=True)

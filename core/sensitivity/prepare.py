@@ -15,10 +15,10 @@ from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.systems import CONTACTS, methods_of
 from vibrafeed.core.optimise.prepare import choose_problem_scene
 from vibrafeed.core.plan.grid import Grid, to_si
+from vibrafeed.core.plan.kind import Sketch
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.plan.prepared import Chosen, Prepared, locate_problem, plan_study
 from vibrafeed.core.plan.price import Price, price
-from vibrafeed.core.plan.sketch import Sketch
 from vibrafeed.core.plan.statistics import LEVELS
 from vibrafeed.core.quantities import FLAGS, REGIMES
 from vibrafeed.core.sensitivity.budget import Budget
