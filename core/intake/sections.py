@@ -16,7 +16,6 @@ from vibrafeed.core.study.section_names import CRITERIA, DRIVE_ANGLES
 
 
 def _parameter_names(parameters: Any, known: Collection[str]) -> Iterable[str]:
-    """Return the names of the parameters in a section."""
     del known
     return map(str, parameters) if isinstance(parameters, Mapping) else ()
 
@@ -32,19 +31,16 @@ def _open(variables: Any, known: Collection[str]) -> Iterable[str]:
 
 
 def _asked(outputs: Any) -> Iterable[str]:
-    """Return the names of the outputs."""
     return outputs if isinstance(outputs, list | tuple) else ()
 
 
 def _looked_for(criterion: Any) -> Iterable[str]:
-    """Return the names of the outputs in a criterion: its objective, and what it trades against."""
     found = criterion if isinstance(criterion, Mapping) else {}
     names = (found.get("output", "acceleration_x"), found.get("against"))
     return (name for name in names if isinstance(name, str))
 
 
 def _no_key_of_reduce(stranger: Stranger) -> Problem:
-    """Return the problem of an unknown key of the section `reduce`, or of its level set."""
     part = LevelSet if len(stranger.path) > 2 else Reduction
     fix = stranger.suggest(stranger.name, part.model_fields)
     return Problem(stranger.place, f"'{stranger.name}' is not a key of the section reduce", fix)
@@ -109,7 +105,6 @@ def words_in(content: Any) -> dict[str, str]:
 
 
 def _rows(rows: list[Any] | tuple[Any, ...]) -> tuple[list[Any], list[Problem]]:
-    """Return rows of observations with letters, and the problems of the first row that has any."""
     letters, problems = list[Any](), list[Problem]()
     for number, row in enumerate(rows, 1):
         faults: list[Problem] = []
@@ -121,7 +116,6 @@ def _rows(rows: list[Any] | tuple[Any, ...]) -> tuple[list[Any], list[Problem]]:
 
 
 def _reduction(raw: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the section `reduce` with letters for the axes that it names."""
     letters = {name: _names(part) if name == "over" else part for name, part in raw.items()}
     levels = raw.get("levels")
     if isinstance(levels, Mapping):
@@ -135,7 +129,6 @@ def _reduction(raw: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _names(raw: Any) -> Any:
-    """Return a name, or a list of names, with letters in place of words; anything else as it is."""
     if isinstance(raw, list | tuple):
         return [*map(_names, raw)]
     return letter_of(raw) if isinstance(raw, str) else raw

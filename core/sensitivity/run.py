@@ -178,7 +178,6 @@ def _variables(evaluator: _Evaluator) -> Arrays:
 
 
 def _first(values: Mapping[str, Array]) -> dict[str, Array]:
-    """Return the first value of every array."""
     return {name: one[:1] for name, one in values.items()}
 
 
@@ -298,5 +297,4 @@ def _coordinates(prepared: Sensitivity) -> dict[str, TableVariable]:
 
 
 def _distributions(prepared: Sensitivity) -> str:
-    """Return the distributions as JSON text, in the units of studies."""
     return json.dumps({name: one.canonical() for name, one in prepared.uncertain.items()})
