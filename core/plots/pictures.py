@@ -137,10 +137,6 @@ PICTURES = {
             _has_uncertain_parameters,
         ),
         Picture(
-            "effects", "effects of parameters after Morris", "uncertain", ONE_DESIGN,
-            _has_uncertain_parameters,
-        ),
-        Picture(
             "tornado", "what each tolerance does by itself", "uncertain", ONE_DESIGN,
             _has_uncertain_parameters,
         ),

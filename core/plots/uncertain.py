@@ -1,4 +1,4 @@
-"""Pictures of a study of uncertain parameters: distribution, indices, effects, tolerances."""
+"""Pictures of a study of uncertain parameters: distribution, indices, tolerances."""
 
 from __future__ import annotations
 
@@ -34,14 +34,12 @@ from vibrafeed.core.suggestions import suggestion
 NEEDED = {
     "distribution": "distribution",
     "indices": "total",
-    "effects": "effect",
     "tornado": "at_upper",
 }
 """The variable, by the last part of its name, that a kind of picture is of."""
 ANALYSIS = {
     "distribution": "distribution",
     "indices": "sobol",
-    "effects": "morris",
     "tornado": "budget",
 }
 LEFT_OUT = "_left_out"
@@ -155,7 +153,7 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """Return a picture of a study with uncertain parameters, for one output at one design.
 
-    The kind of picture is `options.kind`: distribution, indices, effects or tornado.
+    The kind of picture is `options.kind`: distribution, indices or tornado.
 
     Raises
     ------
@@ -375,43 +373,6 @@ def _draw_indices(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
     return f"Where the variance of the {in_sentence(result.label)} comes from", entries, note
 
 
-def _draw_effects(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
-    """Draw Morris's diagram: mean effect of uncertain parameters and its scatter.
-
-    The effect is the change of the output when that parameter alone runs over its range. mu* is the
-    mean of its size, sigma its standard deviation over other values of the parameters: large where
-    the output is curved or parameters act together. `result` has the values at one design, in the
-    unit of the picture.
-
-    Returns
-    -------
-    tuple
-        Title of the picture, entries of its legend, and a note below it.
-    """
-    size, deviation = result.values("effect"), result.values("effect_deviation")
-    most = float(np.nanmax(size)) * (1 + 2 * PADDING)
-    high = float(np.nanmax(deviation)) * (1 + 3 * PADDING)
-    most, high = most or 1.0, max(high, most / 6)
-    axes.plot([0, most], [0, most], color=style.quiet, linestyle=":", linewidth=style.width(1.0))
-    axes.plot(size, deviation, "o", color=style.curve, markersize=style.width(8))
-    for name, x, y in zip(result.names, size, deviation, strict=True):
-        right = x > most / 2
-        axes.annotate(
-            words(name), (x, y), (-8 if right else 8, 5), textcoords="offset points",
-            ha="right" if right else "left", color=style.ink, fontsize=style.text(9.5),
-        )  # fmt: skip
-    unit = in_brackets(result.shown.unit)
-    axes.set(xlim=(0, most), ylim=(0, high))
-    axes.set_xlabel(f"Mean effect on the {in_sentence(result.label)}, mu* {unit}".rstrip())
-    axes.set_ylabel(f"Deviation of the effect, sigma {unit}".rstrip())
-    style.add_grid(axes)
-    entries = [
-        Line2D([], [], color=style.quiet, linestyle=":", label="Deviation as large as the effect")
-    ]
-    note = "High up: the effect depends on the place, by bends or by other parameters"
-    return f"Which parameters the {in_sentence(result.label)} depends on", entries, note
-
-
 def _draw_tornado(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
     """Draw a tornado diagram: how far each tolerance alone moves an output from its nominal value.
 
@@ -481,7 +442,6 @@ def _percent(share: float) -> str:
 PAINTERS: dict[str, Callable[[Axes, UncertainOutput, Style], Drawing]] = {
     "distribution": _draw_distribution,
     "indices": _draw_indices,
-    "effects": _draw_effects,
     "tornado": _draw_tornado,
 }
 """The pictures, by their kind."""
