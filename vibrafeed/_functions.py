@@ -424,7 +424,7 @@ def plot(
         Values of other dimensions, numbers in the unit of the dataset or text with a
         unit; the middle one if left out.
     kind : str, optional
-        The name of a picture: posterior, speeds, residuals, distribution, indices,
+        The name of a picture: posterior, speeds, residuals, distribution, indices, effects,
         tornado, front, positions, trajectory, animation, landscape, profiles, values, line, map,
         contour, levels, surface, thresholds or parallel; the first that fits if left out.
     title : str, optional
