@@ -26,7 +26,7 @@ from vibrafeed.core.plan.pieces import (
     cells_of,
     cells_of_piece,
     join,
-    price,
+    run_cost,
 )
 from vibrafeed.core.plan.prepared import Box, Prepared
 from vibrafeed.core.watch import Watch
@@ -92,7 +92,7 @@ class Pieces:
             return kinds.tabulate(self._prepared, watch)
         table = carry_out(self._prepared, self._compute, self._kind.label, watch)
         seconds = float(table.price["elapsed_seconds"]) + self._spent
-        return table.with_price(price(cells_of(self._prepared, table), seconds))
+        return table.with_price(run_cost(cells_of(self._prepared, table), seconds))
 
     def remove(self) -> None:
         """Remove the stored pieces, which are in the result or no longer needed."""

@@ -359,7 +359,6 @@ class Admission:
             self._note(who, "share" if shared else "unshare", key)
 
     def _note(self, who: Key, action: audit.Action, object_: str) -> None:
-        """Write an entry about a key's action on an object into the audit log."""
         audit.note(self.ledger.database, who.name, action, object_)
 
     def make_room(self, key: str, needed: int, who: Key = NOBODY) -> None:
@@ -422,7 +421,6 @@ def is_readable(job: Job, who: Key) -> bool:
 
 
 def _check_owner(job: Job, who: Key) -> None:
-    """Raise `NotOwnerError` if a key neither owns a job nor is an admin's."""
     if not who.sees_all and job.owner != who.name:
         raise NotOwnerError(
             "This job or sweep is shared with you for reading; only its owner may change it."

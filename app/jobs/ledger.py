@@ -82,7 +82,6 @@ class Ledger:
         return None
 
     def _read(self, statement: Select[*tuple[Any, ...]]) -> list[Row[*tuple[Any, ...]]]:
-        """Return the rows of a query."""
         return self.database.read(statement)
 
     # --- what clients do
@@ -447,7 +446,6 @@ class Ledger:
 
 
 def _is_free(now: float) -> ColumnElement[bool]:
-    """Return the SQL condition of items without a valid lease."""
     return WORK.c.owner.is_(None) | (WORK.c.lease < now)
 
 
@@ -473,5 +471,4 @@ def _work(row: Row[*tuple[Any, ...]], owner: str) -> Work:
 
 
 def _claimed(work: Work) -> ColumnElement[bool]:
-    """Return the SQL condition of the item that a lease belongs to."""
     return (WORK.c.key == work.key) & (WORK.c.owner == work.owner)

@@ -305,5 +305,4 @@ class Runner:
 
 
 def _problem(status: int, kind: str, title: str, detail: object) -> dict[str, Any]:
-    """Return the fields of a problem document."""
     return {"status": status, "kind": kind, "title": title, "detail": str(detail)}

@@ -90,7 +90,6 @@ def execute_at_once(
 
 @lru_cache(maxsize=KEPT)
 def _sweep(text: str) -> Prepared:
-    """Return the prepared sweep of a canonical study; a process keeps the last ones."""
     return prepare_content(orjson.loads(text))
 
 

@@ -380,7 +380,6 @@ def _coordinates(
 
 
 def _unknown_attributes(unknown: Any) -> dict[str, Any]:
-    """Return unit and label of an unknown as attributes."""
     return {"units": unknown.unit, "long_name": unknown.label}
 
 

@@ -13,8 +13,7 @@ from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.intake.messages import problems_of
 from vibrafeed.core.intake.recorded import channel_questions, tilt_questions
 from vibrafeed.core.intake.section import Stranger
-from vibrafeed.core.intake.sections import SECTIONS
-from vibrafeed.core.intake.words import in_letters, words_in
+from vibrafeed.core.intake.sections import SECTIONS, in_letters, words_in
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plan.kind import Sketch
 from vibrafeed.core.plan.plan import plan_scene, scene_parameters

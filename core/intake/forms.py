@@ -17,8 +17,7 @@ from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.intake.keywords import KEYS
 from vibrafeed.core.intake.observed import read_rows
 from vibrafeed.core.intake.posteriors import with_posteriors
-from vibrafeed.core.intake.sections import SECTIONS
-from vibrafeed.core.intake.words import in_letters
+from vibrafeed.core.intake.sections import SECTIONS, in_letters
 from vibrafeed.core.measured.read import decoded
 
 SERVICE: Final = "http://127.0.0.1:8000"

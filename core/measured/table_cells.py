@@ -47,6 +47,5 @@ def read_cells(path: Path) -> tuple[list[list[str]], list[str]]:
 
 
 def _with_point(cell: str) -> str:
-    """Return a number, perhaps with a unit, with a decimal point for the comma; else the text."""
     found = _NUMBER.fullmatch(cell.strip())
     return found[1].replace(",", ".") + (found[2] or "") if found else cell

@@ -180,7 +180,6 @@ def product(first: Matrix, second: Matrix) -> Matrix:
 
 
 def _sum(terms: Sequence[Array]) -> Array:
-    """Return the sum of arrays, which may broadcast, in their order; `terms` has at least one."""
     total = terms[0]
     for term in terms[1:]:
         total = total + term

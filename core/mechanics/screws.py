@@ -360,7 +360,6 @@ def newton_euler(
 
 
 def _about(point: Array, resultant: Array, moment: Array) -> Array:
-    """Return the moment of a screw about a point that is given from the present reference point."""
     return moment + cross(resultant, point)
 
 

@@ -165,7 +165,6 @@ def _twice(own: Mapping[str, Sequence[int]], names: Collection[str]) -> Iterator
 
 
 def _without_bowl(name: str) -> Problem:
-    """Return the problem of stretches in a study whose track is not on a bowl drive unit."""
     message = "stretches belong to the track of a bowl on its drive unit"
     return Problem(
         f"parameters.{name}",
@@ -428,7 +427,6 @@ class AlongTrack:
     def _location(
         self, known: dict[str, Array], cell: NDArray[np.intp], stretch: NDArray[np.intp], at: Array
     ) -> tuple[Stretches, Array]:
-        """Return the stretches of cells, and the share of the whole track at that of a stretch."""
         stretches = self.track.stretches(**{name: known[name][cell] for name in self.track.inputs})
         ends, rows = np.stack(bounds(stretches)), np.arange(len(cell))
         low, high = ends[stretch, rows], ends[stretch + 1, rows]
@@ -438,7 +436,6 @@ class AlongTrack:
         self, known: dict[str, Array], settings: dict[str, Any], cell: NDArray[np.intp],
         stretch: NDArray[np.intp], at: Array,
     ) -> Speeds:  # fmt: skip
-        """Return the mean velocities of parts at shares `at` of stretches, all of shape (n,)."""
         stretches, fraction = self._location(known, cell, stretch, at)
         here = {name: value[cell] for name, value in known.items()} | settings
         found = run(self.way, {**here, "stretches": stretches, "track_fraction": fraction})
@@ -447,7 +444,6 @@ class AlongTrack:
         return Speeds(cell, stretch, at, length, *motion)
 
     def _doubtful(self, speeds: Speeds) -> Mask:
-        """True where an interval may spoil time or least velocity of its cell, of shape (n,)."""
         intervals, cell = intervals_of(speeds), speeds.cell
         start = np.flatnonzero(np.diff(cell, prepend=-1))
         time = np.add.reduceat(intervals.time, start)[cell]

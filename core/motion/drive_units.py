@@ -50,7 +50,6 @@ class HalfWave:
         "drive_factor",
     )
     defaults: ClassVar = {"alpha": 0.0, "drive_factor": 1.0}
-    orders = 2
 
     def wave(self, **inputs: Any) -> Wave:
         """Return the drive of a track under a force with a second harmonic, such as a magnet's.

@@ -54,10 +54,6 @@ class Shape(Protocol):
     def defaults(self) -> dict[str, float]:
         """Default values of the quantities that a study may omit, SI units."""
 
-    @property
-    def orders(self) -> int:
-        """The highest harmonic order, 1 for steps; the computing time of a motion depends on it."""
-
     def wave(self, **inputs: Array) -> Wave:
         """Return the wave for these quantities, arrays in SI units that broadcast."""
 
@@ -88,11 +84,6 @@ class Harmonics:
         """Default values of the phases, 0, and of the factor of the drive, 1."""
         return {"drive_factor": 1.0, **{f"phase_{axis}_{k}": 0.0 for axis, k in self.terms}}
 
-    @property
-    def orders(self) -> int:
-        """The highest harmonic order."""
-        return max(k for _, k in self.terms)
-
     def wave(self, **inputs: Array) -> Wave:
         """Return the drive of harmonics: push k^2 w^2 A_k sin(k tau + phi_k)/g on each axis.
 
@@ -102,7 +93,7 @@ class Harmonics:
         """
         inputs = _aligned(inputs)
         shape = np.broadcast_shapes(*(value.shape for value in inputs.values()))
-        harmonics = np.zeros((3, 2, self.orders, *shape))
+        harmonics = np.zeros((3, 2, max(k for _, k in self.terms), *shape))
         unit = inputs["drive_factor"] * np.square(TURN * inputs["frequency"]) / inputs["gravity"]
         for axis, k in self.terms:
             size = k * k * inputs[f"amplitude_{axis}_{k}"] * unit
@@ -126,7 +117,6 @@ class Steps:
 
     count: int
     levels: tuple[tuple[str, int], ...]
-    orders = 1
 
     @property
     def closing(self) -> dict[str, int]:

@@ -247,7 +247,6 @@ class PartLoad:
         return mass, damping, motion.multiple > 0
 
     def _placed(self, known: Mapping[str, Array]) -> dict[str, Any]:
-        """Return the known quantities, evaluated at the position of the load."""
         return {**known, **(self.location(known) if self.location else {})}
 
     def _of_cells(self, known: dict[str, Array]) -> Load:
@@ -309,7 +308,6 @@ class PartLoad:
         return curve
 
     def _loads(self, known: dict[str, Array], cell: NDArray[np.intp], at: Array) -> LoadCurve:
-        """Return the load of parts at logarithms `at` of the amplitude, in the cells `cell`."""
         here = {name: value[cell] for name, value in known.items()}
         mass, damping, repeats = self.carried(here, np.exp(at))
         return LoadCurve(cell, at, mass, damping, self._left(here, mass, damping, at), repeats)
@@ -435,13 +433,11 @@ class PartLoad:
 
 
 def _elementwise() -> ModuleType:
-    """Return scipy's searches on arrays: every study of motion knows of them, few need them."""
     from scipy.optimize import elementwise
 
     return elementwise
 
 
 def _cut(columns: list[Array]) -> Iterator[list[Array]]:
-    """Yield the columns in pieces of `PIECE` cells."""
     for start in range(0, len(columns[0]), PIECE):
         yield [column[start : start + PIECE] for column in columns]

@@ -69,7 +69,7 @@ def carry_out(
     computed = compute(prepared, watch.part(share))
     seconds = time.perf_counter() - started - (stopwatch.spent - compiling)
     table = label(prepared, computed, watch.part(1 - share))
-    return table.with_price(price(cells_of(prepared, table), seconds))
+    return table.with_price(run_cost(cells_of(prepared, table), seconds))
 
 
 def cells_of(prepared: Prepared, table: Table) -> int:
@@ -81,7 +81,7 @@ def cells_of(prepared: Prepared, table: Table) -> int:
     return int(table.attributes.get(FOLLOWED, prepared.cells))
 
 
-def price(cells: int, seconds: float) -> dict[str, float]:
+def run_cost(cells: int, seconds: float) -> dict[str, float]:
     """Return the cost of a run as attributes of its result."""
     return {"elapsed_seconds": seconds, "cells_per_second": cells / max(seconds, 1e-9)}
 

@@ -44,7 +44,6 @@ def _phase(axis: str, order: int) -> Quantity:
 
 
 def _times(order: int) -> str:
-    """Return the frequency of a harmonic in words."""
     return "the drive frequency" if order == 1 else f"{order} times the drive frequency"
 
 

@@ -20,7 +20,6 @@ def _turns(n: int) -> Quantity:
 
 
 def _radius(n: int) -> Quantity:
-    """Return the quantity of the radius at the end of stretch n."""
     return length(
         f"R_{n}", f"Radius, end of stretch {n}", f"Radius at the end of stretch {n}.", "150 mm"
     )
@@ -60,7 +59,6 @@ OF_STRETCHES = {
 
 
 def _fraction(label: str, says: str, example: str) -> Quantity:
-    """Return the quantity of a share of the track's length."""
     return Quantity("1", "x", label, says, 0.0, 1.0, parameter=True, examples=(example,))
 
 
@@ -131,7 +129,6 @@ def _input(
 
 
 def _offset(symbol: str, label: str, says: str) -> Quantity:
-    """Return the quantity of an input distance, positive or negative."""
     return Quantity("m", symbol, label, says, parameter=True, examples=("0 mm",), usual=(1e-5, 5.0))
 
 

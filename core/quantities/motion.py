@@ -14,7 +14,6 @@ DIRECTIONS: dict[str, Flag] = {
 
 
 def _fraction(label: str, description: str) -> Quantity:
-    """Return the quantity of a share of the period."""
     return Quantity("1", "", label, f"Share of the period in which {description}.")
 
 

@@ -225,12 +225,10 @@ def _shares() -> dict[str, Quantity]:
 
 
 def _rate(symbol: str, label: str, says: str) -> Quantity:
-    """Return the quantity of a number of parts per minute."""
     return Quantity("min-1", symbol, label, says)
 
 
 def _ends() -> dict[str, Quantity]:
-    """Return the declarations of both ends of what the shares leave open, by name."""
     quantities = {}
     for name, (unit, symbol, words) in {
         "yield": ("1", "eta", "yield"),

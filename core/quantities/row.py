@@ -11,7 +11,6 @@ MAX_PARTS = 64
 
 
 def _of_part(n: int) -> str:
-    """Return the name of a row's part in words."""
     return f"part {n} of a row" + (", the rearmost" if n == 1 else "")
 
 

@@ -21,7 +21,7 @@ from vibrafeed.core.dataset.netcdf import write_netcdf
 from vibrafeed.core.dataset.table import Table, TableVariable, quantity_attributes
 from vibrafeed.core.errors import Problem
 from vibrafeed.core.plan.labels import coordinates_of
-from vibrafeed.core.plan.pieces import Computed, price
+from vibrafeed.core.plan.pieces import Computed, run_cost
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.plan.price import in_words
 from vibrafeed.core.plan.shares import ARRAYS, Shares
@@ -215,7 +215,7 @@ class ReducedShares(Shares):
         self._check(watch)
         computed = self.whole.joined(self._states(records))
         table = self.whole.label(computed, watch)
-        return table.with_price(price(self.cells, sum(one["seconds"] for one in records)))
+        return table.with_price(run_cost(self.cells, sum(one["seconds"] for one in records)))
 
     def _computed(
         self, start: int, stop: int, watch: Watch

@@ -421,7 +421,6 @@ def _equations_with_devices(
 
 
 def _turns(least: float, largest: float) -> bool:
-    """True if both ends of a range are numbers of pairs of aspects, as a turning device needs."""
     return least in PAIRS and largest in PAIRS
 
 

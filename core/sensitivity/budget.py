@@ -91,7 +91,6 @@ class Budget:
 
     @cached_property
     def _steps(self) -> Array:
-        """The step of the finite difference for each parameter."""
         return NEAR * (self.ends[1] - self.ends[0]) / 2
 
     @cached_property

@@ -7,9 +7,8 @@ from typing import Final
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.scenes import SCENES
-from vibrafeed.core.sensitivity.labels import label
 from vibrafeed.core.sensitivity.prepare import choose, prepare
-from vibrafeed.core.sensitivity.run import compute
+from vibrafeed.core.sensitivity.run import compute, label
 from vibrafeed.core.study.sensitivity_study import SensitivityStudy
 
 KIND: Final = Kind(

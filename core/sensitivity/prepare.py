@@ -210,7 +210,6 @@ def choose(sketch: Sketch) -> Chosen:
 
 
 def _span(name: str, distribution: Distribution) -> Values:
-    """Return the range of a parameter's values, for checking constraints."""
     lower, upper = tolerance(name, distribution)
     return Span(lower, upper, 2) if lower < upper else Fixed(nominal(distribution))
 

@@ -74,12 +74,10 @@ def read_error(output: str, raw: object, value: float) -> float:
 
 
 def _none_or(read: Callable[[object], float], raw: object) -> float | None:
-    """Return a value in its quantity's unit, as `read` has it; None for none."""
     return None if raw is None else read(raw)
 
 
 def _observed_schema(name: str) -> dict[str, Any]:
-    """Return the JSON Schema of a measured output."""
     return {**_WRITTEN, "description": f"What was measured: {QUANTITIES[name].description}"}
 
 

@@ -81,7 +81,6 @@ def factor_between(text: str, own: str) -> Fraction | None:
 
 @lru_cache(512)
 def _read(text: str) -> tuple[Fraction, Dimensions] | None:
-    """Return the size of a unit in SI, and its dimensions; None if it is not in our words."""
     size, dimensions = Fraction(1), list(_NONE)
     start = 1 if _RECIPROCAL.match(text) else 0
     while start < len(text):
@@ -242,7 +241,6 @@ def share_of(value: float, raw: object, example: str) -> float | None:
 
 
 def _check_length(text: str) -> None:
-    """Raise `UnitError` if a text is longer than a value: it is never cut."""
     if len(text) > MAX_LETTERS:
         message = f"{_shown(text)} has {len(text):,} characters"
         raise UnitError(message, f"A value has at most {MAX_LETTERS} characters")
@@ -408,7 +406,6 @@ def _plain(unit: str) -> str:
 
 
 def _spelled(own: str, unit: str, *, with_g: bool) -> str:
-    """Return a unit in which the words that quantities of the unit `own` have are pint's."""
     compact = unit.replace(" ", "")
     if own == "m s-2" and with_g and (gravity := _GRAVITY.fullmatch(compact)):
         return f"{_PREFIXES[gravity[1]]}standard_gravity"
@@ -426,7 +423,6 @@ def _in_pint(unit: str) -> str:
 
 @functools.cache
 def _registry() -> pint.UnitRegistry[Fraction]:
-    """Return pint's unit registry with exact fractions."""
     import pint  # costs half a second, and most studies need none but the words of `unit_words`
 
     return pint.UnitRegistry(non_int_type=Fraction)

@@ -12,7 +12,7 @@ from vibrafeed.core.dataset.records import Record
 from vibrafeed.core.dataset.shards import GrowingZarr
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import StoppedError
-from vibrafeed.core.plan.pieces import price
+from vibrafeed.core.plan.pieces import run_cost
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.plan.shares import Shares, identity
 from vibrafeed.core.plan.tiles import Tiled
@@ -78,7 +78,7 @@ class Shards(Shares):
         growing = self._growing(table, history)
         try:
             told = self._check(watch, lambda record: _is_there(growing, record))
-            growing.finish(price(self.cells, sum(one["seconds"] for one in told)))
+            growing.finish(run_cost(self.cells, sum(one["seconds"] for one in told)))
         finally:
             growing.close()
         return table

@@ -23,7 +23,7 @@ from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import VibrafeedError
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan.labels import coordinates_of
-from vibrafeed.core.plan.pieces import carry_out, price
+from vibrafeed.core.plan.pieces import carry_out, run_cost
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.plan.sample import Sample, sample_of
 from vibrafeed.core.plan.tiles import Tiled
@@ -80,7 +80,7 @@ def outline_table(sweep: Prepared, watch: Watch | None = None) -> Table:
         for name, variable in first.variables.items()
     }
     attributes = {**attributes_of(sweep), **verified(sweep, values_at, watch or Watch())}
-    unknown = dict.fromkeys(price(0, 0.0), 0.0)
+    unknown = dict.fromkeys(run_cost(0, 0.0), 0.0)
     return Table(coordinates_of(sweep.plan, sweep.grid), variables, attributes, unknown)
 
 
@@ -236,7 +236,7 @@ def stream(sweep: Prepared, target: Target, watch: Watch | None = None) -> tuple
             raise
     if missing:
         return passed, False
-    target.finish(price(sweep.cells, spent()))
+    target.finish(run_cost(sweep.cells, spent()))
     return passed, True
 
 

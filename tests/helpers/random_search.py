@@ -3,7 +3,7 @@
 Posted are studies of any scene, variant, method and setting, with values inside their bounds, at
 them and just beyond. What is accepted as a job is dismissed, one of `FOLLOWED` after it has been
 followed for a while. Told are replies by status, every 5xx and every job that failed by the
-service's fault, with its study. What replies take is measured by `python -m benchmarks.prices`.
+service's fault, with its study.
 """
 
 from __future__ import annotations

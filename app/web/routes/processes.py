@@ -180,6 +180,7 @@ async def _reply_or_job(
     """
     wishes = preferences(request.headers.getlist("prefer"))
     async with slot_of(request, len(body)):
+        made: bytes | Price | None
         if name == ACCURACY or wishes.respond_async:
             made = await _price(request, name, body, settings)
         else:

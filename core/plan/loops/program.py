@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from vibrafeed.core.plan.loops.order import Order, order_of, work_of
+from vibrafeed.core.plan.loops.order import Order, order_of
 from vibrafeed.core.plan.loops.source import LONGEST_ROW, Lanes, Loop, write_loop
 from vibrafeed.core.plan.loops.trace import Graph, Node, Traced
 from vibrafeed.core.plan.operations import IN_LOOPS
@@ -60,18 +60,12 @@ class Program:
         The loops over their axes.
     stages : tuple of Stage
         What is done, one after the other.
-    work : float
-        What it takes on the whole, in additions of a row's loop.
-    calls : int
-        Values of each cell that numpy computes between loops.
     lanes : Lanes or None
         How the last loop takes cells into lanes; None if it stores them.
     """
 
     order: Order
     stages: tuple[Stage, ...]
-    work: float
-    calls: int
     lanes: Lanes | None = None
 
     @cached_property
@@ -170,10 +164,8 @@ def program_of(
         lanes = Lanes(updates, period, LONGEST_ROW // period * period, pairs)
     edge = edge_of(traced, names, shape, order.inner, most)
     results, needed = _renewed(traced, names, edge, special)
-    called = [node for node in needed if _is_called(node)]
     stages = _stages(order, needed, results, lanes)
-    taken = [node for node in needed if not _is_called(node)]
-    return Program(order, stages, work_of(order, lengths, taken), len(called), lanes)
+    return Program(order, stages, lanes)
 
 
 def _is_called(node: Node) -> bool:
