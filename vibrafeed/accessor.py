@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 
 import xarray
 
+from vibrafeed.core import intake  # whose names load the plan
 from vibrafeed.core.dataset.formats import suffix_of, write_result
 from vibrafeed.core.dataset.regimes import judge_of, regime_shares
 from vibrafeed.core.dataset.shown import in_shown_units
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import Problem, StudyError, VibrafeedError
-from vibrafeed.core.intake import parse_json
 from vibrafeed.core.quantities.flags import REGIME
 from vibrafeed.core.study.shown import Shown, ShownUnits, read_shown
 from vibrafeed.core.study.units import UnitError
@@ -75,7 +75,7 @@ class Accessor:
         """
         if "study" not in self._dataset.attrs:
             raise VibrafeedError("The dataset holds no study: it is not a result of vibrafeed.")
-        return parse_json(str(self._dataset.attrs["study"]))
+        return intake.parse_json(str(self._dataset.attrs["study"]))
 
     def plot(
         self, *, variable: str | None = None, axes: str | tuple[str, ...] | None = None,
