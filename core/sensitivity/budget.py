@@ -148,12 +148,12 @@ class Budget:
         at_lower, at_upper, base, far_below, below, above, far_above = parts
         steps = self._steps[:, None]
         with np.errstate(invalid="ignore", divide="ignore"):
-            found = slopes_of(np.stack([far_below, below, above, far_above, base]), steps)
+            quotients = slopes_of(np.stack([far_below, below, above, far_above, base]), steps)
             half = (self.ends[1] - self.ends[0])[:, None] / 2
             whole = np.maximum(np.abs(at_lower - values[0]), np.abs(at_upper - values[0])) / half
-            near, far = np.abs(found.near), np.abs(found.apart)
+            near, far = np.abs(quotients.near), np.abs(quotients.apart)
             bends = (near <= SMOOTH * far) & (far <= BENT * whole)
-            slope = np.where(bends | (near <= EVEN * found.largest), found.slope, np.nan)
+            slope = np.where(bends | (near <= EVEN * quotients.largest), quotients.slope, np.nan)
             spread = np.array([deviation(name, one) for name, one in self.distributions.items()])
             variance = (slope * spread[:, None]) ** 2
             share = variance / variance.sum(axis=0)
