@@ -22,7 +22,7 @@ from benchmarks.motions import planar_motion
 from benchmarks.options import options
 from benchmarks.timing import timed
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.optimise.search import Points, best_points
+from vibrafeed.core.optimise.search import Candidates, best_points
 from vibrafeed.core.watch import Watch
 
 GRAVITY = 9.81
@@ -79,13 +79,13 @@ class Design:
         errors[kept] = motion.multiple == 0
         return values, errors
 
-    def judge(self, unit: Array, numbers: NDArray[np.intp]) -> Points:
+    def judge(self, unit: Array, numbers: NDArray[np.intp]) -> Candidates:
         """Judge points, shares of the bounds of shape (2, 1, n), for the search."""
         points = (self.lower[:, None] + (self.upper - self.lower)[:, None] * unit[:, 0]).T
         value, error = self.velocity_and_error(points)
         lost = np.isnan(value)
         beyond, value = np.where(lost, np.inf, 0.0), np.where(lost, -np.inf, value)
-        return Points(unit, beyond[None], value[None], error[None])
+        return Candidates(unit, beyond[None], value[None], error[None])
 
 
 def designs() -> list[Design]:

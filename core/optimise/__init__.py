@@ -1,4 +1,4 @@
-"""The best values of some parameters: exact answers, a compiled batch solver, and optimisers."""
+"""The best values of some parameters: closed forms, a search of all designs, and scipy's."""
 
 from __future__ import annotations
 

@@ -44,17 +44,17 @@ def by_scipy(
     for cell in range(cells):
         if watch.stopped():
             break
-        one = _Design(problem, chosen_cells(design, [cell]), chosen_cells(scales, [cell]),
+        single = _Design(problem, chosen_cells(design, [cell]), chosen_cells(scales, [cell]),
                       watch.part(1 / cells))  # fmt: skip
-        unit, says = one.best()
-        if watch.stopped() and (problem.is_motion or not one.ended):
+        unit, says = single.best()
+        if watch.stopped() and (problem.is_motion or not single.ended):
             break  # the points that were asked for last have no value
-        value, beyond = one.judged(unit[:, None])
+        value, beyond = single.judged(unit[:, None])
         status[cell] = statuses_of(value, beyond, TOLERANCE)[0]
         if status[cell] == STATUS["optimal"]:
             x[:, cell] = problem.inside(unit)
-        evaluations[cell] = one.evaluations
-        one.tell(1.0)
+        evaluations[cell] = single.evaluations
+        single.tell(1.0)
     return Optima(x, status, evaluations=evaluations, says=says)
 
 
@@ -114,20 +114,20 @@ class _Design:
             callback=lambda intermediate_result: self.watch.stopped(),
         )
         self.ended = not self.watch.stopped()
-        found, said = np.asarray(result.x), str(result.message)
+        point, said = np.asarray(result.x), str(result.message)
         is_smooth = not self.problem.is_motion and self.problem.uncertain is None
         if not is_smooth or not self.ended or not np.isfinite(result.fun):
-            return found, said
+            return point, said
         polished = scipy.optimize.minimize(
             lambda unit: -float(self.smooth(unit)[0]),
-            found,
+            point,
             jac="3-point",
             method="SLSQP",
             bounds=bounds,
             constraints=self.constraints(),
             options={"ftol": 1e-15, "maxiter": 200},
         )
-        both = np.clip(np.stack([found, polished.x], axis=1), 0.0, 1.0)
+        both = np.clip(np.stack([point, polished.x], axis=1), 0.0, 1.0)
         value, beyond = self.judged(both)
         place = np.lexsort((-value, np.maximum(beyond, TOLERANCE / 10)))[0]
         return both[:, place], f"{said} {polished.message}"

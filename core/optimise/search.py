@@ -58,7 +58,7 @@ MAX_GRIDDED = 4  # variables that a grid can have
 MAX_POINTS = 4_000_000  # of all designs together
 
 
-class Points(NamedTuple):
+class Candidates(NamedTuple):
     """Points of each design as shares of the bounds, shape (variables, cells, n), judged.
 
     Violation of the constraints, objective, and error of the objective have the shape (cells, n).
@@ -73,31 +73,31 @@ class Points(NamedTuple):
         """Return the index of the best point of each design, shape (cells,)."""
         return np.lexsort((-self.value, self.beyond), axis=-1)[:, 0]
 
-    def at(self, places: NDArray[np.intp]) -> Points:
+    def at(self, indices: NDArray[np.intp]) -> Candidates:
         """Return the points at indices, shape (cells, k)."""
-        rows = (np.take_along_axis(one, places, axis=1) for one in self[1:])
-        return Points(np.take_along_axis(self.unit, places[None], axis=2), *rows)
+        rows = (np.take_along_axis(one, indices, axis=1) for one in self[1:])
+        return Candidates(np.take_along_axis(self.unit, indices[None], axis=2), *rows)
 
-    def of(self, cells: Any) -> Points:
+    def of(self, cells: Any) -> Candidates:
         """Return the points of some designs."""
-        return Points(self.unit[:, cells], *(one[cells] for one in self[1:]))
+        return Candidates(self.unit[:, cells], *(one[cells] for one in self[1:]))
 
 
-Judge = Callable[[Array, NDArray[np.intp]], Points]
+Judge = Callable[[Array, NDArray[np.intp]], Candidates]
 """Takes points, shape (variables, k, n), of the designs with these k numbers, and judges them."""
 
 
-class Found(NamedTuple):
+class SearchResult(NamedTuple):
     """The result of a search: the best point of each design, shape (cells, 1), and what it took.
 
     `done`, shape (cells,), is False for a design that was not finished, which has NaN.
     """
 
-    best: Points
+    best: Candidates
     evaluations: NDArray[np.int64]
     done: NDArray[np.bool_]
 
-    def put(self, cells: Any, other: Found) -> None:
+    def put(self, cells: Any, other: SearchResult) -> None:
         """Take over another search of some designs, with the numbers `cells`."""
         self.best.unit[:, cells] = other.best.unit
         for mine, theirs in zip(self.best[1:], other.best[1:], strict=True):
@@ -106,9 +106,11 @@ class Found(NamedTuple):
         self.done[cells] = other.done
 
 
-def _nothing(variables: int, cells: int) -> Found:
+def _nothing(variables: int, cells: int) -> SearchResult:
     unit, rest = np.full((variables, cells, 1), np.nan), np.full((3, cells, 1), np.nan)
-    return Found(Points(unit, *rest), np.zeros(cells, np.int64), np.zeros(cells, np.bool_))
+    return SearchResult(
+        Candidates(unit, *rest), np.zeros(cells, np.int64), np.zeros(cells, np.bool_)
+    )
 
 
 def by_search(
@@ -159,25 +161,25 @@ def _of_piece(
 ) -> Optima:
     quiet = replace(watch, progress=None)
 
-    def judge(unit: Array, cells: NDArray[np.intp]) -> Points:
+    def judge(unit: Array, cells: NDArray[np.intp]) -> Candidates:
         here = columns(chosen_cells(design, cells)), columns(chosen_cells(scales, cells))
         value, beyond, error = problem.judged_with_error(problem.inside(unit), *here, quiet)
-        return Points(unit, beyond, value, np.broadcast_to(error, value.shape))
+        return Candidates(unit, beyond, value, np.broadcast_to(error, value.shape))
 
-    def choose(seen: Points, cell: int) -> int:
+    def choose(seen: Candidates, cell: int) -> int:
         here = chosen_cells(design, [cell]), chosen_cells(scales, [cell])
         unit, beyond, value, error = seen
         return most_reliable(problem, unit[:, 0], (value[0], beyond[0], error[0]), *here)[0]
 
-    found = best_points(
+    result = best_points(
         judge, len(problem.names), cells_of(design), watch,
         jumps=problem.is_motion, choose=choose,
     )  # fmt: skip
-    best = found.best
+    best = result.best
     status = statuses_of(best.value[:, 0], best.beyond[:, 0])
-    status = np.where(found.done, status, np.int8(STATUS["not_computed"]))
+    status = np.where(result.done, status, np.int8(STATUS["not_computed"]))
     x = np.where(status == STATUS["optimal"], problem.inside(best.unit[:, :, 0]), np.nan)
-    return Optima(x, status, evaluations=found.evaluations)
+    return Optima(x, status, evaluations=result.evaluations)
 
 
 def expected_points(variables: int) -> int:
@@ -192,8 +194,8 @@ def best_points(
     watch: Watch,
     *,
     jumps: bool = False,
-    choose: Callable[[Points, int], int] | None = None,
-) -> Found:
+    choose: Callable[[Candidates, int], int] | None = None,
+) -> SearchResult:
     """Return the best point of the unit box of each design.
 
     Where outputs jump, populations start again around the best point, in ever smaller boxes.
@@ -213,67 +215,75 @@ def best_points(
         Takes all points of such a design that were judged, and its number; returns the index of the
         one to keep. The best by default.
     """
-    found = _nothing(variables, cells)
+    result = _nothing(variables, cells)
     members = (TIMES_MOTION if jumps else 1) * (MEMBERS + 8 * variables)
     first = _first(judge, variables, np.arange(cells))
     is_rough = (first.error > 0).mean(axis=1) > ROUGH
     smooth = np.flatnonzero(~is_rough)
     if smooth.size and not watch.stopped():
         part = watch.part(smooth.size / cells)
-        one = _closed_in(
+        solved = _closed_in(
             lambda unit, numbers: judge(unit, smooth[numbers]), first.of(smooth), members, part,
             MAX_GENERATIONS, jumps=jumps,
         )  # fmt: skip
-        found.put(smooth, one)
-    for cell in np.flatnonzero(is_rough | (found.best.error[:, 0] > 0)).tolist():
+        result.put(smooth, solved)
+    for cell in np.flatnonzero(is_rough | (result.best.error[:, 0] > 0)).tolist():
         if watch.stopped():
             break
         seen = [first.of([cell])]
 
         def judge_and_keep(
-            unit: Array, _: NDArray[np.intp], cell: int = cell, seen: list[Points] = seen
-        ) -> Points:
+            unit: Array, _: NDArray[np.intp], cell: int = cell, seen: list[Candidates] = seen
+        ) -> Candidates:
             seen.append(judge(unit, np.array([cell])))
             return seen[-1]
 
         part = watch.part(is_rough[cell] / cells)
         most = ROUGH_GENERATIONS * variables
-        one = _closed_in(judge_and_keep, seen[0], members, part, most, jumps=jumps)
-        if choose is not None and one.done.all():
-            points = Points(*(np.concatenate(part, axis=-1) for part in zip(*seen, strict=True)))
-            one = one._replace(best=points.at(np.array([[choose(points, cell)]])))
-        found.put([cell], one)
-    return found
+        solved = _closed_in(judge_and_keep, seen[0], members, part, most, jumps=jumps)
+        if choose is not None and solved.done.all():
+            points = Candidates(
+                *(np.concatenate(part, axis=-1) for part in zip(*seen, strict=True))
+            )
+            solved = solved._replace(best=points.at(np.array([[choose(points, cell)]])))
+        result.put([cell], solved)
+    return result
 
 
 def _closed_in(
-    judge: Judge, first: Points, members: int, watch: Watch, most: int, *, jumps: bool
-) -> Found:
+    judge: Judge, first: Candidates, members: int, watch: Watch, most: int, *, jumps: bool
+) -> SearchResult:
     variables, cells, _ = first.unit.shape
     every = np.arange(cells)
     share = 0.7 if jumps else 1.0
-    found = _evolved(judge, _chosen(first, members), every, watch.part(share), most, jumps=jumps)
-    found.evaluations[:] += first.unit.shape[2]
+    result = _evolved(judge, _chosen(first, members), every, watch.part(share), most, jumps=jumps)
+    result.evaluations[:] += first.unit.shape[2]
     random = np.random.default_rng(SEED + 1)
     for width in CLOSER if jumps else ():
-        again = every[found.done]
+        again = every[result.done]
         if not again.size or watch.stopped():
             break
         away = width * random.uniform(-1, 1, (variables, 1, MEMBERS + 8 * variables))
         away[:, :, 0] = 0.0
-        start = judge(np.clip(found.best.unit[:, again] + away, 0.0, 1.0), again)
+        start = judge(np.clip(result.best.unit[:, again] + away, 0.0, 1.0), again)
         part = watch.part((1 - share) / len(CLOSER))
-        found.evaluations[again] += start.unit.shape[2]
-        found.put(again, _evolved(judge, start, again, part, most, jumps=jumps))
-    return found
+        result.evaluations[again] += start.unit.shape[2]
+        result.put(again, _evolved(judge, start, again, part, most, jumps=jumps))
+    return result
 
 
 def _evolved(
-    judge: Judge, start: Points, cells: NDArray[np.intp], watch: Watch, most: int, *, jumps: bool
-) -> Found:
+    judge: Judge,
+    start: Candidates,
+    cells: NDArray[np.intp],
+    watch: Watch,
+    most: int,
+    *,
+    jumps: bool,
+) -> SearchResult:
     variables, count, members = start.unit.shape
     random = np.random.default_rng(SEED)
-    found = _nothing(variables, count)
+    result = _nothing(variables, count)
     alive, points, reported = np.arange(count), start, 0.0
     for generation in range(1, most + 1):
         if watch.stopped():
@@ -284,7 +294,7 @@ def _evolved(
         better = (new.beyond < points.beyond) | (
             (new.beyond == points.beyond) & (new.value >= points.value)
         )
-        points = Points(*(np.where(better, *two) for two in zip(new, points, strict=True)))
+        points = Candidates(*(np.where(better, *two) for two in zip(new, points, strict=True)))
         widths = (points.unit.max(axis=2) - points.unit.min(axis=2)).max(axis=0)
         last = generation == most
         orders = np.log(np.clip(widths, SMALL, 1.0)) / np.log(SMALL)
@@ -301,15 +311,15 @@ def _evolved(
             top = points.of(ended)
             used = np.full(int(ended.sum()), members * generation, dtype=np.int64)
             done = np.ones(used.size, dtype=np.bool_)
-            found.put(alive[ended], Found(top.at(top.best()[:, None]), used, done))
+            result.put(alive[ended], SearchResult(top.at(top.best()[:, None]), used, done))
             alive, points = alive[~ended], points.of(~ended)
             if not alive.size:
                 watch.advance(1.0 - reported)
                 break
-    return found
+    return result
 
 
-def _first(judge: Judge, variables: int, cells: NDArray[np.intp]) -> Points:
+def _first(judge: Judge, variables: int, cells: NDArray[np.intp]) -> Candidates:
     """Return points all over the box, and as many of the box around those that keep the limits."""
     corners = np.stack(np.meshgrid(*[[0.0, 1.0]] * variables, indexing="ij"))
     points = np.concatenate([corners.reshape(variables, -1), spread(SAMPLES, variables)], axis=1)
@@ -321,17 +331,17 @@ def _first(judge: Judge, variables: int, cells: NDArray[np.intp]) -> Points:
     high = np.where(near, wide.unit, -np.inf).max(axis=2, keepdims=True) + apart
     low, high = np.maximum(low, 0.0), np.minimum(high, 1.0)
     close = judge(low + (high - low) * points, cells)
-    return Points(*(np.concatenate(two, axis=-1) for two in zip(close, wide, strict=True)))
+    return Candidates(*(np.concatenate(two, axis=-1) for two in zip(close, wide, strict=True)))
 
 
-def _chosen(points: Points, members: int) -> Points:
+def _chosen(points: Candidates, members: int) -> Candidates:
     """Return the first members of populations: half are the best points, half are spread out."""
     order = np.lexsort((-points.value, points.beyond), axis=-1)[:, : members // 2]
     rest = np.broadcast_to(np.arange(members - members // 2), (len(order), members - members // 2))
     return points.at(np.concatenate([order, rest], axis=1))
 
 
-def _trial(points: Points, random: np.random.Generator) -> Array:
+def _trial(points: Candidates, random: np.random.Generator) -> Array:
     """Return a trial point for each member, of the shape of the points.
 
     It is a step towards the best member or none, and along the difference of two others, in some of

@@ -1,4 +1,4 @@
-"""What all families share: the record, the closed optimum, and the checks of inputs (theory 12)."""
+"""The record of a family, the closed optimum, and the checks of inputs (theory 12)."""
 
 from __future__ import annotations
 

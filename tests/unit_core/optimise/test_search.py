@@ -15,7 +15,7 @@ from vibrafeed.core.optimise.optima import STATUS
 from vibrafeed.core.optimise.prepare import prepare
 from vibrafeed.core.optimise.problem import chosen_cells
 from vibrafeed.core.optimise.run import designs_of
-from vibrafeed.core.optimise.search import Points, best_points
+from vibrafeed.core.optimise.search import Candidates, best_points
 from vibrafeed.core.watch import Watch
 
 
@@ -27,7 +27,7 @@ def search(f, d, *, watch=None, jumps=True, cells=1):
         assert ((unit >= 0) & (unit <= 1)).all()
         values = f(unit.reshape(d, -1).T).reshape(unit.shape[1:])
         lost = ~np.isfinite(values)
-        return Points(unit, np.where(lost, np.inf, 0.0), np.where(lost, -np.inf, values),
+        return Candidates(unit, np.where(lost, np.inf, 0.0), np.where(lost, -np.inf, values),
                       np.zeros(values.shape))  # fmt: skip
 
     found = best_points(judge, d, cells, watch or Watch(), jumps=jumps)
@@ -126,7 +126,7 @@ def test_values_with_errors_are_chosen_by_the_caller():
     def judge(unit, numbers):
         value = np.broadcast_to(-((unit[0] - 0.3) ** 2), unit.shape[1:])
         error = np.where((numbers == 1)[:, None], 1.0, np.zeros(value.shape))
-        return Points(unit, np.zeros(value.shape), value, error)
+        return Candidates(unit, np.zeros(value.shape), value, error)
 
     asked = []
 
