@@ -50,6 +50,7 @@ GONE: Final = MappingProxyType(
         "lookup": "vibrafeed run computes the speed; vibrafeed new writes the study",
         "schema": "vibrafeed scenes --schema prints it",
         "scrub": "The service looks through its results by itself",
+        "validate": "The known answers are TOML files in tests/known_answers",
         "warm": "python -m vibrafeed.core.warm compiles everything",
     }
 )

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 COLUMNS = {
     "first": "first index",
     "total": "total index",
-    "effect": "mean effect",
-    "effect_deviation": "its deviation",
     "at_lower": "at lower end",
     "at_upper": "at upper end",
     "linear": "linear change",

@@ -344,10 +344,8 @@ def test_run_simulates(motion):
     assert motion.with_suffix(".nc").exists()
 
 
-def test_a_dry_run_of_a_simulation_loads_no_compiler(motion):
-    dry = ["run", str(motion), "--dry-run"]
-    method = ["scenes", "rectangle-on-track", "--method", "reference"]
-    assert loaded(dry, method) == [[], []]
+def test_the_catalogue_of_a_simulation_loads_no_compiler():
+    assert loaded(["scenes", "rectangle-on-track", "--method", "reference"]) == [[]]
 
 
 def test_a_simulation_out_of_time_is_written_and_said(motion, stopped_after):
@@ -391,7 +389,8 @@ from vibrafeed.core.watch import Watch
 advance = Watch.advance
 def told(watch, share):
     advance(watch, share)
-    pathlib.Path({str(begun)!r}).touch()
+    if watch.progress is not None:  # the price follows some cells before
+        pathlib.Path({str(begun)!r}).touch()
 Watch.advance = told
 main()
 """

@@ -296,7 +296,8 @@ class TestFailure:
     def test_a_file_that_takes_long_is_sent_to_the_jobs(self, tmp_path):
         settings = Settings(data_directory=tmp_path, max_execution_seconds=0.01)
         with local_client(create_app(settings)) as client:
-            posted = client.post("/sweeps", json=study(frequency=LONG)).json()
+            long = study(frequency=LONG, beta=list(range(10, 20)))
+            posted = client.post("/sweeps", json=long).json()
             found = problem(client.get(f"/sweeps/{posted['id']}/netcdf"), 422)
             assert found["type"] == "urn:vibrafeed:problem:limit"
             assert "/processes/sweep/execution" in found["detail"]
