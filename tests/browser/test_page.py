@@ -157,10 +157,14 @@ def test_everything_follows_a_slider_and_a_link_restores_it(page, address):
     slider.focus()
     for _ in range(10):
         page.keyboard.press("ArrowRight")
-    shown(page)
-    page.wait_for_timeout(300)
-    after = at_cursor(page, "ArrowLeft")
-    assert numbers(before)[2] != numbers(after)[2]
+
+    def followed():
+        """Return the words at the same point once the map has followed, which takes a moment."""
+        shown(page)
+        found = at_cursor(page, "ArrowLeft")
+        return found if numbers(found)[2] != numbers(before)[2] else None
+
+    after = wait_for(followed)
     link = page.url
     assert "p.frequency" in link
     page.goto("about:blank")
