@@ -88,7 +88,7 @@ def sweep(
         reduce : statistics over some axes instead of all cells (docs/reduce.md)
         sensitivities : derivatives and elasticities, too: True, or parameters
     Numerics
-        verify : number of random cells to evaluate again with 50 digits
+        verify : number of random cells to evaluate again in extended precision
         precision : double, or single to store half the bytes
 
     Returns

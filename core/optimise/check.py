@@ -1,8 +1,8 @@
 """The check of every optimum, once, by a method that did not find it.
 
 That is the closed form where there is one, else points all over the bounds. `verify` in a study
-goes further for some random optima: it computes the outputs there with 50 digits (those of a motion
-by another method), and the optimum by another method.
+goes further for some random optima: it computes the outputs there in extended precision (those of a
+motion by another method), and the optimum by another method.
 """
 
 from __future__ import annotations
@@ -211,7 +211,7 @@ def _outputs(
 ) -> tuple[Rounding | Comparison, str]:
     """Return the agreement of the outputs at some optima with outputs computed another way.
 
-    The second result names that way: 50 digits, or another method of motion.
+    The second result names that way: extended precision, or another method of motion.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""From event to event (theory 13.2 to 13.8); in space by `spatial_events` (13.13).
+"""From event to event (theory 13.2 to 13.8); in space by power series (13.13).
 
 In the plane of the track and its normal, in each mode of contact, the equation of motion is that of
 one driven mass,
