@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from vibrafeed.core.motion.groups import Groups, cells_of
-from vibrafeed.core.motion.kernels import cells, results, tumbling
-from vibrafeed.core.motion.kernels.tumbling import tables as tumbling_tables
+from vibrafeed.core.motion.kernels import constants as results
+from vibrafeed.core.motion.kernels import given as cells
+from vibrafeed.core.motion.kernels import tumbling
+from vibrafeed.core.motion.kernels.tumbling import corners as tumbling_tables
 from vibrafeed.core.motion.methods.tumbling import Tumble, TumblePath
 from vibrafeed.core.motion.result import Motion
 from vibrafeed.core.quantities import MOTION_MODES

@@ -7,25 +7,17 @@ import math
 import numpy as np
 
 from vibrafeed.core.compiled import borrowing, compiled, raised
-from vibrafeed.core.motion.kernels.arrays import Floats, Statuses, Stop
+from vibrafeed.core.motion.kernels.constants import STATUS
+from vibrafeed.core.motion.kernels.given import Floats, Statuses, Stop
 from vibrafeed.core.motion.kernels.means import BATCHES
 from vibrafeed.core.motion.kernels.planar.flow import TURN
-from vibrafeed.core.motion.kernels.rows.advance import (
-    HIT,
-    NO_EVENT,
-    ON_FLOOR,
-    Air,
-    happened,
-    lifted,
-    move,
-    next_event,
-    refreshed,
-)
-from vibrafeed.core.motion.kernels.rows.contact import closing, held_from, is_held
-from vibrafeed.core.motion.kernels.rows.drive import (
+from vibrafeed.core.motion.kernels.rows.contact import (
     Driven,
     backward_speed,
+    closing,
     gap_swept,
+    held_from,
+    is_held,
     is_lifted,
     swept,
 )
@@ -42,8 +34,19 @@ from vibrafeed.core.motion.kernels.rows.repeat import (
     remaining,
     shortest,
 )
-from vibrafeed.core.motion.kernels.rows.stop import stop_pressed
-from vibrafeed.core.motion.kernels.rows.tables import (
+from vibrafeed.core.motion.kernels.rows.row_events import (
+    HIT,
+    NO_EVENT,
+    ON_FLOOR,
+    Air,
+    happened,
+    lifted,
+    move,
+    next_event,
+    refreshed,
+    stop_pressed,
+)
+from vibrafeed.core.motion.kernels.rows.row_state import (
     AT,
     COLUMN,
     NO_STOP,
@@ -53,8 +56,7 @@ from vibrafeed.core.motion.kernels.rows.tables import (
     drive_of,
     row_at,
 )
-from vibrafeed.core.motion.kernels.rows.wave import waved_of
-from vibrafeed.core.motion.kernels.statuses import STATUS
+from vibrafeed.core.motion.kernels.rows.row_wave import waved_of
 
 MAX_EVENTS = 100_000
 """Most events of a period: a row of 64 parts has some hundreds, so that more come from rounding."""
@@ -67,14 +69,7 @@ def one_period(
     row: Row, drive: Driven, restitution: float, air: Air, past: Past, period: int,
     swept_gaps: Floats,
 ) -> tuple[Air, Tally]:  # fmt: skip
-    """Follow a row of parts over one period of the drive; return the flight at its end, and sums.
-
-    `air` is the flight at the start, `restitution` that between parts, `period` the number of the
-    period. `past` notes which contacts touched, and `swept_gaps` gets the integrals of the gaps.
-    The sums are those of `Tally`: collisions, times in contact and in the air, energy lost, forces
-    on the stop. Each contact that closes with a velocity beyond rounding, 1e-12 of the drive, is a
-    collision. Their number is NaN if there were too many events.
-    """
+    """Follow a row over one period of the drive; return the flight at its end, and sums."""
     tau, step, events, event = 0.0, 0, 0, NO_EVENT
     closed, flying, hits, lost = 0.0, 0.0, 0.0, 0.0
     pressed, struck, peak, held, moving = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -120,9 +115,7 @@ def sweep(row: Row, drive: Driven, tau: float, span: float, result: Floats) -> N
     """Add the integrals of the gaps of a row over a phase without events to `result`.
 
     g d + v d^2/2 - k d^3/6 with the gap g, its rate v and its constant pull k over d = `span` rad
-    from phase `tau`, and the effect of the push: under a sine C (cos(tau + d) - cos(tau) + sin(tau)
-    d + cos(tau) d^2/2). In g/w^2 times rad (w = 2 pi f); `result` has one entry a gap between
-    parts.
+    from phase `tau`, and `gap_swept` of the push, in g/w^2 times rad.
     """
     by = swept(drive, tau, span)
     for i in range(row.mass.size - 1):
@@ -136,15 +129,7 @@ def sweep(row: Row, drive: Driven, tau: float, span: float, result: Floats) -> N
 
 @compiled
 def follow(drive: Driven, row: Row, cell: Floats, result: Floats, stop: Stop) -> int:
-    """Follow a row of parts from event to event until it repeats; fill its results, return status.
-
-    A row that still drifts after all its periods is followed for as many again, moved along its
-    slow transient (`hasten`); not if they are too few to tell a drift by 16 batches of their half.
-
-    `drive` is a sine with steps, or a wave; `row` holds the parts at rest at the start. `cell` has
-    the columns of `Head`, then the parts and the wave; `result` has the columns of `COLUMN`, then
-    velocity and platoon of each part; `stop` is a flag that ends the work.
-    """
+    """Follow a row of parts until it repeats; fill its results, return its status."""
     scale = max(1e-300, abs(drive.c) + np.abs(drive.levels).max())
     if drive.s > 0.0 and drive.gn <= 0.0:
         return int(STATUS.limit_reached)
@@ -175,28 +160,7 @@ def approach(
     row: Row, drive: Driven, cell: Floats, air: Air, past: Past, means: Floats, hastened: bool,
     scale: float, stop: Stop,
 ) -> tuple[Air, int, int, int]:  # fmt: skip
-    """Follow a row until it repeats, or for all its periods; return how it came to.
-
-    The flight of the parts at the end; the periods followed, -1 if one had too many events; those
-    of the cycle, 0 if there is none; and the period since which the row was not moved.
-
-    Parameters
-    ----------
-    row, air
-        Parts and their flight at the start; the row is changed to that at the end.
-    drive, cell
-        Sine with steps, or wave; the columns of `Head`, then parts and wave.
-    past
-        Filled with the states at the starts of the last periods.
-    means
-        Filled with a row a period: columns of `Tally`, distances of the parts, integrals of gaps.
-    hastened
-        If the row may be moved along a slow transient, in the first half of the periods.
-    scale
-        Size of the drive in g.
-    stop
-        Flag that ends the work.
-    """
+    """Follow a row until it repeats, or for all its periods; return how it came to."""
     restitution, parts, since = cell[AT.part_restitution], row.mass.size, 0
     for period in range(means.shape[0]):
         if raised(stop):
@@ -228,13 +192,7 @@ def at_start(drive: Driven) -> Air:
 
 @compiled
 def row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the table of results of many rows of parts, under a sine or steps along the track.
-
-    Each row is followed from rest, from event to event. `cells` has a row of numbers for each
-    (columns of `Head`, then those of the parts and of the wave); a row of `table` has the columns
-    of `COLUMN`, then velocity and platoon of each part; `status` gets one value a row. `stop` is a
-    flag that ends the work, with the rest left as it is.
-    """
+    """Fill the table of results of many rows of parts, under a sine or steps along the track."""
     for number in range(cells.shape[0]):
         cell = cells[number]
         drive = drive_of(cell)
@@ -246,19 +204,7 @@ def row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> Non
 
 @compiled
 def waved_row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the result table of rows of parts under any wave, by following each from event to event.
-
-    Parameters
-    ----------
-    cells
-        A row for each cell: columns of `Head`, then the parts and the wave.
-    table
-        A row for each cell: columns of `COLUMN`, then velocity and platoon of each part.
-    status
-        A value of `STATUS` for each cell.
-    stop
-        Flag that ends the work; cells not reached are left as they are.
-    """
+    """Fill table and statuses of rows of parts under any wave, as `row_cells`."""
     for number in range(cells.shape[0]):
         cell = cells[number]
         drive = waved_of(cell)
@@ -270,11 +216,7 @@ def waved_row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) 
 
 @compiled
 def path_of_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
-    """Write positions and gaps of a row's parts at ascending phases, under a sine or steps.
-
-    `phases` are in rad; `places` and `gaps`, a row a phase, get g/w^2 (w = 2 pi f). The gap to a
-    stop, if there is one, is the last. NaN after a period with more than `MAX_EVENTS` events.
-    """
+    """Write positions and gaps of a row's parts at ascending phases, under a sine or steps."""
     path_under(drive_of(cell), cell, phases, places, gaps)
 
 
@@ -286,13 +228,7 @@ def path_of_waved_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats
 
 @compiled
 def path_under(drive: Driven, cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
-    """Write positions and gaps of the parts of a row at ascending phases, for its trajectory.
-
-    The row starts at rest and is moved from event to event. `drive` is a sine with steps, or a
-    wave. `cell` has the columns of `Head`, then those of the parts and of the wave. `phases` are in
-    rad; `places` (a row a phase, a column a part) and `gaps` (a column a contact) are filled in
-    g/w^2 (w = 2 pi f), with NaN after a period with more than `MAX_EVENTS` events.
-    """
+    """Write positions and gaps of the parts of a row at ascending phases, for its trajectory."""
     row, restitution = row_at(cell, backward_speed(drive)), cell[AT.part_restitution]
     air, event = at_start(drive), NO_EVENT
     tau, step, turn, at, events = 0.0, 0, 0, 0, 0

@@ -1,4 +1,4 @@
-"""From event to event: which comes first, and what it changes (theory 17.3)."""
+"""From event to event of a row, and the force on a stop between them (theory 17.3, 17.6)."""
 
 from __future__ import annotations
 
@@ -9,34 +9,97 @@ from typing import Any
 from vibrafeed.core.compiled import borrowing
 from vibrafeed.core.motion.kernels.planar.flow import TURN
 from vibrafeed.core.motion.kernels.rows.contact import (
-    chain_end,
-    collide,
-    held_from,
-    hold,
-    is_held,
-    land,
-    least_friction,
-    least_pressed,
-    set_flows,
-    slide,
-    start,
-)
-from vibrafeed.core.motion.kernels.rows.drive import (
     Driven,
+    above,
     at_phase,
     carried,
+    chain_end,
+    collide,
     contact_until,
     first_rise,
     flight,
+    held_from,
+    highest,
+    hold,
+    is_held,
     is_lifted,
+    land,
+    least_friction,
+    least_pressed,
     lift_off,
+    pooled,
     pushes,
     relative_push,
+    set_flows,
+    sizes,
+    slide,
+    start,
     stop_until,
     swung,
 )
-from vibrafeed.core.motion.kernels.rows.sine import LONGEST_FLIGHT
-from vibrafeed.core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Row
+from vibrafeed.core.motion.kernels.rows.row_sine import LONGEST_FLIGHT
+from vibrafeed.core.motion.kernels.rows.row_state import IN_SPACE, NO_STOP, ON_TRACK, Row
+
+Pressed = namedtuple("Pressed", "impulse peak")
+"""The integral of a force over a phase, and its largest value."""
+
+NOT_PRESSED = Pressed(0.0, 0.0)
+
+
+@borrowing
+def stop_pressed(
+    row: Row, drive: Driven, pull: float, tau: float, span: float, flying: bool
+) -> Pressed:
+    """Return impulse and largest force of a row on the stop in front, over a time without events.
+
+    For a stop at rest in space sum m (-gs - mode mu n), for one of the track in flight sum m times
+    the push D; for parts at rest on the floor the least force, sum m max(0, D - mu_s n) over the
+    blocks (theory 17.6).
+    """
+    first, parts = held_from(row), row.mass.size
+    if first == parts:
+        return NOT_PRESSED
+    if row.stop == ON_TRACK and not flying:
+        return _least(row, drive, pull, tau, span, first)
+    (push, lift), along, normal, drag = sizes(drive), 0.0, 0.0, 0.0
+    for i in range(first, parts):
+        if row.stop == ON_TRACK:
+            along += row.mass[i] * push
+            drag += row.mass[i] * pull
+        else:
+            friction = 0.0 if flying else row.mode[i] * row.kinetic[i]
+            normal += row.mass[i] * friction * lift
+            drag += row.mass[i] * (drive.gs + friction * drive.gn)
+    impulse = above(drive, first, along, normal, drag, tau, span)
+    return Pressed(impulse, max(0.0, highest(drive, parts, along, normal, drag, tau, span)))
+
+
+@borrowing
+def _least(row: Row, drive: Driven, pull: float, tau: float, span: float, first: int) -> Pressed:
+    parts = row.mass.size
+    for i in range(first, parts):
+        row.value[i] = -row.static[i]
+    blocks = pooled(row, first, parts)
+    impulse, (push, lift) = 0.0, sizes(drive)
+    for b in range(blocks):
+        begin, mu, mass = _block(row, first, b)
+        impulse += mass * above(drive, begin, push, mu * lift, pull + mu * drive.gn, tau, span)
+    peak, along, normal, drag = 0.0, 0.0, 0.0, 0.0
+    for b in range(blocks - 1, -1, -1):
+        _, mu, mass = _block(row, first, b)
+        along, normal = along + mass * push, normal + mass * mu * lift
+        drag += mass * (pull + mu * drive.gn)
+        peak = max(peak, highest(drive, parts, along, normal, drag, tau, span))
+    return Pressed(impulse, peak)
+
+
+@borrowing
+def _block(row: Row, first: int, number: int) -> tuple[int, float, float]:
+    begin, mass = row.last[number - 1] + 1 if number > 0 else first, 0.0
+    for i in range(begin, row.last[number] + 1):
+        mass += row.mass[i]
+    return begin, -row.value[begin], mass
+
 
 Event = namedtuple("Event", "span kind part")
 """The phase until it happens, what it is, and the part, or the contact, that it begins with."""
@@ -59,13 +122,7 @@ of their gap, which is left out, is of the order of its square."""
 def refreshed(
     row: Row, drive: Driven, level: float, tau: float, flying: bool, event: Event
 ) -> None:
-    """Update a row of parts after an event: start, release or part some, and set accelerations.
-
-    Parts that the push can move start, contacts without force open, and parts no longer pressed
-    onto a stop are released. `level` is what the step of the drive adds to the push in g, `tau` the
-    phase now in rad, `flying` is True if the parts are in the air; `event` is the one that has just
-    happened, whose limit counts as reached.
-    """
+    """Update a row of parts after an event: start, release or part some, and set accelerations."""
     forced = event.part if event.kind == START else -1
     pull = drive.gs - level
     push, load = pushes(drive, pull, tau)
@@ -83,10 +140,8 @@ def next_event(
 ) -> Event:
     """Return the earliest event of a row of parts within `span` rad from phase `tau`.
 
-    A record of the phase until then, its kind, and the part or contact that it begins with;
     `NOTHING` at `span` if there is none. Of several at once lift-off comes first, then landings,
-    stops, starts, releases by the stop and collisions. `landing` is the phase until the parts land,
-    inf on the floor; `level` is what the step of the drive adds to the push in g.
+    stops, starts, releases by the stop and collisions.
     """
     event = Event(span, NOTHING, 0)
     now = at_phase(drive, tau)
@@ -111,15 +166,6 @@ def next_event(
 
 @borrowing
 def _on_floor(row: Row, drive: Driven, pull: float, tau: float, now: Any, event: Event) -> Event:
-    """Return the first stop or start of parts of a row on the floor, or `event` if it is earlier.
-
-    A sliding chain stops where its velocity is 0. A chain at rest starts where the push along
-    exceeds the least static friction of a block at its end: under a sine c sin(tau) - pull = +-mu
-    (gn - s sin(tau)), with the friction mu of that block.
-
-    `pull` is gravity along less the level of the drive's step in g, `tau` the phase now in rad,
-    `now` its sine and cosine (`at_phase`), `event` the earliest event of other kinds.
-    """
     first = 0
     while first < row.mass.size:
         end = chain_end(row, first)
@@ -145,16 +191,6 @@ def _on_floor(row: Row, drive: Driven, pull: float, tau: float, now: Any, event:
 def _released(
     row: Row, drive: Driven, pull: float, tau: float, flying: bool, event: Event
 ) -> Event:
-    """Return the event at which the stop in front lets go a block of a row, if it is earliest.
-
-    A block is released where nothing presses it onto the stop any more: from a stop of the track in
-    flight where the push turns back; from one at rest in space, sliding, where -mode mu n falls to
-    gs, gravity along the track, with the direction of slip `mode`, friction mu and load n (theory
-    17.6). Otherwise `event`, the earliest of the others, is returned.
-
-    `pull` is gravity along less the level of the drive's step in g, `tau` the phase now in rad,
-    `flying` True if the parts are in the air.
-    """
     first = held_from(row)
     if first == row.mass.size:
         return event
@@ -175,9 +211,8 @@ def _released(
 def move(row: Row, drive: Driven, tau: float, span: float) -> None:
     """Move all parts of a row over `span` rad from phase `tau`, by their accelerations.
 
-    Velocities, positions and gaps in `row` are changed, in g/w and g/w^2 (w = 2 pi f), and those of
-    a stop in front. There must be no event within. Parts that touch have one velocity and one
-    acceleration: they move by the same distance, to the bit.
+    There must be no event within. Parts that touch have one velocity and one acceleration: they
+    move by the same distance, to the bit.
     """
     by, behind = swung(drive, tau, span), 0.0
     for i in range(row.mass.size):
@@ -201,10 +236,7 @@ def move(row: Row, drive: Driven, tau: float, span: float) -> None:
 
 @borrowing
 def lifted(drive: Driven, tau: float) -> Air:
-    """Return the flight that begins at phase `tau`: phase until landing, landing speed in g/w.
-
-    Here w = 2 pi f, f being the frequency of the drive.
-    """
+    """Return the flight that begins at phase `tau`: phase until landing, landing speed in g/w."""
     span, impulse = flight(drive, tau)
     return Air(min(span, TURN * LONGEST_FLIGHT), impulse)
 
@@ -213,13 +245,7 @@ def lifted(drive: Driven, tau: float) -> Air:
 def happened(
     row: Row, drive: Driven, event: Event, tau: float, air: Air, restitution: float
 ) -> tuple[Air, float, float]:
-    """Change the state of a row by an event at phase `tau`; return the flight after it, and losses.
-
-    The flight is the phase until all parts land, inf on the floor, and the impulse of landing. The
-    losses are the energy that a collision takes, in mass times (g/w)^2 with w = 2 pi f, and the
-    impulse on the stop in front, in mass times g/w. `event` is what happens, `air` the flight
-    before, `restitution` that between parts.
-    """
+    """Change a row by an event; return its flight, energy lost, impulse on the stop."""
     lost, impulse = 0.0, 0.0
     if event.kind == LIFT:
         air = lifted(drive, tau)
@@ -241,12 +267,6 @@ def happened(
 
 @borrowing
 def _bounces_end(row: Row, drive: Driven, contact: int, tau: float, restitution: float) -> bool:
-    """True if two colliding parts of a row would bounce for nearly no time, and so touch at once.
-
-    Bounces under the relative acceleration -a that presses them together, from the relative speed
-    v, last 2 e v/(a (1 - e)) in all, with the `restitution` e; below 1e-6 rad they are left out
-    (theory 13.5). `contact` is the index of the rear part, `tau` the phase in rad.
-    """
     drag = row.drag[contact + 1] - row.drag[contact]
     pressed = drag - relative_push(row, drive, contact, tau)
     meets = row.speed[contact] - row.speed[contact + 1]
