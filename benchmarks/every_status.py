@@ -18,7 +18,7 @@ from benchmarks.options import options
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
 from vibrafeed.core.motion.kernels import means
 from vibrafeed.core.motion.kernels.constants import COLUMN, RESULTS, STATUS, TALLY
-from vibrafeed.core.motion.kernels.given import NEVER, Flags, Floats, cell_of
+from vibrafeed.core.motion.kernels.inputs import NEVER, Flags, Floats, cell_of
 from vibrafeed.core.motion.kernels.track import push, solve_cells
 from vibrafeed.core.motion.kernels.track.push import TURN, at_rest, new_work
 from vibrafeed.core.motion.kernels.track.settling import apart, approach, new_history

@@ -26,7 +26,7 @@ from benchmarks.waves import PLANAR, SPATIAL, harmonics, parts, steps
 from vibrafeed.core.motion import planar, waves
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
 from vibrafeed.core.motion.kernels.constants import MODE, PIECE, TALLY
-from vibrafeed.core.motion.kernels.given import NEVER, cell_of
+from vibrafeed.core.motion.kernels.inputs import NEVER, cell_of
 from vibrafeed.core.motion.kernels.sine_sums import SineSum, passages
 from vibrafeed.core.motion.kernels.track import push
 from vibrafeed.core.motion.kernels.track.push import at_rest, new_work

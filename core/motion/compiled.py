@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 
 from vibrafeed.core.lazy import lazily
 
-__all__ = ["flow", "given", "plane_cells", "rows", "track", "tumbling", "wave"]
+__all__ = ["flow", "inputs", "plane_cells", "rows", "track", "tumbling", "wave"]
 
 if TYPE_CHECKING:
-    from vibrafeed.core.motion.kernels import given, rows, track, tumbling
+    from vibrafeed.core.motion.kernels import inputs, rows, track, tumbling
     from vibrafeed.core.motion.kernels.planar import flow, plane_cells, wave
 else:
-    _TOP = ("given", "rows", "track", "tumbling")
+    _TOP = ("inputs", "rows", "track", "tumbling")
     _PLANAR = ("flow", "plane_cells", "wave")
     __getattr__ = lazily(
         f"{__package__}.kernels",

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.motion import compiled
 from vibrafeed.core.motion.groups import Groups
-from vibrafeed.core.motion.kernels.constants import RESULTS
+from vibrafeed.core.motion.kernels.constants import RESULTS, UNREPEATED
 from vibrafeed.core.quantities import MOTION_STATUSES
 
 if TYPE_CHECKING:
-    from vibrafeed.core.motion.kernels.given import Floats, Statuses, Stop
-    from vibrafeed.core.motion.kernels.planar.plane_drive import Waves
+    from vibrafeed.core.motion.kernels.inputs import Floats, Statuses, Stop
+    from vibrafeed.core.motion.kernels.planar.plane_laws import Waves
 
 NOT_COMPUTED = MOTION_STATUSES["not_computed"].value
 NORMAL_DRIVE = Groups._fields.index("drive_number_normal")
@@ -65,7 +65,7 @@ def average_spent(groups: Floats, table: Floats, status: Statuses, stop: Stop) -
 def follow(row: Floats, stop: Stop) -> tuple[Floats, float, float, bool]:
     """Return one cell's motion pieces, phase shift, direction sign, and True if they repeat.
 
-    `row` holds `Cell` and a wave; see the kernel `again.follow`.
+    `row` holds `Cell` and a wave; see the kernel `plane_cells.follow`.
     """
     table, status = np.empty((1, RESULTS)), np.full(1, NOT_COMPUTED, dtype=np.int8)
     solve_cells(row[np.newaxis], table, status, stop)
@@ -85,7 +85,7 @@ def waves_of(groups: Floats) -> Waves:
 
     Its type selects the compiled kernel.
     """
-    if groups.shape[-1] > compiled.given.GROUPS:
+    if groups.shape[-1] > compiled.inputs.GROUPS:
         return compiled.wave.WaveTable(np.zeros(compiled.wave.TABLE))
     return compiled.flow.NO_WAVES
 
@@ -96,7 +96,7 @@ def _average(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> Non
     These are the cells with the status `UNREPEATED`. `groups` has a row of numbers for each cell,
     `table` a row of results, `status` one value; `stop` is a flag that ends the work.
     """
-    (cells,) = np.nonzero(status == compiled.plane_cells.UNREPEATED)
+    (cells,) = np.nonzero(status == UNREPEATED)
     if cells.size:
         means = np.full((cells.size, RESULTS), np.nan)
         found = np.full(cells.size, NOT_COMPUTED, dtype=np.int8)
@@ -108,7 +108,7 @@ def _beside_equal_landings(groups: Floats) -> NDArray[np.intp] | None:
     """Return the order of cells in which those that land at the same times follow each other.
 
     `groups` has a row a cell. Such cells have the same motion normal to the floor, which is found
-    once for all of them (`kernels.planar.cycle` and, to 32 bits, `landings`). None if too few
+    once for all of them (`kernels.planar.cycle` and, to 32 bits, `within`). None if too few
     have an equal.
     """
     drives = groups[:, NORMAL_DRIVE]

@@ -18,7 +18,7 @@ from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
 from vibrafeed.core.motion.kernels.constants import COLUMN
-from vibrafeed.core.motion.kernels.given import Cell
+from vibrafeed.core.motion.kernels.inputs import Cell
 from vibrafeed.core.motion.methods.events import (
     motion_by_events,
     planar_motion,

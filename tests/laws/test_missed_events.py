@@ -18,7 +18,7 @@ from benchmarks.missed_events import (
 from benchmarks.waves import PLANAR, harmonics, parts
 from vibrafeed.core.motion.groups import cells_of
 from vibrafeed.core.motion.kernels import sine_sums as kernels
-from vibrafeed.core.motion.kernels.given import cell_of
+from vibrafeed.core.motion.kernels.inputs import cell_of
 from vibrafeed.core.motion.kernels.planar.flow import AIR
 from vibrafeed.core.motion.kernels.planar.wave import KINDS, PULLS, ROOTS, wave_of
 from vibrafeed.core.motion.planar import waves_of

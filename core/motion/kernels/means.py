@@ -12,7 +12,7 @@ import numpy as np
 
 from vibrafeed.core.compiled import compiled
 from vibrafeed.core.motion.kernels.constants import COLUMN, MODES, STATUS, TALLY
-from vibrafeed.core.motion.kernels.given import Cell, Floats
+from vibrafeed.core.motion.kernels.inputs import Cell, Floats
 
 BATCHES = 16  # successive batches of periods whose means give the error of a mean
 SETTLING = 0.25

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections import namedtuple
 from typing import NamedTuple
 
 import numpy as np
 
 from vibrafeed.core.compiled import borrowing
-from vibrafeed.core.motion.kernels.given import Floats
+from vibrafeed.core.motion.kernels.inputs import Floats
 
 TURN = 2.0 * math.pi
 FINEST = 1e-11
@@ -24,21 +25,13 @@ MAX_ITERATIONS = 80
 """Most steps of Halley's iteration in a bracket: halving alone ends after 53."""
 
 
-class WaveColumns(NamedTuple):
-    """Columns of a wave's numbers in a row: `vibrafeed.core.motion.waves.Wave.columns` writes them.
+WaveColumns = namedtuple("WaveColumns", "orders steps along normal levels normal_levels ends")
+"""Columns of a wave's numbers in a row: `vibrafeed.core.motion.waves.Wave.columns` writes them.
 
-    `along` and `normal` are the first columns of the sines of each order, of which the cosines
-    follow; `levels` and `normal_levels` those of the steps, and `ends` that of the phases at which
-    they end. What is across the track stands between. Both counts are 0 of a row without a wave.
-    """
-
-    orders: int
-    steps: int
-    along: int
-    normal: int
-    levels: int
-    normal_levels: int
-    ends: int
+`along` and `normal` are the first columns of the sines of each order, of which the cosines
+follow; `levels` and `normal_levels` those of the steps, and `ends` that of the phases at which
+they end. What is across the track stands between. Both counts are 0 of a row without a wave.
+"""
 
 
 @borrowing

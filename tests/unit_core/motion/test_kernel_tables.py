@@ -6,7 +6,7 @@ import numpy as np
 
 from vibrafeed.core.motion.groups import Groups, cells_of
 from vibrafeed.core.motion.kernels import constants as results
-from vibrafeed.core.motion.kernels import given as cells
+from vibrafeed.core.motion.kernels import inputs as cells
 from vibrafeed.core.motion.kernels import tumbling
 from vibrafeed.core.motion.kernels.tumbling import corners as tumbling_tables
 from vibrafeed.core.motion.methods.tumbling import Tumble, TumblePath

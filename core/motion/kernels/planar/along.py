@@ -18,18 +18,20 @@ from vibrafeed.core.motion.kernels.constants import (
     SUMS,
     TIMES,
 )
-from vibrafeed.core.motion.kernels.given import Cell, Floats, Stop, copy
+from vibrafeed.core.motion.kernels.inputs import Cell, Floats, Stop, copy
 from vibrafeed.core.motion.kernels.planar.cycle import phase_uncertainty
 from vibrafeed.core.motion.kernels.planar.flow import EPSILON, MAX_ITERATIONS, TURN
-from vibrafeed.core.motion.kernels.planar.plane_drive import (
+from vibrafeed.core.motion.kernels.planar.plane_laws import (
     Drive,
     first_slip,
     fly,
     hold,
     holds,
     hop_height,
+    left_out_softly,
     lifts,
     load,
+    restitution_of,
     slide,
     slip_acceleration,
     slip_uncertainty,
@@ -37,7 +39,6 @@ from vibrafeed.core.motion.kernels.planar.plane_drive import (
     to_lift_off,
     track_speed,
 )
-from vibrafeed.core.motion.kernels.planar.rebound import left_out_softly, restitution_of
 
 MAX_MODES = 1_000
 """Stops and starts in one segment, a period at most: between two of them an acceleration changes

@@ -19,7 +19,7 @@ from vibrafeed.core.motion.kernels.constants import (
     STATUS,
     TIMES,
 )
-from vibrafeed.core.motion.kernels.given import Cell, Floats, Stop
+from vibrafeed.core.motion.kernels.inputs import Cell, Floats, Stop
 from vibrafeed.core.motion.kernels.means import SETTLING, mean_error, scatter
 from vibrafeed.core.motion.kernels.planar.along import after_hops, contact, repeating
 from vibrafeed.core.motion.kernels.planar.cycle import (
@@ -29,18 +29,21 @@ from vibrafeed.core.motion.kernels.planar.cycle import (
     write_segment,
 )
 from vibrafeed.core.motion.kernels.planar.flow import EPSILON, KEPT_BITS, TURN, kept
-from vibrafeed.core.motion.kernels.planar.plane_drive import (
+from vibrafeed.core.motion.kernels.planar.plane_laws import (
     Drive,
+    Restitution,
     fly,
     hop_height,
+    impulse,
     landing,
     lift_off,
     load,
+    rebound,
+    rests,
     rise,
     rounded,
     to_lift_off,
 )
-from vibrafeed.core.motion.kernels.planar.rebound import Restitution, impulse, rebound, rests
 
 PHASES = 8  # runs of a motion that rounding decides, started at as many phases
 SURE = 5.41  # Student's quantile for 99.9 % and eight numbers (7 degrees), in standard errors
@@ -154,12 +157,6 @@ def ran_away(slips_down: bool, gs: float, before: float, u: float, sums: Floats)
 
 
 @borrowing
-def is_over(enough: bool, count: int, patience: int) -> bool:
-    """True if a run may end: it is long enough (`enough`), and no cycle seems to be near."""
-    return enough and not RECENT <= count < patience
-
-
-@borrowing
 def widened(least: float, most: float, velocity: float) -> tuple[float, float]:
     """Return `least` and `most` of a range, widened to hold `velocity`; unchanged if it is NaN."""
     if math.isnan(velocity):
@@ -203,7 +200,7 @@ def long_run(
             sums[:] = 0.0
             u_began = u
         enough = total - began >= periods * TURN - settling or hop >= hops
-        if is_over(enough, count, patience):
+        if enough and not RECENT <= count < patience:
             break
         span = landing(drive, w, tau)
         if span < 0:

@@ -9,24 +9,22 @@ import numpy as np
 
 from vibrafeed.core.compiled import compiled
 from vibrafeed.core.motion.kernels.constants import MAX_SEGMENTS, SEGMENT, SETTLED_EXACTLY
-from vibrafeed.core.motion.kernels.given import Floats
+from vibrafeed.core.motion.kernels.inputs import Floats
 from vibrafeed.core.motion.kernels.planar.flow import EPSILON, TURN
-from vibrafeed.core.motion.kernels.planar.plane_drive import (
+from vibrafeed.core.motion.kernels.planar.plane_laws import (
     Drive,
+    Restitution,
+    impulse,
     landing,
+    left_out_softly,
     lift_off,
     lifts,
     load,
     normal_numbers,
-    rise,
-    to_lift_off,
-)
-from vibrafeed.core.motion.kernels.planar.rebound import (
-    Restitution,
-    impulse,
-    left_out_softly,
     rebound,
     rests,
+    rise,
+    to_lift_off,
 )
 
 ROUNDED = 2.0**-52  # relative rounding of a phase or a speed

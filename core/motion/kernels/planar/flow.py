@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections import namedtuple
 from typing import NamedTuple
 
 import numpy as np
 
 from vibrafeed.core.compiled import compiled
-from vibrafeed.core.motion.kernels.given import Cell, Floats
+from vibrafeed.core.motion.kernels.inputs import Cell, Floats
 
 TURN = 2 * math.pi
 
@@ -39,24 +40,13 @@ class NoWaves(NamedTuple):
 NO_WAVES = NoWaves()
 
 
-class SineDrive(NamedTuple):
-    """A sine drive: accelerations along and normal to the floor in g, gravity, and friction.
+SineDrive = namedtuple("SineDrive", "c s gs gn mu_s mu_k up_at least largest way")
+"""A sine drive: accelerations along and normal to the floor in g, gravity, and friction.
 
-    `c` and `s` are the amplitudes, `gs` and `gn` gravity along (downhill) and onto the floor.
-    `up_at` is the phase of lift-off, NaN without; `least`, `largest` and `way` are those of
-    `stick_range`.
-    """
-
-    c: float
-    s: float
-    gs: float
-    gn: float
-    mu_s: float
-    mu_k: float
-    up_at: float
-    least: float
-    largest: float
-    way: float
+`c` and `s` are the amplitudes, `gs` and `gn` gravity along (downhill) and onto the floor.
+`up_at` is the phase of lift-off, NaN without; `least`, `largest` and `way` are those of
+`stick_range`.
+"""
 
 
 @compiled

@@ -22,7 +22,7 @@ from vibrafeed.core.motion.kernels.constants import (
     UNREPEATED,
     WEIGHTS,
 )
-from vibrafeed.core.motion.kernels.given import Cell, Floats, Statuses, Stop, cell_of
+from vibrafeed.core.motion.kernels.inputs import Cell, Floats, Statuses, Stop, cell_of
 from vibrafeed.core.motion.kernels.planar.along import (
     ROUNDING,
     follow_cycle,
@@ -40,7 +40,7 @@ from vibrafeed.core.motion.kernels.planar.cycle import (
     normal_cycle,
 )
 from vibrafeed.core.motion.kernels.planar.flow import TURN
-from vibrafeed.core.motion.kernels.planar.plane_drive import (
+from vibrafeed.core.motion.kernels.planar.plane_laws import (
     Drive,
     Waves,
     always_holds,
@@ -49,12 +49,12 @@ from vibrafeed.core.motion.kernels.planar.plane_drive import (
     lifts,
     push,
     push_slope,
+    restitution_of,
     rise,
     slide,
     smooth_span,
     two_sided,
 )
-from vibrafeed.core.motion.kernels.planar.rebound import restitution_of
 from vibrafeed.core.motion.kernels.planar.within import LEAST_TOLERANCE, means_within, no_landings
 
 UNDECIDED = -1  # no status of results: the cell needs its cycle

@@ -1,4 +1,4 @@
-"""Flight, stick and slip of a part under a sine: what a sine tells in `plane_drive`."""
+"""Flight, stick and slip of a part under a sine: what a sine tells in `plane_laws`."""
 
 from __future__ import annotations
 

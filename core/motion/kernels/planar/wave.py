@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vibrafeed.core.compiled import borrowing, compiled
-from vibrafeed.core.motion.kernels.given import GROUPS, Cell, Floats, copy
+from vibrafeed.core.motion.kernels.inputs import GROUPS, Cell, Floats, copy
 from vibrafeed.core.motion.kernels.planar.flow import (
     AIR,
     BACKWARD,

@@ -1,4 +1,4 @@
-"""Flight, stick and slip of a part under a wave: what a wave tells in `plane_drive`."""
+"""Flight, stick and slip of a part under a wave: what a wave tells in `plane_laws`."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ from vibrafeed.core.motion.kernels.constants import (
     TIMES,
     UNREPEATED,
 )
-from vibrafeed.core.motion.kernels.given import Cell, Floats, Stop
+from vibrafeed.core.motion.kernels.inputs import Cell, Floats, Stop
 from vibrafeed.core.motion.kernels.planar.along import after_hops
 from vibrafeed.core.motion.kernels.planar.chaos import (
     HOPS_PER_PERIOD,
@@ -50,18 +50,21 @@ from vibrafeed.core.motion.kernels.planar.cycle import (
     write_segment,
 )
 from vibrafeed.core.motion.kernels.planar.flow import TURN, kept
-from vibrafeed.core.motion.kernels.planar.plane_drive import (
+from vibrafeed.core.motion.kernels.planar.plane_laws import (
     Drive,
+    Restitution,
     air_swings,
     hop_height,
+    impulse,
     landing,
     lift_off,
+    rebound,
+    rests,
     rise,
     rounded,
     swung_along,
     to_lift_off,
 )
-from vibrafeed.core.motion.kernels.planar.rebound import Restitution, impulse, rebound, rests
 
 APART = 1e6
 """Times the jolt of a lift-off from rest, by which runs start: at once they go different ways.
@@ -230,17 +233,6 @@ TIME, IMPACTS, SLIP, MARK = SUMS, SUMS + 1, SUMS + 2, SUMS + 3
 """Columns of a mark, behind those of the sums: time, impacts and slip of a run so far."""
 
 
-@compiled
-def no_runs(most: int) -> Runs:
-    """Return room for eight runs of `most` periods."""
-    return Runs(
-        np.zeros((PHASES, len(RUN))),
-        np.zeros((PHASES, SUMS)),
-        np.zeros((PHASES, most)),
-        np.zeros((PHASES, DROPPED + 1, MARK)),
-    )
-
-
 @borrowing
 def start(runs: Runs, phase: float, drive: Drive, no_log: Floats) -> None:
     """Fill states and sums of new `runs` with their first lift-offs from rest."""
@@ -349,7 +341,15 @@ def means_within(
     if most < end_of(FIRST_ASKED, most + 1):
         return UNREPEATED, landings
     belong_to(landings, drive, e, phase)
-    runs, no_log = no_runs(most), np.empty((0, len(PIECE)))
+    runs, no_log = (
+        Runs(
+            np.zeros((PHASES, len(RUN))),
+            np.zeros((PHASES, SUMS)),
+            np.zeros((PHASES, most)),
+            np.zeros((PHASES, DROPPED + 1, MARK)),
+        ),
+        np.empty((0, len(PIECE))),
+    )
     quarters = np.empty((PHASES, QUARTERS))
     start(runs, phase, drive, no_log)
     settled = drive.c / max(1e-300, drive.mu_k * drive.gn * TURN)

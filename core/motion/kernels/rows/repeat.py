@@ -9,16 +9,16 @@ import numpy as np
 
 from vibrafeed.core.compiled import compiled
 from vibrafeed.core.motion.kernels.constants import STATUS
-from vibrafeed.core.motion.kernels.given import Floats
+from vibrafeed.core.motion.kernels.inputs import Floats
 from vibrafeed.core.motion.kernels.means import is_steady, mean_error, scatter, successive_means
 from vibrafeed.core.motion.kernels.planar.flow import TURN
 from vibrafeed.core.motion.kernels.rows.contact import sign
-from vibrafeed.core.motion.kernels.rows.row_events import Air
 from vibrafeed.core.motion.kernels.rows.row_state import (
     COLUMN,
     ROW_COLUMNS,
     TALLIES,
     TALLY,
+    Air,
     Row,
     Whole,
 )

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections import namedtuple
-from typing import NamedTuple
 
 from vibrafeed.core.compiled import borrowing
 from vibrafeed.core.motion.kernels.planar.flow import TURN, flow, phase_to, swings
@@ -26,13 +25,8 @@ RESOLVED = 1e-13
 """In g: a push that is so little beyond the limit of static friction is at it."""
 
 
-class Pull(NamedTuple):
-    """The acceleration that drives a velocity, u' = C sin(tau) - k, from a phase on."""
-
-    C: float
-    k: float
-    sine: float
-    cosine: float
+Pull = namedtuple("Pull", "C k sine cosine")
+"""The acceleration that drives a velocity, u' = C sin(tau) - k, from a phase on."""
 
 
 @borrowing
@@ -152,15 +146,6 @@ def _closed(
 
 
 @borrowing
-def first_beyond(A: float, B: float, tau: float) -> float:
-    """Return the phase in rad from `tau` until A sin(tau) rises above B; inf if it never does."""
-    if abs(A) <= abs(B):
-        return math.inf
-    angle = math.asin(B / A)
-    return phase_to(angle if A > 0.0 else math.pi - angle, tau)
-
-
-@borrowing
 def flight_time(s: float, gn: float, tau: float, most: int) -> float:
     """Return the duration in rad of a flight from rest at phase `tau`; inf beyond `most` turns."""
     sine, cosine = math.sin(tau), math.cos(tau)
@@ -214,7 +199,11 @@ def first_rise(
     drive: Drive, body: int, way: int, along: float, normal: float, level: float, tau: float
 ) -> float:
     """Return the phase until (`along` c + `normal` s) sin rises above `level`; inf if never."""
-    return first_beyond(along * drive.c + normal * drive.s, level, tau)
+    size = along * drive.c + normal * drive.s
+    if abs(size) <= abs(level):
+        return math.inf
+    angle = math.asin(level / size)
+    return phase_to(angle if size > 0.0 else math.pi - angle, tau)
 
 
 @borrowing

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import namedtuple
 from typing import NamedTuple
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.compiled import borrowing, compiled
-from vibrafeed.core.motion.kernels.given import Floats
+from vibrafeed.core.motion.kernels.inputs import Floats
 from vibrafeed.core.motion.kernels.sine_sums import WaveColumns, wave_columns
 
 Whole = NDArray[np.int64]
@@ -51,6 +52,11 @@ the phase in which parts slide on the track or are in the air.
 
 TALLY = Tally(*range(len(Tally._fields)))
 TALLIES = len(TALLY)
+
+Air = namedtuple("Air", "landing impulse")
+"""The phase until all parts land, inf on the floor, and the impulse per mass with which they do."""
+
+ON_FLOOR = Air(math.inf, 0.0)  # the flight of parts that are on the floor
 
 
 class Drive(NamedTuple):

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vibrafeed.core.compiled import borrowing, compiled
-from vibrafeed.core.motion.kernels.given import Floats
+from vibrafeed.core.motion.kernels.inputs import Floats
 from vibrafeed.core.motion.kernels.planar.flow import (
     AIR,
     BACKWARD,

@@ -6,7 +6,7 @@ import math
 
 from vibrafeed.core.compiled import borrowing
 from vibrafeed.core.motion.kernels.constants import MODE, NODES, SPENT, TALLY, WEIGHTS
-from vibrafeed.core.motion.kernels.given import Cell, Flags, Floats
+from vibrafeed.core.motion.kernels.inputs import Cell, Flags, Floats
 from vibrafeed.core.motion.kernels.track import modes
 from vibrafeed.core.motion.kernels.track.contacts import begin_slip, change_contacts
 from vibrafeed.core.motion.kernels.track.modes import (
@@ -198,7 +198,7 @@ def meet(
 
 @borrowing
 def after_jump(event: int) -> int:
-    """Return the event to go on with after a jump of the drive."""
+    """Return `start` after a jump of the drive, or the landing, bump or stop at the same phase."""
     return event if event in (EVENT.land, EVENT.bump, EVENT.stop) else EVENT.start
 
 

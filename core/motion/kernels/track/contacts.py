@@ -6,7 +6,7 @@ import math
 
 from vibrafeed.core.compiled import borrowing, compiled
 from vibrafeed.core.motion.kernels.constants import SETTLED_EXACTLY, SETTLED_TIME
-from vibrafeed.core.motion.kernels.given import Cell, Flags, Floats
+from vibrafeed.core.motion.kernels.inputs import Cell, Flags, Floats
 from vibrafeed.core.motion.kernels.track import push
 from vibrafeed.core.motion.kernels.track.modes import Begin, StepSettings
 from vibrafeed.core.motion.kernels.track.push import (

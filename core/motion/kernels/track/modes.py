@@ -9,7 +9,7 @@ import math
 from typing import NamedTuple
 
 from vibrafeed.core.compiled import borrowing
-from vibrafeed.core.motion.kernels.given import Cell, Flags, Floats
+from vibrafeed.core.motion.kernels.inputs import Cell, Flags, Floats
 from vibrafeed.core.motion.kernels.track.push import (
     BOTH,
     EVENT,
@@ -93,7 +93,7 @@ def term_span(work: Work, a: int, b: int, order: int, tolerance: float) -> float
 def sooner(
     work: Work, row: int, order: int, span: float, name: int, known: int
 ) -> tuple[float, int]:
-    """Return where a series first falls through 0 and event `name`, or what is known."""
+    """Return the first fall of a series through 0 and event `name`, or span and event so far."""
     fall = first_fall(work, row, order, span, ROW.scratch)
     return (fall, name) if fall >= 0.0 else (span, known)
 

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 
 from vibrafeed.core.compiled import borrowing, compiled
-from vibrafeed.core.motion.kernels.given import GROUPS, Cell, Flags, Floats
+from vibrafeed.core.motion.kernels.inputs import GROUPS, Cell, Flags, Floats
 from vibrafeed.core.motion.kernels.sine_sums import SineSum, passages, value_and_slope, wave_columns
 
 TURN = 2.0 * math.pi
@@ -202,8 +202,7 @@ def size(work: Work) -> float:
 @borrowing
 def sine_slope(work: Work, tau: float) -> float:
     """Return the derivative of the push by phase over its amplitude, cos(tau); NaN for a wave."""
-    is_wave = work[ROW.wave, ORDERS] > 0.0 or work[ROW.wave, STEPS] > 0.0
-    return math.nan if is_wave else math.cos(tau)
+    return math.nan if is_wave(work) else math.cos(tau)
 
 
 @borrowing

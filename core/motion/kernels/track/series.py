@@ -15,7 +15,7 @@ import math
 from typing import NamedTuple
 
 from vibrafeed.core.compiled import borrowing
-from vibrafeed.core.motion.kernels.given import Floats
+from vibrafeed.core.motion.kernels.inputs import Floats
 from vibrafeed.core.motion.kernels.track.push import INVERSE, ROW, Work
 
 MAX_PASSES = 200

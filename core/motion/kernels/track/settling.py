@@ -14,7 +14,7 @@ import numpy as np
 
 from vibrafeed.core.compiled import compiled, raised
 from vibrafeed.core.motion.kernels.constants import STATUS, TALLY
-from vibrafeed.core.motion.kernels.given import Cell, Flags, Floats, Stop, cell_of, copy
+from vibrafeed.core.motion.kernels.inputs import Cell, Flags, Floats, Stop, cell_of, copy
 from vibrafeed.core.motion.kernels.means import wall_gap
 from vibrafeed.core.motion.kernels.track import push
 from vibrafeed.core.motion.kernels.track.advance import advance

@@ -8,7 +8,15 @@ import numpy as np
 
 from vibrafeed.core.compiled import compiled, raised
 from vibrafeed.core.motion.kernels.constants import COLUMN, MODE, STATUS, TALLY
-from vibrafeed.core.motion.kernels.given import GROUPS, Cell, Flags, Floats, Statuses, Stop, cell_of
+from vibrafeed.core.motion.kernels.inputs import (
+    GROUPS,
+    Cell,
+    Flags,
+    Floats,
+    Statuses,
+    Stop,
+    cell_of,
+)
 from vibrafeed.core.motion.kernels.means import (
     ended,
     fill_means,

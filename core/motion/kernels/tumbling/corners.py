@@ -8,7 +8,7 @@ from collections import namedtuple
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from vibrafeed.core.compiled import compiled
-from vibrafeed.core.motion.kernels.given import Floats
+from vibrafeed.core.motion.kernels.inputs import Floats
 
 FREE, FLAT, PARADOX = -1, -2, -3
 """What carries the part, if not the corner with that number: nothing, a side, and contact laws

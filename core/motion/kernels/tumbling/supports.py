@@ -1,4 +1,4 @@
-"""What carries a tumbling part: a step on it, its impacts, and what carries the part after them."""
+"""The support of a tumbling part: a step on it, impacts, and the support after them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from vibrafeed.core.compiled import compiled
-from vibrafeed.core.motion.kernels.given import Floats, copy
+from vibrafeed.core.motion.kernels.inputs import Floats, copy
 from vibrafeed.core.motion.kernels.tumbling.corners import (
     DEEP,
     FLAT,

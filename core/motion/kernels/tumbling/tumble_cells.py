@@ -9,7 +9,7 @@ import numpy as np
 
 from vibrafeed.core.compiled import compiled, raised
 from vibrafeed.core.motion.kernels.constants import STATUS
-from vibrafeed.core.motion.kernels.given import Floats, Statuses, Stop, copy
+from vibrafeed.core.motion.kernels.inputs import Floats, Statuses, Stop, copy
 from vibrafeed.core.motion.kernels.tumbling.corners import (
     COLUMN,
     FLAT,
@@ -93,15 +93,6 @@ def record_until(
         record(cell, state, times[written], support, rows[written])
         written += 1
     return written
-
-
-@compiled
-def record_rest(
-    cell: Cell, state: Floats, support: int, times: Floats, written: int, rows: Floats
-) -> None:  # fmt: skip
-    """Write the final state into the rows of all wanted times that are left, from `written` on."""
-    for row in range(written, times.size):
-        record(cell, state, times[row], support, rows[row])
 
 
 @compiled
@@ -272,7 +263,7 @@ def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Sto
             impacts += 1
         support, sigma = choose(cell, state, time)
     if status in (STATUS.settled, STATUS.moving) or time >= cell.duration:
-        record_rest(cell, state, support, times, written, rows)
+        record_until(cell, state, math.inf, support, times, written, rows)
     return TumblingRun(
         status, time, settling, impacts, bounce, side_of(cell, support, state[STATE.pitch])
     )

@@ -1,4 +1,4 @@
-"""What kernels are given: types of arrays, a flag that stops them, a cell as a named tuple."""
+"""Input of kernels: types of arrays, a flag that stops them, a cell as a named tuple."""
 
 from __future__ import annotations
 
