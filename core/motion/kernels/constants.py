@@ -47,12 +47,8 @@ Tally = namedtuple(
     "travel across stick forward backward flight impacts landing height at_wall peak failed "
     "signature",
 )
-"""Columns of what a motion that is followed period by period does in one period.
-
-The distance along, and across; the phase, or the steps, in each mode; impacts on the floor, the
-largest speed of a landing and the largest height; the stretches or steps at the wall. Of steps:
-the largest velocity, and how many had no solution; of stretches: the signature of the events.
-"""
+"""Columns of the sums over one period of a motion: distances, phases in modes, impacts, largest
+speed of landing and height, stretches at the wall, and the signature of the events."""
 
 TALLY = Tally(*range(len(Tally._fields)))
 
@@ -60,9 +56,9 @@ TALLY = Tally(*range(len(Tally._fields)))
 Segment = namedtuple("Segment", "phase span take_off landing impulse")
 """Columns of the cycle of the motion normal to the floor, a row a segment.
 
-`take_off` is the velocity off the floor at the start, -1 for contact; `landing` the speed at
-the end, and `impulse` what it takes from the floor there. The impulse of a contact is the
-rebound of the hops that it stands for (theory 13.5), 0 if there are none.
+`take_off` is the velocity off the floor at the start, -1 for contact; `landing` the speed at the
+end, and `impulse` what it takes from the floor; of a contact the rebound of the hops that it stands
+for (theory 13.5).
 """
 
 Piece = namedtuple("Piece", "phase span mode along normal position")
@@ -82,10 +78,8 @@ SETTLED_EXACTLY = 1e-13
 SETTLED_TIME = 1e-3  # remaining phase of all hops over that to lift-off, below which a run may end
 
 SETTLED_SOFTLY = 3e-4
-"""The same, rebound times remaining time, where restitution falls with the speed of impact.
-
-Such hops never end: a speed w falls as exp(-b n t/3), b the damping of the law and n the load, and
-takes 3/(2 b w) hops. What is left out is stated as an error.
+"""The same, rebound times remaining time, where restitution falls with the speed of impact: such
+hops never end, and a speed w takes 3/(2 b w) of them. What is left out is stated as an error.
 """
 
 LEFT_SOFTLY = 2e-3

@@ -41,8 +41,8 @@ from vibrafeed.core.motion.kernels.planar.plane_laws import (
 )
 
 MAX_MODES = 1_000
-"""Stops and starts in one segment, a period at most: between two of them an acceleration changes
-its sign, which those of ten harmonics do 20 times each. More are roundings that go on for ever."""
+"""Stops and starts in one segment: an acceleration of ten harmonics changes sign 20 times a period.
+More are roundings that go on for ever."""
 
 
 @borrowing
@@ -334,12 +334,8 @@ def sped_up(
 
 ROUNDING = 4e-14  # error of a mean velocity by rounding, over the drive and friction's impulses
 CLOSE = 1e-9
-"""Largest error of the slip at which a cycle repeats, whatever the tolerance.
-
-That error is read off the slope of the map there, which may change on the way to where it repeats:
-where a hundredth was asked for, a mean was off by up to 29 times what was said. The last steps of
-Newton's iteration cost next to nothing.
-"""
+"""Largest error of the slip at which a cycle repeats: it is read off a slope that may change on the
+way there; where a hundredth was asked for, a mean was off by up to 29 times what was said."""
 MAX_RUBBING = 8.0
 """Friction adds up over no more than so many times the share of the period in which a part slides,
 times its largest: what is huge acts for as short a time."""

@@ -29,12 +29,8 @@ from vibrafeed.core.motion.kernels.planar.plane_laws import (
 
 ROUNDED = 2.0**-52  # relative rounding of a phase or a speed
 MAX_GROWTH = 1e11
-"""Of a rounding, up to where a motion repeats: of 16 digits 5 are left then.
-
-Below it a neighbour a few ulp away goes the same way, unless it passes within some 1e-4 of an edge
-between two ways, and one cell in a hundred is that near to the bound; beyond it a few hops more
-lose the rest, and rounding decides where they lead.
-"""
+"""Of a rounding, up to where a motion repeats: of 16 digits 5 are left then, and a neighbour a few
+ulp away goes the same way, but for one cell in a hundred; beyond it rounding decides."""
 
 LAST_DIGIT = 1e15
 """Growth of a rounding up to which one digit of a way from rest to rest is left."""
@@ -90,11 +86,8 @@ FEWEST_PERIODS = 8  # of a run that a limit ended, for its mean to count as that
 SAME_LIFT_OFF = 1e-9  # distance of phase in rad below which two lift-offs are the same
 
 Chain = namedtuple("Chain", "rows summary")
-"""The segments of the last cell, `rows` with the columns of `SEGMENT`, and their `summary`.
-
-Cells that differ in friction or along the track alone have the same motion normal to the floor: one
-that follows another such takes over its chain.
-"""
+"""The segments of the last cell and their `summary`: cells that differ in friction or along the
+track alone have the same, which the next takes over."""
 
 Summary = namedtuple("Summary", "normal load restitution damping start most first end periods")
 """Columns of a summary: the numbers that set the motion, then the result of `normal_cycle`."""

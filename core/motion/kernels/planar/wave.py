@@ -36,8 +36,7 @@ WIDTH = 26
 """Columns of the table: orders from 1, steps from 0, or a count and passages from 1."""
 PULLS, ENDS, ROOTS = 2 * KINDS, 2 * KINDS + 1, 2 * KINDS + 2
 """Rows behind those of the coefficients: pulls by kind, ends of steps, and from `ROOTS` on, by
-kind, the phases at which its acceleration changes sign. A kind's rows are those of its sines and
-its cosines, or, of steps, of its pushes."""
+kind, the phases at which its acceleration changes sign."""
 RISES = WIDTH - 1
 """Column of a row of passages: 1 if the acceleration rises at the first of them."""
 INVERSE = np.array([math.inf, *(1.0 / k for k in range(1, WIDTH))])

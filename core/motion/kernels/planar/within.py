@@ -68,10 +68,7 @@ from vibrafeed.core.motion.kernels.planar.plane_laws import (
 
 APART = 1e6
 """Times the jolt of a lift-off from rest, by which runs start: at once they go different ways.
-
-Those of `chaos` agree up to there in eight digits, and take tens of periods to lose them: so early
-their scatter tells nothing of the error.
-"""
+Those of `chaos` take tens of periods to lose eight digits."""
 HOP_CAPACITY = MAX_SEGMENTS // PHASES  # rows for a run's hops since the part was at rest
 FIRST_ROOM = (
     256  # landings of each run for which there is room at first; it doubles when it is full
@@ -80,12 +77,10 @@ ON_ITS_WAY, ENDED = 0.0, 1.0
 """Whether more landings of a run can be found."""
 
 Landing = namedtuple("Landing", "phase span speed rebound stays fastest highest swing sway")
-"""Columns of the landings of a run, a row a landing, of the flight that ends there.
+"""Columns of the landings of a run, of the flight that ends there, in rad, g/w and g/w^2.
 
-`phase` and `span` of the flight in rad, `speed` of the landing and `rebound` in g/w (w = 2 pi f);
-`stays` is 1 if the part then stays on the floor until its lift-off, else 0. `fastest` and `highest`
-are the largest landing speed and height in g/w^2 of the run so far; `swing` and `sway` are the
-flight's `air_swings`.
+`stays` is 1 if the part then stays on the floor; `fastest` and `highest` are the largest of the run
+so far; `swing` and `sway` are the flight's `air_swings`.
 """
 
 Normal = namedtuple("Normal", "phase rebound time landings hops look jolt ended")
@@ -95,12 +90,8 @@ Normal = namedtuple("Normal", "phase rebound time landings hops look jolt ended"
 """
 
 Landings = namedtuple("Landings", "owner states segments tables")
-"""What is kept: of which motion (`owner`), and of each run its state, its hops, its landings.
-
-`owner` has the numbers of `normal_numbers`, the rebound law and the phase at the start, shape (5,);
-`states` the columns of `Normal`, shape (8, 8); `segments` those of `SEGMENT`, for the runs that
-look for cycles, shape (3, capacity, 5); `tables` those of `Landing`, shape (8, room, 9).
-"""
+"""The motion that the landings are of (`owner`, shape (5,)), and the eight runs: `states` (8, 8),
+`segments` of those that look for cycles (3, capacity, 5), `tables` of landings (8, room, 9)."""
 
 LANDING, NORMAL = Landing(*range(len(Landing._fields))), Normal(*range(len(Normal._fields)))
 
@@ -221,12 +212,9 @@ Run = namedtuple("Run", "slip time impacts upheld fastest highest")
 """
 
 Runs = namedtuple("Runs", "states sums travel marks")
-"""The eight runs of a cell, a row a run, as they are now.
-
-`states` with the columns of `Run`, shape (8, 6); `sums`, distance and times in modes, (8, 5);
-`travel`, the distance of each period in g/w^2, (8, periods); `marks`, the sums at the last marks
-with time, impacts and slip there, (8, 5, 8).
-"""
+"""The eight runs of a cell: `states` (8, 6); `sums` (8, 5); `travel`, the distance of each period
+in g/w^2, (8, periods); `marks`, the sums at the last marks with time, impacts and slip, (8, 5,
+8)."""
 
 RUN = Run(*range(len(Run._fields)))
 TIME, IMPACTS, SLIP, MARK = SUMS, SUMS + 1, SUMS + 2, SUMS + 3

@@ -1,4 +1,4 @@
-"""Contact of parts in a row (theory 17.2), under a drive that compiled code tells by its type.
+"""Contact of parts in a row (17.2) and its stop (theory 17.6); the drive is told by its type.
 
 Gauss's principle for parts that touch at one velocity is to minimise sum m (u' - a)^2/2 under
 u'_1 <= u'_2 <= ..., a the acceleration of each part by itself: isotonic regression.
@@ -6,6 +6,7 @@ u'_1 <= u'_2 <= ..., a the acceleration of each part by itself: isotonic regress
 
 from __future__ import annotations
 
+from collections import namedtuple
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
@@ -28,20 +29,15 @@ pushes: Callable[[Driven, float, float], tuple[float, float]] = _by_drive(
     row_sine.pushes, row_wave.pushes
 )
 
-
 lift_off: Callable[[Driven, float], float] = _by_drive(row_sine.lift_off, row_wave.lift_off)
-
 
 is_lifted: Callable[[Driven, float], bool] = _by_drive(row_sine.is_lifted, row_wave.is_lifted)
 
-
 flight: Callable[[Driven, float], tuple[float, float]] = _by_drive(row_sine.flight, row_wave.flight)
-
 
 backward_speed: Callable[[Driven], float] = _by_drive(
     row_state.backward_speed, row_wave.backward_speed
 )
-
 
 first_rise: Callable[[Driven, int, int, float, float, float, float], float] = _by_drive(
     row_sine.first_rise, row_wave.first_rise
@@ -50,40 +46,31 @@ first_rise: Callable[[Driven, int, int, float, float, float, float], float] = _b
 
 # --- parts
 
-
 set_flow: Callable[[Row, Driven, int, bool, float, float], None] = _by_drive(
     row_sine.set_flow, row_wave.set_flow
 )
 
-
 at_phase: Callable[[Driven, float], Any] = _by_drive(row_sine.at_phase, row_wave.at_phase)
-
 
 stop_until: Callable[[Row, Driven, int, Any, float], float] = _by_drive(
     row_sine.stop_until, row_wave.stop_until
 )
 
-
 contact_until: Callable[[Row, Driven, int, Any, float], float] = _by_drive(
     row_sine.contact_until, row_wave.contact_until
 )
-
 
 relative_push: Callable[[Row, Driven, int, float], float] = _by_drive(
     row_sine.relative_push, row_wave.relative_push
 )
 
-
 swung: Callable[[Driven, float, float], Any] = _by_drive(row_sine.swung, row_wave.swung)
-
 
 carried: Callable[[Row, Driven, int, Any, float], tuple[float, float]] = _by_drive(
     row_sine.carried, row_wave.carried
 )
 
-
 swept: Callable[[Driven, float, float], Any] = _by_drive(row_sine.swept, row_wave.swept)
-
 
 gap_swept: Callable[[Row, Driven, int, Any], float] = _by_drive(
     row_sine.gap_swept, row_wave.gap_swept
@@ -92,14 +79,11 @@ gap_swept: Callable[[Row, Driven, int, Any], float] = _by_drive(
 
 # --- forces on a stop
 
-
 sizes: Callable[[Driven], tuple[float, float]] = _by_drive(row_sine.sizes, row_wave.sizes)
-
 
 above: Callable[[Driven, int, float, float, float, float, float], float] = _by_drive(
     row_sine.above, row_wave.above
 )
-
 
 highest: Callable[[Driven, int, float, float, float, float, float], float] = _by_drive(
     row_sine.highest, row_wave.highest
@@ -416,3 +400,65 @@ def land(row: Row, impulse: float) -> float:
 def sign(value: float) -> int:
     """Return the sign of a value: 1, 0 or -1."""
     return 1 if value > 0.0 else (-1 if value < 0.0 else 0)
+
+
+Pressed = namedtuple("Pressed", "impulse peak")
+"""The integral of a force over a phase, and its largest value."""
+
+NOT_PRESSED = Pressed(0.0, 0.0)
+
+
+@borrowing
+def stop_pressed(
+    row: Row, drive: Driven, pull: float, tau: float, span: float, flying: bool
+) -> Pressed:
+    """Return impulse and largest force of a row on the stop in front, over a time without events.
+
+    For a stop at rest in space sum m (-gs - mode mu n), for one of the track in flight sum m times
+    the push D; for parts at rest on the floor the least force, sum m max(0, D - mu_s n) over the
+    blocks (theory 17.6).
+    """
+    first, parts = held_from(row), row.mass.size
+    if first == parts:
+        return NOT_PRESSED
+    if row.stop == ON_TRACK and not flying:
+        return _least(row, drive, pull, tau, span, first)
+    (push, lift), along, normal, drag = sizes(drive), 0.0, 0.0, 0.0
+    for i in range(first, parts):
+        if row.stop == ON_TRACK:
+            along += row.mass[i] * push
+            drag += row.mass[i] * pull
+        else:
+            friction = 0.0 if flying else row.mode[i] * row.kinetic[i]
+            normal += row.mass[i] * friction * lift
+            drag += row.mass[i] * (drive.gs + friction * drive.gn)
+    impulse = above(drive, first, along, normal, drag, tau, span)
+    return Pressed(impulse, max(0.0, highest(drive, parts, along, normal, drag, tau, span)))
+
+
+@borrowing
+def _least(row: Row, drive: Driven, pull: float, tau: float, span: float, first: int) -> Pressed:
+    parts = row.mass.size
+    for i in range(first, parts):
+        row.value[i] = -row.static[i]
+    blocks = pooled(row, first, parts)
+    impulse, (push, lift) = 0.0, sizes(drive)
+    for b in range(blocks):
+        begin, mu, mass = _block(row, first, b)
+        impulse += mass * above(drive, begin, push, mu * lift, pull + mu * drive.gn, tau, span)
+    # Blocks in front press first: the force is the largest sum from one block on to the front.
+    peak, along, normal, drag = 0.0, 0.0, 0.0, 0.0
+    for b in range(blocks - 1, -1, -1):
+        _, mu, mass = _block(row, first, b)
+        along, normal = along + mass * push, normal + mass * mu * lift
+        drag += mass * (pull + mu * drive.gn)
+        peak = max(peak, highest(drive, parts, along, normal, drag, tau, span))
+    return Pressed(impulse, peak)
+
+
+@borrowing
+def _block(row: Row, first: int, number: int) -> tuple[int, float, float]:
+    begin, mass = row.last[number - 1] + 1 if number > 0 else first, 0.0
+    for i in range(begin, row.last[number] + 1):
+        mass += row.mass[i]
+    return begin, -row.value[begin], mass

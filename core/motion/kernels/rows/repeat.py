@@ -29,11 +29,8 @@ AGREES = 1e-12
 """Difference of two states over the drive, below which they are the same; rounding leaves some
 1e-15."""
 AGREES_NEARLY = 1e-9
-"""The same difference for the divisors of a cycle that was found.
-
-What alternates and dies by a factor q per period differs by 1/(1 - q) times as much after one
-period as after two: both are told apart where q is below 0.999.
-"""
+"""The same difference for the divisors of a cycle: what alternates and dies by a factor q per
+period is told apart where q is below 0.999."""
 LAGS = 4  # periods of the longest cycle whose slow transient is extrapolated
 SLOW = 0.5  # ratio by which a change falls per cycle, below which it dies by itself
 ALIKE = 0.1  # two successive ratios q differ by less than this share of 1 - q

@@ -1,7 +1,4 @@
-"""Rows from event to event (theory 17.3), until they repeat, and the path of one (17.4).
-
-Between two events a stop feels a force (theory 17.6).
-"""
+"""Rows from event to event (theory 17.3), until they repeat, and the path of one (17.4)."""
 
 from __future__ import annotations
 
@@ -18,7 +15,6 @@ from vibrafeed.core.motion.kernels.means import BATCHES
 from vibrafeed.core.motion.kernels.planar.flow import TURN
 from vibrafeed.core.motion.kernels.rows.contact import (
     Driven,
-    above,
     at_phase,
     backward_speed,
     carried,
@@ -30,7 +26,6 @@ from vibrafeed.core.motion.kernels.rows.contact import (
     flight,
     gap_swept,
     held_from,
-    highest,
     hold,
     is_held,
     is_lifted,
@@ -38,13 +33,12 @@ from vibrafeed.core.motion.kernels.rows.contact import (
     least_friction,
     least_pressed,
     lift_off,
-    pooled,
     pushes,
     relative_push,
     set_flows,
-    sizes,
     slide,
     start,
+    stop_pressed,
     stop_until,
     swept,
     swung,
@@ -78,67 +72,6 @@ from vibrafeed.core.motion.kernels.rows.row_state import (
     row_at,
 )
 from vibrafeed.core.motion.kernels.rows.row_wave import waved_of
-
-Pressed = namedtuple("Pressed", "impulse peak")
-"""The integral of a force over a phase, and its largest value."""
-
-NOT_PRESSED = Pressed(0.0, 0.0)
-
-
-@borrowing
-def stop_pressed(
-    row: Row, drive: Driven, pull: float, tau: float, span: float, flying: bool
-) -> Pressed:
-    """Return impulse and largest force of a row on the stop in front, over a time without events.
-
-    For a stop at rest in space sum m (-gs - mode mu n), for one of the track in flight sum m times
-    the push D; for parts at rest on the floor the least force, sum m max(0, D - mu_s n) over the
-    blocks (theory 17.6).
-    """
-    first, parts = held_from(row), row.mass.size
-    if first == parts:
-        return NOT_PRESSED
-    if row.stop == ON_TRACK and not flying:
-        return _least(row, drive, pull, tau, span, first)
-    (push, lift), along, normal, drag = sizes(drive), 0.0, 0.0, 0.0
-    for i in range(first, parts):
-        if row.stop == ON_TRACK:
-            along += row.mass[i] * push
-            drag += row.mass[i] * pull
-        else:
-            friction = 0.0 if flying else row.mode[i] * row.kinetic[i]
-            normal += row.mass[i] * friction * lift
-            drag += row.mass[i] * (drive.gs + friction * drive.gn)
-    impulse = above(drive, first, along, normal, drag, tau, span)
-    return Pressed(impulse, max(0.0, highest(drive, parts, along, normal, drag, tau, span)))
-
-
-@borrowing
-def _least(row: Row, drive: Driven, pull: float, tau: float, span: float, first: int) -> Pressed:
-    parts = row.mass.size
-    for i in range(first, parts):
-        row.value[i] = -row.static[i]
-    blocks = pooled(row, first, parts)
-    impulse, (push, lift) = 0.0, sizes(drive)
-    for b in range(blocks):
-        begin, mu, mass = _block(row, first, b)
-        impulse += mass * above(drive, begin, push, mu * lift, pull + mu * drive.gn, tau, span)
-    peak, along, normal, drag = 0.0, 0.0, 0.0, 0.0
-    for b in range(blocks - 1, -1, -1):
-        _, mu, mass = _block(row, first, b)
-        along, normal = along + mass * push, normal + mass * mu * lift
-        drag += mass * (pull + mu * drive.gn)
-        peak = max(peak, highest(drive, parts, along, normal, drag, tau, span))
-    return Pressed(impulse, peak)
-
-
-@borrowing
-def _block(row: Row, first: int, number: int) -> tuple[int, float, float]:
-    begin, mass = row.last[number - 1] + 1 if number > 0 else first, 0.0
-    for i in range(begin, row.last[number] + 1):
-        mass += row.mass[i]
-    return begin, -row.value[begin], mass
-
 
 Event = namedtuple("Event", "span kind part")
 """The phase until it happens, what it is, and the part, or the contact, that it begins with."""
@@ -301,6 +234,7 @@ def happened(
 
 @borrowing
 def _bounces_end(row: Row, drive: Driven, contact: int, tau: float, restitution: float) -> bool:
+    # Bounces pressed together by -a last 2 e v/(a (1 - e)) in all (theory 13.5).
     drag = row.drag[contact + 1] - row.drag[contact]
     pressed = drag - relative_push(row, drive, contact, tau)
     meets = row.speed[contact] - row.speed[contact + 1]

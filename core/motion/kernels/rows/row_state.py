@@ -24,8 +24,7 @@ Head = namedtuple(
 
 Own = namedtuple("Own", "static kinetic mass gap")
 """Numbers of each part behind those columns: frictions, mass and the gap in front of it, each with
-room for as many parts as the longest row of a study has. The columns of the wave, if there is one,
-stand at the end (`vibrafeed.core.motion.kernels.waves.WaveColumns`)."""
+room for the longest row of a study. A wave stands at the end (`sine_sums.WaveColumns`)."""
 
 AT, OWN = Head(*range(len(Head._fields))), Own(*range(len(Own._fields)))
 HEAD = len(AT)
@@ -46,9 +45,7 @@ ROW_COLUMNS = len(RowColumns._fields)
 
 Tally = namedtuple("Tally", "closed air hits lost pressed struck peak held moving")
 """Of a period: phase times closed contacts, phase in the air, collisions, the energy they took; of
-the stop the integral of the force, the impulse of strokes, the largest force, the phase in touch;
-the phase in which parts slide on the track or are in the air.
-"""
+the stop impulse without and with strokes, largest force, phase in touch; phase in motion."""
 
 TALLY = Tally(*range(len(Tally._fields)))
 TALLIES = len(TALLY)

@@ -180,6 +180,8 @@ def lift_off(drive: RowWave, tau: float) -> float:
 
 @borrowing
 def _until_rise(wave: WaveDrive, kind: int, tau: float) -> float:
+    # A rise a hair before tau is at tau: of two neighbours whose frictions differ by a last bit the
+    # second would else start a turn later.
     turned = tau + TURN
     return max(0.0, next_of_way(wave, kind, turned - SAME, True) - turned)
 
@@ -336,6 +338,7 @@ def _swept(base: WaveDrive, kind: int, tau: float, d: float) -> float:
     if base.steps > 0:
         return acceleration(base, kind, tau + 0.5 * d) * d * d * d / 6.0
     _, _, first, second = integrals(base, kind, tau)
+    # P3(tau + D) - P3(tau) - P2 D - P1 D^2/2 with the first to third integral of the push.
     third, third_after = _third(base, kind, tau), _third(base, kind, tau + d)
     return third_after - third - d * (second + first * d / 2.0)
 

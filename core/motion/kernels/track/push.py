@@ -33,11 +33,11 @@ FREE, FLOOR, WALL, BOTH = 0, 1, 2, 3
 """Contacts that carry the part: the floor is bit 0, the wall bit 1."""
 
 Event = namedtuple("Event", "nothing start lift land leave bump stop slip press release seat")
-"""What ends a stretch of motion.
+"""Ends of a stretch of motion.
 
-`nothing` where the series had to be made anew; `seat` where the floor, or `press` where the
-wall, comes to carry a part that touches it without moving, and `release` where the wall ceases
-to carry one that the floor holds; `leave` where a part that slips loses the wall.
+`nothing` where the series had to be made anew; `seat` where the floor, or `press` where the wall,
+comes to carry a part that touches it at rest; `release` where the wall ceases to carry one that the
+floor holds; `leave` where a part that slips loses the wall.
 """
 
 
@@ -52,39 +52,13 @@ Row = namedtuple(
 )
 """First rows of the table of a step: series in powers of the phase since its start.
 
-One table, since a call hands on each array at a price.
-
-Attributes
-----------
-free : int
-    Acceleration of a part without contacts, along, across and normal; what a curve adds is in
-    the second once the velocity along is known.
-track : int
-    Velocity of the track along itself.
-velocity, place : int
-    Of the part relative to the track, along, across and normal.
-slip : int
-    Of the contact that slips, two rows.
-square : int
-    Of the slip's size.
-load : int
-    Of the contact that slips.
-extra : int
-    Seven of use to one function only.
-event, scratch : int
-    What turns negative at an event, and a copy that its search destroys.
-lifts : int
-    No series: how many times a period the floor loses a part that rests on it, and the phases.
-wave : int
-    Of the drive: how many harmonics and steps it has, and the speed of the track.
-sines, cosines : int
-    Three rows each, along, across and normal: a wave's coefficients by order.
-levels : int
-    Three rows, and one of the phases at which the steps end.
-speeds : int
-    Velocity of the track along itself at the start of each step.
-rows : int
-    How many there are.
+Accelerations without contacts (`free`), velocities and places have rows along, across and normal;
+`track` is its velocity along itself; `slip` of the contact that slips has two rows, `square` is its
+size and `load` the contact's; seven rows `extra` serve one function only; `event` turns negative at
+an event, and `scratch` is a copy that its search destroys. No series: `lifts`, how many times a
+period the floor loses a part, and the phases; `wave`, harmonics, steps and speed of the drive;
+`sines`, `cosines` by order; `levels`, with a fourth row of the phases at which steps end; `speeds`
+of the track at their starts. One table, since a call hands on each array at a price.
 """
 
 ROW = Row(0, 3, 4, 7, 10, 12, 13, 14, 21, 22, 23, 24, 25, 28, 31, 35, 36)

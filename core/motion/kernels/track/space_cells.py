@@ -52,11 +52,8 @@ SURELY = 1e-4
 STRAYED = 0.1
 """In the drive's speed: two runs that were so far apart no longer depend on their common start."""
 HAIR = 1e-12
-"""Of the restitution: what other runs lose more at each impact than the first.
-
-Series of all orders are alike under steps, and only this parts such runs. It comes to `STRAYED`
-where changes grow by 1e11 on the way, from where on digits decide in the plane, too.
-"""
+"""Of the restitution: what other runs lose more at each impact than the first, which alone parts
+runs of series of any order; it comes to `STRAYED` where changes grow by 1e11 on the way."""
 UNDECIDED = -1
 """No status of results: the cell needs its motion."""
 OTHERS = 3

@@ -21,11 +21,8 @@ TOUCH = 1e-13
 DEEP = 1e-12
 """Overlap over the half diagonal that is more than rounding."""
 SLOW = 1e-6
-"""Velocity that counts as none, of sqrt(acceleration times half diagonal).
-
-A fall through `OVERLAP` ends at 0.09e-6 of it: with not much less, the rounding of a height would
-keep a part bouncing for ever.
-"""
+"""Velocity that counts as none, of sqrt(acceleration times half diagonal); a fall through `OVERLAP`
+ends at 0.09e-6 of it."""
 
 
 Cell = namedtuple(
@@ -34,12 +31,9 @@ Cell = namedtuple(
     "drive_normal circular_frequency start_phase friction_kinetic friction_static restitution "
     "gap_normal pitch velocity_along velocity_upward pitch_rate duration time_step",
 )
-"""The numbers of one cell, SI; a row of the kernels' table in this order.
-
-`turning` is 1 for a part with corners, 0 for a ball, whose one contact stays below the centre. The
-pulls are gravity's components against the transport and towards the plane, the drives those of the
-drive's acceleration.
-"""
+"""The numbers of one cell, SI; `turning` is 1 for a part with corners, 0 for a ball, whose one
+contact stays below the centre. Pulls are gravity's components against the transport and towards
+the plane."""
 
 GROUPS = len(Cell._fields)
 
