@@ -23,7 +23,6 @@ MODE = Mode(**{name: MOTION_MODES[name].value for name in Mode._fields})
 UNREPEATED = -2  # no status of results: no cycle was found, and long runs give the means
 MODES = 4  # modes in which time is spent: all but the unknown
 
-
 Columns = namedtuple(
     "Columns",
     "velocity spread error stick forward backward flight impacts landing_speed hop_height "
@@ -44,14 +43,12 @@ SPENT = Spending(*range(len(Spending._fields)))
 
 Tally = namedtuple(
     "Tally",
-    "travel across stick forward backward flight impacts landing height at_wall peak failed "
-    "signature",
+    "travel across stick forward backward flight impacts landing height at_wall signature",
 )
 """Columns of the sums over one period of a motion: distances, phases in modes, impacts, largest
 speed of landing and height, stretches at the wall, and the signature of the events."""
 
 TALLY = Tally(*range(len(Tally._fields)))
-
 
 Segment = namedtuple("Segment", "phase span take_off landing impulse")
 """Columns of the cycle of the motion normal to the floor, a row a segment.
@@ -72,7 +69,6 @@ MAX_SEGMENTS = 8_000  # of a cycle; a run of shrinking hops at restitution 0.995
 DISTANCE, TIMES = 0, 1
 SUMS = TIMES + MODES
 
-
 SETTLED_EXACTLY = 1e-13
 """Rebound times remaining phase of all hops, in g/w, below which a run of hops ends."""
 SETTLED_TIME = 1e-3  # remaining phase of all hops over that to lift-off, below which a run may end
@@ -88,15 +84,15 @@ LEFT_SOFTLY = 2e-3
 Those that do not are some 750 up to there.
 """
 
-
 NODES = np.array([
     0.1252334085114689, 0.3678314989981802, 0.5873179542866175, 0.7699026741943047,
     0.9041172563704749, 0.9815606342467192,
 ])  # fmt: skip
-"""The nodes above 0, of the interval from -1 to 1; the others lie opposite."""
+"""Nodes above 0 of Gauss and Legendre's rule of twelve places, exact up to the power 23; the others
+lie opposite, between -1 and 1."""
 
 WEIGHTS = np.array([
     0.24914704581340277, 0.2334925365383548, 0.20316742672306592, 0.16007832854334622,
     0.10693932599531843, 0.04717533638651183,
 ])  # fmt: skip
-"""Weights of these nodes; those of the opposite ones are equal."""
+"""Their weights, and those of the opposite ones."""

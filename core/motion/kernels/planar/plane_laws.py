@@ -59,22 +59,17 @@ track_speed: Callable[[Drive, float], float] = _by_drive(
     sine_motion.track_speed, wave_motion.track_speed
 )
 
-
 rounded: Callable[[Drive], Drive] = _by_drive(sine_rounded, wave.rounded)
-
 
 normal_numbers: Callable[[Drive], tuple[float, float]] = _by_drive(
     sine_motion.normal_numbers, wave_motion.normal_numbers
 )
 
-
 acceleration: Callable[[Drive, int, float], float] = _by_drive(sine_acceleration, wave.acceleration)
-
 
 flow: Callable[[Drive, int, float, float, float], tuple[float, float]] = _by_drive(
     sine_flow, wave.flow
 )
-
 
 next_of_way: Callable[[Drive, int, float, bool], float] = _by_drive(
     sine_motion.next_of_way, wave.next_of_way
@@ -94,7 +89,6 @@ def push(drive: Drive, tau: float) -> tuple[float, float]:
 push_slope: Callable[[Drive, float], tuple[float, float]] = _by_drive(
     sine_motion.push_slope, wave_motion.push_slope
 )
-
 
 smooth_span: Callable[[Drive, float], float] = _by_drive(
     sine_motion.smooth_span, wave_motion.smooth_span
@@ -156,7 +150,6 @@ def fly(drive: Drive, u: float, tau: float, d: float) -> tuple[float, float]:
 air_swings: Callable[[Drive, float, float], tuple[float, float]] = _by_drive(
     sine_motion.air_swings, wave_motion.air_swings
 )
-
 
 swung_along: Callable[[Drive, float, float, float, float], tuple[float, float]] = _by_drive(
     sine_motion.swung_along, wave_motion.swung_along
@@ -224,11 +217,9 @@ stop_after: Callable[[Drive, float, float, float, float], float] = _by_drive(
     sine_motion.stop_after, wave_motion.stop_after
 )
 
-
 two_sided: Callable[[Drive], tuple[float, float]] = _by_drive(
     sine_motion.two_sided, wave_motion.two_sided
 )
-
 
 slip_uncertainty: Callable[[Drive], float] = _by_drive(
     sine_motion.slip_uncertainty, wave_motion.slip_uncertainty

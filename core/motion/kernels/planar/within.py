@@ -70,9 +70,7 @@ APART = 1e6
 """Times the jolt of a lift-off from rest, by which runs start: at once they go different ways.
 Those of `chaos` take tens of periods to lose eight digits."""
 HOP_CAPACITY = MAX_SEGMENTS // PHASES  # rows for a run's hops since the part was at rest
-FIRST_ROOM = (
-    256  # landings of each run for which there is room at first; it doubles when it is full
-)
+FIRST_ROOM = 256  # landings of a run for which there is room at first; it doubles when full
 ON_ITS_WAY, ENDED = 0.0, 1.0
 """Whether more landings of a run can be found."""
 
