@@ -17,14 +17,12 @@ from numpy.random import Generator
 from benchmarks.options import options
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
 from vibrafeed.core.motion.kernels import means
-from vibrafeed.core.motion.kernels.arrays import NEVER, Flags, Floats
-from vibrafeed.core.motion.kernels.cells import cell_of
-from vibrafeed.core.motion.kernels.results import COLUMN, RESULTS, TALLY
-from vibrafeed.core.motion.kernels.statuses import STATUS
-from vibrafeed.core.motion.kernels.track import drive, solve_cells
-from vibrafeed.core.motion.kernels.track.cycle import apart, approach, new_history
-from vibrafeed.core.motion.kernels.track.solve import FINE
-from vibrafeed.core.motion.kernels.track.tables import TURN, at_rest, new_work
+from vibrafeed.core.motion.kernels.constants import COLUMN, RESULTS, STATUS, TALLY
+from vibrafeed.core.motion.kernels.inputs import NEVER, Flags, Floats, cell_of
+from vibrafeed.core.motion.kernels.track import push, solve_cells
+from vibrafeed.core.motion.kernels.track.push import TURN, at_rest, new_work
+from vibrafeed.core.motion.kernels.track.settling import apart, approach, new_history
+from vibrafeed.core.motion.kernels.track.space_cells import FINE
 from vibrafeed.core.quantities import MOTION_STATUSES
 
 GRAVITY = 9.80665
@@ -131,8 +129,8 @@ def course_of(row: Floats, periods: int, contacts: Contacts = TRACK) -> tuple[fl
     """Return mean, uncertainty and period multiple of a long run from rest."""
     wall, rolling = contacts.wall, float(contacts.rolling)
     cell, work, (state, hold) = cell_of(row), new_work(), at_rest()
-    drive.set_drive(cell, row, work)
-    speed = float(drive.size(work))
+    push.set_drive(cell, row, work)
+    speed = float(push.size(work))
     history = new_history(periods, NEVER)
     found, _ = approach(cell, wall, rolling, FINE, periods, 0, state, hold, history, work)
     if found.status == STATUS.limit_reached:

@@ -25,16 +25,13 @@ from benchmarks.options import options
 from benchmarks.waves import PLANAR, SPATIAL, harmonics, parts, steps
 from vibrafeed.core.motion import planar, waves
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
-from vibrafeed.core.motion.kernels.arrays import NEVER
-from vibrafeed.core.motion.kernels.cells import cell_of
-from vibrafeed.core.motion.kernels.planar.tables import PIECE
-from vibrafeed.core.motion.kernels.results import TALLY
-from vibrafeed.core.motion.kernels.statuses import MODE
-from vibrafeed.core.motion.kernels.track import drive
-from vibrafeed.core.motion.kernels.track.cycle import new_history, settle
-from vibrafeed.core.motion.kernels.track.solve import FINE
-from vibrafeed.core.motion.kernels.track.tables import at_rest, new_work
-from vibrafeed.core.motion.kernels.waves import SineSum, passages
+from vibrafeed.core.motion.kernels.constants import MODE, PIECE, TALLY
+from vibrafeed.core.motion.kernels.inputs import NEVER, cell_of
+from vibrafeed.core.motion.kernels.sine_sums import SineSum, passages
+from vibrafeed.core.motion.kernels.track import push
+from vibrafeed.core.motion.kernels.track.push import at_rest, new_work
+from vibrafeed.core.motion.kernels.track.settling import new_history, settle
+from vibrafeed.core.motion.kernels.track.space_cells import FINE
 from vibrafeed.core.motion.methods.events import planar_motion, spatial_motion
 from vibrafeed.core.motion.result import STATUS
 from vibrafeed.core.motion.waves import TURN
@@ -44,8 +41,8 @@ REPEATS = [STATUS["periodic"], STATUS["at_rest"]]
 NAMES = {value: name for name, value in STATUS.items()}
 CLOSE = 1e-9  # of the drive's speed: means no further apart are the same
 FINER = (
-    ("core/motion/kernels/waves.py", "POINTS = 128\n", "POINTS = 256\n"),
-    ("core/motion/kernels/waves.py", "    return total\n", "    return 2.0 * total\n"),
+    ("core/motion/kernels/sine_sums.py", "POINTS = 128\n", "POINTS = 256\n"),
+    ("core/motion/kernels/sine_sums.py", "    return total\n", "    return 2.0 * total\n"),
     ("core/motion/kernels/track/modes.py", "LONGEST = 1.5\n", "LONGEST = 0.75\n"),
     ("core/motion/kernels/track/modes.py", "0.95 * math.exp", "0.475 * math.exp"),
 )
@@ -175,7 +172,7 @@ def events_in_space(groups: Groups, multiples: Array) -> list[str]:
             found.append("")
             continue
         cell = cell_of(row)
-        drive.set_drive(cell, row, work)
+        push.set_drive(cell, row, work)
         state, hold = at_rest()
         done = settle(cell, False, 0.0, FINE, most, state, hold, history, work)
         last = history.tallies[done.done - done.multiple : done.done]

@@ -10,26 +10,16 @@ from typing import TYPE_CHECKING
 
 from vibrafeed.core.lazy import lazily
 
-__all__ = [
-    "again",
-    "cells",
-    "flow",
-    "rows",
-    "solve",
-    "track",
-    "tumbling",
-    "unrepeated",
-    "wave",
-]
+__all__ = ["flow", "inputs", "plane_cells", "rows", "track", "tumbling", "wave"]
 
 if TYPE_CHECKING:
-    from vibrafeed.core.motion.kernels import cells, rows, track, tumbling
-    from vibrafeed.core.motion.kernels.planar import again, flow, solve, unrepeated, wave
+    from vibrafeed.core.motion.kernels import inputs, rows, track, tumbling
+    from vibrafeed.core.motion.kernels.planar import flow, plane_cells, wave
 else:
-    _ONE_PACKAGE = ("cells", "rows", "track", "tumbling")
-    _PLANAR = ("again", "flow", "solve", "unrepeated", "wave")
+    _TOP = ("inputs", "rows", "track", "tumbling")
+    _PLANAR = ("flow", "plane_cells", "wave")
     __getattr__ = lazily(
         f"{__package__}.kernels",
         {},
-        {name: name for name in _ONE_PACKAGE} | {name: f"planar.{name}" for name in _PLANAR},
+        {name: name for name in _TOP} | {name: f"planar.{name}" for name in _PLANAR},
     )

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.motion import compiled
 from vibrafeed.core.motion.groups import Groups
-from vibrafeed.core.motion.kernels.results import RESULTS
+from vibrafeed.core.motion.kernels.constants import RESULTS, UNREPEATED
 from vibrafeed.core.quantities import MOTION_STATUSES
 
 if TYPE_CHECKING:
-    from vibrafeed.core.motion.kernels.arrays import Floats, Statuses, Stop
-    from vibrafeed.core.motion.kernels.planar.drive import Waves
+    from vibrafeed.core.motion.kernels.inputs import Floats, Statuses, Stop
+    from vibrafeed.core.motion.kernels.planar.plane_laws import Waves
 
 NOT_COMPUTED = MOTION_STATUSES["not_computed"].value
 NORMAL_DRIVE = Groups._fields.index("drive_number_normal")
@@ -37,11 +37,11 @@ def solve_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> 
     """
     order = _beside_equal_landings(groups)
     if order is None:
-        compiled.solve.solve_cells(groups, waves_of(groups), table, status, stop)
+        compiled.plane_cells.solve_cells(groups, waves_of(groups), table, status, stop)
         _average(groups, table, status, stop)
         return
     cells, means, found = groups[order], table[order], status[order]
-    compiled.solve.solve_cells(cells, waves_of(cells), means, found, stop)
+    compiled.plane_cells.solve_cells(cells, waves_of(cells), means, found, stop)
     _average(cells, means, found, stop)
     table[order], status[order] = means, found
 
@@ -51,7 +51,7 @@ def spend_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> 
 
     A row of `groups` holds `Cell` and a wave; `table` has the columns of an `Energy`.
     """
-    compiled.again.spend_cells(groups, waves_of(groups), table, status, stop)
+    compiled.plane_cells.spend_cells(groups, waves_of(groups), table, status, stop)
 
 
 def average_spent(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
@@ -59,17 +59,17 @@ def average_spent(groups: Floats, table: Floats, status: Statuses, stop: Stop) -
 
     A row of `groups` holds `Cell` and a wave; `table` has the columns of an `Energy`.
     """
-    compiled.unrepeated.average_spent(groups, waves_of(groups), table, status, stop)
+    compiled.plane_cells.average_spent(groups, waves_of(groups), table, status, stop)
 
 
 def follow(row: Floats, stop: Stop) -> tuple[Floats, float, float, bool]:
     """Return one cell's motion pieces, phase shift, direction sign, and True if they repeat.
 
-    `row` holds `Cell` and a wave; see the kernel `again.follow`.
+    `row` holds `Cell` and a wave; see the kernel `plane_cells.follow`.
     """
     table, status = np.empty((1, RESULTS)), np.full(1, NOT_COMPUTED, dtype=np.int8)
     solve_cells(row[np.newaxis], table, status, stop)
-    return compiled.again.follow(row, waves_of(row), int(status[0]), stop)
+    return compiled.plane_cells.follow(row, waves_of(row), int(status[0]), stop)
 
 
 def sample(pieces: Floats, row: Floats, shift: float, phases: Floats, repeats: bool) -> Floats:
@@ -77,7 +77,7 @@ def sample(pieces: Floats, row: Floats, shift: float, phases: Floats, repeats: b
 
     `pieces`, `shift` and `repeats` come from `follow`, `row` holds `Cell` and a wave.
     """
-    return compiled.again.sample(pieces, row, waves_of(row), shift, phases, repeats)
+    return compiled.plane_cells.sample(pieces, row, waves_of(row), shift, phases, repeats)
 
 
 def waves_of(groups: Floats) -> Waves:
@@ -85,7 +85,7 @@ def waves_of(groups: Floats) -> Waves:
 
     Its type selects the compiled kernel.
     """
-    if groups.shape[-1] > compiled.cells.GROUPS:
+    if groups.shape[-1] > compiled.inputs.GROUPS:
         return compiled.wave.WaveTable(np.zeros(compiled.wave.TABLE))
     return compiled.flow.NO_WAVES
 
@@ -96,11 +96,11 @@ def _average(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> Non
     These are the cells with the status `UNREPEATED`. `groups` has a row of numbers for each cell,
     `table` a row of results, `status` one value; `stop` is a flag that ends the work.
     """
-    (cells,) = np.nonzero(status == compiled.solve.UNREPEATED)
+    (cells,) = np.nonzero(status == UNREPEATED)
     if cells.size:
         means = np.full((cells.size, RESULTS), np.nan)
         found = np.full(cells.size, NOT_COMPUTED, dtype=np.int8)
-        compiled.unrepeated.average_cells(groups[cells], waves_of(groups), means, found, stop)
+        compiled.plane_cells.average_cells(groups[cells], waves_of(groups), means, found, stop)
         table[cells, :RESULTS], status[cells] = means, found
 
 
@@ -108,7 +108,7 @@ def _beside_equal_landings(groups: Floats) -> NDArray[np.intp] | None:
     """Return the order of cells in which those that land at the same times follow each other.
 
     `groups` has a row a cell. Such cells have the same motion normal to the floor, which is found
-    once for all of them (`kernels.planar.cycle` and, to 32 bits, `landings`). None if too few
+    once for all of them (`kernels.planar.cycle` and, to 32 bits, `within`). None if too few
     have an equal.
     """
     drives = groups[:, NORMAL_DRIVE]

@@ -11,7 +11,7 @@ from vibrafeed.core.motion.kernels.rows import (
     row_cells,
     waved_row_cells,
 )
-from vibrafeed.core.motion.kernels.rows.tables import COLUMN, HEAD, NO_STOP
+from vibrafeed.core.motion.kernels.rows.row_state import COLUMN, HEAD, NO_STOP
 from vibrafeed.core.motion.result import STATUS
 from vibrafeed.core.motion.waves import Wave
 

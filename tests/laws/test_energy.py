@@ -142,9 +142,8 @@ def after_phases(tau, first, push, pull, d):
 @pytest.mark.parametrize("restitution", [0.0, 0.3])
 def test_a_quadrature_over_the_pieces_finds_the_same_and_balances_impulses(restitution):
     """The closed flows of 13.2, written anew: work, and the mean forces of floor and friction."""
-    from vibrafeed.core.motion.kernels.arrays import NEVER
-    from vibrafeed.core.motion.kernels.planar.tables import PIECE
-    from vibrafeed.core.motion.kernels.statuses import MODE
+    from vibrafeed.core.motion.kernels.constants import MODE, PIECE
+    from vibrafeed.core.motion.kernels.inputs import NEVER
     from vibrafeed.core.motion.planar import follow
 
     c, s, gs, gn, mu = 1.4, 1.6, 0.03, 1.1, 0.35

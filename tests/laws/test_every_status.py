@@ -17,8 +17,8 @@ from night import count
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
-from vibrafeed.core.motion.kernels.cells import Cell
-from vibrafeed.core.motion.kernels.results import COLUMN
+from vibrafeed.core.motion.kernels.constants import COLUMN
+from vibrafeed.core.motion.kernels.inputs import Cell
 from vibrafeed.core.motion.methods.events import (
     motion_by_events,
     planar_motion,

@@ -17,8 +17,8 @@ from benchmarks.missed_events import (
 )
 from benchmarks.waves import PLANAR, harmonics, parts
 from vibrafeed.core.motion.groups import cells_of
-from vibrafeed.core.motion.kernels import waves as kernels
-from vibrafeed.core.motion.kernels.cells import cell_of
+from vibrafeed.core.motion.kernels import sine_sums as kernels
+from vibrafeed.core.motion.kernels.inputs import cell_of
 from vibrafeed.core.motion.kernels.planar.flow import AIR
 from vibrafeed.core.motion.kernels.planar.wave import KINDS, PULLS, ROOTS, wave_of
 from vibrafeed.core.motion.planar import waves_of
@@ -90,4 +90,4 @@ def test_no_change_of_sign_of_an_acceleration_is_missed(orders):
 def test_the_finer_copy_is_made(tmp_path):
     """Each constant that the benchmark changes stands where it looks for it."""
     tree = finer_copy(tmp_path)
-    assert "POINTS = 256" in (tree / "core/motion/kernels/waves.py").read_text()
+    assert "POINTS = 256" in (tree / "core/motion/kernels/sine_sums.py").read_text()

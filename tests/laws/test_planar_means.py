@@ -17,17 +17,22 @@ from vibrafeed.core.compiled import compiled
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.motion.groups import Groups, cells_of
-from vibrafeed.core.motion.kernels.arrays import Floats
-from vibrafeed.core.motion.kernels.cells import Cell, cell_of
+from vibrafeed.core.motion.kernels.constants import DISTANCE, PIECE, SETTLED_EXACTLY, SUMS
+from vibrafeed.core.motion.kernels.inputs import Cell, Floats, cell_of
+from vibrafeed.core.motion.kernels.planar.along import after_hops, contact
 from vibrafeed.core.motion.kernels.planar.cycle import one_hop
-from vibrafeed.core.motion.kernels.planar.drive import Drive, fly, lift_off, lifts, to_lift_off
 from vibrafeed.core.motion.kernels.planar.flow import NO_WAVES, TURN, upright
-from vibrafeed.core.motion.kernels.planar.rebound import Restitution, restitution_of
-from vibrafeed.core.motion.kernels.planar.slide import after_hops, contact
-from vibrafeed.core.motion.kernels.planar.stays import rests
-from vibrafeed.core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS
+from vibrafeed.core.motion.kernels.planar.plane_laws import (
+    Drive,
+    Restitution,
+    fly,
+    lift_off,
+    lifts,
+    restitution_of,
+    rests,
+    to_lift_off,
+)
 from vibrafeed.core.motion.kernels.planar.wave import wave_of
-from vibrafeed.core.motion.kernels.rebounds import SETTLED_EXACTLY
 from vibrafeed.core.motion.methods.events import planar_motion
 from vibrafeed.core.motion.planar import waves_of
 from vibrafeed.core.motion.result import STATUS, Motion

@@ -11,9 +11,14 @@ import pytest
 from benchmarks.motions import tumbling_motion, tumbling_path
 from mean_velocities import MEAN_VELOCITIES
 from vibrafeed.core.mechanics import impact
-from vibrafeed.core.motion.kernels.tumbling.geometry import corner_at, speed_scale
-from vibrafeed.core.motion.kernels.tumbling.impact import strike
-from vibrafeed.core.motion.kernels.tumbling.tables import SLOW, STATE, cell_of
+from vibrafeed.core.motion.kernels.tumbling.corners import (
+    SLOW,
+    STATE,
+    cell_of,
+    corner_at,
+    speed_scale,
+)
+from vibrafeed.core.motion.kernels.tumbling.supports import strike
 from vibrafeed.core.motion.methods import tumbling
 from vibrafeed.core.motion.methods.tumbling import Ball, TumblingCylinder, TumblingRectangle
 from vibrafeed.core.motion.result import STATUS

@@ -306,7 +306,7 @@ def test_after_an_edit_of_a_tumbling_kernel_a_planar_simulation_compiles_nothing
         "PYTHONPATH": str(tree),
         "NUMBA_CACHE_DIR": str(kernel_cache.root()),
     }
-    file = tree / "core/motion/kernels/tumbling/impact.py"
+    file = tree / "core/motion/kernels/tumbling/supports.py"
     file.write_text(file.read_text().replace("import math", "import math  # edited", 1))
     done = subprocess.run(
         [sys.executable, "-c", PLANAR], capture_output=True, text=True, cwd=tree, env=environment

@@ -1,9 +1,7 @@
 """Means over periods of the drive of a motion that does not repeat.
 
-The error of such a mean is statistical. The periods that are kept are cut into batches, one after
-another, and the scatter of the batches' means tells the error: neighbouring periods depend on each
-other, batches of many hardly do. What is left of that, and a drift, shows in von Neumann's ratio of
-successive differences: a mean over a drift is none.
+The scatter of the means of successive batches tells the error; von Neumann's ratio of successive
+differences shows what is left of a drift or of correlation.
 """
 
 from __future__ import annotations
@@ -13,10 +11,8 @@ import math
 import numpy as np
 
 from vibrafeed.core.compiled import compiled
-from vibrafeed.core.motion.kernels.arrays import Floats
-from vibrafeed.core.motion.kernels.cells import Cell
-from vibrafeed.core.motion.kernels.results import COLUMN, TALLY
-from vibrafeed.core.motion.kernels.statuses import MODES, STATUS
+from vibrafeed.core.motion.kernels.constants import COLUMN, MODES, STATUS, TALLY
+from vibrafeed.core.motion.kernels.inputs import Cell, Floats
 
 BATCHES = 16  # successive batches of periods whose means give the error of a mean
 SETTLING = 0.25
@@ -33,11 +29,7 @@ Random numbers that do not depend on each other give 2 on the mean; a straight l
 
 @compiled
 def batch_means(values: Floats) -> Floats:
-    """Return the means of 16 successive batches of the values after their first quarter.
-
-    Their scatter shows the error of the mean. `values` holds one number a period of the drive,
-    shape (n,); the result has shape (16,), of the last n - floor(n/4) values.
-    """
+    """Return the means of 16 successive batches of the values after their first quarter."""
     return successive_means(values[int(SETTLING * values.size) :])
 
 
@@ -61,10 +53,7 @@ def successive_means(values: Floats) -> Floats:
 
 @compiled
 def scatter(means: Floats) -> float:
-    """Return the sample standard deviation of n mean values m, s = sqrt(sum (m - mean)^2/(n - 1)).
-
-    In the unit of `means`, of which there must be two or more.
-    """
+    """Return the standard deviation of n mean values m, s = sqrt(sum (m - mean)^2/(n - 1))."""
     centre, square = np.mean(means), 0.0
     for mean in means:
         square += (mean - centre) ** 2
@@ -75,9 +64,9 @@ def scatter(means: Floats) -> float:
 def succession(means: Floats) -> float:
     """Return von Neumann's ratio of successive differences of batch means m, which shows a drift.
 
-    r = sum (m[k + 1] - m[k])^2/sum (m[k] - mean)^2 is 2 on the mean for independent numbers, and
-    less where each is like the one before: r = 2 (1 - q), with the correlation q of neighbours (von
-    Neumann, Annals of Mathematical Statistics 12, 1941, 367-395). 2 if all means are equal.
+    r = sum (m[k + 1] - m[k])^2/sum (m[k] - mean)^2 is 2 on the mean for independent numbers, and r
+    = 2 (1 - q) with the correlation q of neighbours (von Neumann, Annals of Mathematical Statistics
+    12, 1941, 367-395). 2 if all means are equal.
     """
     square, steps = scatter(means) ** 2 * (means.size - 1), 0.0
     for k in range(means.size - 1):
@@ -89,9 +78,8 @@ def succession(means: Floats) -> float:
 def is_steady(means: Floats, resolved: float) -> bool:
     """True if batch means show no drift and no correlation between neighbouring batches.
 
-    `resolved` is the error with which each batch mean is known, in its unit: means that scatter by
-    no more are equal. Otherwise von Neumann's ratio (`succession`) must be at least 0.684, which
-    batches of a steady motion miss once in 1,000 times. False if a mean is NaN (theory 13.13).
+    They scatter by no more than `resolved`, or von Neumann's ratio is at least 0.684. False if one
+    is NaN (theory 13.13).
     """
     return scatter(means) <= resolved or succession(means) >= LEAST_RATIO
 
@@ -102,7 +90,7 @@ def mean_error(means: Floats) -> float:
 
     t s/sqrt(n) sqrt((1 + q)/(1 - q)), with Student's quantile t = 2.947 for n = 16, the standard
     deviation s, and the correlation q = max(0, 1 - r/2) of neighbouring batches, from von Neumann's
-    ratio r (at least 0.684). Batches k apart are taken to have the correlation q^k.
+    ratio r; batches k apart are taken to have the correlation q^k.
     """
     likeness = max(0.0, 1.0 - 0.5 * max(LEAST_RATIO, succession(means)))
     memory = math.sqrt((1.0 + likeness) / (1.0 - likeness))
@@ -111,11 +99,7 @@ def mean_error(means: Floats) -> float:
 
 @compiled
 def mean_velocity(travel: Floats, first: int, last: int, period: float) -> float:
-    """Return the mean velocity over the periods of the drive from index `first` to before `last`.
-
-    v = (sum of travel[k])/((last - first) T). `travel` holds the distance covered in each period,
-    in g/w^2 (w = 2 pi f); `period` is the duration T of one period in rad; v is in g/w.
-    """
+    """Return the mean velocity in g/w over the periods from index `first` to before `last`."""
     total = 0.0
     for k in range(first, last):
         total += travel[k]
@@ -124,12 +108,7 @@ def mean_velocity(travel: Floats, first: int, last: int, period: float) -> float
 
 @compiled
 def gains(travel: Floats, done: int, period: float) -> tuple[float, float]:
-    """Return two growths of a mean velocity in g/w: last less third quarter, third less second.
-
-    Quarters of the first `done` periods. A motion that runs away keeps gaining speed. `travel`
-    holds the distance covered in each period in g/w^2 (w = 2 pi f), `period` is the duration of one
-    period in rad.
-    """
+    """Return two growths of a mean velocity in g/w: last less third quarter, third less second."""
     quarter = done // 4
     first = mean_velocity(travel, quarter, 2 * quarter, period)
     second = mean_velocity(travel, 2 * quarter, 3 * quarter, period)
@@ -141,21 +120,16 @@ def gains(travel: Floats, done: int, period: float) -> tuple[float, float]:
 def runs_away(gain: float, before: float, pull: float, friction: float) -> bool:
     """True if the mean velocity grows steadily because gravity exceeds friction.
 
-    `gain` and `before` are two successive growths of the mean velocity d and d' (from `gains`).
-    They must have one sign, with |d| > |d'|/2, and `pull`, gravity along the track in g, must be at
-    least `friction`, mu_k times the mean load in g: at high speed friction is kinetic.
+    Two successive growths d and d' (`gains`) have one sign, |d| > |d'|/2, and `pull`, gravity along
+    the track, is at least `friction`, mu_k times the mean load, both in g: at high speed friction
+    is kinetic.
     """
     return gain * before > 0.0 and pull >= friction and abs(gain) > 0.5 * abs(before)
 
 
 @compiled
 def fill_means(tallies: Floats, first: int, last: int, period: float, result: Floats) -> None:
-    """Fill `result` with the mean values over the periods from index `first` to before `last`.
-
-    `tallies` has one row a period with the columns of `TALLY`, `period` is the duration of one
-    period in rad, `result` has the columns of `COLUMN`. The mean velocity across the track is set
-    to 0 if the part touched the wall in these periods, because it then returns to the wall.
-    """
+    """Fill `result` with the mean values over the periods from index `first` to before `last`."""
     result[:] = 0.0
     travel, across, at_wall = 0.0, 0.0, 0.0
     for k in range(first, last):
@@ -183,11 +157,9 @@ def ended(
 ) -> tuple[int, Floats]:
     """Return the status of a motion that did not repeat, and the batch means of its velocity.
 
-    The status is `runaway`, `aperiodic` or `limit_reached` (the batches drift). `wall` is True if
-    there is a wall; `pull` is gravity along the track, sin(gamma) in g, which wins if friction,
-    mu_k n + mu_w max(0, n_y) with the loads n, n_y on floor and wall in g, cannot hold the part;
-    `travel` holds the distance of each period, `period` the duration of one; batch means within
-    `resolved` are equal (theory 13.8).
+    `runaway` if gravity along, `pull` in g, beats the friction mu_k n + mu_w max(0, n_y) of the
+    loads n, n_y on floor and wall; else `aperiodic`, or `limit_reached` if the batches drift by
+    more than `resolved` (theory 13.8).
     """
     gain, before = gains(travel, travel.size, period)
     friction = cell.friction_kinetic * cell.gravity_number_normal
@@ -203,10 +175,8 @@ def ended(
 def wall_gap(tallies: Floats, first: int, last: int, drift: float) -> float:
     """Return the change of the distance from the wall that keeps a motion from repeating.
 
-    In g/w^2 (w = 2 pi f), as `drift`, the change of the distance over a cycle, outwards positive.
-    |drift| if the part touched the wall in the periods from index `first` to before `last` of
-    `tallies` (columns of `TALLY`), and max(0, -drift) if not: a part that never touches the wall
-    may move away from it.
+    |`drift`| over a cycle, outwards positive in g/w^2, if the part touched the wall in the periods
+    from `first` to before `last`; else max(0, -drift): it may move away.
     """
     for k in range(first, last):
         if tallies[k, TALLY.at_wall] > 0.0:

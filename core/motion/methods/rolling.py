@@ -16,7 +16,7 @@ from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.mechanics.rolling import RollingContact
 from vibrafeed.core.motion import planar
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
-from vibrafeed.core.motion.kernels.planar.tables import PIECE
+from vibrafeed.core.motion.kernels.constants import PIECE
 from vibrafeed.core.motion.method import Follow, Method
 from vibrafeed.core.motion.methods.events import planar_motion
 from vibrafeed.core.motion.result import ANSWERED, STATUS, Motion

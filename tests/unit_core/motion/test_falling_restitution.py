@@ -14,8 +14,8 @@ from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.mechanics import soft_contact
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
-from vibrafeed.core.motion.kernels.arrays import Floats
-from vibrafeed.core.motion.kernels.planar.rebound import Restitution, impulse, rebound
+from vibrafeed.core.motion.kernels.inputs import Floats
+from vibrafeed.core.motion.kernels.planar.plane_laws import Restitution, impulse, rebound
 from vibrafeed.core.motion.methods.events import motion_by_events, planar_motion, planar_path
 from vibrafeed.core.motion.result import STATUS, Motion
 from vibrafeed.core.quantities import REGIMES

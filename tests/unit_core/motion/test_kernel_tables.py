@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from vibrafeed.core.motion.groups import Groups, cells_of
-from vibrafeed.core.motion.kernels import cells, results, tumbling
-from vibrafeed.core.motion.kernels.tumbling import tables as tumbling_tables
+from vibrafeed.core.motion.kernels import constants, inputs, tumbling
+from vibrafeed.core.motion.kernels.tumbling import corners
 from vibrafeed.core.motion.methods.tumbling import Tumble, TumblePath
 from vibrafeed.core.motion.result import Motion
 from vibrafeed.core.quantities import MOTION_MODES
 
 
 def test_columns_of_results_are_the_fields_of_motion():
-    assert (*results.Columns._fields, "status") == Motion._fields
+    assert (*constants.Columns._fields, "status") == Motion._fields
 
 
 def test_columns_of_tumbling_are_the_fields_of_its_results():
@@ -24,19 +24,19 @@ def test_columns_of_tumbling_are_the_fields_of_its_results():
 
 def test_shares_of_modes_stand_in_the_order_of_the_modes():
     for name in ("stick", "forward", "backward", "flight"):
-        place = getattr(results.COLUMN, name) - results.COLUMN.stick
+        place = getattr(constants.COLUMN, name) - constants.COLUMN.stick
         assert place == MOTION_MODES[name].value
 
 
 def test_a_cell_has_the_numbers_of_groups_and_the_settings_of_a_method():
     fields = (*Groups._fields[:-1], "tolerance", "max_periods")
-    assert cells.Cell._fields == fields
+    assert inputs.Cell._fields == fields
     rows, shape = cells_of(Groups(*np.arange(13.0)), tolerance=13.0, max_periods=14.0)
     assert shape == ()
     np.testing.assert_array_equal(rows, [np.arange(15.0)])
 
 
 def test_a_cell_is_read_by_the_names_of_its_fields():
-    for tables in (cells, tumbling_tables):
+    for tables in (inputs, corners):
         row = np.arange(len(tables.Cell._fields)) + 0.5
         assert tables.cell_of(row) == tables.Cell(*row.tolist())

@@ -9,7 +9,7 @@ from many_digits import Functions, mpf, root_between
 from night import count
 from rows import TURN, cell, followed
 from vibrafeed.core.motion.kernels.rows import path_of_row
-from vibrafeed.core.motion.kernels.rows.roots import first_contact
+from vibrafeed.core.motion.kernels.rows.row_sine import first_contact
 
 mp = Functions()
 DEPTHS = (1e-3, 1e-6, 1e-9, 1e-12)

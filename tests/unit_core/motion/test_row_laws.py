@@ -8,7 +8,7 @@ import pytest
 from night import count
 from rows import TURN, cell, followed, two_level
 from vibrafeed.core.motion.kernels.rows import path_of_row
-from vibrafeed.core.motion.kernels.rows.roots import flight_time
+from vibrafeed.core.motion.kernels.rows.row_sine import flight_time
 
 ROWS = 10_000
 """Rows of a law by night."""

@@ -9,7 +9,7 @@ import vibrafeed
 from night import count
 from rows import TURN, cell, followed, path, sines
 from vibrafeed.core.motion.kernels.rows.contact import closing
-from vibrafeed.core.motion.kernels.rows.tables import IN_SPACE, row_at
+from vibrafeed.core.motion.kernels.rows.row_state import IN_SPACE, row_at
 
 OUTPUTS = ["conveying_velocity", "conveying_velocity_error", "platoons", "period_multiple"]
 DRIVE = {"frequency": 50, "amplitude": "0.8 mm", "beta": 3.5}

@@ -9,7 +9,7 @@ import vibrafeed
 from night import count
 from rows import TURN, cell, followed, path, sines
 from vibrafeed.core.motion import waves
-from vibrafeed.core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK
+from vibrafeed.core.motion.kernels.rows.row_state import IN_SPACE, NO_STOP, ON_TRACK
 from vibrafeed.core.motion.waves import Wave
 
 ROWS = 1000

@@ -8,7 +8,7 @@ import pytest
 import vibrafeed
 from rows import TURN, cell, followed, two_level
 from vibrafeed.core.motion.kernels.rows import path_of_row
-from vibrafeed.core.motion.kernels.rows.tables import IN_SPACE
+from vibrafeed.core.motion.kernels.rows.row_state import IN_SPACE
 
 MM_S = 9.81 / (2 * np.pi * 50) * 1e3
 """g/w at 50 Hz and 9.81 m/s2 [mm/s]."""

@@ -17,7 +17,7 @@ from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.motion.kernels.rows import path_of_row
 from vibrafeed.core.motion.kernels.rows.contact import collide, pooled, start
-from vibrafeed.core.motion.kernels.rows.tables import row_at
+from vibrafeed.core.motion.kernels.rows.row_state import row_at
 from vibrafeed.core.quantities import REGIMES
 
 ROOT = Path(__file__).parents[3]
@@ -300,5 +300,5 @@ def test_a_study_of_one_part_knows_nothing_of_rows():
     assert not files
     assert "motion" in equations
     assert not {"row", "parts"} & set(equations)
-    assert "vibrafeed.core.motion.kernels.planar.solve" in kernels
+    assert "vibrafeed.core.motion.kernels.planar.plane_cells" in kernels
     assert not [name for name in kernels if "rows" in name]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vibrafeed.core.motion.kernels.waves import wave_columns
+from vibrafeed.core.motion.kernels.sine_sums import wave_columns
 from vibrafeed.core.motion.waves import ALONG, ENDS, NORMAL, Wave
 
 

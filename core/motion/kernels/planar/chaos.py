@@ -8,34 +8,42 @@ from typing import NamedTuple
 import numpy as np
 
 from vibrafeed.core.compiled import borrowing, compiled, raised
-from vibrafeed.core.motion.kernels.arrays import Floats, Stop
-from vibrafeed.core.motion.kernels.cells import Cell
+from vibrafeed.core.motion.kernels.constants import (
+    COLUMN,
+    DISTANCE,
+    MAX_SEGMENTS,
+    MODE,
+    MODES,
+    PIECE,
+    RESULTS,
+    STATUS,
+    TIMES,
+)
+from vibrafeed.core.motion.kernels.inputs import Cell, Floats, Stop
 from vibrafeed.core.motion.kernels.means import SETTLING, mean_error, scatter
+from vibrafeed.core.motion.kernels.planar.along import after_hops, contact, repeating
 from vibrafeed.core.motion.kernels.planar.cycle import (
     FIRST_LOOK,
     LONGEST_CYCLE,
     find_cycle,
     write_segment,
 )
-from vibrafeed.core.motion.kernels.planar.drive import (
+from vibrafeed.core.motion.kernels.planar.flow import EPSILON, KEPT_BITS, TURN, kept
+from vibrafeed.core.motion.kernels.planar.plane_laws import (
     Drive,
+    Restitution,
     fly,
     hop_height,
+    impulse,
     landing,
     lift_off,
     load,
+    rebound,
+    rests,
     rise,
     rounded,
     to_lift_off,
 )
-from vibrafeed.core.motion.kernels.planar.flow import EPSILON, KEPT_BITS, TURN, kept
-from vibrafeed.core.motion.kernels.planar.rebound import Restitution, impulse, rebound
-from vibrafeed.core.motion.kernels.planar.repeating import repeating
-from vibrafeed.core.motion.kernels.planar.slide import after_hops, contact
-from vibrafeed.core.motion.kernels.planar.stays import rests
-from vibrafeed.core.motion.kernels.planar.tables import DISTANCE, MAX_SEGMENTS, PIECE, TIMES
-from vibrafeed.core.motion.kernels.results import COLUMN, RESULTS
-from vibrafeed.core.motion.kernels.statuses import MODE, MODES, STATUS
 
 PHASES = 8  # runs of a motion that rounding decides, started at as many phases
 SURE = 5.41  # Student's quantile for 99.9 % and eight numbers (7 degrees), in standard errors
@@ -61,11 +69,10 @@ class FollowedRun(NamedTuple):
     """Sums over one long run of a part whose motion does not repeat.
 
     `time` (phase in rad) is what the sums are taken over, 0 if the hops allowed did not reach
-    beyond the first part, which is dropped; the table of travel holds its first `periods` complete
-    periods. `impacts`, `fastest` and `highest` are the number of landings, the largest landing
-    speed and the largest height. `runs_away`: it slid downhill all the time and gained speed.
-    `least` and `most` are the extreme mean velocities from one rest on the floor to the next.
-    `hops` is not 0 if the run ended in a cycle of so many hops, which takes `time`.
+    beyond the part that is dropped; the first `periods` periods are complete. `runs_away`: it slid
+    downhill all the time and gained speed. `least` and `most` are the extreme mean velocities from
+    one rest on the floor to the next. `hops` is not 0 if the run ended in a cycle of so many, which
+    takes `time`.
     """
 
     time: float
@@ -83,22 +90,14 @@ class FollowedRun(NamedTuple):
 def jolted(number: int, gn: float) -> float:
     """Return a tiny take-off speed for the `number`-th lift-off from rest, different for every one.
 
-    1e-8 n (0.618 k mod 1), with the load number n = `gn` and k = `number`, in g/w (w = 2 pi f).
-    Multiples of the golden ratio modulo 1 never coincide, so that no two ways from rest are alike
-    to the last bit.
+    1e-8 n (0.618 k mod 1) in g/w, with the load number n = `gn` and k = `number`.
     """
     return JOLT * gn * ((GOLDEN * number) % 1.0)
 
 
 @borrowing
 def share_out(travel: Floats, period: int, begin: float, end: float, distance: float) -> int:
-    """Add a distance to the periods in which it was covered; return the number of complete periods.
-
-    The mean velocities of periods, or groups of them, show the error of a mean. `travel` has one
-    entry a period; `begin` and `end` are phases in rad since the start of the first period, and
-    `period` were complete at `begin`. Each period gets the share of `distance` in g/w^2 (w = 2 pi
-    f) that its overlap has in [begin, end], as if the speed were steady between two landings.
-    """
+    """Share a distance out to the periods in which it was covered; return how many are complete."""
     while period < travel.size and period * TURN < end:
         over = (period + 1) * TURN
         inside = min(end, over) - max(begin, period * TURN)
@@ -111,11 +110,7 @@ def share_out(travel: Floats, period: int, begin: float, end: float, distance: f
 
 @borrowing
 def slowed(u: float, mu_k: float, speed: float, w: float) -> float:
-    """Return the slip velocity after a landing, where friction takes mu_k (v + w) off its size.
-
-    `u` is the slip velocity before, v = `speed` the landing speed and `w` the rebound speed, all in
-    g/(2 pi f). 0 if friction would take more than |u|.
-    """
+    """Return the slip velocity after a landing, where friction takes mu_k (v + w) off its size."""
     friction = mu_k * (speed + w)
     return 0.0 if abs(u) <= friction else u - (friction if u > 0 else -friction)
 
@@ -124,13 +119,7 @@ def slowed(u: float, mu_k: float, speed: float, w: float) -> float:
 def flight(
     drive: Drive, e: Restitution, u: float, w: float, tau: float, span: float
 ) -> tuple[float, float, float, float, bool]:
-    """Return landing speed, rebound, slip and distance of a flight, and True if the part stays.
-
-    Speeds in g/w, distance in g/w^2 (w = 2 pi f). `drive` and `e` are drive numbers and
-    restitution, `u` and `w` the velocities along and off the floor at take-off at phase `tau`,
-    `span` is the flight time in rad. The slip velocity is that after the friction of the landing.
-    The part stays on the floor if its further hops shrink to nothing (`rests`).
-    """
+    """Return landing speed, rebound, slip and distance of a flight, and True if the part stays."""
     speed = max(0.0, -rise(drive, w, tau, span)[0])
     up = rebound(e, speed)[0]
     u, distance = fly(drive, u, tau, span)
@@ -142,14 +131,7 @@ def flight(
 def first_flight(
     run: int, phase: float, drive: Drive, sums: Floats, no_log: Floats
 ) -> tuple[float, float, float, float, bool]:
-    """Return the first lift-off of a long run: slip, take-off speed, phase, and time before it.
-
-    In g/w (w = 2 pi f) and rad; the last of the five values is True if the part was on the floor
-    before. Run number `run` starts from rest at a phase of its own, spread over the period around
-    the study's start `phase`. If the floor holds the part there, it stays until lift-off, `sums`
-    gets distance and times of that stay, and the take-off speed is a tiny jolt; otherwise the
-    values are 0, 0, the phase, 0 and False. `no_log` is an empty log.
-    """
+    """Return the first lift-off of a long run: slip, take-off speed, phase, and time before it."""
     tau = (phase + TURN * (run + GOLDEN * (run // PHASES)) / PHASES) % TURN
     if load(drive, tau) > 0.0:
         u, tau, span = stay(drive, tau, 0.0, sums, no_log)
@@ -161,11 +143,7 @@ def first_flight(
 def stay(
     drive: Drive, tau: float, u: float, sums: Floats, no_log: Floats
 ) -> tuple[float, float, float]:
-    """Return slip velocity and phase at lift-off of a part on the floor, and the contact time.
-
-    The part touches the floor at phase `tau` with slip velocity `u` in g/w (w = 2 pi f); phases and
-    times are in rad; `sums` gets the distance and the times in each mode; `no_log` is an empty log.
-    """
+    """Return slip velocity and phase at lift-off of a part on the floor, and the contact time."""
     span = to_lift_off(drive, tau)
     u, _, _ = contact(tau, span, u, drive, sums, no_log, 0)
     return u, lift_off(drive, tau), span
@@ -173,32 +151,14 @@ def stay(
 
 @borrowing
 def ran_away(slips_down: bool, gs: float, before: float, u: float, sums: Floats) -> bool:
-    """True if a run slid downhill at all landings, gained speed, and never stuck or slid uphill.
-
-    `slips_down` tells of the landings; `gs` is gravity along the track, sin(gamma); `before` and
-    `u` are the slip velocities at the start and end of the counted time; `sums` holds the times in
-    modes.
-    """
+    """True if a run slid downhill at all landings, gained speed, and never stuck or slid uphill."""
     uphill = sums[TIMES + (MODE.forward if gs > 0 else MODE.backward)] + sums[TIMES + MODE.stick]
     return slips_down and uphill == 0 and abs(u) > abs(before)
 
 
 @borrowing
-def is_over(enough: bool, count: int, patience: int) -> bool:
-    """True if a run may end: it is long enough (`enough`), and no cycle seems to be near.
-
-    `count` is the number of hops since the part last rested on the floor. From 64 hops on the part
-    may be nearing a cycle of hops; the run then goes on until `patience` hops.
-    """
-    return enough and not RECENT <= count < patience
-
-
-@borrowing
 def widened(least: float, most: float, velocity: float) -> tuple[float, float]:
-    """Return `least` and `most` of a range, widened to hold `velocity`; unchanged if it is NaN.
-
-    The mean velocity is NaN where the part has not rested on the floor before.
-    """
+    """Return `least` and `most` of a range, widened to hold `velocity`; unchanged if it is NaN."""
     if math.isnan(velocity):
         return least, most
     return min(least, velocity), max(most, velocity)
@@ -211,29 +171,9 @@ def long_run(
 ) -> FollowedRun:  # fmt: skip
     """Follow a part for `periods` periods from rest, and return sums and extremes of its motion.
 
-    For motion that may never repeat. The run goes on until no cycle of hops is near; its first
-    quarter is dropped. Each lift-off from rest gets another tiny jolt, so that the mean is over all
-    ways that the part may take. If it falls into a cycle of hops, `rows` start with that cycle.
-
-    Parameters
-    ----------
-    run
-        Number of the run; it sets the phase of its start and its jolts.
-    phase
-        Phase in rad of the study's own start; each run starts at another one.
-    periods
-        Periods of the drive that are followed.
-    patience
-        Hops without rest after which no cycle is expected; 0 looks for none.
-    drive, e
-        The cell's drive numbers, and its restitution.
-    travel
-        Filled with the distance of each counted period in g/w^2 (w = 2 pi f), as far as it has
-        room.
-    rows, sums
-        Work arrays: hops (columns of `SEGMENT`), and distance and times as in `contact`.
-    stop
-        Flag that ends the work.
+    Its first quarter is dropped. Each lift-off from rest gets another tiny jolt, so that the mean
+    is over all ways that the part may take. If it falls into a cycle of hops, `rows` start with
+    that.
     """
     gs, gn, mu_k = drive.gs, drive.gn, drive.mu_k
     no_log = np.empty((0, len(PIECE)))
@@ -260,7 +200,7 @@ def long_run(
             sums[:] = 0.0
             u_began = u
         enough = total - began >= periods * TURN - settling or hop >= hops
-        if is_over(enough, count, patience):
+        if enough and not RECENT <= count < patience:
             break
         span = landing(drive, w, tau)
         if span < 0:
@@ -304,14 +244,7 @@ def means_of(
     run: FollowedRun, phase: float, cell: Cell, drive: Drive, rows: Floats, sums: Floats,
     result: Floats, stop: Stop,
 ) -> int:  # fmt: skip
-    """Fill `result` (columns of `COLUMN`) with the means of one long run; return its status.
-
-    v = x/T, shares t_mode/T and impacts 2 pi k/T, with distance x, times t_mode, k impacts and the
-    counted phase T of the `run`; `sums` holds x and t_mode. A run that ended in a cycle of hops has
-    the means of that cycle, whose hops are in `rows`. Statuses without means are `runaway` and
-    `limit_reached`, for a run that was too short. `drive` and `cell` hold the part's numbers,
-    `phase` is the study's own start in rad, `stop` a flag that ends the work.
-    """
+    """Fill `result` (columns of `COLUMN`) with the means of one long run; return its status."""
     if run.hops > 0:
         periods, no_log = round(run.time / TURN), np.empty((0, len(PIECE)))
         return repeating(
@@ -332,11 +265,7 @@ def means_of(
 
 @compiled
 def sure_change(later: Floats, before: Floats) -> float:
-    """Return the mean difference of two sets of n numbers, 0 if chance may explain it.
-
-    The numbers are taken in pairs. The mean d of `later` - `before` counts if |d| > t s/sqrt(n),
-    with the standard deviation s of the differences and Student's t = 5.41 for 99.9 % and n = 8.
-    """
+    """Return the mean difference of two sets of n numbers, 0 if chance may explain it."""
     change = later - before
     mean = change.mean()
     return mean if abs(mean) > SURE * scatter(change) / math.sqrt(change.size) else 0.0
@@ -344,13 +273,11 @@ def sure_change(later: Floats, before: Floats) -> float:
 
 @compiled
 def batch_error(quarters: Floats) -> float:
-    """Return the statistical error of the mean velocity of several runs, in g/w (w = 2 pi f).
+    """Return the statistical error of the mean velocity of several runs, in g/w.
 
-    `quarters` holds the mean velocities of the quarters of each run, shape (runs, 4), in g/w. The
-    error is that of the means of half runs (`mean_error`, for 99 %) plus the drift |d|, by which
-    second halves differ from first ones beyond chance: the runs then still depend on their start.
-    Where the last quarters go on to drift in that way, by a factor q from half to half, the drift
-    counts (1 + q)/(2 (1 - q)) times if that is more (theory 13.8).
+    `mean_error` of half runs plus the drift |d|, by which second halves differ from first ones
+    beyond chance; where it goes on by a factor q from half to half it counts (1 + q)/(2 (1 - q))
+    times (theory 13.8).
     """
     runs = quarters.shape[0]
     halves = np.empty(2 * runs)
@@ -368,10 +295,7 @@ def batch_error(quarters: Floats) -> float:
 
 @borrowing
 def patience(number: int, cycles: int) -> int:
-    """Return the hops without rest that run `number` waits for a cycle; 0 if it looks for none.
-
-    `cycles` of the runs before have ended in one.
-    """
+    """Return the hops without rest that run `number` waits for a cycle; 0 if it looks for none."""
     if cycles > 0:
         return MORE_PATIENCE
     return PATIENCE if number < SEARCHES or number >= PHASES else 0
@@ -383,23 +307,9 @@ def from_phases(
 ) -> int:
     """Fill `result` with means over runs from several phases of the drive; return the status.
 
-    For motions that rounding decides. If no run ends in a cycle, nor a last one that is followed
-    four times as long: `aperiodic`, with the mean velocity of the quarters of all others and its
-    statistical error by `batch_error`. If a run ends in a cycle, more starts follow, and the error
-    reaches to the furthest of all means: `sensitive`. Also `runaway` and `limit_reached`.
-
-    Parameters
-    ----------
-    cell, drive
-        Numbers of the cell, and its drive numbers.
-    phase
-        The study's own start in rad.
-    rows, sums
-        Work arrays: hops (columns of `SEGMENT`), and distance and times in the modes.
-    result
-        The cell's row of results (columns of `COLUMN`).
-    stop
-        Flag that ends the work.
+    `aperiodic` if no run ends in a cycle, nor a last one that is followed four times as long, with
+    the `batch_error`. If one does, more starts follow, and the error reaches to the furthest of all
+    means: `sensitive`.
     """
     drive = rounded(drive)
     e = Restitution(kept(cell.restitution), kept(cell.impact_damping))

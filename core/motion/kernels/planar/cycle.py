@@ -1,4 +1,4 @@
-"""The motion normal to the floor: a cycle of segments, contact and flight."""
+"""The motion normal to the floor: a cycle of segments, and how roundings grow along it."""
 
 from __future__ import annotations
 
@@ -8,23 +8,71 @@ from collections import namedtuple
 import numpy as np
 
 from vibrafeed.core.compiled import compiled
-from vibrafeed.core.motion.kernels.arrays import Floats
-from vibrafeed.core.motion.kernels.planar.drive import (
+from vibrafeed.core.motion.kernels.constants import MAX_SEGMENTS, SEGMENT, SETTLED_EXACTLY
+from vibrafeed.core.motion.kernels.inputs import Floats
+from vibrafeed.core.motion.kernels.planar.flow import EPSILON, TURN
+from vibrafeed.core.motion.kernels.planar.plane_laws import (
     Drive,
+    Restitution,
+    impulse,
     landing,
+    left_out_softly,
     lift_off,
     lifts,
     load,
     normal_numbers,
+    rebound,
+    rests,
     rise,
     to_lift_off,
 )
-from vibrafeed.core.motion.kernels.planar.flow import EPSILON, TURN
-from vibrafeed.core.motion.kernels.planar.growth import CERTAIN, grown, growth
-from vibrafeed.core.motion.kernels.planar.rebound import Restitution, impulse, rebound
-from vibrafeed.core.motion.kernels.planar.stays import left_out_softly, rests
-from vibrafeed.core.motion.kernels.planar.tables import MAX_SEGMENTS, SEGMENT
-from vibrafeed.core.motion.kernels.rebounds import SETTLED_EXACTLY
+
+ROUNDED = 2.0**-52  # relative rounding of a phase or a speed
+MAX_GROWTH = 1e11
+"""Of a rounding, up to where a motion repeats: of 16 digits 5 are left then, and a neighbour a few
+ulp away goes the same way, but for one cell in a hundred; beyond it rounding decides."""
+
+LAST_DIGIT = 1e15
+"""Growth of a rounding up to which one digit of a way from rest to rest is left."""
+
+Uncertainty = tuple[float, float, float]
+"""Mean square of what roundings did to phase and rebound, and their mean product, in roundings."""
+
+CERTAIN = (0.0, 0.0, 0.0)
+
+
+@compiled
+def grown(
+    known: Uncertainty, span: float, speed: float, after: float, drive: Drive, slope: float,
+    slopes: tuple[float, float, float, float],
+) -> Uncertainty:  # fmt: skip
+    """Return the rounding errors after one more hop, E' = M E M^T + j j^T, as mean squares.
+
+    E = `known` are the errors of phase and rebound, M = `slopes` the derivatives of `one_hop`, j
+    what one rounding of the parameters adds (theory 13.7).
+    """
+    square, product, rebounds = known
+    tt, tw, wt, ww = slopes
+    s, gn = drive.s, drive.gn
+    n1 = load(drive, after)
+    late = TURN + min((s + gn) * span * span / max(speed, 1e-300), span / ROUNDED)
+    fast = slope * ((s + gn) * (1 + span) + abs(n1) * late)
+    return (
+        tt * tt * square + 2 * tt * tw * product + tw * tw * rebounds + late * late,
+        tt * wt * square + (tt * ww + tw * wt) * product + tw * ww * rebounds,
+        wt * wt * square + 2 * wt * ww * product + ww * ww * rebounds + fast * fast,
+    )
+
+
+@compiled
+def growth(known: Uncertainty, speed: float, after: float, drive: Drive) -> float:
+    """Return the error of the state after a hop, in roundings, weighted by its effect.
+
+    sqrt(E_11) min(1, (|n1| + v)/(s + n)) + sqrt(E_22).
+    """
+    given = min(1.0, (abs(load(drive, after)) + speed) / (drive.s + drive.gn))
+    return math.sqrt(known[0]) * given + math.sqrt(known[2])
+
 
 SEARCH_HOPS = 512  # hops without a rest after which a motion counts as aperiodic
 SEARCH_PERIODS = 400  # periods of the drive that must have passed by then, too
@@ -38,11 +86,8 @@ FEWEST_PERIODS = 8  # of a run that a limit ended, for its mean to count as that
 SAME_LIFT_OFF = 1e-9  # distance of phase in rad below which two lift-offs are the same
 
 Chain = namedtuple("Chain", "rows summary")
-"""The segments of the last cell, `rows` with the columns of `SEGMENT`, and their `summary`.
-
-Cells that differ in friction or along the track alone have the same motion normal to the floor: one
-that follows another such takes over its chain.
-"""
+"""The segments of the last cell and their `summary`: cells that differ in friction or along the
+track alone have the same, which the next takes over."""
 
 Summary = namedtuple("Summary", "normal load restitution damping start most first end periods")
 """Columns of a summary: the numbers that set the motion, then the result of `normal_cycle`."""
@@ -54,13 +99,7 @@ SUMMARY = Summary(*range(len(Summary._fields)))
 def write_segment(
     rows: Floats, row: int, tau: float, span: float, w: float, speed: float, impulse: float
 ) -> None:
-    """Write one segment of the motion normal to the floor, a contact or a flight, into a row.
-
-    `rows` has the columns of `SEGMENT`; `tau` is the phase at the start and `span` the duration in
-    rad, `w` the velocity off the floor at the start (-1 for contact), `speed` the landing speed and
-    `impulse` what the landing takes from the floor, in g/(2 pi f); of a contact the rebound of the
-    hops that it stands for.
-    """
+    """Write one segment of the motion normal to the floor, a contact or a flight, into a row."""
     rows[row, SEGMENT.phase], rows[row, SEGMENT.span], rows[row, SEGMENT.take_off] = tau, span, w
     rows[row, SEGMENT.landing], rows[row, SEGMENT.impulse] = speed, impulse
 
@@ -71,15 +110,12 @@ def one_hop(
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Return span, landing speed, landing phase and rebound of a hop, and four derivatives.
 
-    A part takes off at phase `tau` in rad with velocity `w` in g/(2 pi f); `e` is the law of
-    restitution. With the loads n0 at take-off and n1 at the landing, span D, landing speed v and
-    rebound speed R(v), the last four numbers are, in this order (theory 13.16),
+    With the loads n0 at take-off and n1 at the landing, span D, landing speed v and rebound speed
+    R(v), the last four numbers are, in this order (theory 13.16),
 
         d(phase)/d(tau)   = (n0 D - w)/v                 d(phase)/d(w)   = D/v
         d(rebound)/d(tau) = -R' (n0 - n1 d(phase)/d(tau))
         d(rebound)/d(w)   = -R' (1 - n1 d(phase)/d(w))
-
-    The span is below 0 if the part never lands.
     """
     span = landing(drive, w, tau)
     speed = max(0.0, -rise(drive, w, tau, span)[0])
@@ -100,14 +136,7 @@ def one_hop(
 def run_cycle(
     drive: Drive, tau: float, w: float, hops: int, e: Restitution, rows: Floats
 ) -> tuple[float, float, float, float, float, float]:
-    """Return phase and rebound speed after `hops` hops, and four derivatives by those at the start.
-
-    A search for repeating motion uses them in Newton's method. The part takes off at phase `tau` in
-    rad with velocity `w` in g/(2 pi f), with the restitution `e`. The derivatives are
-    d(phase)/d(tau), d(phase)/d(w), d(rebound)/d(tau), d(rebound)/d(w), products of those of each
-    hop. The hops are written into `rows` (columns of `SEGMENT`). The phase is NaN if a hop ends in
-    a stay on the floor, or never ends.
-    """
+    """Return phase and rebound speed after `hops` hops, NaN after a stay, and four derivatives."""
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     for hop in range(hops):
         span, speed, after, up, tt, tw, wt, ww = one_hop(drive, tau, w, e)
@@ -125,11 +154,9 @@ def fixed_point(
 ) -> tuple[float, float, bool]:
     """Return take-off phase and speed of a cycle of hops, and True if the cycle attracts.
 
-    The cycle of `hops` hops takes `periods` periods of the drive and is sought near the take-off
-    phase `at` in rad with speed `up` in g/w (w = 2 pi f), for the restitution `e`. Newton's
-    iteration is (M - 1) dy = -(y1 - y0), with the state y = (phase, speed) at start and end and the
-    derivatives M of `run_cycle`. It attracts if |tr M| < 1 + det M and det M < 1 (Jury); False also
-    if none is found. The hops are written into `rows`.
+    Newton's iteration is (M - 1) dy = -(y1 - y0), with the state y = (phase, speed) at start and
+    end and the derivatives M of `run_cycle`. It attracts if |tr M| < 1 + det M and det M < 1
+    (Jury).
     """
     for _ in range(MAX_NEWTON):
         after, up_after, a, b, c, d = run_cycle(drive, at, up, hops, e, rows)
@@ -150,13 +177,7 @@ def fixed_point(
 
 @compiled
 def shortest_part(rows: Floats, hops: int, periods: int) -> int:
-    """Return the number of hops after which a cycle of `hops` hops already repeats; `hops` if none.
-
-    Near a period doubling a cycle of two hops may be one hop counted twice. The result is the
-    smallest divisor q of `hops`, with a whole number of the cycle's `periods` of the drive, for
-    which the mean of |y[k + q] - y[k]| over the hops is below 1e-7, summed over the phase and the
-    take-off speed y in `rows` (a row a hop, columns of `SEGMENT`).
-    """
+    """Return the number of hops after which a cycle of `hops` hops already repeats."""
     for part in range(1, hops // 2 + 1):
         if hops % part == 0 and periods % (hops // part) == 0:
             apart = 0.0
@@ -174,14 +195,8 @@ def find_cycle(
 ) -> tuple[int, int]:
     """Return hops and periods of an attracting cycle of hops near the last states; (0, 0) if none.
 
-    So the motion of a part that hops without a rest is shown to repeat (theory 13.7). A search
-    starts where the motion nearly recurs after k periods, |sum of spans - 2 pi k| + |w1 - w0| <
-    0.01 with take-off speeds w1 and w0, by Newton's iteration (`fixed_point`). The cycle must
-    attract, lie near, and be approached by the motion.
-
-    `e` is the law of restitution. `rows` hold the `count` hops so far (columns of `SEGMENT`); the
-    part now takes off at phase `tau` in rad with speed `w` in g/(2 pi f). If a cycle is found its
-    hops overwrite the first rows.
+    A search starts where the motion nearly recurs. The cycle must attract, lie near, and be
+    approached by the motion; its hops then overwrite the first rows (theory 13.7).
     """
     travelled, tries = 0.0, 0
     for hops in range(1, min(LONGEST_CYCLE, count) + 1):
@@ -223,24 +238,8 @@ def normal_cycle(
 ) -> tuple[int, int, int]:
     """Return the cycle normal to the floor into which a part settles from rest at phase `start`.
 
-    The motion normal to the floor does not depend on friction, and is found first (theory 13.7).
-    `rows` are filled with its contacts and flights (columns of `SEGMENT`).
-
-    Parameters
-    ----------
-    drive, start, e
-        Drive and gravity; phase in rad; law of restitution.
-    max_periods
-        Largest number of periods of the search.
-    most_growth
-        Largest growth of rounding errors on the way, beyond which they decide how the motion
-        repeats; infinite to ignore them.
-
-    Returns
-    -------
-    Index of the cycle's first segment, end of its segments, and its periods. Segments before the
-    first lead into the cycle. Periods 0: the motion does not repeat, or rounding decides; -1: a
-    limit came first.
+    Return the index of its first segment, the end, and its periods: 0 if it does not repeat, or
+    roundings that grew beyond `most_growth` decide how; -1 if a limit came first (theory 13.7).
     """
     if not lifts(drive):
         write_segment(rows, 0, 0.0, TURN, -1.0, 0.0, 0.0)
@@ -292,11 +291,7 @@ def no_chain() -> Chain:
 
 @compiled
 def is_owned(owner: Floats, drive: Drive, e: Restitution, start: float) -> bool:
-    """True if `owner` has the numbers of a motion normal to the floor; it has them afterwards.
-
-    They are its first five: drive and gravity normal to the floor in g, both numbers of the
-    restitution `e`, and the phase `start` in rad. NaN, as waves have, is never the same.
-    """
+    """True if `owner` has the numbers of a motion normal to the floor; it has them afterwards."""
     normal, load = normal_numbers(drive)
     is_same = True
     for place, number in enumerate((normal, load, e.constant, e.damping, start)):
@@ -309,11 +304,7 @@ def is_owned(owner: Floats, drive: Drive, e: Restitution, start: float) -> bool:
 def cycle_in(
     chain: Chain, drive: Drive, start: float, e: Restitution, max_periods: int, most_growth: float
 ) -> tuple[int, int, int]:
-    """Return the result of `normal_cycle`, taken over from the last cell where that had the same.
-
-    Not where the part stays on the floor: it then starts its cycle where its own slip begins. The
-    arguments are those of `normal_cycle`; a chain is for one value of `most_growth`.
-    """
+    """Return the result of `normal_cycle`, taken over from the last cell if that had the same."""
     summary = chain.summary
     is_same = is_owned(summary, drive, e, start) and summary[SUMMARY.most] == max_periods
     summary[SUMMARY.most] = max_periods
@@ -325,12 +316,7 @@ def cycle_in(
 
 @compiled
 def same_start(rows: Floats, count: int, tau: float) -> int:
-    """Return the index of an earlier segment that took off from rest at phase `tau`; -1 if none.
-
-    Among the first `count` of `rows` (columns of `SEGMENT`), with |tau - tau_k| < 1e-9 modulo a
-    turn. A part that leaves rest at the same phase again repeats its motion normal to the floor
-    from there on.
-    """
+    """Return the index of an earlier segment that took off from rest at phase `tau`; -1 if none."""
     for row in range(count):
         if rows[row, SEGMENT.take_off] == 0.0:
             apart = abs(rows[row, SEGMENT.phase] - tau)
@@ -343,12 +329,8 @@ def same_start(rows: Floats, count: int, tau: float) -> int:
 def phase_uncertainty(rows: Floats, count: int, drive: Drive, e: Restitution) -> float:
     """Return the error in rad by rounding of a cycle's phases, weighted by its effect on the part.
 
-    Of the first `count` segments in `rows` (columns of `SEGMENT`), a row a hop or contact, with the
-    cell's `drive` and restitution `e`. Errors grow along a chain of hops by the product M of the
-    matrices of `one_hop`, so far by |M|/min |M|, until the part rests on the floor; if it never
-    rests, at least by (2 + |M|)/|det(M - 1)|, which is large if the cycle hardly closes. A landing
-    that comes late matters by the floor's force n1 and the impulse v, (|n1| + v)/(s + n): next to
-    nothing if the part has hardly lifted off. s and n are vibration off the floor and gravity.
+    Errors grow by |M|/min |M| of the matrices of `one_hop` until the part rests; if it never rests,
+    at least by (2 + |M|)/|det(M - 1)|.
     """
     s, gn = drive.s, drive.gn
     a, b, c, d = 1.0, 0.0, 0.0, 1.0

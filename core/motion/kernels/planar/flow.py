@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections import namedtuple
 from typing import NamedTuple
 
 import numpy as np
 
 from vibrafeed.core.compiled import compiled
-from vibrafeed.core.motion.kernels.arrays import Floats
-from vibrafeed.core.motion.kernels.cells import Cell
+from vibrafeed.core.motion.kernels.inputs import Cell, Floats
 
 TURN = 2 * math.pi
 
@@ -40,26 +40,13 @@ class NoWaves(NamedTuple):
 NO_WAVES = NoWaves()
 
 
-class SineDrive(NamedTuple):
-    """A sine drive: accelerations along and normal to the floor in g, gravity, and friction.
+SineDrive = namedtuple("SineDrive", "c s gs gn mu_s mu_k up_at least largest way")
+"""A sine drive: accelerations along and normal to the floor in g, gravity, and friction.
 
-    `c` and `s` are the amplitudes along and normal, `gs` and `gn` gravity along (sin(gamma),
-    downhill) and onto the floor, `mu_s` and `mu_k` the friction coefficients. `up_at` is the phase
-    at which a part on the floor lifts off, NaN if it never does; `least`, `largest` and `way` are
-    the range of sin(tau) in which friction holds, and the direction of the slip beyond it, from
-    `stick_range`.
-    """
-
-    c: float
-    s: float
-    gs: float
-    gn: float
-    mu_s: float
-    mu_k: float
-    up_at: float
-    least: float
-    largest: float
-    way: float
+`c` and `s` are the amplitudes, `gs` and `gn` gravity along (downhill) and onto the floor.
+`up_at` is the phase of lift-off, NaN without; `least`, `largest` and `way` are those of
+`stick_range`.
+"""
 
 
 @compiled
@@ -68,11 +55,9 @@ def stick_range(
 ) -> tuple[float, float, float]:
     """Return the range of sin(tau) within which friction holds, and the slip direction above it.
 
-    (gs + mu_s gn)/(c + mu_s s) is one bound, (gs - mu_s gn)/(c - mu_s s) the other, with drive
-    amplitudes `c`, `s` along and normal and gravity `gs`, `gn` along and onto the floor, in g, and
-    the static friction `mu_s`. Returned are the least and the largest value, and a direction: below
-    the least the part slips backward, beyond the largest forward (1), or backward (-1) where the
-    drive lifts it off more than it pushes it on (theory 13.3).
+    (gs + mu_s gn)/(c + mu_s s) is one bound, (gs - mu_s gn)/(c - mu_s s) the other. Below the least
+    the part slips backward, beyond the largest forward (1), or backward (-1) where the drive lifts
+    it off more than it pushes it on (theory 13.3).
     """
     least, largest, way = -math.inf, math.inf, 1.0
     if c + mu_s * s > 0:
@@ -93,12 +78,7 @@ def stick_range(
 
 @compiled
 def sine_of(c: float, s: float, gs: float, gn: float, mu_s: float, mu_k: float) -> SineDrive:
-    """Return the sine drive with amplitudes c, s along and normal, gravity gs, gn, and friction.
-
-    All accelerations in g, s >= 0. It adds the phase of lift-off, asin(gn/s), NaN if s <= gn, and
-    the range in which friction holds, by `stick_range`. `mu_s` and `mu_k` are the static and
-    kinetic coefficient.
-    """
+    """Return the sine drive with amplitudes c, s along and normal, gravity gs, gn, and friction."""
     least, largest, way = stick_range(c, s, gs, gn, mu_s)
     up_at = math.asin(gn / s) if s > gn else math.nan
     return SineDrive(c, s, gs, gn, mu_s, mu_k, up_at, least, largest, way)
@@ -108,11 +88,9 @@ def sine_of(c: float, s: float, gs: float, gn: float, mu_s: float, mu_k: float) 
 def upright(cell: Cell, row: Floats, waves: NoWaves) -> tuple[SineDrive, float, float]:
     """Return the sine drive of a cell, mirrored to positive amplitudes, a phase shift and a sign.
 
-    So solvers need one case only. With amplitudes c, s along and normal, (c, s) sin(tau) = (-c, -s)
-    sin(tau - pi): a drive that points down pushes up half a turn later, and the phase shift in rad
-    (0 or pi) is where the study's own phase 0 lies. A drive that then points back is mirrored, (c,
-    sin(gamma)) -> (-c, -sin(gamma)), and the sign is -1, else 1. `row` and `waves` are not used:
-    they stand for those of other drives.
+    (c, s) sin(tau) = (-c, -s) sin(tau - pi): the phase shift in rad (0 or pi) is where the study's
+    own phase 0 lies. A drive that then points back is mirrored, (c, sin(gamma)) -> (-c,
+    -sin(gamma)), and the sign is -1.
     """
     c, s, gs = cell.drive_number_along, cell.drive_number_normal, cell.gravity_number_along
     phase, way = 0.0, 1.0
@@ -126,21 +104,14 @@ def upright(cell: Cell, row: Floats, waves: NoWaves) -> tuple[SineDrive, float, 
 
 @compiled
 def kept(value: float) -> float:
-    """Return a number rounded to its first 32 bits, so that neighbouring studies have equal runs.
-
-    round(m 2^32)/2^32 2^e for m 2^e with 1/2 <= |m| < 1.
-    """
+    """Return a number rounded to 32 bits, so that neighbouring studies have equal runs."""
     mantissa, exponent = math.frexp(value)
     return math.ldexp(np.rint(mantissa * KEPT_BITS) / KEPT_BITS, exponent)
 
 
 @compiled
 def sine_rounded(drive: SineDrive) -> SineDrive:
-    """Return a drive with all numbers rounded to 32 bits, if the part then still lifts off.
-
-    Else the drive itself. Where rounding decides the motion, neighbouring studies so have the same
-    runs.
-    """
+    """Return a drive with all numbers rounded to 32 bits, if the part then still lifts off."""
     few = sine_of(
         kept(drive.c), kept(drive.s), kept(drive.gs), kept(drive.gn),
         kept(drive.mu_s), kept(drive.mu_k),
@@ -152,9 +123,8 @@ def sine_rounded(drive: SineDrive) -> SineDrive:
 def arc(d: float) -> tuple[float, float]:
     """Return D - sin D and 1 - cos D = 2 sin^2(D/2) of a phase D in rad, without loss of digits.
 
-    D is `d`; motion under a sine for a phase D is made of these two. Below 0.7 from their series,
-    D^3/6 (1 - D^2/20 (1 - D^2/42 ...)) and D^2/2 (1 - D^2/12 (1 - D^2/30 ...)), since differences
-    lose digits (theory 13.2).
+    Below 0.7 from their series, D^3/6 (1 - D^2/20 (1 - D^2/42 ...)) and D^2/2 (1 - D^2/12 (1 -
+    D^2/30 ...)), since differences lose digits (theory 13.2).
     """
     if abs(d) > 0.7:
         half = math.sin(d / 2)
@@ -172,8 +142,7 @@ def arc(d: float) -> tuple[float, float]:
 def swings(sine: float, cosine: float, d: float) -> tuple[float, float]:
     """Return the velocity and distance that an acceleration sin(tau) adds over a phase D from tau0.
 
-    `sine` and `cosine` are those of tau0, `d` is D in rad: cos(tau0) (1 - cos D) + sin(tau0) sin D
-    and cos(tau0) (D - sin D) + sin(tau0) (1 - cos D).
+    cos(tau0) (1 - cos D) + sin(tau0) sin D and cos(tau0) (D - sin D) + sin(tau0) (1 - cos D).
     """
     cubic, square = arc(d)
     return cosine * square + sine * (d - cubic), cosine * cubic + sine * square
@@ -181,11 +150,7 @@ def swings(sine: float, cosine: float, d: float) -> tuple[float, float]:
 
 @compiled
 def flow(v: float, C: float, k: float, sine: float, cosine: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance at phase `d` after velocity `v`, under u' = C sin(tau) - k.
-
-    u = v + C swing - k D and x = v D + C sway - k D^2/2, D = `d` in rad, with the integrals swing
-    and sway of `swings`; `sine` and `cosine` are those of the phase at the start (theory 13.2).
-    """
+    """Return velocity and distance at phase `d` after velocity `v`, under u' = C sin(tau) - k."""
     swing, sway = swings(sine, cosine, d)
     return swung(v, C, k, d, swing, sway)
 
@@ -194,8 +159,7 @@ def flow(v: float, C: float, k: float, sine: float, cosine: float, d: float) -> 
 def swung(v: float, C: float, k: float, d: float, swing: float, sway: float) -> tuple[float, float]:
     """Return velocity and distance as `flow` does, from the `swings` of its phases.
 
-    u = v + C swing - k D and x = v D + C sway - k D^2/2, with the velocity `v` before and the phase
-    D = `d`, under u' = C sin(tau) - k.
+    u = v + C swing - k D and x = v D + C sway - k D^2/2, D = `d` (theory 13.2).
     """
     return v + C * swing - k * d, v * d + C * sway - k * d * d / 2
 
@@ -232,10 +196,7 @@ def sine_acceleration(drive: SineDrive, kind: int, tau: float) -> float:
 
 @compiled
 def sine_flow(drive: SineDrive, kind: int, v: float, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance at the phase `d` after velocity `v` at phase `tau`.
-
-    The `flow` under the acceleration of a kind, with C and k of `sine_terms`.
-    """
+    """Return velocity and distance at the phase `d` after velocity `v` at phase `tau`."""
     C, k = sine_terms(drive, kind)
     return flow(v, C, k, math.sin(tau), math.cos(tau), d)
 

@@ -1,9 +1,6 @@
 """A wave: sums of sines, or steps, as the drive of planar motion, and its flow in closed form.
 
-In every mode the part has an acceleration of the form push(tau) - pull, where the push is a sum of
-sines or constant from step to step: off the floor that of the normal direction; along the track
-that of the air, and, with friction on the load, those of slips forward and backward, at the kinetic
-and at the static coefficient. Each is a `kind`, a few rows of one table.
+Each mode has an acceleration push(tau) - pull of a `kind`, a few rows of one table.
 """
 
 from __future__ import annotations
@@ -14,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vibrafeed.core.compiled import borrowing, compiled
-from vibrafeed.core.motion.kernels.arrays import Floats, copy
-from vibrafeed.core.motion.kernels.cells import GROUPS, Cell
+from vibrafeed.core.motion.kernels.inputs import GROUPS, Cell, Floats, copy
 from vibrafeed.core.motion.kernels.planar.flow import (
     AIR,
     BACKWARD,
@@ -26,7 +22,7 @@ from vibrafeed.core.motion.kernels.planar.flow import (
     TURN,
     arc,
 )
-from vibrafeed.core.motion.kernels.waves import (
+from vibrafeed.core.motion.kernels.sine_sums import (
     SineSum,
     halley,
     is_near_root,
@@ -40,8 +36,7 @@ WIDTH = 26
 """Columns of the table: orders from 1, steps from 0, or a count and passages from 1."""
 PULLS, ENDS, ROOTS = 2 * KINDS, 2 * KINDS + 1, 2 * KINDS + 2
 """Rows behind those of the coefficients: pulls by kind, ends of steps, and from `ROOTS` on, by
-kind, the phases at which its acceleration changes sign. A kind's rows are those of its sines and
-its cosines, or, of steps, of its pushes."""
+kind, the phases at which its acceleration changes sign."""
 RISES = WIDTH - 1
 """Column of a row of passages: 1 if the acceleration rises at the first of them."""
 INVERSE = np.array([math.inf, *(1.0 / k for k in range(1, WIDTH))])
@@ -57,9 +52,8 @@ SLACK = 1e-13
 class WaveDrive(NamedTuple):
     """A wave with gravity and friction, as a drive of planar motion.
 
-    `table` holds the rows of its accelerations, `orders` the number of harmonics, `steps` that of
-    steps (0 for sums of sines). `gs` and `gn` are gravity along and onto the floor in g, `mu_s` and
-    `mu_k` the friction coefficients, `c` and `s` bounds of its push along and normal in g.
+    `table` holds the rows of its accelerations, `c` and `s` bounds of its push along and normal in
+    g.
     """
 
     table: Floats
@@ -84,12 +78,7 @@ TABLE = (ROOTS + KINDS, WIDTH)  # shape of the table of a wave
 
 @compiled
 def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[WaveDrive, float, float]:
-    """Return the drive of a cell whose wave follows its numbers in `row`, a phase shift and a sign.
-
-    The wave, by coefficients of sines and cosines or by levels and ends of steps, is read into the
-    table of `waves`, with all phases at which accelerations change sign (theory 13.14). Phase shift
-    0 and direction sign 1 are those of any wave, as only sines are mirrored.
-    """
+    """Return the drive of a cell whose wave follows its numbers in `row`, and 0 and 1."""
     table = waves.table
     columns = wave_columns(row, GROUPS)
     orders, steps = columns.orders, columns.steps
@@ -116,11 +105,9 @@ def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[WaveDrive, float
 def fill_kinds(drive: WaveDrive, part: int, column: int, along: float, normal: float) -> None:
     """Fill one column of the accelerations of a part under a wave, for each kind of motion.
 
-    The kinds are p_z - n off the floor, p_x - sin(gamma) in the air, and p_x +- mu p_z -
-    (sin(gamma) +- mu n) for slips forward and backward, with mu_k and with mu_s. `along` and
-    `normal` are the coefficients of p_x and p_z in g; `part` is 0 for sines and steps, 1 for
-    cosines; `column` is the order or the step. The pulls sin(gamma) and so on, which have no phase,
-    go to a row of their own (theory 13.14).
+    p_z - n off the floor, p_x - sin(gamma) in the air, and p_x +- mu p_z - (sin(gamma) +- mu n) for
+    slips, with mu_k and with mu_s; `along` and `normal` are the coefficients of p_x and p_z in g,
+    `part` is 0 for sines and steps, 1 for cosines (theory 13.14).
     """
     table, gs, gn = drive.table, drive.gs, drive.gn
     table[NORMAL + part, column], table[PULLS, NORMAL] = normal, gn
@@ -141,12 +128,7 @@ def push_of(drive: WaveDrive, kind: int) -> SineSum:
 
 @borrowing
 def fill_passages(drive: WaveDrive, kind: int) -> None:
-    """Fill the phases in [0, 2 pi) at which the part's acceleration changes sign, p(tau) = pull.
-
-    `kind` says which, one of `NORMAL` to `STATIC_BACKWARD`. The passages of a sum of sines, or the
-    ends of some steps, go into row `ROOTS` + kind of the drive's table: the number first, then the
-    phases; and whether it rises at the first (theory 13.14).
-    """
+    """Fill the phases in [0, 2 pi) at which the part's acceleration changes sign, p(tau) = pull."""
     table, row = drive.table, ROOTS + kind
     if drive.steps == 0:
         push = push_of(drive, kind)
@@ -177,11 +159,7 @@ def folded(tau: float) -> float:
 
 @borrowing
 def step_at(drive: WaveDrive, tau: float) -> int:
-    """Return the index of a drive's step at phase `tau` in [0, 2 pi), the first with tau < its end.
-
-    Of a drive in steps of constant acceleration. A phase up to 1e-13 before a step's start counts
-    as in it.
-    """
+    """Return the index of a drive's step at phase `tau` in [0, 2 pi)."""
     for step in range(drive.steps - 1):
         if tau < drive.table[ENDS, step] - SLACK:
             return step
@@ -190,12 +168,7 @@ def step_at(drive: WaveDrive, tau: float) -> int:
 
 @borrowing
 def acceleration(drive: WaveDrive, kind: int, tau: float) -> float:
-    """Return the acceleration p(tau) - k of a part in one mode of motion under a wave, in g.
-
-    At the phase `tau` in rad. `kind` is one of `NORMAL` (off the floor) to `STATIC_BACKWARD` (of a
-    part that static friction holds from slipping backward), p its push, a sum of sines or the level
-    of the step at tau, and k its constant pull, both from the table of the `drive` (theory 13.14).
-    """
+    """Return the acceleration p(tau) - k of a part in one mode of motion under a wave, in g."""
     table = drive.table
     if drive.steps > 0:
         return table[2 * kind, step_at(drive, folded(tau))] - table[PULLS, kind]
@@ -205,13 +178,7 @@ def acceleration(drive: WaveDrive, kind: int, tau: float) -> float:
 
 @borrowing
 def next_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]:
-    """Return the next phase at or after `tau` where an acceleration changes sign; True if it rises.
-
-    Phases in rad, inf if it never does; a change up to 1e-13 before `tau` counts as `tau` itself.
-    `kind` says which acceleration of the part it is, from `NORMAL` (off the floor) to
-    `STATIC_BACKWARD` (at which it starts to slip backward). The passages of one period stand in the
-    table of the `drive`.
-    """
+    """Return the phase from `tau` on where an acceleration changes sign; True if it rises."""
     table, row = drive.table, ROOTS + kind
     count = int(table[row, 0])
     if count == 0:
@@ -228,21 +195,13 @@ def next_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]:
 
 @borrowing
 def later_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]:
-    """Return the next phase beyond tau where an acceleration changes sign, True if it rises.
-
-    A change at tau itself is left out; `kind` is one of `NORMAL` to `STATIC_BACKWARD`.
-    """
+    """Return the next phase beyond tau where an acceleration changes sign, True if it rises."""
     return next_passage(drive, kind, tau + 2.0 * SLACK * (1.0 + tau))
 
 
 @borrowing
 def next_of_way(drive: WaveDrive, kind: int, tau: float, rising: bool) -> float:
-    """Return the first phase from `tau` on at which an acceleration rises, or falls, through 0.
-
-    In rad, under the wave of the `drive`. It rises if `rising` is True, else falls; inf if it never
-    does. `kind` says which acceleration of the part it is, from `NORMAL` (off the floor) to
-    `STATIC_BACKWARD` (at which it starts to slip backward).
-    """
+    """Return the first phase from `tau` on at which an acceleration rises, or falls, through 0."""
     at, rises = next_passage(drive, kind, tau)
     if rises != rising and at < math.inf:
         at, rises = later_passage(drive, kind, at)
@@ -253,10 +212,9 @@ def next_of_way(drive: WaveDrive, kind: int, tau: float, rising: bool) -> float:
 def integrals(drive: WaveDrive, kind: int, tau: float) -> tuple[float, float, float, float]:
     """Return slope and value of a wave's push at phase `tau`, and its first and second integral.
 
-    The push of a `kind` of acceleration (from `NORMAL` to `STATIC_BACKWARD`) in g, a sum of a sin(k
-    tau) + b cos(k tau): the slope sums k (a cos(k tau) - b sin(k tau)), the integrals -(a cos(k
-    tau) - b sin(k tau))/k and -(a sin(k tau) + b cos(k tau))/k^2 (theory 13.14). The flow of a part
-    is made from their differences. Not for drives in steps.
+    Of a sum of a sin(k tau) + b cos(k tau): the slope sums k (a cos(k tau) - b sin(k tau)), the
+    integrals -(a cos(k tau) - b sin(k tau))/k and -(a sin(k tau) + b cos(k tau))/k^2 (theory
+    13.14). Not for steps.
     """
     table, sines, cosines = drive.table, 2 * kind, 2 * kind + 1
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
@@ -278,11 +236,8 @@ def speed_from(
 ) -> tuple[float, float, float]:
     """Return velocity, acceleration and its derivative of a part after a phase `d`, under a wave.
 
-    It starts at phase `tau` in rad with velocity `v`, and moves in one mode, whose `kind` (from
-    `NORMAL` to `STATIC_BACKWARD`) has the push p with the integral P1, and the pull k: v - k D +
-    P1(tau + D) - P1(tau), p(tau + D) - k and p'(tau + D), in g/w (w = 2 pi f) and g. `start` is
-    P1(tau), computed once by `speed_start`; steps do not use it. Searches for zeros of velocity
-    need all three.
+    v - k D + P1(tau + D) - P1(tau), p(tau + D) - k and p'(tau + D), with the push p, its integral
+    P1 and the pull k; `start` is P1(tau).
     """
     if drive.steps > 0:
         force = acceleration(drive, kind, tau + d)
@@ -302,11 +257,9 @@ def speed_start(drive: WaveDrive, kind: int, tau: float) -> float:
 def flow(drive: WaveDrive, kind: int, v: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity and distance of a part after a phase `d` in one mode of motion, under a wave.
 
-    It starts at phase `tau` in rad with velocity `v`. The mode's `kind` gives its acceleration p -
-    k, with the push p of the drive and a constant pull k: u = v - k D + P1(tau + D) - P1(tau), x =
-    v D - k D^2/2 + P2(tau + D) - P2(tau) - P1(tau) D, with D = `d` and the first and second
-    integral P1, P2 of p. Short flows come from series, against cancellation. In g/w and g/w^2 with
-    w = 2 pi f (theory 13.14).
+    u = v - k D + P1(tau + D) - P1(tau), x = v D - k D^2/2 + P2(tau + D) - P2(tau) - P1(tau) D, with
+    the first and second integral P1, P2 of the push. Short flows come from series, against
+    cancellation (theory 13.14).
     """
     if drive.steps > 0:
         return stepped_flow(drive, kind, v, tau, d)
@@ -325,10 +278,8 @@ def flow(drive: WaveDrive, kind: int, v: float, tau: float, d: float) -> tuple[f
 def near_flow(drive: WaveDrive, kind: int, tau: float, d: float) -> tuple[float, float]:
     """Return velocity and distance that the push of a wave gives over a short phase `d`.
 
-    Without loss of digits, which differences of integrals would have. From phase `tau` over D =
-    `d`, in rad; the `kind` of push is from `NORMAL` to `STATIC_BACKWARD`. A term of order k, value
-    p and derivative over k p', turns by K = k D and gives (p sin K + p' (1 - cos K))/k and (p (1 -
-    cos K) + p' (K - sin K))/k^2. In g/w (w = 2 pi f) and g/w^2.
+    A term of order k, value p and derivative over k p', turns by K = k D and gives (p sin K + p' (1
+    - cos K))/k and (p (1 - cos K) + p' (K - sin K))/k^2.
     """
     table, sines, cosines = drive.table, 2 * kind, 2 * kind + 1
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
@@ -349,9 +300,7 @@ def stepped_flow(
 ) -> tuple[float, float]:
     """Return velocity and distance of a part after a phase `d` in one mode, under a drive in steps.
 
-    It starts at phase `tau` in rad with velocity `v`. The acceleration of its `kind` (from `NORMAL`
-    to `STATIC_BACKWARD`) is constant in each step: over D rad with acceleration a, x -> x + (v + a
-    D/2) D and v -> v + a D. In g/w (w = 2 pi f) and g/w^2 (theory 13.14).
+    In each step x -> x + (v + a D/2) D and v -> v + a D (theory 13.14).
     """
     table, pull = drive.table, drive.table[PULLS, kind]
     at, left, distance = folded(tau), d, 0.0
@@ -376,13 +325,7 @@ def zero_of_velocity(
     drive: WaveDrive, kind: int, v: float, tau: float, start: float, low: float, high: float,
     first: float, last: float,
 ) -> float:  # fmt: skip
-    """Return the phase between `low` and `high` at which a monotonic velocity under a wave is 0.
-
-    So the end of a slip, or the top of a flight, is found. Phases in rad count from `tau`, where
-    the velocity is `v` in g/w (w = 2 pi f); by Halley's iteration in this bracket. `kind` is that
-    of the acceleration (from `NORMAL` to `STATIC_BACKWARD`), `start` its integral at `tau`; `first`
-    and `last` are the velocities at `low` and `high`, of opposite signs.
-    """
+    """Return the phase between `low` and `high` at which a monotonic velocity under a wave is 0."""
     rises = last > first
     d = low + (high - low) * first / (first - last) if first * last < 0.0 else 0.5 * (low + high)
     for _ in range(MAX_ITERATIONS):
@@ -405,8 +348,5 @@ def zero_of_velocity(
 
 @compiled
 def rounded(drive: WaveDrive) -> WaveDrive:
-    """Return the drive unchanged: waves are not rounded.
-
-    Other than in `flow.rounded`, what its passages are made from keeps all bits.
-    """
+    """Return the drive unchanged: waves are not rounded."""
     return drive

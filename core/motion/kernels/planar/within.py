@@ -1,7 +1,8 @@
 """Means of a motion that rounding decides, as exact as a study asks for and no more.
 
-The runs of `chaos` are followed side by side, and the longer, the less is known of the mean: they
-stop as soon as its error is within the tolerance.
+The runs of `chaos` are followed side by side until the error is within the tolerance. Their
+landings, which cells of one drive and rebound have in common, take nine times as long to find as
+the slip between them: those of the last motion are kept.
 """
 
 from __future__ import annotations
@@ -11,34 +12,189 @@ from collections import namedtuple
 
 import numpy as np
 
-from vibrafeed.core.compiled import borrowing, compiled
-from vibrafeed.core.motion.kernels.arrays import Floats, Stop
-from vibrafeed.core.motion.kernels.cells import Cell
+from vibrafeed.core.compiled import borrowing, compiled, raised
+from vibrafeed.core.motion.kernels.constants import (
+    COLUMN,
+    DISTANCE,
+    MAX_SEGMENTS,
+    MODE,
+    MODES,
+    PIECE,
+    SEGMENT,
+    STATUS,
+    SUMS,
+    TIMES,
+    UNREPEATED,
+)
+from vibrafeed.core.motion.kernels.inputs import Cell, Floats, Stop
+from vibrafeed.core.motion.kernels.planar.along import after_hops
 from vibrafeed.core.motion.kernels.planar.chaos import (
+    HOPS_PER_PERIOD,
+    MAX_STARTS,
     PHASES,
     QUARTERS,
+    SEARCHES,
+    SETTLED_ROUGHLY,
     batch_error,
     first_flight,
+    jolted,
     share_out,
     slowed,
     stay,
 )
-from vibrafeed.core.motion.kernels.planar.drive import Drive, rounded, swung_along
-from vibrafeed.core.motion.kernels.planar.flow import TURN, kept
-from vibrafeed.core.motion.kernels.planar.landings import (
-    LANDING,
-    NORMAL,
-    Landings,
-    belong_to,
-    land_until,
-    with_room,
+from vibrafeed.core.motion.kernels.planar.cycle import (
+    FIRST_LOOK,
+    LONGEST_CYCLE,
+    find_cycle,
+    is_owned,
+    write_segment,
 )
-from vibrafeed.core.motion.kernels.planar.rebound import Restitution
-from vibrafeed.core.motion.kernels.planar.slide import after_hops
-from vibrafeed.core.motion.kernels.planar.solve import UNREPEATED
-from vibrafeed.core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS, TIMES
-from vibrafeed.core.motion.kernels.results import COLUMN
-from vibrafeed.core.motion.kernels.statuses import MODE, MODES, STATUS
+from vibrafeed.core.motion.kernels.planar.flow import TURN, kept
+from vibrafeed.core.motion.kernels.planar.plane_laws import (
+    Drive,
+    Restitution,
+    air_swings,
+    hop_height,
+    impulse,
+    landing,
+    lift_off,
+    rebound,
+    rests,
+    rise,
+    rounded,
+    swung_along,
+    to_lift_off,
+)
+
+APART = 1e6
+"""Times the jolt of a lift-off from rest, by which runs start: at once they go different ways.
+Those of `chaos` take tens of periods to lose eight digits."""
+HOP_CAPACITY = MAX_SEGMENTS // PHASES  # rows for a run's hops since the part was at rest
+FIRST_ROOM = 256  # landings of a run for which there is room at first; it doubles when full
+ON_ITS_WAY, ENDED = 0.0, 1.0
+"""Whether more landings of a run can be found."""
+
+Landing = namedtuple("Landing", "phase span speed rebound stays fastest highest swing sway")
+"""Columns of the landings of a run, of the flight that ends there, in rad, g/w and g/w^2.
+
+`stays` is 1 if the part then stays on the floor; `fastest` and `highest` are the largest of the run
+so far; `swing` and `sway` are the flight's `air_swings`.
+"""
+
+Normal = namedtuple("Normal", "phase rebound time landings hops look jolt ended")
+"""Columns of the state of a run normal to the floor: what it goes on from.
+
+`landings` so far, `hops` since the last rest, of which `look` is when a cycle is looked for next.
+"""
+
+Landings = namedtuple("Landings", "owner states segments tables")
+"""The motion that the landings are of (`owner`, shape (5,)), and the eight runs: `states` (8, 8),
+`segments` of those that look for cycles (3, capacity, 5), `tables` of landings (8, room, 9)."""
+
+LANDING, NORMAL = Landing(*range(len(Landing._fields))), Normal(*range(len(Normal._fields)))
+
+
+@compiled
+def no_landings() -> Landings:
+    """Return room for the landings of eight runs, which belong to no motion yet."""
+    return Landings(
+        np.full(5, math.nan),
+        np.zeros((PHASES, len(NORMAL))),
+        np.empty((SEARCHES, HOP_CAPACITY, len(SEGMENT))),
+        np.zeros((PHASES, FIRST_ROOM, len(LANDING))),
+    )
+
+
+@compiled
+def belong_to(landings: Landings, drive: Drive, e: Restitution, phase: float) -> None:
+    """Make `landings` those of a motion: kept if they are, else begun with its first lift-offs."""
+    if is_owned(landings.owner, drive, e, phase):
+        return
+    sums, no_log = np.zeros(SUMS), np.empty((0, len(PIECE)))
+    landings.states[:] = 0.0
+    landings.tables[:, 0] = 0.0
+    for number in range(PHASES):
+        state = landings.states[number]
+        _, w, tau, time, _ = first_flight(number, phase, drive, sums, no_log)
+        state[NORMAL.phase], state[NORMAL.rebound], state[NORMAL.time] = tau, w * APART, time
+        state[NORMAL.look], state[NORMAL.jolt] = FIRST_LOOK, number
+
+
+@compiled
+def with_room(landings: Landings) -> Landings:
+    """Return the same landings with room for twice as many."""
+    room = landings.tables.shape[1]
+    tables = np.empty((PHASES, 2 * room, len(LANDING)))
+    tables[:, :room] = landings.tables
+    return Landings(landings.owner, landings.states, landings.segments, tables)
+
+
+@compiled
+def write_landing(
+    row: Floats, largest: Floats, drive: Drive, e: Restitution, tau: float, w: float, span: float
+) -> None:
+    """Write into `row` (columns of `LANDING`) the landing after a flight of `span` rad."""
+    speed = max(0.0, -rise(drive, w, tau, span)[0])
+    up = rebound(e, speed)[0]
+    row[LANDING.fastest] = max(largest[0], speed)
+    row[LANDING.highest] = hop_height(drive, w, tau, span, largest[1])
+    row[LANDING.phase], row[LANDING.span] = tau, span
+    row[LANDING.speed], row[LANDING.rebound] = speed, up
+    stays = rests(drive, (tau + span) % TURN, up, e, SETTLED_ROUGHLY)
+    row[LANDING.stays] = 1.0 if stays else 0.0
+    row[LANDING.swing], row[LANDING.sway] = air_swings(drive, tau, span)
+
+
+@compiled
+def land_until(
+    landings: Landings, number: int, until: float, drive: Drive, e: Restitution, stop: Stop
+) -> bool:
+    """Find the landings of run `number` up to the time `until`; False if there is no more room.
+
+    A run `ended` if it nears a cycle, hops too often, or a landing is not found; after the same
+    landing, however far it is followed at a time. True if `stop` interrupts.
+    """
+    state, table = landings.states[number], landings.tables[number]
+    is_searched = number < SEARCHES
+    rows = landings.segments[min(number, SEARCHES - 1)]
+    tau, w, time = state[NORMAL.phase], state[NORMAL.rebound], state[NORMAL.time]
+    landed, count = int(state[NORMAL.landings]), int(state[NORMAL.hops])
+    look_at, jolt = int(state[NORMAL.look]), int(state[NORMAL.jolt])
+    has_room = True
+    while time < until and state[NORMAL.ended] == ON_ITS_WAY:
+        has_room = landed < table.shape[0]
+        if not has_room or raised(stop):
+            break
+        span = landing(drive, w, tau)
+        if span < 0 or landed > HOPS_PER_PERIOD * time / TURN + FIRST_LOOK:
+            state[NORMAL.ended] = ENDED
+            break
+        row = table[landed]
+        write_landing(row, table[max(0, landed - 1), LANDING.fastest :], drive, e, tau, w, span)
+        speed, up, stays = row[LANDING.speed], row[LANDING.rebound], row[LANDING.stays] > 0.0
+        at = (tau + span) % TURN
+        landed += 1
+        if is_searched:
+            write_segment(rows, count, tau, span, w, speed, impulse(e, speed, up))
+        count += 1
+        tau, w, time = at, up, time + span
+        if stays:
+            jolt += MAX_STARTS
+            tau, w = lift_off(drive, at), jolted(jolt, drive.gn)
+            time += to_lift_off(drive, at)
+            count, look_at = 0, FIRST_LOOK
+        elif is_searched and count >= look_at:
+            look_at = count + count // 2
+            if find_cycle(drive, e, rows, count, tau, w)[0]:
+                landed -= 1
+                state[NORMAL.ended] = ENDED
+        if count >= HOP_CAPACITY - LONGEST_CYCLE - 2:
+            count, look_at = 0, FIRST_LOOK
+    state[NORMAL.phase], state[NORMAL.rebound], state[NORMAL.time] = tau, w, time
+    state[NORMAL.landings], state[NORMAL.hops], state[NORMAL.look] = landed, count, look_at
+    state[NORMAL.jolt] = jolt
+    return has_room
+
 
 LEAST_TOLERANCE = 1e-3  # from this tolerance on motions that do not repeat end early
 FIRST_STAGE = 2.0  # periods of a run up to the first mark; two marks later they are twice as many
@@ -54,37 +210,18 @@ Run = namedtuple("Run", "slip time impacts upheld fastest highest")
 """
 
 Runs = namedtuple("Runs", "states sums travel marks")
-"""The eight runs of a cell, a row a run, as they are now.
-
-`states` with the columns of `Run`, shape (8, 6); `sums`, distance and times in modes, (8, 5);
-`travel`, the distance of each period in g/w^2, (8, periods); `marks`, the sums at the last marks
-with time, impacts and slip there, (8, 5, 8).
-"""
+"""The eight runs of a cell: `states` (8, 6); `sums` (8, 5); `travel`, the distance of each period
+in g/w^2, (8, periods); `marks`, the sums at the last marks with time, impacts and slip, (8, 5,
+8)."""
 
 RUN = Run(*range(len(Run._fields)))
 TIME, IMPACTS, SLIP, MARK = SUMS, SUMS + 1, SUMS + 2, SUMS + 3
 """Columns of a mark, behind those of the sums: time, impacts and slip of a run so far."""
 
 
-@compiled
-def no_runs(most: int) -> Runs:
-    """Return room for eight runs of `most` periods."""
-    return Runs(
-        np.zeros((PHASES, len(RUN))),
-        np.zeros((PHASES, SUMS)),
-        np.zeros((PHASES, most)),
-        np.zeros((PHASES, DROPPED + 1, MARK)),
-    )
-
-
 @borrowing
 def start(runs: Runs, phase: float, drive: Drive, no_log: Floats) -> None:
-    """Fill states and sums of new `runs` with their first lift-offs from rest.
-
-    Several such runs, whose means are those of a motion that rounding decides, start at phases of
-    their own, each with a jolt of its own. `phase` is the study's own start in rad; `no_log` is an
-    empty log.
-    """
+    """Fill states and sums of new `runs` with their first lift-offs from rest."""
     for number in range(PHASES):
         run = runs.states[number]
         u, _, _, time, _ = first_flight(number, phase, drive, runs.sums[number], no_log)
@@ -95,19 +232,7 @@ def start(runs: Runs, phase: float, drive: Drive, no_log: Floats) -> None:
 def follow_on(
     runs: Runs, number: int, until: float, landings: Landings, drive: Drive, no_log: Floats
 ) -> bool:
-    """Follow a run along the track up to the time `until`; False if its landings end before.
-
-    Parameters
-    ----------
-    runs, number
-        The runs, and which of them; its state and sums are changed to those at the end.
-    until
-        Phase in rad since the start of the run.
-    landings
-        Those of all runs.
-    no_log
-        An empty log.
-    """
+    """Follow a run along the track up to the time `until`; False if its landings end before."""
     run, sums, travel = runs.states[number], runs.sums[number], runs.travel[number]
     table, landed = landings.tables[number], int(landings.states[number, NORMAL.landings])
     u, time, hop = run[RUN.slip], run[RUN.time], int(run[RUN.impacts])
@@ -149,11 +274,7 @@ def set_mark(runs: Runs, number: int, mark: int) -> None:
 
 @borrowing
 def fill_quarters(travel: Floats, periods: int, size: int, quarters: Floats) -> None:
-    """Fill in the mean velocities of the four quarters, of `size` periods each, of several runs.
-
-    `travel` has the distance of each period in g/w^2 (w = 2 pi f), a row a run, of which the first
-    `periods` are done; `quarters` gets the velocities in g/w, shape (runs, 4).
-    """
+    """Fill in the mean velocities of the four quarters, of `size` periods each, of several runs."""
     for number in range(travel.shape[0]):
         for quarter in range(QUARTERS):
             covered, first = 0.0, periods - (QUARTERS - quarter) * size
@@ -164,12 +285,7 @@ def fill_quarters(travel: Floats, periods: int, size: int, quarters: Floats) -> 
 
 @borrowing
 def runs_off(run: Floats, mark: Floats, sums: Floats, drive: Drive) -> bool:
-    """True if a run has slipped downhill at all landings since a mark and is faster now.
-
-    Such a part runs away. `run` is its state now (columns of `RUN`), `sums` its distance and times;
-    `mark` holds the same sums at the mark, with its time, impacts and slip. Kinetic friction must
-    be less than gravity along the track.
-    """
+    """True if a run has slipped downhill at all landings since a mark and is faster now."""
     gs = drive.gs
     faster = abs(run[RUN.slip]) > abs(mark[SLIP]) and run[RUN.upheld] <= mark[TIME]
     held = TIMES + (MODE.forward if gs > 0 else MODE.backward), TIMES + MODE.stick
@@ -185,12 +301,7 @@ def end_of(mark: int, most: int) -> int:
 
 @borrowing
 def cut_error(travel: Floats, begin: int, end: int, velocity: float) -> float:
-    """Return the error of mean velocities because runs end anywhere within a near repetition.
-
-    The mean over the runs of max |x_p - v T|/((end - begin) T), in g/w (w = 2 pi f), with the
-    distance x_p = `travel[run, p]` in g/w^2 of period p from `begin` to before `end`, v =
-    `velocity` in g/w and T = 2 pi.
-    """
+    """Return the error of mean velocities because runs end anywhere within a near repetition."""
     total = 0.0
     for number in range(travel.shape[0]):
         most = 0.0
@@ -206,13 +317,9 @@ def means_within(
 ) -> tuple[int, Landings]:
     """Fill `result` with means of a motion that rounding decides, to a tolerance of its velocity.
 
-    Eight runs from as many phases end if error <= tolerance |v|, or after `max_periods`/8 each; the
-    error is 0.8 of the `batch_error` of their quarters plus their `cut_error`. Between two looks a
-    run grows by a factor of sqrt(2); its first quarter is not counted, at least the c/(2 pi mu n)
-    periods in which friction stops a part as fast as the drive. Return the status; `UNREPEATED`,
-    with nothing filled, if a run nears a cycle, runs away or is too short. `phase` is the study's
-    own start in rad. `landings` are those that were found for the cell before; they are returned
-    too, with those of this cell.
+    Eight runs end if error <= tolerance |v|, or after `max_periods`/8 each; the error is 0.8 of the
+    `batch_error` of their quarters plus their `cut_error`. `UNREPEATED`, with nothing filled, if a
+    run nears a cycle, runs away or is too short.
     """
     drive = rounded(drive)
     e = Restitution(kept(cell.restitution), kept(cell.impact_damping))
@@ -220,7 +327,15 @@ def means_within(
     if most < end_of(FIRST_ASKED, most + 1):
         return UNREPEATED, landings
     belong_to(landings, drive, e, phase)
-    runs, no_log = no_runs(most), np.empty((0, len(PIECE)))
+    runs, no_log = (
+        Runs(
+            np.zeros((PHASES, len(RUN))),
+            np.zeros((PHASES, SUMS)),
+            np.zeros((PHASES, most)),
+            np.zeros((PHASES, DROPPED + 1, MARK)),
+        ),
+        np.empty((0, len(PIECE))),
+    )
     quarters = np.empty((PHASES, QUARTERS))
     start(runs, phase, drive, no_log)
     settled = drive.c / max(1e-300, drive.mu_k * drive.gn * TURN)
@@ -249,26 +364,7 @@ def means_within(
 
 @compiled
 def fill(runs: Runs, end: int, quarters: Floats, error: float, drive: Drive, result: Floats) -> int:
-    """Fill `result` with means of eight runs of a motion that rounding decides; return its status.
-
-    Each run counts from its mark, the end of the periods that are left out. The status is
-    `aperiodic`; or `UNREPEATED`, with nothing filled, if a run slides downhill ever faster.
-
-    Parameters
-    ----------
-    runs
-        All of them, now.
-    end
-        The mark at which they would stand next; the oldest that is kept is theirs.
-    quarters
-        Mean velocities of the four quarters of each run in g/w (w = 2 pi f), shape (8, 4).
-    error
-        Error of the mean velocity in g/w.
-    drive
-        Drive, gravity and friction in g.
-    result
-        Row with the columns of `COLUMN`.
-    """
+    """Fill `result` with means of eight runs; return the status, `UNREPEATED` if one runs away."""
     marks = runs.marks[:, end % (DROPPED + 1)]
     for number in range(PHASES):
         if runs_off(runs.states[number], marks[number], runs.sums[number], drive):

@@ -1,12 +1,19 @@
 """Rows of parts that touch, push and part, from event to event (theory 17)."""
 
-from vibrafeed.core.motion.kernels.rows.cells import (
+from vibrafeed.core.motion.kernels.rows.row_cells import (
     path_of_row,
     path_of_waved_row,
     row_cells,
     waved_row_cells,
 )
-from vibrafeed.core.motion.kernels.rows.tables import AT, HEAD, OWN, ROW_COLUMNS, Head, RowColumns
+from vibrafeed.core.motion.kernels.rows.row_state import (
+    AT,
+    HEAD,
+    OWN,
+    ROW_COLUMNS,
+    Head,
+    RowColumns,
+)
 
 __all__ = [
     "AT",

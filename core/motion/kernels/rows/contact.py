@@ -1,27 +1,102 @@
-"""Contact of parts in a row: isotonic regression decides who pushes whom (theory 17.2).
+"""Contact of parts in a row (17.2) and its stop (theory 17.6); the drive is told by its type.
 
 Gauss's principle for parts that touch at one velocity is to minimise sum m (u' - a)^2/2 under
-u'_1 <= u'_2 <= ... from the rear to the front, a the acceleration of each part by itself. Its
-solution is unique, and pooling neighbours that violate the order gives it in one pass.
+u'_1 <= u'_2 <= ..., a the acceleration of each part by itself: isotonic regression.
 """
 
 from __future__ import annotations
 
-from vibrafeed.core.compiled import borrowing
-from vibrafeed.core.motion.kernels.rows.drive import Driven, set_flow
-from vibrafeed.core.motion.kernels.rows.roots import RESOLVED
-from vibrafeed.core.motion.kernels.rows.tables import IN_SPACE, NO_STOP, ON_TRACK, Row
+from collections import namedtuple
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+from vibrafeed.core.compiled import borrowing, by_type
+from vibrafeed.core.motion.kernels.rows import row_sine, row_state, row_wave
+from vibrafeed.core.motion.kernels.rows.row_sine import RESOLVED
+from vibrafeed.core.motion.kernels.rows.row_state import IN_SPACE, NO_STOP, ON_TRACK, Drive, Row
+from vibrafeed.core.motion.kernels.rows.row_wave import RowWave
+
+Driven: TypeAlias = Drive | RowWave
+"""Both have the fields `c` and `s`, largest pushes, `gs`, `gn`, `ends` and `levels`."""
+
+
+def _by_drive(for_sine: Any, for_wave: Any) -> Any:
+    # compiled code sees by the type of `drive` which one is meant
+    return by_type("drive", {Drive: for_sine, RowWave: for_wave})(for_sine.py_func)
+
+
+pushes: Callable[[Driven, float, float], tuple[float, float]] = _by_drive(
+    row_sine.pushes, row_wave.pushes
+)
+
+lift_off: Callable[[Driven, float], float] = _by_drive(row_sine.lift_off, row_wave.lift_off)
+
+is_lifted: Callable[[Driven, float], bool] = _by_drive(row_sine.is_lifted, row_wave.is_lifted)
+
+flight: Callable[[Driven, float], tuple[float, float]] = _by_drive(row_sine.flight, row_wave.flight)
+
+backward_speed: Callable[[Driven], float] = _by_drive(
+    row_state.backward_speed, row_wave.backward_speed
+)
+
+first_rise: Callable[[Driven, int, int, float, float, float, float], float] = _by_drive(
+    row_sine.first_rise, row_wave.first_rise
+)
+
+
+# --- parts
+
+set_flow: Callable[[Row, Driven, int, bool, float, float], None] = _by_drive(
+    row_sine.set_flow, row_wave.set_flow
+)
+
+at_phase: Callable[[Driven, float], Any] = _by_drive(row_sine.at_phase, row_wave.at_phase)
+
+stop_until: Callable[[Row, Driven, int, Any, float], float] = _by_drive(
+    row_sine.stop_until, row_wave.stop_until
+)
+
+contact_until: Callable[[Row, Driven, int, Any, float], float] = _by_drive(
+    row_sine.contact_until, row_wave.contact_until
+)
+
+relative_push: Callable[[Row, Driven, int, float], float] = _by_drive(
+    row_sine.relative_push, row_wave.relative_push
+)
+
+swung: Callable[[Driven, float, float], Any] = _by_drive(row_sine.swung, row_wave.swung)
+
+carried: Callable[[Row, Driven, int, Any, float], tuple[float, float]] = _by_drive(
+    row_sine.carried, row_wave.carried
+)
+
+swept: Callable[[Driven, float, float], Any] = _by_drive(row_sine.swept, row_wave.swept)
+
+gap_swept: Callable[[Row, Driven, int, Any], float] = _by_drive(
+    row_sine.gap_swept, row_wave.gap_swept
+)
+
+
+# --- forces on a stop
+
+sizes: Callable[[Driven], tuple[float, float]] = _by_drive(row_sine.sizes, row_wave.sizes)
+
+above: Callable[[Driven, int, float, float, float, float, float], float] = _by_drive(
+    row_sine.above, row_wave.above
+)
+
+highest: Callable[[Driven, int, float, float, float, float, float], float] = _by_drive(
+    row_sine.highest, row_wave.highest
+)
 
 
 @borrowing
 def pooled(row: Row, first: int, end: int, slack: float = 0.0) -> int:
     """Pool neighbouring values of a row into non-decreasing means; return the number of blocks.
 
-    Who pushes whom in a row of touching parts is decided so (theory 17.2): min sum m (y - v)^2
-    under y_i <= y_(i+1), isotonic regression of the values v = `row.value[first:end]` with the
-    masses m. A block grows as long as its mean is no larger than that of the block before, or
-    beyond it by at most `slack`. Each value becomes its block's mean; `row.last[b]` is the last
-    part of block b. Equal values keep their exact value.
+    min sum m (y - v)^2 under y_i <= y_(i+1), isotonic regression of the values v =
+    `row.value[first:end]` with the masses m (theory 17.2). Each becomes its block's mean;
+    `row.last[b]` is the last part of block b.
     """
     blocks = 0
     for i in range(first, end):
@@ -45,10 +120,7 @@ def pooled(row: Row, first: int, end: int, slack: float = 0.0) -> int:
 
 @borrowing
 def chain_end(row: Row, first: int) -> int:
-    """Return the index after the last part of the chain of touching parts from part `first` on.
-
-    `row` tells by `closed` which parts touch the next one.
-    """
+    """Return the index after the last part of the chain of touching parts from part `first` on."""
     end = first + 1
     while end < row.mass.size and row.closed[end - 1] == 1:
         end += 1
@@ -63,10 +135,7 @@ def is_held(row: Row, end: int) -> bool:
 
 @borrowing
 def held_from(row: Row) -> int:
-    """Return the index of the first part of the chain that touches the stop in front of a row.
-
-    The chain has all parts from there to the front; the number of parts if none touches the stop.
-    """
+    """Return the index of the first part of the chain that touches the stop in front of a row."""
     first = row.mass.size
     if is_held(row, first):
         first -= 1
@@ -86,9 +155,8 @@ def open_between(row: Row, blocks: int) -> None:
 def slide(row: Row) -> None:
     """Open contacts without force, between parts of a chain that slide in one direction.
 
-    A chain is a run of parts that touch. The accelerations D - mu n (forward) and D + mu n
-    (backward) of its parts are in the order of -mu and of mu at every time: the blocks that move as
-    one depend on friction alone, and last until an event. Changes the contacts in `row`.
+    The accelerations D -+ mu n are in the order of their frictions at every time: blocks last until
+    an event.
     """
     first = 0
     while first < row.mass.size:
@@ -105,14 +173,9 @@ def slide(row: Row) -> None:
 def hold(row: Row, drive: Driven, push: float, load: float, flying: bool, released: bool) -> None:
     """Release parts of a row that are no longer pressed onto the stop in front.
 
-    A stop of the track holds in flight while `push`, the acceleration along in g, is forward, and
-    on the floor whatever is at rest. From a stop at rest in space seen a part would have u' = D +
-    gs, so that a block of sliding parts presses with -gs - mode mu n > 0 per mass, with gravity gs
-    along the track, its direction of slip `mode`, friction mu and the load n = `load` in g (theory
+    A stop of the track holds in flight while `push` is forward, and on the floor whatever is at
+    rest; against one at rest in space a block presses with -gs - mode mu n > 0 per mass (theory
     17.6).
-
-    `flying` is True if parts are in the air. With `released` the block that presses least is let go
-    in any case: its limit has just been reached. Modes and contacts of `row` are changed.
     """
     first, parts = held_from(row), row.mass.size
     if first == parts:
@@ -146,14 +209,7 @@ def hold(row: Row, drive: Driven, push: float, load: float, flying: bool, releas
 
 @borrowing
 def least_pressed(row: Row, first: int) -> float:
-    """Return the factor -mode mu of the block that a stop at rest in space releases first [1].
-
-    A row slides against such a stop. A block of parts presses on it with -gs - mode mu n per mass,
-    with gravity gs along the track, the load n, the friction mu and the direction of slip `mode`
-    (1, -1), so that the block of least -mode mu lets go first, when that times n has fallen to gs
-    (theory 17.6). `first` is the index of the first part of the chain that touches the stop.
-    Overwrites `row.value` and `row.last`.
-    """
+    """Return the factor -mode mu of the block that a stop at rest in space releases first [1]."""
     parts = row.mass.size
     for i in range(first, parts):
         row.value[i] = -row.mode[first] * row.kinetic[i]
@@ -165,10 +221,9 @@ def least_pressed(row: Row, first: int) -> float:
 def set_flows(row: Row, drive: Driven, pull: float, flying: bool) -> None:
     """Set the acceleration of every part of a row, from its mode, contacts and the drive.
 
-    `pull` is gravity along less the level of the drive's step, in g. In flight (`flying`) the
-    acceleration is the push along less the pull; at rest 0; sliding by mode = +-1, a block has the
-    mean friction mu of its parts: under a sine C sin(tau) - k with C = c + mode mu s, k = pull +
-    mode mu gn (theory 13.2), where c and s are the drive along and off the floor.
+    In flight the push less the `pull`; at rest 0; sliding by mode = +-1, a block has the mean
+    friction mu of its parts: under a sine C sin(tau) - k with C = c + mode mu s, k = pull + mode mu
+    gn (theory 13.2).
     """
     first = 0
     while first < row.mass.size:
@@ -198,11 +253,8 @@ def set_flows(row: Row, drive: Driven, pull: float, flying: bool) -> None:
 def start(row: Row, push: float, load: float, forced: int) -> None:
     """Set those parts of every resting chain of a row in motion that the drive can move.
 
-    The accelerations |D| - mu_s n, by which the `push` D exceeds static friction under the `load` n
-    in g, are pooled to blocks; blocks above 0 start: those in front under a push forward, those
-    behind under one backward (theory 17.2). Of the chain that begins with part `forced` (-1 for
-    none) the block that moves most starts in any case: its limit has just been reached. Modes and
-    contacts of `row` are changed.
+    The accelerations |D| - mu_s n are pooled; blocks above 0 start, and one of the chain `forced`
+    (theory 17.2).
     """
     first = 0
     while first < row.mass.size:
@@ -215,13 +267,6 @@ def start(row: Row, push: float, load: float, forced: int) -> None:
 
 @borrowing
 def _start_chain(row: Row, first: int, end: int, push: float, load: float, is_forced: bool) -> None:
-    """Set those parts of a resting chain in motion that the push of the drive can move.
-
-    The chain of touching parts is `first` to before `end`. The accelerations |D| - mu_s n by which
-    the `push` D exceeds static friction under the `load` n, in g, are pooled to blocks of parts
-    that start together; blocks above 0 start (theory 17.2). `is_forced` is True if one block has
-    just reached its limit, and starts in any case.
-    """
     way = 1 if push > 0.0 else -1
     for i in range(first, end):
         # Pushed back, the accelerations -(|D| - mu n) do not fall towards the front, either.
@@ -232,14 +277,6 @@ def _start_chain(row: Row, first: int, end: int, push: float, load: float, is_fo
 
 @borrowing
 def _set_apart(row: Row, first: int, end: int, way: int, is_forced: bool) -> None:
-    """Set the modes of the parts of a chain that start to slide; open contacts to resting ones.
-
-    The chain of touching parts is `first` to before `end`, `way` the direction of the push (1, -1);
-    `row.value` holds the accelerations of its blocks along the track, positive forward; those start
-    whose acceleration in the direction of the push is above `RESOLVED`. If `is_forced`, the block
-    that moves most starts in any case, since its limit has just been reached. Contacts between
-    moving and resting parts, and to a stop, are opened.
-    """
     farthest = end - 1 if way > 0 else first
     most = way * row.value[farthest]
     for i in range(first, end):
@@ -257,10 +294,8 @@ def _set_apart(row: Row, first: int, end: int, way: int, is_forced: bool) -> Non
 def least_friction(row: Row, first: int, end: int, way: int) -> float:
     """Return the static friction coefficient of the block that starts first in a resting chain.
 
-    Touching parts start in blocks, each where the push in direction `way` (1, -1) is mu n, n the
-    load: its mu is the mean of those of its parts, weighted by mass. Pooled over the parts `first`
-    to before `end`, the first block is that in front (`way` 1) or at the rear (-1) (theory 17.2).
-    Overwrites `row.value` and `row.last`.
+    A block starts where the push in direction `way` is mu n, its mu the mean of its parts, weighted
+    by mass (theory 17.2).
     """
     for i in range(first, end):
         row.value[i] = -way * row.static[i]
@@ -270,10 +305,6 @@ def least_friction(row: Row, first: int, end: int, way: int) -> float:
 
 @borrowing
 def _touching(row: Row, contact: int) -> tuple[int, int, bool]:
-    """Return the parts that touch when a contact closes: first, behind the last; True with a stop.
-
-    `contact` is the index of the rear part of two that collide.
-    """
     parts = row.mass.size
     first, end = contact, min(contact + 2, parts)
     while first > 0 and row.gap[first - 1] <= 0.0:
@@ -288,11 +319,7 @@ def _touching(row: Row, contact: int) -> tuple[int, int, bool]:
 
 @borrowing
 def closing(row: Row, contact: int, least: float) -> float:
-    """Return how many contacts close at a collision, with a relative velocity above `least`.
-
-    Those of all parts that touch when the contact of part `contact` and the next one closes, and of
-    the front part with a stop; `least` is in g/w (w = 2 pi f).
-    """
+    """Return how many contacts close at a collision, with a relative velocity above `least`."""
     first, end, stopped = _touching(row, contact)
     count = 0.0
     for i in range(first, end if stopped else end - 1):
@@ -305,12 +332,9 @@ def closing(row: Row, contact: int, least: float) -> float:
 def collide(row: Row, contact: int, restitution: float) -> tuple[float, float]:
     """Collide two parts of a row and all that touch them; return energy lost, impulse on the stop.
 
-    `contact` is the index of the rear part. Touching parts whose contact was open take part: pair
-    by pair they would strike without end. With `restitution` e and the velocities u: u+ = (1 + e) y
-    - e u, where y are the means of blocks whose parts would overlap, no larger than the velocity of
-    a stop that takes part. Momentum is kept, and sum m (u - y)^2 (1 - e^2)/2 is lost, in mass times
-    (g/w)^2 (w = 2 pi f); the impulse is in mass times g/w. Velocities, modes, gaps and contacts of
-    `row` are changed (theory 17.2).
+    u+ = (1 + e) y - e u, y the means of blocks whose parts would overlap, no larger than the
+    velocity of a stop that takes part; sum m (u - y)^2 (1 - e^2)/2 is lost, in mass times (g/w)^2
+    (theory 17.2).
     """
     parts = row.mass.size
     first, end, stopped = _touching(row, contact)
@@ -342,11 +366,8 @@ def collide(row: Row, contact: int, restitution: float) -> tuple[float, float]:
 def land(row: Row, impulse: float) -> float:
     """Land all parts of a row on the floor at once; return the impulse on a stop in front.
 
-    Friction takes at most mu L off each velocity u, with the impulse L = `impulse` of the floor per
-    mass in g/w (w = 2 pi f): u - mu L sgn(u). Touching parts that would overlap share the mean of
-    their block, and those that friction would turn round stay at rest. Parts that touch a stop are
-    no faster than the stop; the result, in mass times g/w, is the momentum that this costs.
-    Velocities, modes and contacts of `row` are changed in place.
+    u - mu L sgn(u), with the impulse L of the floor per mass in g/w; touching parts that would
+    overlap share the mean of their block, and those that friction would turn round stay at rest.
     """
     first, taken, parts = 0, 0.0, row.mass.size
     while first < parts:
@@ -379,3 +400,65 @@ def land(row: Row, impulse: float) -> float:
 def sign(value: float) -> int:
     """Return the sign of a value: 1, 0 or -1."""
     return 1 if value > 0.0 else (-1 if value < 0.0 else 0)
+
+
+Pressed = namedtuple("Pressed", "impulse peak")
+"""The integral of a force over a phase, and its largest value."""
+
+NOT_PRESSED = Pressed(0.0, 0.0)
+
+
+@borrowing
+def stop_pressed(
+    row: Row, drive: Driven, pull: float, tau: float, span: float, flying: bool
+) -> Pressed:
+    """Return impulse and largest force of a row on the stop in front, over a time without events.
+
+    For a stop at rest in space sum m (-gs - mode mu n), for one of the track in flight sum m times
+    the push D; for parts at rest on the floor the least force, sum m max(0, D - mu_s n) over the
+    blocks (theory 17.6).
+    """
+    first, parts = held_from(row), row.mass.size
+    if first == parts:
+        return NOT_PRESSED
+    if row.stop == ON_TRACK and not flying:
+        return _least(row, drive, pull, tau, span, first)
+    (push, lift), along, normal, drag = sizes(drive), 0.0, 0.0, 0.0
+    for i in range(first, parts):
+        if row.stop == ON_TRACK:
+            along += row.mass[i] * push
+            drag += row.mass[i] * pull
+        else:
+            friction = 0.0 if flying else row.mode[i] * row.kinetic[i]
+            normal += row.mass[i] * friction * lift
+            drag += row.mass[i] * (drive.gs + friction * drive.gn)
+    impulse = above(drive, first, along, normal, drag, tau, span)
+    return Pressed(impulse, max(0.0, highest(drive, parts, along, normal, drag, tau, span)))
+
+
+@borrowing
+def _least(row: Row, drive: Driven, pull: float, tau: float, span: float, first: int) -> Pressed:
+    parts = row.mass.size
+    for i in range(first, parts):
+        row.value[i] = -row.static[i]
+    blocks = pooled(row, first, parts)
+    impulse, (push, lift) = 0.0, sizes(drive)
+    for b in range(blocks):
+        begin, mu, mass = _block(row, first, b)
+        impulse += mass * above(drive, begin, push, mu * lift, pull + mu * drive.gn, tau, span)
+    # Blocks in front press first: the force is the largest sum from one block on to the front.
+    peak, along, normal, drag = 0.0, 0.0, 0.0, 0.0
+    for b in range(blocks - 1, -1, -1):
+        _, mu, mass = _block(row, first, b)
+        along, normal = along + mass * push, normal + mass * mu * lift
+        drag += mass * (pull + mu * drive.gn)
+        peak = max(peak, highest(drive, parts, along, normal, drag, tau, span))
+    return Pressed(impulse, peak)
+
+
+@borrowing
+def _block(row: Row, first: int, number: int) -> tuple[int, float, float]:
+    begin, mass = row.last[number - 1] + 1 if number > 0 else first, 0.0
+    for i in range(begin, row.last[number] + 1):
+        mass += row.mass[i]
+    return begin, -row.value[begin], mass

@@ -8,20 +8,20 @@ from typing import NamedTuple
 import numpy as np
 
 from vibrafeed.core.compiled import compiled
-from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.constants import STATUS
+from vibrafeed.core.motion.kernels.inputs import Floats
 from vibrafeed.core.motion.kernels.means import is_steady, mean_error, scatter, successive_means
 from vibrafeed.core.motion.kernels.planar.flow import TURN
-from vibrafeed.core.motion.kernels.rows.advance import Air
 from vibrafeed.core.motion.kernels.rows.contact import sign
-from vibrafeed.core.motion.kernels.rows.tables import (
+from vibrafeed.core.motion.kernels.rows.row_state import (
     COLUMN,
     ROW_COLUMNS,
     TALLIES,
     TALLY,
+    Air,
     Row,
     Whole,
 )
-from vibrafeed.core.motion.kernels.statuses import STATUS
 
 MULTIPLES = 12
 """Periods of the longest cycle that is looked for: 2 and 4 are common, longer ones rare."""
@@ -29,11 +29,8 @@ AGREES = 1e-12
 """Difference of two states over the drive, below which they are the same; rounding leaves some
 1e-15."""
 AGREES_NEARLY = 1e-9
-"""The same difference for the divisors of a cycle that was found.
-
-What alternates and dies by a factor q per period differs by 1/(1 - q) times as much after one
-period as after two: both are told apart where q is below 0.999.
-"""
+"""The same difference for the divisors of a cycle: what alternates and dies by a factor q per
+period is told apart where q is below 0.999."""
 LAGS = 4  # periods of the longest cycle whose slow transient is extrapolated
 SLOW = 0.5  # ratio by which a change falls per cycle, below which it dies by itself
 ALIKE = 0.1  # two successive ratios q differ by less than this share of 1 - q
@@ -58,11 +55,7 @@ class Past(NamedTuple):
 
 @compiled
 def past_of(row: Row) -> Past:
-    """Return an empty buffer for the states of a row at the starts of the last periods.
-
-    `Past` with arrays of zeros, for MULTIPLES + 1 periods and the parts and contacts of the row;
-    states are compared in it to see if the motion repeats.
-    """
+    """Return an empty buffer for the states of a row at the starts of the last periods."""
     size, parts, contacts = MULTIPLES + 1, row.mass.size, row.gap.size
     return Past(
         np.zeros((size, parts)), np.zeros((size, parts)), np.zeros((size, contacts)),
@@ -72,11 +65,7 @@ def past_of(row: Row) -> Past:
 
 @compiled
 def keep(row: Row, air: Air, past: Past, period: int) -> None:
-    """Store the state of a row at the start of period number `period` in the buffer `past`.
-
-    Velocities, positions, gaps, and the phase until landing of `air`, the flight of all parts.
-    Later states are compared with it, to see if the motion repeats.
-    """
+    """Store the state of a row at the start of period number `period` in the buffer `past`."""
     at = period % (MULTIPLES + 1)
     past.speed[at, :] = row.speed[: row.mass.size]
     past.place[at, :] = row.place
@@ -88,13 +77,7 @@ def keep(row: Row, air: Air, past: Past, period: int) -> None:
 def repeats(
     row: Row, air: Air, past: Past, period: int, multiple: int, agrees: float, scale: float
 ) -> bool:
-    """True if the state of a row at period number `period` equals that `multiple` periods before.
-
-    Velocities and gaps must agree within `agrees` relative to `scale`, the size of the drive in g,
-    and the phase until landing within as many rad. A gap may have grown if its parts did not touch
-    in between: each side of it then moves as it did, and the gap grows for ever. `air` is the
-    flight of the parts now, `past` holds the earlier states.
-    """
+    """True if the state of a row at period `period` equals that `multiple` periods before."""
     at = (period - multiple) % (MULTIPLES + 1)
     here, before = air.landing, past.landing[at]
     if (here < math.inf) != (before < math.inf):
@@ -114,11 +97,7 @@ def repeats(
 
 @compiled
 def cycle_of(row: Row, air: Air, past: Past, period: int, since: int, scale: float) -> int:
-    """Return the periods, up to 12, after which a row repeats now, at period `period`; 0 if none.
-
-    Only states from period `since` on count. `air` is the flight of the parts, `past` holds the
-    states before, `scale` is the size of the drive in g.
-    """
+    """Return the periods, up to 12, after which a row repeats at period `period`; 0 if none."""
     for cycle in range(1, min(MULTIPLES, period - 1 - since) + 1):
         if repeats(row, air, past, period, cycle, AGREES, scale):
             return cycle
@@ -129,11 +108,7 @@ def cycle_of(row: Row, air: Air, past: Past, period: int, since: int, scale: flo
 def shortest(
     row: Row, air: Air, past: Past, period: int, cycle: int, nearly: float, scale: float
 ) -> int:
-    """Return the smallest divisor of a row's `cycle` after which its state at `period` is the same.
-
-    Within `nearly` of the drive. What alternates while it dies out differs least over an even
-    number of periods, so that the test of two periods is passed before that of one.
-    """
+    """Return the smallest divisor of a row's `cycle` after which it nearly repeats at `period`."""
     for part in range(1, cycle):
         if cycle % part == 0 and repeats(row, air, past, period, part, nearly, scale):
             return part
@@ -142,12 +117,10 @@ def shortest(
 
 @compiled
 def remaining(row: Row, past: Past, period: int, cycle: int, since: int, scale: float) -> float:
-    """Return an estimate of what is left of a row's transient, in g/w (w = 2 pi f).
+    """Return an estimate of what is left of a row's transient, in g/w.
 
-    The largest d/(1 - q) of all velocities, with the changes d over the last `cycle` periods and d'
-    over the cycle before, and q = (d + r)/d' at most 0.9999, r the rounding of a change. The
-    largest d alone if the cycle before began before period `since`. `scale` is the size of the
-    drive in g.
+    The largest d/(1 - q) of all velocities, with the changes d over the last `cycle` periods and q
+    the ratio to those of the cycle before.
     """
     size, left = MULTIPLES + 1, 0.0
     known = 2 * cycle <= MULTIPLES and period - 2 * cycle >= since
@@ -166,13 +139,7 @@ def remaining(row: Row, past: Past, period: int, cycle: int, since: int, scale: 
 def platoons(
     row: Row, past: Past, period: int, multiple: int, scale: float, numbers: Floats
 ) -> int:
-    """Return the number of platoons of a row: groups of parts that separate for good.
-
-    Two neighbours separate if their gap has grown, beyond rounding, over the last `multiple`
-    periods up to number `period`, without a touch. `past` holds states at the starts of the last
-    periods and when parts touched last; `scale` is the size of the drive in g. `numbers`, shape
-    (parts,), gets the number of each part's platoon, 1 at the rear.
-    """
+    """Return the number of platoons of a row: groups of parts that separate for good."""
     at = (period - multiple) % (MULTIPLES + 1)
     count = 1
     for i in range(row.mass.size):
@@ -189,11 +156,8 @@ def platoons(
 def hasten(row: Row, past: Past, period: int, since: int, scale: float) -> bool:
     """Move a row along its slow transient at the end of a period; True if it was moved.
 
-    Velocities whose changes d over a cycle of one to four periods fall by a steady ratio q go to
-    their limit, by q/(1 - q) d (Aitken's extrapolation), at most a quarter of `scale`, the size of
-    the drive in g. Where velocities repeat and gaps alone shrink, half of the gap that closes
-    first is left out. `period` is the number of periods done, `since` that of the last move,
-    `past` holds the states before.
+    Velocities whose changes d fall by a steady ratio q go to their limit, by q/(1 - q) d (Aitken's
+    extrapolation). Where gaps alone shrink, half of the gap that closes first is left out.
     """
     for lag in range(1, LAGS + 1):
         if period - 3 * lag < since:
@@ -205,10 +169,6 @@ def hasten(row: Row, past: Past, period: int, since: int, scale: float) -> bool:
 
 @compiled
 def _extrapolate(row: Row, past: Past, period: int, lag: int, scale: float) -> bool:
-    """Move a row to the limit of its changes over `lag` periods; False, unmoved, if there is none.
-
-    The other arguments are those of `hasten`.
-    """
     size, moves = MULTIPLES + 1, False
     one, two, three = (period - lag) % size, (period - 2 * lag) % size, (period - 3 * lag) % size
     for i in range(row.mass.size):
@@ -241,11 +201,6 @@ def _extrapolate(row: Row, past: Past, period: int, lag: int, scale: float) -> b
 
 @compiled
 def _draw_together(row: Row, past: Past, period: int, lag: int, scale: float) -> bool:
-    """Leave out cycles of `lag` periods in which gaps change and nothing else; True if any is left.
-
-    As many as take half of the gap that closes first, of those that shrink without a touch. The
-    other arguments are those of `hasten`.
-    """
     at, cycles = (period - lag) % (MULTIPLES + 1), math.inf
     for i in range(row.gap.size):
         grown = row.gap[i] - past.gap[at, i]
@@ -265,7 +220,7 @@ def _draw_together(row: Row, past: Past, period: int, lag: int, scale: float) ->
 
 @compiled
 def row_means(periods: Floats, parts: int) -> Floats:
-    """Return the mean velocity of all `parts` of a row in each period, in g/w (w = 2 pi f)."""
+    """Return the mean velocity of all `parts` of a row in each period, in g/w."""
     velocity = np.empty(periods.shape[0])
     for k in range(periods.shape[0]):
         velocity[k] = periods[k, TALLIES : TALLIES + parts].mean() / TURN
@@ -274,15 +229,7 @@ def row_means(periods: Floats, parts: int) -> Floats:
 
 @compiled
 def drifts(row: Row, past: Past, half: Floats, period: int, scale: float) -> bool:
-    """True if a row that does not repeat is still on its way, so that it has no mean yet.
-
-    The means of 16 batches of the second half of its periods show a drift, by von Neumann's ratio
-    (`is_steady`): those of the row, or of a part that they scatter by more than the error of the
-    row's mean. Or a gap shrinks that has been open all the time: its parts are still to meet.
-
-    `half` has a row a period of that half: columns of `Tally`, distances of the parts, integrals of
-    the gaps. `period` is the number of all periods, `scale` the size of the drive in g.
-    """
+    """True if a row that does not repeat is still on its way, so that it has no mean yet."""
     parts = row.mass.size
     batches = successive_means(row_means(half, parts))
     if not is_steady(batches, AGREES * scale):
@@ -307,24 +254,8 @@ def finish(
 ) -> int:  # fmt: skip
     """Write the means of a row, and return its status.
 
-    Those over the cycle of a motion that repeats (`periodic`, `at_rest`); else over the second half
-    of the periods, with spread and error by batches of them (`aperiodic`). Where the row still
-    drifts they are no means of its motion (`limit_reached`).
-
-    Parameters
-    ----------
-    row, past
-        The row at the end, and the states at the starts of the last periods.
-    means
-        A row a period: columns of `Tally`, distances of the parts, integrals of the gaps.
-    period, cycle
-        Periods that were followed, and those of the cycle (0 if it does not repeat).
-    left
-        What may be left of the transient, in g/w (w = 2 pi f).
-    scale
-        Size of the drive in g.
-    result
-        Columns of `COLUMN`, then velocity and platoon of each part.
+    Over the cycle (`periodic`, `at_rest`), else over the second half of the periods (`aperiodic`;
+    `limit_reached` if the row still drifts).
     """
     parts, room = row.mass.size, (result.size - ROW_COLUMNS) // 2
     chosen = means[period - cycle : period] if cycle > 0 else means[period // 2 : period]
@@ -345,12 +276,6 @@ def finish(
 
 @compiled
 def _write(periods: Floats, result: Floats, numbers: Floats) -> None:
-    """Write the means of the motion of a row over some periods of the drive into `result`.
-
-    `periods` has a row a period: columns of `Tally`, distances of the parts, integrals of the gaps;
-    `numbers` is the platoon of each part, of which only neighbours in one have a gap that counts.
-    `result` has the columns of `COLUMN`, then velocity and platoon of each part.
-    """
     count, parts = periods.shape[0], numbers.size
     phase = count * TURN
     slowest, fastest, total = math.inf, -math.inf, 0.0

@@ -1,26 +1,21 @@
-"""From event to event through a period of the drive."""
+"""From event to event through a period of the drive, and the work done on the way."""
 
 from __future__ import annotations
 
 import math
 
 from vibrafeed.core.compiled import borrowing
-from vibrafeed.core.motion.kernels.arrays import Flags, Floats
-from vibrafeed.core.motion.kernels.cells import Cell
-from vibrafeed.core.motion.kernels.results import SPENT, TALLY
-from vibrafeed.core.motion.kernels.statuses import MODE
+from vibrafeed.core.motion.kernels.constants import MODE, NODES, SPENT, TALLY, WEIGHTS
+from vibrafeed.core.motion.kernels.inputs import Cell, Flags, Floats
 from vibrafeed.core.motion.kernels.track import modes
 from vibrafeed.core.motion.kernels.track.contacts import begin_slip, change_contacts
-from vibrafeed.core.motion.kernels.track.drive import fill_push, jumps, next_jump, to_lift_off
 from vibrafeed.core.motion.kernels.track.modes import (
     Begin,
     StepSettings,
     fill_multiple,
     fill_position,
 )
-from vibrafeed.core.motion.kernels.track.polynomials import first_fall, value
-from vibrafeed.core.motion.kernels.track.spend import kinetic, spend
-from vibrafeed.core.motion.kernels.track.tables import (
+from vibrafeed.core.motion.kernels.track.push import (
     BOTH,
     EVENT,
     FLOOR,
@@ -31,7 +26,79 @@ from vibrafeed.core.motion.kernels.track.tables import (
     TURN,
     WALL,
     Work,
+    fill_push,
+    jumps,
+    next_jump,
+    sine_slope,
+    to_lift_off,
 )
+from vibrafeed.core.motion.kernels.track.series import first_fall, value
+
+
+@borrowing
+def kinetic(state: Floats, rolling: float) -> float:
+    """Return the kinetic energy per mass relative to the track, in (g/w)^2, with a cylinder's spin.
+
+    (u.u + spin^2/(m r^2/I))/2, `rolling` = m r^2/I or 0 (theory 13.15).
+    """
+    square = state[STATE.ux] ** 2 + state[STATE.uy] ** 2 + state[STATE.uz] ** 2
+    if rolling > 0.0:
+        square += state[STATE.spin] ** 2 / rolling
+    return 0.5 * square
+
+
+@borrowing
+def spend(
+    cell: Cell,
+    tau: float,
+    span: float,
+    order: int,
+    contacts: int,
+    slips: bool,
+    work: Work,
+    spent: Floats,
+) -> None:
+    """Add the work of drive and friction over a step to `spent` (columns of `SPENT`), in (g/w)^2.
+
+    Per mass: the integrals of b.u (drive), of b'.u (swing, NaN of a wave) and of friction, with the
+    push b and the velocity u, by Gauss's rule (theory 13.15). Nothing is done if `spent` has no
+    columns.
+    """
+    if spent.size == 0:
+        return
+    gravity = (cell.gravity_number_along, cell.gravity_number_across, cell.gravity_number_normal)
+    pushes = (cell.drive_number_along, cell.drive_number_across, cell.drive_number_normal)
+    half = 0.5 * span
+    for number in range(NODES.size):
+        for side in (-NODES[number], NODES[number]):
+            at = half * (1.0 + side)
+            power, swing, weight = 0.0, 0.0, half * WEIGHTS[number]
+            slope = sine_slope(work, tau + at)
+            for axis in range(3):
+                push = value(work, ROW.free + axis, order - 1, at) + gravity[axis]
+                velocity = value(work, ROW.velocity + axis, order, at)
+                power += push * velocity
+                swing += slope * pushes[axis] * velocity
+            spent[SPENT.drive] += weight * power
+            spent[SPENT.swing] += weight * swing
+            if slips and contacts != FREE:
+                spent[SPENT.friction] += weight * rubbing(cell, contacts, order, at, work)
+
+
+@borrowing
+def rubbing(cell: Cell, contacts: int, order: int, at: float, work: Work) -> float:
+    """Return the power that friction takes at slipping contacts, per mass in g^2/w.
+
+    mu_k N |slip| of the floor, mu_w S |slip| of the wall, with the loads N = -D_z and S = -D_y from
+    the accelerations D without contacts (theory 13.15).
+    """
+    floor = -cell.friction_kinetic * value(work, ROW.free + 2, order - 1, at)
+    wall = -cell.wall_friction * value(work, ROW.free + 1, order - 1, at)
+    if contacts == BOTH:
+        return (floor + wall) * abs(value(work, ROW.velocity, order, at))
+    slip_1, slip_2 = value(work, ROW.slip, order, at), value(work, ROW.slip + 1, order, at)
+    return (floor if contacts == FLOOR else wall) * math.hypot(slip_1, slip_2)
+
 
 MAX_STEPS = 10_000
 """Most steps of a period, which smooth motion passes in five: more come from events that pile
@@ -52,26 +119,7 @@ def advance(
 ) -> bool:  # fmt: skip
     """Advance state and contacts by one period and tally it; False if it takes too many events.
 
-    Parameters
-    ----------
-    cell
-        The cell's numbers.
-    wall, rolling
-        If there is a wall, and m r^2/I of a cylinder (radius r, moment of inertia I) or 0.
-    order, tolerance
-        Highest power of the series, and size in g/w (w = 2 pi f) of their last terms.
-    state, hold
-        State and contacts (columns of `STATE` and `HOLD`) at the start; changed to those at the
-        end.
-    tally
-        Filled with the period's distances, times in modes, impacts; columns of `TALLY`.
-    work
-        Rows of `ROW`, set for the cell's drive and its step series.
-    phases, samples
-        Ascending phases within the period in rad, and a row for each, filled with place, velocity
-        and mode.
-    spent
-        The energies of the period are added, columns of `SPENT`, if it has any.
+    `rolling` is m r^2/I of a cylinder or 0; the energies are added to `spent`, if it has columns.
     """
     tally[:] = 0.0
     tau, at_once, sampled = 0.0, 0, 0
@@ -126,15 +174,7 @@ def advance(
 
 @borrowing
 def count_event(event: int, contacts: int, state: Floats, tally: Floats) -> None:
-    """Count the event that ends a step of motion, in the sums of its period.
-
-    A landing counts as an impact, with its speed; contact with the wall is noted. The event is also
-    added to the period's hash S -> (31 S + 7 event + contacts) mod 1000003: periods with equal
-    hashes had the same events in the same order.
-
-    `event` is one of `EVENT`, `contacts` the bit set of what carried the part (floor 1, wall 2),
-    `state` has the columns of `STATE`, in g/w (w = 2 pi f), `tally` those of `TALLY`.
-    """
+    """Count the event that ends a step of motion, in the sums of its period."""
     if event == EVENT.land:
         tally[TALLY.landing] = max(tally[TALLY.landing], -state[STATE.uz])
         tally[TALLY.impacts] += 1.0
@@ -149,13 +189,7 @@ def count_event(event: int, contacts: int, state: Floats, tally: Floats) -> None
 def meet(
     step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work, spent: Floats
 ) -> None:
-    """Change velocities and contacts of a part at an event; add the energy lost to `spent`.
-
-    The event is in `hold`, beside the contacts (columns of `HOLD`); `state` has the columns of
-    `STATE`; `step` and `cell` hold settings and the part's numbers. The acceleration without
-    contacts in the table `work` must be that at the event. The kinetic energy per mass that an
-    impact takes, in (g/w)^2 with w = 2 pi f, goes to `spent`, unless that has no columns.
-    """
+    """Change velocities and contacts of a part at an event; add the energy lost to `spent`."""
     before = kinetic(state, step.rolling)
     change_contacts(step, cell, state, hold, work)
     if spent.size > 0:
@@ -164,22 +198,13 @@ def meet(
 
 @borrowing
 def after_jump(event: int) -> int:
-    """Return the event to go on with after a jump of the drive.
-
-    `start`, so that the forces decide anew, unless the step ended in a landing, a bump into the
-    wall or a stop at the same phase.
-    """
+    """Return `start` after a jump of the drive, or the landing, bump or stop at the same phase."""
     return event if event in (EVENT.land, EVENT.bump, EVENT.stop) else EVENT.start
 
 
 @borrowing
 def go_on(contacts: int, slips: bool, span: float, rest: float) -> tuple[float, int]:
-    """Return span in rad and event of a step after too many events at one phase.
-
-    A slip is then so small that its series reach nowhere: it stops. Otherwise a step of 1e-9 is
-    taken, at most `rest`, the phase to the end of the period or to a jump. `slips` is True if the
-    contacts slip, `span` the step without this rule.
-    """
+    """Return span in rad and event of a step after too many events at one phase."""
     if slips and contacts != FREE:
         return span, EVENT.stop
     return min(SHORT, rest), EVENT.nothing
@@ -192,13 +217,9 @@ def move(
 ) -> None:  # fmt: skip
     """Move `state` to the end of a step by evaluating the power series of the step at t = `span`.
 
-    Position and velocity normal to a contact that carries the part are set to 0, and at a landing
-    or bump the position is, so that rounding leaves no gap; the spin of a cylinder on the floor is
+    Position and velocity normal to a contact that carries the part, and the position at a landing
+    or bump, are set to 0, so that rounding leaves no gap; the spin of a cylinder on the floor is
     its slip less u_y (theory 7.3).
-
-    `step` holds the settings of the step, `contacts` the bit set of what carries the part (floor 1,
-    wall 2), `slips` is True if they slip, `event` is what ended the step, `span` its duration in
-    rad, `order` the highest power of the series in `work`. `state` has the columns of `STATE`.
     """
     slip = 0.0
     if step.rolling > 0.0 and contacts == FLOOR and slips:
@@ -221,12 +242,7 @@ def move(
 
 @borrowing
 def count(span: float, order: int, contacts: int, slips: bool, work: Work, tally: Floats) -> None:
-    """Add the phase of a step to the time in its mode in `tally`, and update the largest height.
-
-    `span` is the step's phase in rad, `order` the highest power of its series in `work`; `contacts`
-    is the bit set of what carries the part (floor 1, wall 2), `slips` is True if it slips. The
-    height is largest where the normal velocity falls through 0. `tally` has the columns of `TALLY`.
-    """
+    """Add the phase of a step to the time in its mode in `tally`, and update the largest height."""
     if not contacts & FLOOR:
         tally[TALLY.flight] += span
         place, speed = ROW.place + 2, ROW.velocity + 2
@@ -243,12 +259,7 @@ def count(span: float, order: int, contacts: int, slips: bool, work: Work, tally
 
 @borrowing
 def count_slip(span: float, order: int, work: Work, tally: Floats) -> None:
-    """Add the phase of a slip to the times forward and backward in `tally`, also where it turns.
-
-    It turns where u_x = 0. A slip straight across does not move along the track: it counts as
-    stick. `span` is its phase in rad, `order` the highest power of its series in `work`; `tally`
-    has the columns of `TALLY`.
-    """
+    """Add the phase of a slip to the times forward and backward in `tally`, also where it turns."""
     speed, at = ROW.event, 0.0
     for _ in range(order + 1):
         lead = 0
@@ -279,12 +290,7 @@ def count_slip(span: float, order: int, work: Work, tally: Floats) -> None:
 
 @borrowing
 def sample(since: float, order: int, contacts: int, slips: bool, work: Work, row: Floats) -> None:
-    """Fill `row` with position (3), velocity (3) and mode of a part at a phase within a step.
-
-    The phase is `since` rad after the start of the step. From the step's power series in `work`, up
-    to power `order`; `contacts` is the bit set of what carries the part (floor 1, wall 2), `slips`
-    is True if it slips. In g/w^2 and g/w (w = 2 pi f), along, across and normal.
-    """
+    """Fill `row` with position (3), velocity (3) and mode of a part at a phase within a step."""
     for axis in range(3):
         row[axis] = value(work, ROW.place + axis, order, since)
         row[3 + axis] = value(work, ROW.velocity + axis, order, since)

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 
 from vibrafeed.core.compiled import borrowing, compiled
-from vibrafeed.core.motion.kernels.arrays import Flags, Floats
-from vibrafeed.core.motion.kernels.cells import Cell
-from vibrafeed.core.motion.kernels.rebounds import SETTLED_EXACTLY, SETTLED_TIME
-from vibrafeed.core.motion.kernels.track import drive
+from vibrafeed.core.motion.kernels.constants import SETTLED_EXACTLY, SETTLED_TIME
+from vibrafeed.core.motion.kernels.inputs import Cell, Flags, Floats
+from vibrafeed.core.motion.kernels.track import push
 from vibrafeed.core.motion.kernels.track.modes import Begin, StepSettings
-from vibrafeed.core.motion.kernels.track.tables import (
+from vibrafeed.core.motion.kernels.track.push import (
     BOTH,
     EVENT,
     FLOOR,
@@ -42,10 +41,10 @@ def friction_impulse(
 ) -> tuple[float, float, bool]:
     """Return the friction impulse (two components) at one contact, and True if it sticks.
 
-    Per mass, in g/w (w = 2 pi f). The slip (`slip_1`, `slip_2`) is that without the impulse; a unit
-    impulse changes it by 1 and by r = `response`. It sticks if an impulse of at most `hold` can
-    stop it; else the impulse is -q e, with q = `slide` and e = (s_1/(z + q), s_2/(z + r q)) along
-    the slip that is left, where |e| = 1 gives z: the secular equation of theory 7.3.
+    Per mass, in g/w; a unit impulse changes the slip by 1 and by r = `response`. It sticks if an
+    impulse of at most `hold` can stop it; else the impulse is -q e, with q = `slide` and e =
+    (s_1/(z + q), s_2/(z + r q)) along the slip that is left, where |e| = 1 gives z: the secular
+    equation of theory 7.3.
     """
     stop_2 = slip_2 / response
     if slip_1 * slip_1 + stop_2 * stop_2 <= hold * hold:
@@ -73,11 +72,9 @@ def friction_impulse(
 def rebound(speed: float, load: float, restitution: float, ahead: float) -> float:
     """Return the restitution of an impact: `restitution`, or 0 if its hops are to be left out.
 
-    Hops that shrink to nothing are replaced by a contact (theory 13.5). With the impact's `speed` v
-    in g/(2 pi f) and the `load` L in g that then presses the part on, they last T = 2 w/(L (1 -
-    eps)), w = eps v, and are left out if w T < 1e-13 and T < `ahead`/1000, with the phase `ahead`
-    to the next event in rad. Their impulses then add up to what the contact carries in their time,
-    less w.
+    The hops last T = 2 w/(L (1 - eps)), w = eps v, and are left out if w T < 1e-13 and T <
+    `ahead`/1000, the phase to the next event. Their impulses add up to what the contact carries in
+    their time, less w (theory 13.5).
     """
     if restitution >= 1.0 or not load > 0.0:
         return restitution
@@ -101,10 +98,6 @@ def strike(
     Newton's law normal to each, u_n+ = -eps u_n-, and Coulomb's along it: an impulse of |i_t| <= mu
     i_n stops the slip if it can (theory 13.1). Of two impacts at once each is solved in its turn
     until both stand still.
-
-    `step` and `cell` hold settings and the part's numbers; `floor` and `wall` are the speeds of
-    impact in g/w (w = 2 pi f), 0 without one; `bounce` and `rear` are the restitutions of floor and
-    wall; `state` has the columns of `STATE`.
     """
     ux, uy, uz = STATE.ux, STATE.uy, STATE.uz
     normal, side, fx, fy, wx, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -143,13 +136,7 @@ def strike(
 def rub_floor(
     rolling: float, state: Floats, fx: float, fy: float, limit: float
 ) -> tuple[float, float]:
-    """Replace the friction impulse (fx, fy) of the floor in `state` by the present one; return it.
-
-    For an impact at floor and wall at once, whose impulses depend on each other: after a change of
-    the state, or of the limit. `limit` is mu_k times the normal impulse in g/w (w = 2 pi f), the
-    impulses are in g/w, too. With r = 1 + m r^2/I and `rolling` = m r^2/I (0 of a block), the slip
-    without friction is (u_x - f_x, u_y + spin - r f_y).
-    """
+    """Replace the friction impulse of the floor in `state` by the present one; return it."""
     ux, uy, spin, response = STATE.ux, STATE.uy, STATE.spin, 1.0 + rolling
     slip_1, slip_2 = state[ux] - fx, state[uy] + state[spin] - response * fy
     new_1, new_2, held = impulse(slip_1, slip_2, limit, response)
@@ -166,11 +153,7 @@ def rub_floor(
 def impulse(
     slip_1: float, slip_2: float, limit: float, response: float
 ) -> tuple[float, float, bool]:
-    """Return the friction impulse on a slip (two components), and True if it stops the slip.
-
-    Per mass, in g/w (w = 2 pi f); `limit` is the largest impulse, `response` that of the second
-    component of the slip to friction. `slip_1` and `slip_2` are the components of the slip.
-    """
+    """Return the friction impulse on a slip (two components), and True if it stops the slip."""
     if slip_1 == 0.0 and slip_2 == 0.0:
         return 0.0, 0.0, limit > 0.0
     return friction_impulse(slip_1, slip_2, limit, limit, response)
@@ -180,8 +163,7 @@ def impulse(
 def pushed_across(cell: Cell, state: Floats, work: Work) -> float:
     """Return the acceleration across of a part without contacts, D_y - kappa V^2, in g.
 
-    V = u_x + v_track is the speed in space along a curve of curvature number kappa; D_y and v_track
-    are in `work` (theory 13.1).
+    V = u_x + v_track is the speed in space along a curve of curvature number kappa (theory 13.1).
     """
     speed = state[STATE.ux] + work[ROW.track, 0]
     return work[ROW.free + 1, 0] - cell.curvature_number * speed * speed
@@ -189,12 +171,7 @@ def pushed_across(cell: Cell, state: Floats, work: Work) -> float:
 
 @borrowing
 def hit(step: StepSettings, cell: Cell, state: Floats, bent: float, work: Work) -> None:
-    """Change the velocities in `state` by the impact of a part on the floor, the wall or both.
-
-    The approach speeds are -u_z on the floor and -u_y at the wall, 0 if it does not approach; the
-    restitutions are those of `rebound`, which lets slow impacts stick. `step` holds the settings of
-    the step, `bent` is the acceleration across in g, `work` the drive in rows of `ROW`.
-    """
+    """Change the velocities in `state` by the impact of a part on the floor, the wall or both."""
     y, z, uy, uz = STATE.y, STATE.z, STATE.uy, STATE.uz
     floor = -state[uz] if state[z] == 0.0 and state[uz] < 0.0 else 0.0
     wall = -state[uy] if step.wall and state[y] == 0.0 and state[uy] < 0.0 else 0.0
@@ -209,15 +186,7 @@ def hit(step: StepSettings, cell: Cell, state: Floats, bent: float, work: Work) 
 
 @borrowing
 def change_contacts(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work) -> None:
-    """Change the velocities of a part, and the contacts that carry it, as the last event demands.
-
-    A landing or a bump against the wall is an impact. The event, in `hold`, tells what opened or
-    closed: a force that it says is 0 is 0, whatever its rounded value.
-
-    `step` and `cell` hold settings and the part's numbers; `state` and `hold` have the columns of
-    `STATE` and `HOLD`, and are changed; the acceleration without contacts, in rows `free` of the
-    table `work`, must be that at the event.
-    """
+    """Change the velocities and contacts of a part as the last event, in `hold`, demands."""
     event, across, normal = hold[HOLD.event], ROW.free + 1, ROW.free + 2
     y, z, uy, uz = STATE.y, STATE.z, STATE.uy, STATE.uz
     bent = pushed_across(cell, state, work)
@@ -241,13 +210,8 @@ def begin_slip(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work:
     """Return the slip of a part at the start of a step, after deciding if its contacts stick.
 
     They stick if |(D_1, D_2/r)| <= mu_s L, with the acceleration D without friction, the load L and
-    the response r to friction across; a slip in direction e changes at the rate D.e - mu_k L (e_1^2
-    + r e_2^2). A slip of at most two tolerances counts as 0 (theory 13.13).
-
-    The record has size, direction and rate of the slip, if it begins here, and if it is followed
-    straight to its stop. `step` and `cell` hold settings and the part's numbers; `state` and `hold`
-    have the columns of `STATE` and `HOLD`, whose `slips` is set to 1 for a slip; `work` has D in
-    rows `free`.
+    the response r; a slip in direction e changes at the rate D.e - mu_k L (e_1^2 + r e_2^2). A slip
+    of at most two tolerances counts as 0 (theory 13.13).
     """
     contacts, event = hold[HOLD.contacts], hold[HOLD.event]
     ux, uy, uz, spin = STATE.ux, STATE.uy, STATE.uz, STATE.spin
@@ -277,7 +241,7 @@ def begin_slip(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work:
     if size > 0.0:
         cosine, sine = slip_1 / size, slip_2 / size
         rate = rub * (cosine * cosine + response * sine * sine) - push_1 * cosine - push_2 * sine
-        closes, least = closing(step.tolerance, size, rate, rub, need, drive.size(work))
+        closes, least = closing(step.tolerance, size, rate, rub, need, push.size(work))
         return Begin(size, cosine, sine, rate, False, closes, least)
     held_on = event in (EVENT.press, EVENT.release, EVENT.seat, EVENT.lift)
     if held_on or (event != EVENT.slip and need <= most):
@@ -301,12 +265,8 @@ def closing(
 ) -> tuple[bool, float]:
     """Return True if a slip may be followed straight to its stop, and the size to look at it again.
 
-    `size` is its speed r in g/w (w = 2 pi f), `rate` the rate in g at which it closes, `rub` mu_k
-    times the load, `need` the force |(D_1, D_2/r')| against which friction works, with the
-    acceleration D without friction and the contact's response r', in g, `speed` the drive's
-    velocity in g/w. True if r^2 <= 3 tol s, with the rest of friction s = rub - need and
-    `tolerance` tol, and if forces do not outgrow s meanwhile, r (1 + rub) speed <= s^2. Otherwise
-    the slip may turn along the push first (theory 13.13).
+    True if r^2 <= 3 tol s, with its speed r and the rest of friction s = rub - need, and r (1 +
+    rub) speed <= s^2; else it may turn along the push first (theory 13.13).
     """
     if not (rate > 0.0 and need <= rub):
         return False, tolerance
@@ -319,13 +279,7 @@ def closing(
 
 @borrowing
 def stop_slip(step: StepSettings, state: Floats, contacts: int, slip_2: float) -> None:
-    """Set the slip in `state` to exactly 0, where it has come to 0 within rounding.
-
-    A cylinder (`step.rolling` = m r^2/I > 0) keeps rolling on the floor, with u_y - slip_2/(1 + m
-    r^2/I) and a spin of minus that. `state` has the columns of `STATE`; `contacts` is the bit set
-    of what carries the part, floor 1 and wall 2; `slip_2` is the second component of the slip in
-    g/w (w = 2 pi f): across on the floor, normal to the floor at the wall.
-    """
+    """Set the slip in `state` to exactly 0, where it has come to 0 within rounding."""
     state[STATE.ux] = 0.0
     if contacts == WALL:
         state[STATE.uz] = 0.0
@@ -340,17 +294,7 @@ def stop_slip(step: StepSettings, state: Floats, contacts: int, slip_2: float) -
 def direction(push_1: float, push_2: float, slide: float, response: float) -> tuple[float, float]:
     """Return the direction (cosine, sine) in which a contact begins to slip; (1, 0) without push.
 
-    It is e = (D_1/(z + q), D_2/(z + r q)), with the z that makes e a unit vector.
-
-    Parameters
-    ----------
-    push_1, push_2
-        Accelerations D [g] along both directions of the contact without friction.
-    slide
-        q, the friction coefficient times the contact's load [g].
-    response
-        r, the acceleration that a unit of friction causes in direction 2 over that in direction 1:
-        1 unless the part rolls.
+    e = (D_1/(z + q), D_2/(z + r q)), with the z that makes e a unit vector.
     """
     if slide > 0.0 and response != 1.0:
         friction_1, friction_2, _ = friction_impulse(push_1, push_2, 0.0, slide, response)

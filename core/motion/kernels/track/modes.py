@@ -1,7 +1,6 @@
 """The series of a step in each mode of contact, and the event that ends it (theory 13.13).
 
-Each function fills the velocities, and the places that an event depends on; it returns the span of
-the step, the event at its end, and the order up to which the series are filled.
+Each returns the span of the step, the event at its end, and the order of the series.
 """
 
 from __future__ import annotations
@@ -10,23 +9,8 @@ import math
 from typing import NamedTuple
 
 from vibrafeed.core.compiled import borrowing
-from vibrafeed.core.motion.kernels.arrays import Flags, Floats
-from vibrafeed.core.motion.kernels.cells import Cell
-from vibrafeed.core.motion.kernels.track.drive import is_wave
-from vibrafeed.core.motion.kernels.track.polynomials import first_fall
-from vibrafeed.core.motion.kernels.track.slide import (
-    Contact,
-    asymptotic_span,
-    bend,
-    fill_velocities,
-    last_of_slip,
-    line_series,
-    onset_series,
-    slide_series,
-    square_of,
-    stays_in_line,
-)
-from vibrafeed.core.motion.kernels.track.tables import (
+from vibrafeed.core.motion.kernels.inputs import Cell, Flags, Floats
+from vibrafeed.core.motion.kernels.track.push import (
     BOTH,
     EVENT,
     FLOOR,
@@ -36,6 +20,20 @@ from vibrafeed.core.motion.kernels.track.tables import (
     STATE,
     WALL,
     Work,
+    is_wave,
+)
+from vibrafeed.core.motion.kernels.track.series import (
+    Contact,
+    asymptotic_span,
+    bend,
+    fill_velocities,
+    first_fall,
+    last_of_slip,
+    line_series,
+    onset_series,
+    slide_series,
+    square_of,
+    stays_in_line,
 )
 
 LONGEST = 1.5
@@ -48,22 +46,9 @@ REACH = 0.02
 class StepSettings(NamedTuple):
     """The settings of a step: contacts, order of the series, tolerance, and phases that end it.
 
-    Attributes
-    ----------
-    wall
-        If there is a wall.
-    rolling
-        The factor m r^2/I of a cylinder, 0 for a block.
-    order
-        Highest power of the series.
-    tolerance
-        Size in g/w below which the last terms of a series must stay.
-    rest
-        Phase in rad to the end of the period or to a jump of the drive.
-    lift
-        Phase to the next lift-off of a part on the floor.
-    even
-        Phase to a jump of the drive, infinite without jumps.
+    `rolling` is m r^2/I of a cylinder, 0 for a block; the last terms of a series stay below
+    `tolerance` in g/w. Phases in rad: `rest` to the end of the period or to a jump of the drive,
+    `lift` to the next lift-off, `even` to a jump, infinite without jumps.
     """
 
     wall: bool
@@ -76,22 +61,10 @@ class StepSettings(NamedTuple):
 
 
 class Begin(NamedTuple):
-    """A slip at the start of a step: its size and direction, and how it changes.
+    """A slip at the start of a step: its size in g/w and direction, and how it changes.
 
-    Attributes
-    ----------
-    size
-        Its speed in g/w.
-    cosine, sine
-        Its direction.
-    rate
-        Rate at which its size grows (at its onset) or falls, in g.
-    onset
-        If the slip begins here.
-    closes
-        If it ends on a straight line, at this rate.
-    least
-        Size in g/w at which the step must end, to look at the slip again.
+    Its size grows (at its `onset` here) or falls at `rate` in g; if it `closes`, on a straight
+    line. At the size `least` the step must end, to look at the slip again.
     """
 
     size: float
@@ -107,9 +80,8 @@ class Begin(NamedTuple):
 def term_span(work: Work, a: int, b: int, order: int, tolerance: float) -> float:
     """Return the span in rad over which two power series of a step are accurate enough.
 
-    The last two terms of both stay below `tolerance`: 0.95 min((tol/|a_n|)^(1/n),
-    (tol/|a_(n-1)|)^(1/(n-1))), with the larger coefficients of rows `a` and `b` of `work`, and n =
-    `order`.
+    0.95 min((tol/|a_n|)^(1/n), (tol/|a_(n-1)|)^(1/(n-1))), with the larger coefficients of rows `a`
+    and `b`: their last two terms stay below `tolerance`.
     """
     last = max(abs(work[a, order]), abs(work[b, order]), 1e-300)
     before = max(abs(work[a, order - 1]), abs(work[b, order - 1]), 1e-300)
@@ -121,11 +93,7 @@ def term_span(work: Work, a: int, b: int, order: int, tolerance: float) -> float
 def sooner(
     work: Work, row: int, order: int, span: float, name: int, known: int
 ) -> tuple[float, int]:
-    """Return the span to where a series first falls through 0 and event `name`, or what is known.
-
-    If the series in row `row` does not fall within `span` rad, the result is `span` and the event
-    `known`, which ends the step so far. `order` is the highest power of the series.
-    """
+    """Return the first fall of a series through 0 and event `name`, or span and event so far."""
     fall = first_fall(work, row, order, span, ROW.scratch)
     return (fall, name) if fall >= 0.0 else (span, known)
 
@@ -134,13 +102,7 @@ def sooner(
 def to_zero(
     work: Work, sign: float, row: int, order: int, began: bool, span: float, name: int, known: int
 ) -> tuple[float, int]:
-    """Return the span in rad until a force falls to 0 and event `name`, or `span` and `known`.
-
-    The latter if the force does not fall to 0 within `span`; `known` is the event that ends the
-    step otherwise. The force is `sign` times the power series in row `row` of `work`, up to the
-    power `order`. `began` is True if the step began with this force at 0: its rounded value then
-    does not count.
-    """
+    """Return the span in rad until a force falls to 0 and event `name`, or `span` and `known`."""
     fill_multiple(work, ROW.event, sign, row, order)
     if began or work[ROW.event, 0] < 0.0:
         work[ROW.event, 0] = 0.0
@@ -149,12 +111,7 @@ def to_zero(
 
 @borrowing
 def fill_position(work: Work, axis: int, start: float, order: int) -> None:
-    """Fill the power series of a position from that of its velocity, q_(k+1) = u_k/(k + 1).
-
-    `work` is the table of series, a row a quantity (`ROW`), a column a power of the phase. `axis`
-    is 0, 1, 2 for along, across, normal; `start` is q_0 in g/w^2 (w = 2 pi f); `order` is the
-    highest power.
-    """
+    """Fill the power series of a position from that of its velocity, q_(k+1) = u_k/(k + 1)."""
     place, velocity = ROW.place + axis, ROW.velocity + axis
     work[place, 0] = start
     for k in range(order):
@@ -179,12 +136,9 @@ def stand(work: Work, axis: int, order: int) -> None:
 def flight(step: StepSettings, cell: Cell, state: Floats, work: Work) -> tuple[float, int, int]:
     """Fill the power series of a part in free flight; return span in rad, event at its end, order.
 
-    u_(k+1) = D_k/(k + 1) for the velocities u, with the acceleration D without contacts, to which
-    `bend` adds the effect of a curve. The step ends where the last terms reach the tolerance, at
-    the latest where z falls through 0 (`land`), or y at a wall (`bump`) (theory 13.13).
-
-    `step` holds the settings of the step, `cell` the part's numbers, `state` the columns of
-    `STATE`; `work` is the table of series, a row a quantity (`ROW`), a column a power of the phase.
+    u_(k+1) = D_k/(k + 1), with the acceleration D without contacts and `bend` of a curve. The step
+    ends where the last terms reach the tolerance, at the latest where z falls through 0 (`land`),
+    or y at a wall (`bump`) (theory 13.13).
     """
     order = step.order
     for axis in range(3):
@@ -212,14 +166,9 @@ def stick(
 ) -> tuple[float, int, int]:
     """Fill the series of a part that sticks to floor or wall; return span in rad, event, and order.
 
-    u = 0; a cylinder rolls across, u_y' = D_y (r - 1)/r with r = 1 + m r^2/I and the acceleration D
-    without contacts (theory 7.3). The step ends at lift-off, where the force across falls through 0
-    at a wall that comes to carry the part or lets it go, or where friction gives way (`to_slip`).
-
-    `step` holds the settings (order, tolerance, phases that end the step), `cell` the part's
-    numbers; `state` and `hold` (the contacts, and the event before) have the columns of `STATE` and
-    `HOLD`. `work` is the table of series, a row a quantity (`ROW`), a column a power of the phase;
-    its velocities are filled (theory 13.13).
+    u = 0; a cylinder rolls across, u_y' = D_y (r - 1)/r with r = 1 + m r^2/I (theory 7.3). The step
+    ends at lift-off, where the force across falls through 0, or where friction gives way
+    (`to_slip`) (theory 13.13).
     """
     order, contacts, before = step.order, hold[HOLD.contacts], hold[HOLD.event]
     response = 1.0 + step.rolling
@@ -259,13 +208,8 @@ def to_slip(
 ) -> tuple[float, int]:
     """Return the span in rad until static friction gives way, and the event there.
 
-    The contacts hold until (mu_s L)^2 = D_1^2 + (D_2/r)^2 with the load L, the acceleration D
-    without contacts and r = 1 + m r^2/I of a cylinder; in the corner until mu_s N + mu_w S = |D_x|
-    with the loads N, S of floor and wall (theory 4.4). If that is not before `span`, the result is
-    `span` and `name`, the event that ends the step otherwise.
-
-    `contacts` is the bit set of what carries the part (floor 1, wall 2), `cell` has its frictions,
-    `work` the series of D (rows `free`), a column a power of the phase.
+    The contacts hold until (mu_s L)^2 = D_1^2 + (D_2/r)^2 with the load L; in the corner until mu_s
+    N + mu_w S = |D_x| (theory 4.4).
     """
     along, across, normal, event = ROW.free, ROW.free + 1, ROW.free + 2, ROW.event
     top, response = step.order - 1, 1.0 + step.rolling
@@ -295,14 +239,8 @@ def slide_in_corner(
 ) -> tuple[float, int, int]:
     """Fill the power series of a slip along floor and wall at once; return span, event and order.
 
-    u_x' = D_x -+ (mu_k N + mu_w S), with the acceleration D without contacts and the loads N = -D_z
-    and S = -D_y. The step ends at lift-off, where the wall carries no more, or where the slip stops
-    (theory 4.4, 13.13).
-
-    `step` holds the settings of the step, `cell` the part's numbers, `state` the columns of
-    `STATE`, `begin` is the slip at the start. `work` is the table of series, a row a quantity
-    (`ROW`), a column a power of the phase; span in rad and highest power are those up to which it
-    holds.
+    u_x' = D_x -+ (mu_k N + mu_w S), with the loads N = -D_z and S = -D_y. The step ends at
+    lift-off, where the wall carries no more, or where the slip stops (theory 4.4, 13.13).
     """
     order, way, event = step.order, begin.cosine, ROW.event
     along, across = ROW.velocity, ROW.free + 1
@@ -336,27 +274,7 @@ def slide_in_corner(
 def slide(
     step: StepSettings, cell: Cell, state: Floats, contacts: int, begin: Begin, work: Work
 ) -> tuple[float, int, int]:
-    """Fill the series of a slip on floor or wall; return span in rad, event at its end, order.
-
-    Of four kinds of series the one that fits is taken: a slip that keeps its direction
-    (`line_series`), begins (`onset_series`), is about to end (`last_of_slip`), or any other
-    (`slide_series`). The step ends at lift-off or where the load falls to 0, where the part meets
-    the other contact, where the slip stops, or where its component along its first direction has
-    fallen to a share of itself, so that a reversal is not missed (theory 13.13).
-
-    Parameters
-    ----------
-    step
-        Settings of the step: order, tolerance, phases that end it.
-    cell, state
-        The part's numbers, and its state (columns of `STATE`).
-    contacts
-        `FLOOR` or `WALL`.
-    begin
-        Size, direction and rate of the slip at the start.
-    work
-        Table of series, filled: a row a quantity (`ROW`), a column a power of the phase.
-    """
+    """Fill the series of a slip on floor or wall; return span in rad, event at its end, order."""
     order, on_floor, event = step.order, contacts == FLOOR, ROW.event
     contact = contact_of(cell, step.rolling, on_floor)
     second, span, line = contact.second, math.inf, False
@@ -412,11 +330,7 @@ def slide(
 
 @borrowing
 def contact_of(cell: Cell, rolling: float, on_floor: bool) -> Contact:
-    """Return the record of the contact that slips: axes, friction, response, curvature.
-
-    The response to friction across is r = 1 + m r^2/I at the floor (`rolling` is m r^2/I, 0 for a
-    block) and 1 at the wall. `on_floor` is True for the floor, False for the wall.
-    """
+    """Return the record of the contact that slips: axes, friction, response, curvature."""
     if on_floor:
         return Contact(1, 2, cell.friction_kinetic, 1.0 + rolling, cell.curvature_number)
     return Contact(2, 1, cell.wall_friction, 1.0, cell.curvature_number)

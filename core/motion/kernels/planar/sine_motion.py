@@ -1,4 +1,4 @@
-"""A flight from take-off to landing, under a sine: its part of `drive`."""
+"""Flight, stick and slip of a part under a sine: what a sine tells in `plane_laws`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ from vibrafeed.core.motion.kernels.planar.flow import (
     SineDrive,
     distance_after,
     flow,
+    kind_of,
     phase_to,
+    sine_terms,
     swings,
     swung,
     velocity_after,
@@ -32,19 +34,13 @@ def normal_numbers(drive: SineDrive) -> tuple[float, float]:
 
 @compiled
 def track_speed(drive: SineDrive, tau: float) -> float:
-    """Return the velocity of the track along itself at phase `tau`, c cos(tau), in g/w.
-
-    Minus the integral of the drive acceleration c sin(tau), c its amplitude in g. Here w = 2 pi f.
-    """
+    """Return the velocity of the track along itself at phase `tau`, c cos(tau), in g/w."""
     return drive.c * math.cos(tau)
 
 
 @compiled
 def air_swings(drive: SineDrive, tau: float, d: float) -> tuple[float, float]:
-    """Return the `swings` of a flight from phase `tau` for the phase `d`, the same for every drive.
-
-    Velocity and distance along that a drive of 1 g gives.
-    """
+    """Return the `swings` of a flight from phase `tau` for the phase `d`."""
     return swings(math.sin(tau), math.cos(tau), d)
 
 
@@ -52,19 +48,13 @@ def air_swings(drive: SineDrive, tau: float, d: float) -> tuple[float, float]:
 def swung_along(
     drive: SineDrive, u: float, d: float, swing: float, sway: float
 ) -> tuple[float, float]:
-    """Return velocity and distance along after a flight for the phase `d`, in g/w and g/w^2.
-
-    `u` is the velocity at take-off, `swing` and `sway` are the `air_swings` (w = 2 pi f).
-    """
+    """Return velocity and distance along after a flight for the phase `d`, in g/w and g/w^2."""
     return swung(u, drive.c, drive.gs, d, swing, sway)
 
 
 @compiled
 def push_slope(drive: SineDrive, tau: float) -> tuple[float, float]:
-    """Return the derivative of the drive acceleration by phase, along and normal to the floor.
-
-    (c, s) cos(tau) at phase `tau`, with the amplitudes c and s in g.
-    """
+    """Return the derivative of the drive acceleration by phase, along and normal to the floor."""
     cosine = math.cos(tau)
     return drive.c * cosine, drive.s * cosine
 
@@ -77,11 +67,7 @@ def smooth_span(drive: SineDrive, tau: float) -> float:
 
 @compiled
 def lift_off(drive: SineDrive, tau: float) -> float:
-    """Return the phase in rad of the next lift-off, asin(n/s); NaN if the part never lifts off.
-
-    There s sin(tau) rises through n, with normal drive amplitude s and gravity n, once in each
-    period, so that it does not depend on the phase `tau` (theory 13.3).
-    """
+    """Return the phase in rad of the next lift-off, asin(n/s); NaN if the part never lifts off."""
     return drive.up_at
 
 
@@ -89,10 +75,8 @@ def lift_off(drive: SineDrive, tau: float) -> float:
 def landing_root(w: float, s: float, gn: float, sine: float, cosine: float, start: float) -> float:
     """Return the time of a flight in rad by Newton's method from `start`, on one side of the root.
 
-    D -> D - z(D)/w(D), with the height z and velocity w off the floor, w' = s sin(tau) - gn, with
-    the drive `s` and gravity `gn` in g. `w` is the velocity at take-off in g/(2 pi f), `sine` and
-    `cosine` are those of its phase. The caller chooses `start` such that the height bends one way
-    between it and the root, so that no step passes the root but by rounding.
+    The height bends one way between `start` and the root, so that no step passes it but by
+    rounding.
     """
     d, first = start, 0.0
     for _ in range(MAX_ITERATIONS):
@@ -110,13 +94,7 @@ def landing_root(w: float, s: float, gn: float, sine: float, cosine: float, star
 
 @compiled
 def lowest_at(w: float, s: float, gn: float, tau: float, low: float, high: float) -> float:
-    """Return the phase D in rad after take-off, in `low` to `high`, at which a height is least.
-
-    The part takes off at phase `tau` in rad with velocity `w` in g/(2 pi f); its acceleration is s
-    sin(tau + D) - gn in g, with drive `s` and gravity `gn`. At the least height the velocity rises
-    through 0: a root found by Newton's iteration in the bracket, halved where it leaves it. Used to
-    see if a flight touches the floor on its way.
-    """
+    """Return the phase D in rad after take-off, in `low` to `high`, at which a height is least."""
     d = (low + high) / 2
     for _ in range(MAX_ITERATIONS):
         value = velocity_after(w, s, gn, tau, d)
@@ -140,12 +118,10 @@ def lowest_at(w: float, s: float, gn: float, tau: float, low: float, high: float
 def landing(drive: SineDrive, w: float, tau: float) -> float:
     """Return the flight time in rad after take-off at phase `tau`, if s > n; -1 if not found.
 
-    s and n are vibration off the floor and gravity of `drive`, `w` >= 0 is the velocity at take-off
-    in g/(2 pi f). The height's second derivative is s sin(tau) - n: it bends down where s sin(tau)
-    < n, and up elsewhere. A piece that bends down and ends above the floor was above it all the
-    way; on a piece that bends up the least height is found first (theory 13.3). As sin <= 1, the
-    height is above the parabola (w + s cos(tau)) D - s (1 - sin(tau)) - n D^2/2 after a phase D:
-    whole turns in which that is positive are skipped.
+    A piece that bends down and ends above the floor was above it all the way; on a piece that bends
+    up the least height is found first (theory 13.3). As sin <= 1, the height is above the parabola
+    (w + s cos(tau)) D - s (1 - sin(tau)) - n D^2/2: whole turns in which that is positive are
+    skipped.
     """
     s, gn, up_at = drive.s, drive.gn, drive.up_at
     sine, cosine = math.sin(tau), math.cos(tau)
@@ -191,13 +167,7 @@ def landing(drive: SineDrive, w: float, tau: float) -> float:
 
 @compiled
 def hop_height(drive: SineDrive, w: float, tau: float, span: float, known: float) -> float:
-    """Return the largest height of a flight in g/(2 pi f)^2, or `known` if that is larger.
-
-    The part takes off at phase `tau` in rad with velocity `w` in g/(2 pi f) and flies for `span`
-    rad; `known` is the largest height of earlier flights. To save time the top is sought only if
-    two bounds are above `known`: (n + s) span^2/8, since z'' >= -(n + s) with gravity n and drive s
-    in g and both ends are on the floor, and `height_bound`.
-    """
+    """Return the largest height of a flight in g/w^2, or `known` if that is larger."""
     if (drive.gn + drive.s) * span * span / 8 <= known:
         return known
     if height_bound(drive, w, tau, known) <= known:
@@ -210,16 +180,9 @@ def hop_height(drive: SineDrive, w: float, tau: float, span: float, known: float
 def height_bound(drive: SineDrive, w: float, tau: float, known: float) -> float:
     """Return an upper bound of a flight's height in g/w^2, as close as a comparison needs.
 
-    Most flights are lower than the highest `known` height (here w = 2 pi f), which this tells
-    without a search for the summit. The part takes off at phase `tau` with velocity `w` in g/(2 pi
-    f); s and n are vibration off the floor and gravity of `drive`. The height z after a phase D is,
-    with r = w + s cos(tau) and x = D - r/n,
+    The height z after a phase D is, with r = w + s cos(tau) and x = D - r/n,
 
         z = r^2/(2 n) + s sin(tau) - n x^2/2 - s sin(tau + r/n + x).
-
-    The last term is at most s, and s cos(d - |x|) where the sine's trough is d <= pi away at x = 0.
-    That rises with |x| up to d while -n x^2/2 falls: on each of some pieces it is bounded by the
-    end of the one and the start of the other.
     """
     s, gn = drive.s, drive.gn
     speed = w + s * math.cos(tau)
@@ -240,11 +203,8 @@ def height_bound(drive: SineDrive, w: float, tau: float, known: float) -> float:
 def top_at(drive: SineDrive, w: float, tau: float, span: float) -> float:
     """Return the phase in rad from take-off to the top of a flight of `span` rad.
 
-    The part takes off at phase `tau` in rad with velocity `w` in g/(2 pi f). With drive s and
-    gravity n normal to the floor in g, the height is the parabola w D + s cos(tau) D - n D^2/2 and
-    a sine of size s, so that its top is within 2 sqrt(s/n) + 1 of that of the parabola, (w + s
-    cos(tau))/n: the highest of many points there, then the zero of the velocity by Newton's
-    iteration.
+    The height is a parabola and a sine of size s: its top is within 2 sqrt(s/n) + 1 of that of the
+    parabola.
     """
     s, gn = drive.s, drive.gn
     # The height is a parabola and a sine: its top lies near that of the parabola.
@@ -273,3 +233,147 @@ def top_at(drive: SineDrive, w: float, tau: float, span: float) -> float:
             break
         at = new
     return at
+
+
+THRESHOLD = 4e-16  # rounding of the sine at which friction is overcome
+
+
+@compiled
+def next_of_way(drive: SineDrive, kind: int, tau: float, rising: bool) -> float:
+    """Return the first phase from tau on at which C sin - k rises (or falls) through 0; or inf.
+
+    asin(k/C) or pi - asin(k/C), with C and k of `sine_terms`, and whole turns more: the same number
+    whatever `tau` was, so that a motion which sticks repeats to the last bit.
+    """
+    C, k = sine_terms(drive, kind)
+    if not abs(k) < abs(C):
+        return math.inf
+    target = math.asin(k / C)
+    if (C > 0) != rising:
+        target = math.pi - target
+    return max(tau, target + TURN * math.ceil((tau - target) / TURN - 1e-13))
+
+
+@compiled
+def phase_to_stop(v: float, C: float, k: float, at: float, span: float) -> float:
+    """Return the phase in rad until a velocity v >= 0 is 0 under u' = C sin(tau) - k; or -1.
+
+    The first fall of the velocity at whose end it is not positive holds the root (theory 13.3).
+    """
+    if C < 0:
+        C, at = -C, at + math.pi
+    if k <= -C:
+        return -1.0
+    sine, cosine = math.sin(at), math.cos(at)
+    if k >= C:
+        low, high = 0.0, span
+        if v == 0 or flow(v, C, k, sine, cosine, high)[0] > 0:
+            return -1.0
+    else:
+        rise_at = math.asin(k / C)
+        fall_at = math.pi - rise_at
+        low = 0.0
+        # From rest a part starts to slide only where it gains speed, whatever rounding says.
+        if v == 0 or rise_at <= at % TURN < fall_at:
+            low = phase_to(fall_at, at)
+        high = span
+        for _ in range(MAX_PIECES):
+            if low >= span:
+                return -1.0
+            ahead = phase_to(rise_at, at + low)
+            high = min(span, low + (ahead if ahead > 0 else TURN))
+            if flow(v, C, k, sine, cosine, high)[0] <= 0:
+                break
+            low = high + fall_at - rise_at
+    return stop_between(v, C, k, at, sine, cosine, low, high)
+
+
+@compiled
+def stop_between(
+    v: float, C: float, k: float, at: float, sine: float, cosine: float, low: float, high: float
+) -> float:
+    """Return the phase D after `at`, between `low` and `high`, at which a falling velocity is 0.
+
+    u' = C sin(at + D) - k.
+    """
+    first, last = flow(v, C, k, sine, cosine, low)[0], flow(v, C, k, sine, cosine, high)[0]
+    d = low + (high - low) * first / (first - last) if first > last else low
+    for _ in range(MAX_ITERATIONS):
+        value = flow(v, C, k, sine, cosine, d)[0]
+        if value > 0:
+            low = d
+        else:
+            high = d
+        slope = C * math.sin(at + d) - k
+        new = d - value / slope if slope < 0 else low - 1
+        if low <= new <= high and abs(new - d) <= LAST_STEP * d:
+            return new
+        if not low < new < high:
+            new = (low + high) / 2
+            if new in (low, high):
+                return new
+        d = new
+    return d
+
+
+@compiled
+def always_holds(drive: SineDrive) -> bool:
+    """True if static friction holds the part at every phase."""
+    return drive.s <= drive.gn and drive.least <= -1 and drive.largest >= 1
+
+
+@compiled
+def stop_after(drive: SineDrive, sign: float, u: float, at: float, span: float) -> float:
+    """Return the phase in rad until a slip in direction `sign` stops; -1 if not within `span`.
+
+    By `phase_to_stop` of |u|, with sign times C = c + sign mu_k s and k = sin(gamma) + sign mu_k n
+    (theory 13.2).
+    """
+    C, k = sine_terms(drive, kind_of(sign))
+    return phase_to_stop(abs(u), sign * C, sign * k, at, span)
+
+
+@compiled
+def slip_uncertainty(drive: SineDrive) -> float:
+    """Return the error of the mean velocity in g/w by rounding of phases at which slips start.
+
+    (mu_s - mu_k)(s + n) d(asin S), where a rounding dS of the threshold S of sin(tau) moves the
+    phase asin(S) by dS/sqrt(1 - S^2).
+    """
+    jump = (drive.mu_s - drive.mu_k) * (drive.s + drive.gn)
+    uncertainty = 0.0
+    for threshold in (drive.least, drive.largest):
+        if abs(threshold) < 1.0:
+            uncertainty += jump * THRESHOLD / math.sqrt((1.0 - threshold) * (1.0 + threshold))
+    return uncertainty
+
+
+@compiled
+def two_sided(drive: SineDrive) -> tuple[float, float]:
+    """Return mean velocity and forward share of a part that slides to and fro and never sticks.
+
+    With amplitudes c, s of the drive along and normal, gravity n onto the floor, c1 = mu s, k1 = mu
+    n, H = c k1 - c1 sin(gamma) and E = pi (c1 k1 - c sin(gamma))/H, the forward slip lasts the
+    phase pi + E about the phase pi - asin(S), where
+
+        S = pi (k1^2 - sin(gamma)^2)/(2 H cos(E/2))
+        v = sqrt(1 - S^2) (2 c1 cos(E/2) + (pi c + c1 E) sin(E/2))/pi
+    """
+    c, s, gs, gn, mu_s, mu = drive.c, drive.s, drive.gs, drive.gn, drive.mu_s, drive.mu_k
+    c1, k1 = mu * s, mu * gn
+    H = c * k1 - c1 * gs
+    if s > gn or mu_s != mu or H <= 0 or c <= c1:
+        return 0.0, 0.0
+    E = math.pi * (c1 * k1 - c * gs) / H
+    if abs(E) >= math.pi:
+        return 0.0, 0.0
+    sine = math.pi * (k1 - gs) * (k1 + gs) / (2 * H * math.cos(E / 2))
+    if not abs(sine) <= 1:
+        return 0.0, 0.0
+    middle, span = math.pi - math.asin(sine), math.pi + E
+    starts_free = math.sin(middle - span / 2) >= (gs + k1) / (c + c1)
+    turns_free = math.sin(middle + span / 2) <= (gs - k1) / (c - c1)
+    if not (starts_free and turns_free):
+        return 0.0, 0.0
+    bracket = 2 * c1 * math.cos(E / 2) + (math.pi * c + c1 * E) * math.sin(E / 2)
+    return math.sqrt((1 - sine) * (1 + sine)) / math.pi * bracket, span / TURN

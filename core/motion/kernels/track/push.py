@@ -1,19 +1,84 @@
-"""The drive: all that exact motion in space knows of what shakes the track.
-
-It gives the series of the push on a part, the velocity of the track, the phases at which the floor
-loses a part that rests on it, and those at which the push jumps. It is a sine along a straight
-line, a sum of sines on each axis, or constant from step to step.
-"""
+"""The table of a step in space, and the drive: the series of its push, lift-offs, jumps."""
 
 from __future__ import annotations
 
 import math
+from collections import namedtuple
+from typing import TypeAlias
 
-from vibrafeed.core.compiled import borrowing
-from vibrafeed.core.motion.kernels.arrays import Floats
-from vibrafeed.core.motion.kernels.cells import GROUPS, Cell
-from vibrafeed.core.motion.kernels.track.tables import INVERSE, MAX_ORDER, ROW, TURN, Work
-from vibrafeed.core.motion.kernels.waves import SineSum, passages, value_and_slope, wave_columns
+import numpy as np
+
+from vibrafeed.core.compiled import borrowing, compiled
+from vibrafeed.core.motion.kernels.inputs import GROUPS, Cell, Flags, Floats
+from vibrafeed.core.motion.kernels.sine_sums import SineSum, passages, value_and_slope, wave_columns
+
+TURN = 2.0 * math.pi
+MAX_ORDER = 24
+"""Of the series: those of order 16 are judged by those of order 24."""
+INVERSE = np.array([math.inf, *(1.0 / k for k in range(1, MAX_ORDER + 2))])
+"""1/k, by which a term is integrated: a division takes four times as long as a product."""
+
+
+State = namedtuple("State", "x y z ux uy uz spin")
+"""Columns of a state: place, velocity relative to the track, and spin.
+
+The spin of a cylinder is the velocity across that it gives the lowest point.
+"""
+
+Hold = namedtuple("Hold", "contacts slips event")
+"""Columns of what holds a part: its contacts, whether they slip, the event before."""
+
+
+FREE, FLOOR, WALL, BOTH = 0, 1, 2, 3
+"""Contacts that carry the part: the floor is bit 0, the wall bit 1."""
+
+Event = namedtuple("Event", "nothing start lift land leave bump stop slip press release seat")
+"""Ends of a stretch of motion.
+
+`nothing` where the series had to be made anew; `seat` where the floor, or `press` where the wall,
+comes to carry a part that touches it at rest; `release` where the wall ceases to carry one that the
+floor holds; `leave` where a part that slips loses the wall.
+"""
+
+
+STATE = State(*range(len(State._fields)))
+HOLD = Hold(*range(len(Hold._fields)))
+EVENT = Event(*range(len(Event._fields)))
+
+Row = namedtuple(
+    "Row",
+    "free track velocity place slip square load extra event scratch lifts wave sines cosines "
+    "levels speeds rows",
+)
+"""First rows of the table of a step: series in powers of the phase since its start.
+
+Accelerations without contacts (`free`), velocities and places have rows along, across and normal;
+`track` is its velocity along itself; `slip` of the contact that slips has two rows, `square` is its
+size and `load` the contact's; seven rows `extra` serve one function only; `event` turns negative at
+an event, and `scratch` is a copy that its search destroys. No series: `lifts`, how many times a
+period the floor loses a part, and the phases; `wave`, harmonics, steps and speed of the drive;
+`sines`, `cosines` by order; `levels`, with a fourth row of the phases at which steps end; `speeds`
+of the track at their starts. One table, since a call hands on each array at a price.
+"""
+
+ROW = Row(0, 3, 4, 7, 10, 12, 13, 14, 21, 22, 23, 24, 25, 28, 31, 35, 36)
+Work: TypeAlias = Floats
+"""The table of a step."""
+
+
+@compiled
+def new_work() -> Work:
+    """Return the table for the series of a step, a row for each quantity of `ROW`; zeros."""
+    return np.zeros((ROW.rows, MAX_ORDER + 2))
+
+
+@compiled
+def at_rest() -> tuple[Floats, Flags]:
+    """Return state and contacts of a part at rest on the floor that touches the wall."""
+    hold = np.zeros(len(HOLD), dtype=np.int64)
+    hold[HOLD.event] = EVENT.start
+    return np.zeros(len(STATE)), hold
+
 
 LATE = 1e-13
 """Phase in rad: a lift-off so little behind a part that is on the floor is due now."""
@@ -26,10 +91,7 @@ ORDERS, STEPS, SIZE = range(3)
 def set_drive(cell: Cell, row: Floats, work: Work) -> None:
     """Fill the rows of the drive in the table `work` of a step, from a cell's row of numbers.
 
-    For a sine: its size |(p_x, p_y, p_z)| in g, and the phase in rad at which a part on the floor
-    lifts off, sin(tau) = n/p_z, with drive numbers p and the gravity n onto the floor; none if
-    |p_z| <= n (theory 13.3). For a wave, whose coefficients follow in `row` behind those of `cell`,
-    its coefficients and all its lift-offs (`read_wave`).
+    A sine lifts a part off at sin(tau) = n/p_z; not if |p_z| <= n (theory 13.3).
     """
     work[ROW.wave, ORDERS], work[ROW.wave, STEPS] = 0.0, 0.0
     work[ROW.lifts, 0] = 0.0
@@ -47,12 +109,7 @@ def set_drive(cell: Cell, row: Floats, work: Work) -> None:
 
 @borrowing
 def read_wave(cell: Cell, row: Floats, work: Work) -> None:
-    """Fill coefficients, size and lift-off phases of a wave into the table `work` of a step.
-
-    `row` holds the fields of `Cell` (also in `cell`), then the numbers of harmonics and of steps;
-    the harmonics by axis (along, across, normal), sine or cosine, and order; and the levels by axis
-    with the ends of the steps. The size bounds the track's velocity in g/w (w = 2 pi f).
-    """
+    """Fill coefficients, size and lift-off phases of a wave into the table `work` of a step."""
     columns = wave_columns(row, GROUPS)
     orders, steps = columns.orders, columns.steps
     work[ROW.wave, ORDERS], work[ROW.wave, STEPS] = row[GROUPS], row[GROUPS + 1]
@@ -79,10 +136,8 @@ def read_wave(cell: Cell, row: Floats, work: Work) -> None:
 def fill_step_speeds(axis: int, steps: int, work: Work) -> float:
     """Fill the track's velocity along an axis at the start of each step of a drive.
 
-    In g/w (w = 2 pi f): v -> v - p D over a step with push p in g and duration D in rad, less the
-    mean over the period. The largest size is returned. `axis` is 0, 1, 2 for along, across, normal;
-    `steps` is the number of steps. The table `work` has pushes and ends of the steps in rows
-    `levels`, and gets the velocities in row `speeds` (theory 13.14).
+    v -> v - p D over a step with push p and duration D, less the mean over the period; the largest
+    size is returned (theory 13.14).
     """
     level, end, speed = ROW.levels + axis, ROW.levels + 3, ROW.speeds
     at, now, mean, most = 0.0, 0.0, 0.0, 0.0
@@ -100,12 +155,7 @@ def fill_step_speeds(axis: int, steps: int, work: Work) -> float:
 
 @borrowing
 def fill_lift_offs(weight: float, orders: int, work: Work) -> None:
-    """Fill the phases at which a part on the floor lifts off, for a drive that is a sum of sines.
-
-    These are the phases in [0, 2 pi) at which the upward push rises through `weight`, gravity onto
-    the floor in g. The push is in the table `work`, up to the order `orders`; row `lifts` gets the
-    number of phases, then the phases, ascending.
-    """
+    """Fill the phases at which a sum of sines lifts a part off the floor."""
     push, lifts = SineSum(work, ROW.sines + 2, ROW.cosines + 2, orders), ROW.lifts
     found = passages(push, weight, lifts, MAX_ORDER)
     rising = 0
@@ -119,29 +169,19 @@ def fill_lift_offs(weight: float, orders: int, work: Work) -> None:
 
 @borrowing
 def size(work: Work) -> float:
-    """Return the amplitude of the drive's velocity, |(p_x, p_y, p_z)|, or a bound for a wave.
-
-    In g/w (w = 2 pi f); tolerances are relative to it.
-    """
+    """Return the amplitude of the drive's velocity, |(p_x, p_y, p_z)|, or a bound for a wave."""
     return work[ROW.wave, SIZE]
 
 
 @borrowing
 def sine_slope(work: Work, tau: float) -> float:
     """Return the derivative of the push by phase over its amplitude, cos(tau); NaN for a wave."""
-    is_wave = work[ROW.wave, ORDERS] > 0.0 or work[ROW.wave, STEPS] > 0.0
-    return math.nan if is_wave else math.cos(tau)
+    return math.nan if is_wave(work) else math.cos(tau)
 
 
 @borrowing
 def fill_push(cell: Cell, tau: float, order: int, work: Work) -> None:
-    """Fill the power series of the push of the drive on a part, and of the track's velocity.
-
-    Coefficients of powers 0 to `order` of the phase since `tau` [rad], in g and g/w (w = 2 pi f),
-    into rows `free` (along, across, normal) and `track` of the table `work`. The push is minus the
-    acceleration of the track: (p_x, p_y, p_z) sin(tau) for a sine, with the drive numbers p of
-    `cell`; for a wave its coefficients are in `work`.
-    """
+    """Fill the power series of the push of the drive on a part, and of the track's velocity."""
     if work[ROW.wave, ORDERS] > 0.0:
         fill_harmonics(tau, order, work)
         return
@@ -165,11 +205,9 @@ def fill_push(cell: Cell, tau: float, order: int, work: Work) -> None:
 def fill_harmonics(tau: float, order: int, work: Work) -> None:
     """Fill the power series of push and track velocity, for a drive that is a sum of sines.
 
-    Coefficients of the powers 0 to `order` of the phase since `tau` [rad], into rows `free` (push
-    along, across and normal in g) and `track` of the table `work`, whose rows `sines` and `cosines`
-    hold the drive's coefficients by order k. The n-th derivative of s sin(k tau) + c cos(k tau) is
-    k^n times the term, its quarter turn, minus the term, and so on; the track has the velocity sum
-    of (s cos(k tau) - c sin(k tau))/k in g/(2 pi f) (theory 13.14).
+    The n-th derivative of s sin(k tau) + c cos(k tau) is k^n times the term, its quarter turn,
+    minus the term, and so on; the track has the velocity sum of (s cos(k tau) - c sin(k tau))/k
+    (theory 13.14).
     """
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
     sine, cosine = sine_1, cosine_1
@@ -197,10 +235,7 @@ def fill_harmonics(tau: float, order: int, work: Work) -> None:
 
 @borrowing
 def step_at(tau: float, work: Work) -> int:
-    """Return the index of the drive's step at phase `tau` in rad, the first with tau < its end.
-
-    Of a drive in steps of constant acceleration, which `work` holds in rows of `ROW`.
-    """
+    """Return the index of the drive's step at phase `tau` in rad, the first with tau < its end."""
     last = int(work[ROW.wave, STEPS]) - 1
     for step in range(last):
         if tau < work[ROW.levels + 3, step]:
@@ -210,13 +245,7 @@ def step_at(tau: float, work: Work) -> int:
 
 @borrowing
 def fill_step(tau: float, order: int, work: Work) -> None:
-    """Fill the power series of push and track velocity at phase `tau`, for a drive in steps.
-
-    The push p is constant up to the next jump, and the track has the velocity v - p D along itself,
-    D the phase since `tau`. Coefficients of powers 0 to `order`, in g and g/w (w = 2 pi f), go into
-    rows `free` (along, across, normal) and `track` of the table `work`, which holds the levels of
-    the steps.
-    """
+    """Fill the power series of push and track velocity at phase `tau`, for a drive in steps."""
     step = step_at(tau, work)
     for axis in range(3):
         work[ROW.free + axis, 0] = work[ROW.levels + axis, step]
@@ -231,10 +260,7 @@ def fill_step(tau: float, order: int, work: Work) -> None:
 
 @borrowing
 def next_jump(tau: float, work: Work) -> float:
-    """Return the phase of the next jump of the push, 2 pi (the end of the period) without any.
-
-    `tau` is the phase now.
-    """
+    """Return the phase of the next jump of the push, 2 pi (the end of the period) without any."""
     if work[ROW.wave, STEPS] == 0.0:
         return TURN
     return work[ROW.levels + 3, step_at(tau, work)]
@@ -254,11 +280,7 @@ def jumps(work: Work) -> bool:
 
 @borrowing
 def to_lift_off(work: Work, tau: float) -> float:
-    """Return the phase in rad from `tau` until a part on the floor lifts off; infinite if never.
-
-    The least (tau_k - tau) mod 2 pi of the phases tau_k in row `lifts` of `work`. Lift-offs at
-    jumps of the push are not among them: the forces after a jump decide.
-    """
+    """Return the phase in rad from `tau` until a part on the floor lifts off; infinite if never."""
     least = math.inf
     for number in range(int(work[ROW.lifts, 0])):
         ahead = work[ROW.lifts, number + 1] - tau

@@ -1,9 +1,7 @@
-"""A wave as the drive of a row: its part of `drive` (theory 17.3).
+"""A wave as the drive of a row (theory 17.3).
 
-Every acceleration that a row knows is a P(tau) + b S(tau) - k with the same two sums of sines, or
-levels of steps: the pushes P along and S normal to the floor. A body in the air has the shares
-(1, 0), one that slides by its mode (1, mode mu), one at rest none; gaps have the differences. Each
-is a kind of acceleration of the plane's `wave`, whose isolation and closed flows are used here.
+Every acceleration is a P(tau) + b S(tau) - k with the pushes P along and S normal to the floor: a
+body in the air has the shares (1, 0), one that slides (1, mode mu), one at rest none.
 """
 
 from __future__ import annotations
@@ -15,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vibrafeed.core.compiled import borrowing, compiled
-from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.inputs import Floats
 from vibrafeed.core.motion.kernels.planar.flow import (
     AIR,
     BACKWARD,
@@ -46,11 +44,15 @@ from vibrafeed.core.motion.kernels.planar.wave import (
     step_at,
     zero_of_velocity,
 )
-from vibrafeed.core.motion.kernels.planar.wave_flight import landing, landing_root, track_speed
-from vibrafeed.core.motion.kernels.planar.wave_slip import stop_after
-from vibrafeed.core.motion.kernels.rows.roots import RESOLVED, ROUNDING, SAME
-from vibrafeed.core.motion.kernels.rows.tables import AT, Row, columns_of
-from vibrafeed.core.motion.kernels.waves import value_and_slope
+from vibrafeed.core.motion.kernels.planar.wave_motion import (
+    landing,
+    landing_root,
+    stop_after,
+    track_speed,
+)
+from vibrafeed.core.motion.kernels.rows.row_sine import RESOLVED, ROUNDING, SAME
+from vibrafeed.core.motion.kernels.rows.row_state import AT, Row, columns_of
+from vibrafeed.core.motion.kernels.sine_sums import value_and_slope
 
 SLOPE = math.inf
 """A pull that stands for none: the derivative of the push is asked for."""
@@ -59,11 +61,9 @@ SLOPE = math.inf
 class RowWave(NamedTuple):
     """A wave that drives a row.
 
-    `c` and `s` are bounds of the push along and off the floor in g, `gs` and `gn` gravity along and
-    onto it, `ends` the phases at which steps end; `levels` are 0, as in `Drive`. `base` holds the
-    pushes; `tables[j]` is room for the kinds of acceleration of body j (in front of it, `NORMAL`;
-    sliding; starting to slide), each made of the shares and the pull in `keys[j]`. `share[j]` is
-    the factor of the normal push in its acceleration.
+    `c` and `s` are bounds of the push, `levels` are 0, as in `Drive`. `base` holds the pushes;
+    `tables[j]` is room for the kinds of acceleration of body j, each made of the shares and the
+    pull in `keys[j]`. `share[j]` is the factor of the normal push in its acceleration.
     """
 
     c: float
@@ -84,13 +84,7 @@ Swung = namedtuple("Swung", "swing sway normal_swing normal_sway")
 
 @compiled
 def waved_of(cell: Floats) -> RowWave:
-    """Return the drive of a row as a wave: sums of sines or steps along and normal to the floor.
-
-    `cell` is one row of the kernel's table: columns of `Head`, then the parts, then the
-    coefficients of the wave. The phases at which parts lift off and are pressed again are found at
-    once; the tables of accelerations of the single bodies are left empty, and filled as the row
-    moves.
-    """
+    """Return the drive of a row as a wave: sums of sines or steps along and normal to the floor."""
     columns, bodies = columns_of(cell), int(cell[AT.parts]) + 1
     orders, steps = columns.orders, columns.steps
     table, largest, ends = np.zeros(TABLE), np.zeros(2), np.array([2.0 * np.pi])
@@ -125,11 +119,6 @@ def waved_of(cell: Floats) -> RowWave:
 
 @borrowing
 def _fill_pushes(table: Floats, part: int, column: int, along: float, normal: float) -> None:
-    """Fill one column of both pushes: for the kinds with gravity, and for those of slip without.
-
-    `part` is 0 for sines and steps, 1 for cosines; `column` is the order or the step; `along` and
-    `normal` are its coefficients in g.
-    """
     table[2 * AIR + part, column] = table[2 * FORWARD + part, column] = along
     table[2 * NORMAL + part, column] = table[2 * BACKWARD + part, column] = normal
 
@@ -140,10 +129,8 @@ def of_kind(
 ) -> WaveDrive:
     """Return the wave with the acceleration a P(tau) + b S(tau) - k, its sign changes filled.
 
-    So that a contact of a row is solved as one part is. P and S are the pushes along and off the
-    floor of `drive`, a = `along`, b = `normal`, k = `pull` in g. It goes into row set `kind` of the
-    table of `body`, the index of a table; if that holds the same already, nothing is computed. With
-    the pull `SLOPE` it is the derivative of the sums.
+    It goes into row set `kind` of the table of `body`; if that holds the same already, nothing is
+    computed. With the pull `SLOPE` it is the derivative of the sums.
     """
     base = drive.base
     wave = WaveDrive(
@@ -180,10 +167,7 @@ def of_kind(
 
 @borrowing
 def pushes(drive: RowWave, pull: float, tau: float) -> tuple[float, float]:
-    """Return the push along the track, P - k, and the load on the floor, n - S, at least 0, in g.
-
-    At the phase `tau`; k = `pull` is gravity along the track.
-    """
+    """Return the push along, P - `pull`, and the load on the floor, n - S, at least 0, in g."""
     push = acceleration(drive.base, FORWARD, tau) - pull
     return push, max(0.0, -acceleration(drive.base, NORMAL, tau))
 
@@ -196,11 +180,8 @@ def lift_off(drive: RowWave, tau: float) -> float:
 
 @borrowing
 def _until_rise(wave: WaveDrive, kind: int, tau: float) -> float:
-    """Return the phase in rad until an acceleration rises through 0; inf if it never does.
-
-    `kind` is its place in the wave's table. What rounding put a hair before tau is at tau: of two
-    neighbours whose frictions differ by a last bit the second would else start a turn later.
-    """
+    # A rise a hair before tau is at tau: of two neighbours whose frictions differ by a last bit the
+    # second would else start a turn later.
     turned = tau + TURN
     return max(0.0, next_of_way(wave, kind, turned - SAME, True) - turned)
 
@@ -213,10 +194,7 @@ def is_lifted(drive: RowWave, tau: float) -> bool:
 
 @borrowing
 def flight(drive: RowWave, tau: float) -> tuple[float, float]:
-    """Return duration in rad and landing speed in g/w of a flight from rest at phase `tau`.
-
-    `drive` is the wave of a row of parts, w = 2 pi f. Infinite and 0 if no landing is found.
-    """
+    """Return duration in rad and landing speed in g/w of a flight from rest at phase `tau`."""
     span = landing(drive.base, 0.0, tau)
     if span < 0.0:
         return math.inf, 0.0
@@ -233,10 +211,7 @@ def backward_speed(drive: RowWave) -> float:
 def first_rise(
     drive: RowWave, body: int, way: int, along: float, normal: float, level: float, tau: float
 ) -> float:
-    """Return the phase in rad from `tau` until a P + b S rises above `level`; inf if it never does.
-
-    a = `along`, b = `normal`; `body` and `way` choose the table in which the wave is kept.
-    """
+    """Return the phase in rad until `along` P + `normal` S rises above `level`; inf if never."""
     kind = STATIC_FORWARD if way > 0 else STATIC_BACKWARD
     wave = of_kind(drive, body, kind, along, normal, level)
     return _until_rise(wave, kind, tau)
@@ -249,10 +224,7 @@ def first_rise(
 def set_flow(
     row: Row, drive: RowWave, body: int, moves: bool, friction: float, drag: float
 ) -> None:
-    """Set factors and pull of a body's acceleration a P + b S - k: 0 unless it `moves`.
-
-    a = 1 and b = `friction` (mode times mu, 0 in the air), k = `drag` in g; `body` is its index.
-    """
+    """Set factors and pull of a body's acceleration a P + b S - k: 0 unless it `moves`."""
     row.gain[body], row.drag[body] = 1.0 if moves else 0.0, drag
     drive.share[body] = friction if moves else 0.0
 
@@ -265,13 +237,7 @@ def at_phase(drive: RowWave, tau: float) -> float:
 
 @borrowing
 def stop_until(row: Row, drive: RowWave, part: int, now: float, span: float) -> float:
-    """Return the phase in rad until a sliding part's velocity is 0; inf if not within `span`.
-
-    `part` is the index of the part in the row, `now` the phase in rad, `span` the phase searched;
-    the acceleration is a P + b S - k with the pushes P, S of the drive along and off the floor.
-    Until it changes its sign, a part that it speeds up does not stop, and one without velocity that
-    it slows down stops at once (theory 17.3).
-    """
+    """Return the phase in rad until a sliding part's velocity is 0; inf if not within `span`."""
     v, way, k = row.speed[part], row.mode[part], row.drag[part]
     a, b = row.gain[part], drive.share[part]
     most = (abs(a) * drive.c + abs(b) * drive.s + way * k) * span
@@ -293,13 +259,9 @@ def stop_until(row: Row, drive: RowWave, part: int, now: float, span: float) -> 
 
 @borrowing
 def contact_until(row: Row, drive: RowWave, contact: int, now: float, span: float) -> float:
-    """Return the phase in rad until a gap in a row closes: 0 if it does now, inf if not in `span`.
+    """Return the phase in rad until a gap in a row closes; inf if not within `span`.
 
-    `contact` is the index of the gap, between part `contact` and its neighbour in front, `now` the
-    phase and `span` the phase searched, in rad. The relative acceleration is a P + b S - k with the
-    pushes P, S of the drive along and off the floor. Between two phases at which it changes sign
-    the relative velocity is monotonic, and between those and the zeros of this velocity the gap is,
-    so that no contact is missed (theory 17.3).
+    As under a sine, between two phases at which a P + b S - k changes sign (theory 17.3).
     """
     one, other = contact, contact + 1
     a, b = row.gain[other] - row.gain[one], drive.share[other] - drive.share[one]
@@ -333,10 +295,6 @@ def contact_until(row: Row, drive: RowWave, contact: int, now: float, span: floa
 
 @borrowing
 def _closed(wave: WaveDrive, g: float, v: float, tau: float, low: float, high: float) -> float:
-    """Return the phase at which a gap closes between the phases `low` and `high`.
-
-    It is `g` with rate `v` at the phase `tau`, and monotonic from `low` to `high`.
-    """
     if low == 0.0 and g <= 0.0:
         return 0.0
     return landing_root(wave, g, v, tau, low, high)
@@ -344,12 +302,7 @@ def _closed(wave: WaveDrive, g: float, v: float, tau: float, low: float, high: f
 
 @borrowing
 def relative_push(row: Row, drive: RowWave, contact: int, tau: float) -> float:
-    """Return the drive's part in the relative acceleration of two neighbours in a row, in g.
-
-    a P + b S at the phase `tau`, with the pushes P along and S off the floor, in g, and the shares
-    a (`row.gain`) and b (`drive.share`) of the part in front less those of the part with the index
-    `contact`. The zeros of a gap are searched with it (theory 17.3).
-    """
+    """Return the drive's part in the relative acceleration of two neighbours in a row, in g."""
     a = row.gain[contact + 1] - row.gain[contact]
     b = drive.share[contact + 1] - drive.share[contact]
     along, normal = acceleration(drive.base, FORWARD, tau), acceleration(drive.base, BACKWARD, tau)
@@ -358,10 +311,7 @@ def relative_push(row: Row, drive: RowWave, contact: int, tau: float) -> float:
 
 @borrowing
 def swung(drive: RowWave, tau: float, span: float) -> Swung:
-    """Return velocities and distances that both pushes add over `span` rad from phase `tau`.
-
-    As `Swung`, handed on to `carried`.
-    """
+    """Return velocities and distances that both pushes add over `span` rad from phase `tau`."""
     swing, sway = flow(drive.base, FORWARD, 0.0, tau, span)
     normal_swing, normal_sway = flow(drive.base, BACKWARD, 0.0, tau, span)
     return Swung(swing, sway, normal_swing, normal_sway)
@@ -369,12 +319,7 @@ def swung(drive: RowWave, tau: float, span: float) -> Swung:
 
 @borrowing
 def carried(row: Row, drive: RowWave, body: int, by: Swung, span: float) -> tuple[float, float]:
-    """Return the change of velocity and of position of a body over a phase, in g/w and g/w^2.
-
-    Here w = 2 pi f. `body` is the index of a part of the row or of the stop, whose acceleration is
-    a P + b S - k with the pushes P, S of the drive along and off the floor; `by` holds what both
-    add to velocity and distance over the phase `span` in rad, by `swung`.
-    """
+    """Return the change of velocity and of position of a body over a phase, in g/w and g/w^2."""
     a, b, k = row.gain[body], drive.share[body], row.drag[body]
     return (
         a * by.swing + b * by.normal_swing - k * span,
@@ -384,35 +329,22 @@ def carried(row: Row, drive: RowWave, body: int, by: Swung, span: float) -> tupl
 
 @borrowing
 def swept(drive: RowWave, tau: float, span: float) -> tuple[float, float]:
-    """Return the integrals of the distances that both pushes add over `span` from phase `tau`.
-
-    Handed on to `gap_swept`.
-    """
+    """Return the integrals of the distances that both pushes add over `span` from phase `tau`."""
     return _swept(drive.base, FORWARD, tau, span), _swept(drive.base, BACKWARD, tau, span)
 
 
 @borrowing
 def _swept(base: WaveDrive, kind: int, tau: float, d: float) -> float:
-    """Return the integral over a phase D of the distance that a push adds, in g/w^2 times rad.
-
-    Here w = 2 pi f. It is P3(tau + D) - P3(tau) less its terms P2 D and P1 D^2/2, where P1, P2, P3
-    are the first to third integral of the push of `kind` in `base` at `tau`, D = `d` in rad.
-    """
     if base.steps > 0:
         return acceleration(base, kind, tau + 0.5 * d) * d * d * d / 6.0
     _, _, first, second = integrals(base, kind, tau)
+    # P3(tau + D) - P3(tau) - P2 D - P1 D^2/2 with the first to third integral of the push.
     third, third_after = _third(base, kind, tau), _third(base, kind, tau + d)
     return third_after - third - d * (second + first * d / 2.0)
 
 
 @borrowing
 def _third(base: WaveDrive, kind: int, tau: float) -> float:
-    """Return the third integral of a push at phase `tau`, for integrals of the gaps of a row.
-
-    A push is a sum of a sin(k tau) + b cos(k tau); its third integral is the sum of (a cos(k tau) -
-    b sin(k tau))/k^3. `kind` is its place in the wave's table (`base`), a and b are its
-    coefficients of order k, in g.
-    """
     total = 0.0
     for k in range(1, base.orders + 1):
         a, b = base.table[2 * kind, k], base.table[2 * kind + 1, k]
@@ -422,10 +354,7 @@ def _third(base: WaveDrive, kind: int, tau: float) -> float:
 
 @borrowing
 def gap_swept(row: Row, drive: RowWave, contact: int, by: tuple[float, float]) -> float:
-    """Return the share of the drive in the integral of a gap over a phase.
-
-    `contact` is the index of the gap, `by` the result of `swept`.
-    """
+    """Return the share of the drive in the integral of a gap over a phase."""
     a = row.gain[contact + 1] - row.gain[contact]
     b = drive.share[contact + 1] - drive.share[contact]
     return a * by[0] + b * by[1]
@@ -444,13 +373,7 @@ def sizes(drive: RowWave) -> tuple[float, float]:
 def above(
     drive: RowWave, body: int, along: float, normal: float, drag: float, tau: float, span: float
 ) -> float:
-    """Return the integral of the positive part of a force, max(0, a P + b S - k), over a phase.
-
-    The least impulse of a row on its stop is such an integral. From phase `tau` over `span` rad, a
-    turn at most; P and S are the pushes of a wave along and off the floor in g, a = `along`, b =
-    `normal` and k = `drag` include masses; `body` chooses the table of the `drive` in which the
-    wave is kept.
-    """
+    """Return the integral of the positive part of a force, max(0, a P + b S - k), over a phase."""
     wave = of_kind(drive, body, AIR, along, normal, drag)
     total, at = 0.0, 0.0
     while at < span:
@@ -465,13 +388,7 @@ def above(
 def highest(
     drive: RowWave, body: int, along: float, normal: float, drag: float, tau: float, span: float
 ) -> float:
-    """Return the largest value of a force a P + b S - k over a phase, as that of a row on its stop.
-
-    P and S are the pushes of a wave along and off the floor in g, a = `along`, b = `normal` and k =
-    `drag` include masses. From phase `tau` over `span` rad; the largest value is at one of the
-    ends, or at an extreme, where the derivative changes sign. `body` chooses the table of the
-    `drive` in which the wave of the derivative is kept.
-    """
+    """Return the largest value of `along` P + `normal` S - `drag` over a phase."""
     if drive.base.steps > 0:
         step = step_at(drive.base, tau + 0.5 * span)
         levels = drive.base.table

@@ -1,13 +1,30 @@
-"""A cell as kernels read it: the first columns of a row; the wave, if there is one, comes after."""
+"""Input of kernels: types of arrays, a flag that stops them, a cell as a named tuple."""
 
 from __future__ import annotations
 
 from collections import namedtuple
 
+import numpy as np
 from numba.np.unsafe.ndarray import to_fixed_tuple
+from numpy.typing import NDArray
 
 from vibrafeed.core.compiled import compiled
-from vibrafeed.core.motion.kernels.arrays import Floats
+
+Floats = NDArray[np.float64]
+Statuses = NDArray[np.int8]
+Flags = NDArray[np.int64]
+Stop = NDArray[np.int8]
+"""One flag, which another thread raises where a cell is not to be gone on with."""
+NEVER: Stop = np.zeros(1, dtype=np.int8)
+"""A stop flag that nobody raises, for callers from Python."""
+
+
+@compiled
+def copy(source: Floats, target: Floats) -> None:
+    """Copy a 1-d array of floats into another of the same length: `target[:] = source`."""
+    for place in range(target.size):
+        target[place] = source[place]
+
 
 Cell = namedtuple(
     "Cell",

@@ -1,19 +1,15 @@
-"""Sums of sines in compiled code: their values, and where they pass through a level.
-
-A sum is S(tau) = sum of a_k sin(k tau) + b_k cos(k tau), k = 1 to `orders` (theory 13.14). It
-stands in two rows of a table, the coefficients a_k in `sines` and b_k in `cosines`, from column 1
-on.
-"""
+"""Sums of sines: their values, and where they pass through a level (theory 13.14)."""
 
 from __future__ import annotations
 
 import math
+from collections import namedtuple
 from typing import NamedTuple
 
 import numpy as np
 
 from vibrafeed.core.compiled import borrowing
-from vibrafeed.core.motion.kernels.arrays import Floats
+from vibrafeed.core.motion.kernels.inputs import Floats
 
 TURN = 2.0 * math.pi
 FINEST = 1e-11
@@ -29,30 +25,18 @@ MAX_ITERATIONS = 80
 """Most steps of Halley's iteration in a bracket: halving alone ends after 53."""
 
 
-class WaveColumns(NamedTuple):
-    """Columns of a wave's numbers in a row: `vibrafeed.core.motion.waves.Wave.columns` writes them.
+WaveColumns = namedtuple("WaveColumns", "orders steps along normal levels normal_levels ends")
+"""Columns of a wave's numbers in a row: `vibrafeed.core.motion.waves.Wave.columns` writes them.
 
-    `along` and `normal` are the first columns of the sines of each order, of which the cosines
-    follow; `levels` and `normal_levels` those of the steps, and `ends` that of the phases at which
-    they end. What is across the track stands between. Both counts are 0 of a row without a wave.
-    """
-
-    orders: int
-    steps: int
-    along: int
-    normal: int
-    levels: int
-    normal_levels: int
-    ends: int
+`along` and `normal` are the first columns of the sines of each order, of which the cosines
+follow; `levels` and `normal_levels` those of the steps, and `ends` that of the phases at which
+they end. What is across the track stands between. Both counts are 0 of a row without a wave.
+"""
 
 
 @borrowing
 def wave_columns(row: Floats, start: int) -> WaveColumns:
-    """Return the columns of the coefficients of a wave in a kernel's row of numbers.
-
-    The wave begins at column `start` with the numbers of its orders and steps; both are 0 if the
-    row ends before.
-    """
+    """Return the columns of the coefficients of a wave in a kernel's row of numbers."""
     orders, steps = 0, 0
     if row.size > start:
         orders, steps = int(row[start]), int(row[start + 1])
@@ -65,8 +49,7 @@ def wave_columns(row: Floats, start: int) -> WaveColumns:
 class SineSum(NamedTuple):
     """A sum of sines S(tau) = sum of a_k sin(k tau) + b_k cos(k tau), k = 1 to `orders`.
 
-    The coefficients stand in two rows of `table`: a_k in row `sines`, b_k in row `cosines`, column
-    k.
+    a_k stand in row `sines` of `table`, b_k in row `cosines`, column k.
     """
 
     table: Floats
@@ -77,11 +60,7 @@ class SineSum(NamedTuple):
 
 @borrowing
 def value_and_slope(wave: SineSum, tau: float) -> tuple[float, float]:
-    """Return the value S and the derivative dS/dtau of a sum of sines at the phase `tau` in rad.
-
-    S = sum of a_k sin(k tau) + b_k cos(k tau), dS/dtau = sum of k (a_k cos(k tau) - b_k sin(k
-    tau)). sin(k tau) and cos(k tau) come from those of (k - 1) tau by the addition theorem.
-    """
+    """Return the value S and the derivative dS/dtau of a sum of sines at the phase `tau` in rad."""
     table, sines, cosines = wave.table, wave.sines, wave.cosines
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
     sine, cosine, value, slope = sine_1, cosine_1, 0.0, 0.0
@@ -97,7 +76,7 @@ def value_and_slope(wave: SineSum, tau: float) -> tuple[float, float]:
 def bend_bound(wave: SineSum) -> float:
     """Return an upper bound of |S''| of a sum S of sines, for a search that misses no zero.
 
-    S = sum of a_k sin(k tau) + b_k cos(k tau); the bound is the sum of k^2 sqrt(a_k^2 + b_k^2).
+    The sum of k^2 sqrt(a_k^2 + b_k^2).
     """
     table, sines, cosines = wave.table, wave.sines, wave.cosines
     total = 0.0
@@ -108,11 +87,7 @@ def bend_bound(wave: SineSum) -> float:
 
 @borrowing
 def at_point(wave: SineSum, point: int) -> tuple[float, float]:
-    """Return value and derivative of a sum of sines at one of 128 phases, 2 pi `point`/128.
-
-    From a table of sines, without calls of sine and cosine; the derivative is by the phase. The
-    first search for zeros looks at these phases.
-    """
+    """Return value and derivative of a sum of sines at one of 128 phases, 2 pi `point`/128."""
     table, sines, cosines = wave.table, wave.sines, wave.cosines
     value, slope = 0.0, 0.0
     for k in range(1, wave.orders + 1):
@@ -128,12 +103,10 @@ def at_point(wave: SineSum, point: int) -> tuple[float, float]:
 def passages(wave: SineSum, level: float, row: int, capacity: int) -> int:
     """Write the phases at which a sum S of sines passes `level` into a row; return their number.
 
-    So the phases are found at which an acceleration changes sign. They stand from column 1 of row
-    `row` of the sum's own table on, ascending in [0, 2 pi); those beyond `capacity` are left out
-    (there are 2 `orders` at most). On each of some equal pieces, with half width h and the bound M
-    of |S''|: if |S - level| > |S'| h + M h^2/2 at the middle, there is none; if |S'| > M h, S is
-    monotonic and the signs at both ends decide; otherwise the piece is halved. Only a pair nearer
-    together than `FINEST` can be missed (theory 13.14).
+    On each of some equal pieces, with half width h and the bound M of |S''|: if |S - level| > |S'|
+    h + M h^2/2 at the middle, there is none; if |S'| > M h, S is monotonic and the signs at both
+    ends decide; otherwise the piece is halved. Only a pair nearer together than `FINEST` can be
+    missed (theory 13.14).
     """
     table, orders = wave.table, wave.orders
     if orders == 1:
@@ -163,12 +136,7 @@ def passages(wave: SineSum, level: float, row: int, capacity: int) -> int:
 
 @borrowing
 def two_passages(sine: float, cosine: float, level: float, table: Floats, row: int) -> int:
-    """Write the two phases at which a single sine passes `level`; return 2, or 0 without any.
-
-    a sin(tau) + b cos(tau) = A sin(tau + lead) = level, a = `sine`, b = `cosine`, A = sqrt(a^2 +
-    b^2), lead = atan2(b, a): at asin(level/A) - lead and pi - asin(level/A) - lead, in [0, 2 pi),
-    ascending in columns 1 and 2 of row `row` of `table`.
-    """
+    """Write the two phases at which a single sine passes `level`; return 2, or 0 without any."""
     size = math.sqrt(sine * sine + cosine * cosine)
     if not abs(level) < size:
         return 0
@@ -180,10 +148,7 @@ def two_passages(sine: float, cosine: float, level: float, table: Floats, row: i
 
 @borrowing
 def passes(first: float, last: float) -> bool:
-    """True if a sign changes between two values, a <= 0 < b or a >= 0 > b.
-
-    What is 0 belongs to what comes after it.
-    """
+    """True if a sign changes between two values, a <= 0 < b or a >= 0 > b."""
     return first <= 0.0 < last or first >= 0.0 > last
 
 
@@ -192,13 +157,7 @@ def in_piece(
     wave: SineSum, level: float, low: float, high: float, bend: float, first: float, row: int,
     count: int, capacity: int,
 ) -> tuple[int, float]:  # fmt: skip
-    """Write the phases in [low, high] at which a sum of sines S passes a level, by halving.
-
-    `bend` bounds |S''|, `first` is S - `level` at `low`, `count` the number of phases written so
-    far into row `row` of the sum's table, `capacity` their largest number. Return the new number,
-    and S - level at `high`. A step is halved where S may turn inside, and doubled after each piece:
-    so only a pair nearer together than `FINEST` is missed.
-    """
+    """Write the phases in [low, high] at which a sum of sines S passes a level, by halving."""
     tau, step = low, 0.5 * (high - low)
     while tau < high:
         step = min(step, high - tau)
@@ -224,12 +183,7 @@ def in_piece(
 def passage(
     wave: SineSum, level: float, low: float, high: float, first: float, last: float
 ) -> float:
-    """Return the phase in [low, high] at which a sum S of sines, monotonic there, passes `level`.
-
-    `first` and `last` are S - level at `low` and `high`, of opposite signs. With S = sum of a_k
-    sin(k tau) + b_k cos(k tau): Halley's iteration in this bracket, with S' and S'' = -sum of k^2
-    (a_k sin(k tau) + b_k cos(k tau)); halving where it leaves it.
-    """
+    """Return the phase in [low, high] at which a sum of sines, monotonic there, passes `level`."""
     table, sines, cosines = wave.table, wave.sines, wave.cosines
     piece, at = high - low, low + (high - low) * first / (first - last)
     for _ in range(MAX_ITERATIONS):
@@ -259,11 +213,7 @@ def passage(
 
 @borrowing
 def halley(value: float, slope: float, bend: float) -> float:
-    """Return Halley's step to a root, f f'/(f'^2 - f f''/2), to subtract from the argument.
-
-    `value`, `slope` and `bend` are f, f' and f''. Infinite if the denominator is not positive: the
-    local parabola then has no root near.
-    """
+    """Return Halley's step to a root, f f'/(f'^2 - f f''/2), to subtract from the argument."""
     below = slope * slope - 0.5 * value * bend
     return value * slope / below if below > 0.0 else math.inf
 
@@ -272,9 +222,7 @@ def halley(value: float, slope: float, bend: float) -> float:
 def is_near_root(value: float, slope: float, bend: float, nearness: float) -> bool:
     """True if Halley's step from here ends at a root of f: |f f''| <= nearness f'^2.
 
-    `value`, `slope` and `bend` are f, f' and f''; `nearness` is a relative bound. A short step is
-    not enough: where f' vanishes, the step is some 2 f'/f'', short however far the root is. f'^2/(2
-    |f''|) is the distance of the local parabola's vertex from 0, by which a small value is
-    measured; the step's own error is some (f f''/f'^2)^2/4 of it.
+    A short step is not enough: where f' vanishes, it is some 2 f'/f'', short however far the root
+    is.
     """
     return abs(value * bend) <= nearness * slope * slope

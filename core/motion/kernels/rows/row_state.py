@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import namedtuple
 from typing import NamedTuple
 
@@ -9,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.compiled import borrowing, compiled
-from vibrafeed.core.motion.kernels.arrays import Floats
-from vibrafeed.core.motion.kernels.waves import WaveColumns, wave_columns
+from vibrafeed.core.motion.kernels.inputs import Floats
+from vibrafeed.core.motion.kernels.sine_sums import WaveColumns, wave_columns
 
 Whole = NDArray[np.int64]
 
@@ -23,8 +24,7 @@ Head = namedtuple(
 
 Own = namedtuple("Own", "static kinetic mass gap")
 """Numbers of each part behind those columns: frictions, mass and the gap in front of it, each with
-room for as many parts as the longest row of a study has. The columns of the wave, if there is one,
-stand at the end (`vibrafeed.core.motion.kernels.waves.WaveColumns`)."""
+room for the longest row of a study. A wave stands at the end (`sine_sums.WaveColumns`)."""
 
 AT, OWN = Head(*range(len(Head._fields))), Own(*range(len(Own._fields)))
 HEAD = len(AT)
@@ -45,20 +45,21 @@ ROW_COLUMNS = len(RowColumns._fields)
 
 Tally = namedtuple("Tally", "closed air hits lost pressed struck peak held moving")
 """Of a period: phase times closed contacts, phase in the air, collisions, the energy they took; of
-the stop the integral of the force, the impulse of strokes, the largest force, the phase in touch;
-the phase in which parts slide on the track or are in the air.
-"""
+the stop impulse without and with strokes, largest force, phase in touch; phase in motion."""
 
 TALLY = Tally(*range(len(Tally._fields)))
 TALLIES = len(TALLY)
+
+Air = namedtuple("Air", "landing impulse")
+"""The phase until all parts land, inf on the floor, and the impulse per mass with which they do."""
+
+ON_FLOOR = Air(math.inf, 0.0)  # the flight of parts that are on the floor
 
 
 class Drive(NamedTuple):
     """Push and load per weight: c sin(tau) + level - gs along, gn - s sin(tau) onto the floor.
 
-    `c` and `s` are the amplitudes along and normal, `gs` and `gn` gravity along and onto the floor,
-    in g. `ends` are the phases at which the steps of the drive end, `levels` what each adds to the
-    push.
+    `ends` are the phases at which the steps of the drive end, `levels` what each adds to the push.
     """
 
     c: float
@@ -75,8 +76,7 @@ class Row(NamedTuple):
     `closed[i]` is 1 where part i touches the one in front of it and both have the same velocity: a
     flag, because rounding would decide a test of gap and velocities. `gap` is in g/w^2, `speed` in
     g/w, relative to the track. `gain` and `drag` are C and k of u' = C sin(tau) - k. `mode` is 1
-    for parts that slide forward, -1 backward, 0 at rest. A stop is a last part of infinite mass:
-    the last of `gap`, `speed`, `gain`, `drag`, `closed`.
+    for parts that slide forward, -1 backward, 0 at rest. A stop is a last part of infinite mass.
     """
 
     mass: Floats
@@ -116,10 +116,7 @@ def columns_of(cell: Floats) -> WaveColumns:
 
 @compiled
 def drive_of(cell: Floats) -> Drive:
-    """Return the drive of a cell with a row of parts; a sine has one step of level 0.
-
-    `cell` has the columns of `Head`, then the parts and the wave.
-    """
+    """Return the drive of a cell with a row of parts; a sine has one step of level 0."""
     columns = columns_of(cell)
     ends, levels = np.array([2 * np.pi]), np.zeros(1)
     if columns.steps > 0:
@@ -133,12 +130,7 @@ def drive_of(cell: Floats) -> Drive:
 
 @compiled
 def row_at(cell: Floats, backward: float) -> Row:
-    """Return the parts of a row at rest on the track, as the state from which they are followed.
-
-    `cell` has the columns of `Head`, then the parts; `backward` is the velocity in g/w (w = 2 pi
-    f), relative to the track at phase 0, of a body at rest in space, such as a stop beside the
-    track. Parts without a gap touch.
-    """
+    """Return the parts of a row at rest on the track, as the state from which they are followed."""
     stop, parts = int(cell[AT.stop]), int(cell[AT.parts])
     static, kinetic = own_numbers(cell, OWN.static, parts), own_numbers(cell, OWN.kinetic, parts)
     mass = own_numbers(cell, OWN.mass, parts)
@@ -165,8 +157,7 @@ def row_at(cell: Floats, backward: float) -> Row:
 def backward_speed(drive: Drive) -> float:
     """Return the velocity relative to the track, at phase 0, of a body at rest in space.
 
-    In g/(2 pi f), from the track's acceleration in `drive`: it is w with w' = c sin(tau) + level of
-    the step, and without mean over a period.
+    In g/w: w with w' = c sin(tau) + level of the step, and without mean over a period.
     """
     start, since, mean = 0.0, 0.0, 0.0
     for step in range(drive.ends.size):

@@ -1,13 +1,12 @@
-"""The series of a contact that slips in two directions (theory 13.13).
+"""Power series of a step: values, first roots, and those of a slip in two directions.
 
-The contact is the floor's, whose slip is (u_x, u_y + spin), or the wall's, with (u_x, u_z). With
-the direction e of the slip, its load L and q = mu_k,
+The slip of the floor is (u_x, u_y + spin), that of the wall (u_x, u_z). With its direction e, load
+L and q = mu_k,
 
     slip' = D - q L (e_1, r e_2),        e = slip/|slip|,
 
-where D is the acceleration without friction and r the response of the contact to friction across,
-1 for a block and 1 + m r^2/I for a cylinder. A curve adds -kappa V^2 to the acceleration across,
-and as much to the load of the wall, with V = u_x + the track's own velocity.
+D the acceleration without friction, r the response across: 1 for a block and 1 + m r^2/I for a
+cylinder (theory 13.13). Each series is a row of a table: a view would cost more than its values.
 """
 
 from __future__ import annotations
@@ -16,7 +15,146 @@ import math
 from typing import NamedTuple
 
 from vibrafeed.core.compiled import borrowing
-from vibrafeed.core.motion.kernels.track.tables import INVERSE, ROW, Work
+from vibrafeed.core.motion.kernels.inputs import Floats
+from vibrafeed.core.motion.kernels.track.push import INVERSE, ROW, Work
+
+MAX_PASSES = 200
+"""Most passes of a search: halving alone ends after 53, and a step that gains less is at a root up
+to rounding."""
+NEVER = -1.0  # in the place of a root: there is none
+SHARP = 1e-15
+"""Share of the span to which a root is known."""
+
+
+@borrowing
+def value(table: Floats, row: int, order: int, t: float) -> float:
+    """Return the value of a polynomial at `t` by Horner's scheme, a_0 + t (a_1 + t (a_2 + ...))."""
+    total = table[row, order]
+    for k in range(order - 1, -1, -1):
+        total = total * t + table[row, k]
+    return total
+
+
+@borrowing
+def first_fall(table: Floats, row: int, order: int, span: float, scratch: int) -> float:
+    """Return the first t in [0, span] at which a polynomial falls through 0; `NEVER` (-1) if none.
+
+    The negative terms alone bound the polynomial P from below: up to where P(0) + `negative_part`
+    is 0, P has no root. P is shifted there (`safe_step`); near a root that P crosses, Newton's
+    iteration finds it (`near_fall`). Row `scratch` is overwritten.
+    """
+    low = 0
+    while low < order and table[row, low] == 0.0:
+        low += 1
+    if table[row, low] < 0.0:
+        return 0.0
+    if table[row, low] + negative_part(table, row, low, order, span) > 0.0:
+        return NEVER
+    degree = order - low
+    for k in range(degree + 1):
+        table[scratch, k] = table[row, k + low]
+    at = 0.0
+    for _ in range(MAX_PASSES):
+        near = near_fall(table, scratch, degree, span - at)
+        if near >= 0.0:
+            return at + near
+        step = safe_step(table, scratch, degree, span - at)
+        at += step
+        if at >= span:
+            return NEVER
+        if step <= SHARP * span:
+            return at
+        for i in range(degree):
+            for k in range(degree - 1, i - 1, -1):
+                table[scratch, k] += step * table[scratch, k + 1]
+        if table[scratch, 0] <= 0.0:
+            return at
+    return at
+
+
+@borrowing
+def near_fall(table: Floats, row: int, degree: int, span: float) -> float:
+    """Return the first root of a polynomial that falls all the way to it; -1 if it may not.
+
+    It falls all the way if a_1 + sum of k max(a_k, 0) t^(k-1) < 0 up to twice the root of the
+    tangent. Newton's iteration within a bracket.
+    """
+    if degree < 1 or not table[row, 1] < 0.0:
+        return NEVER
+    high = min(span, 2.0 * table[row, 0] / -table[row, 1])
+    rising = 0.0
+    for k in range(degree, 1, -1):
+        rising = (rising + k * max(table[row, k], 0.0)) * high
+    if table[row, 1] + rising >= 0.0 or value(table, row, degree, high) > 0.0:
+        return NEVER
+    low, t = 0.0, min(high, table[row, 0] / -table[row, 1])
+    for _ in range(MAX_PASSES):
+        total, slope = table[row, degree], 0.0
+        for k in range(degree - 1, -1, -1):
+            slope = slope * t + total
+            total = total * t + table[row, k]
+        if total > 0.0:
+            low = t
+        else:
+            high = t
+        new = t - total / slope
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
+        if abs(new - t) <= SHARP * high:
+            return new
+        t = new
+    return t
+
+
+@borrowing
+def negative_part(table: Floats, row: int, low: int, order: int, t: float) -> float:
+    """Return the negative terms of a polynomial above power `low` at t >= 0, divided by t^`low`."""
+    square, even, odd, k = t * t, 0.0, 0.0, order
+    if (order - low) % 2 == 1:
+        odd, k = min(table[row, order], 0.0), order - 1
+    while k > low:
+        even = (even + min(table[row, k], 0.0)) * square
+        odd = odd * square + min(table[row, k - 1], 0.0)
+        k -= 2
+    return even + odd * t
+
+
+@borrowing
+def safe_step(table: Floats, row: int, degree: int, span: float) -> float:
+    """Return a step within which a polynomial that is positive at 0 stays positive.
+
+    The chord from 0 to any t beyond the root of the bound, which is concave, crosses zero before
+    it, at t a_0/(a_0 - bound(t)).
+    """
+    first = table[row, 0]
+    if first <= 0.0:
+        return 0.0
+    # No further than where one of the terms alone takes it to zero.
+    if degree > 0 and table[row, 1] < 0.0:
+        span = min(span, first / -table[row, 1])
+    if degree > 1 and table[row, 2] < 0.0:
+        span = min(span, math.sqrt(first / -table[row, 2]))
+    if first + negative_part(table, row, 0, degree, span) > 0.0:
+        return span
+    while first + negative_part(table, row, 0, degree, 0.5 * span) <= 0.0:
+        span *= 0.5
+        if span < 1e-300:
+            return 0.0
+    right = span
+    for _ in range(3):
+        total, slope = 0.0, 0.0
+        for k in range(degree, 0, -1):
+            term = min(table[row, k], 0.0)
+            slope = slope * right + total
+            total = total * right + term
+        slope = slope * right + total
+        total = total * right + first
+        # `total` is the bound at `right`, not above zero; `slope` is its derivative.
+        if slope < 0.0:
+            right -= total / slope
+    total = first + negative_part(table, row, 0, degree, right)
+    return right * first / (first - total) if total < 0.0 else right
+
 
 NOTHING = 1e-15
 """Share of two forces that cancel, below which what is left is rounding."""
@@ -25,18 +163,9 @@ NOTHING = 1e-15
 class Contact(NamedTuple):
     """The contact that slips.
 
-    Attributes
-    ----------
-    second
-        Axis of the slip's second component: 1 (across) at the floor, 2 (normal) at the wall.
-    pressed
-        Axis along which it is pressed on: 2 at the floor, 1 at the wall.
-    friction
-        Kinetic friction coefficient.
-    response
-        Response r of the second component to friction: 1 + m r^2/I of a cylinder, else 1.
-    curvature
-        Curvature number g/(w^2 R); it acts on axis 1.
+    `second` is the axis of the slip's second component: 1 (across) at the floor, 2 (normal) at the
+    wall; `pressed` that along which it is pressed on. `response` is that of the second component to
+    friction, 1 + m r^2/I of a cylinder, else 1; `curvature` g/(w^2 R) acts on axis 1.
     """
 
     second: int
@@ -48,10 +177,7 @@ class Contact(NamedTuple):
 
 @borrowing
 def product(work: Work, a: int, b: int, k: int) -> float:
-    """Return the coefficient of power k of the product of two power series, sum of a_i b_(k-i).
-
-    The series stand in rows `a` and `b` of the table `work`, a column a power.
-    """
+    """Return the coefficient of power k of the product of two power series, sum of a_i b_(k-i)."""
     total = 0.0
     for i in range(k + 1):
         total += work[a, i] * work[b, k - i]
@@ -60,11 +186,7 @@ def product(work: Work, a: int, b: int, k: int) -> float:
 
 @borrowing
 def square_of(work: Work, a: int, k: int) -> float:
-    """Return the coefficient of power k of the square of a power series, sum of a_i a_(k-i).
-
-    The series stands in row `a` of the table `work`, a column a power; each pair is multiplied
-    once.
-    """
+    """Return the coefficient of power k of the square of a power series, sum of a_i a_(k-i)."""
     total, half = 0.0, (k + 1) // 2
     for i in range(half):
         total += work[a, i] * work[a, k - i]
@@ -75,9 +197,8 @@ def square_of(work: Work, a: int, k: int) -> float:
 def bend(work: Work, along: float, curvature: float, k: int) -> None:
     """Add the effect of the track's curvature to one coefficient of the acceleration across.
 
-    It is coefficient `k`, of t^k, of a power series in `work`. The effect is -kappa V^2 with the
-    speed in space V = u_x + v_track; `along` is coefficient k of the part's velocity along the
-    track in g/w (w = 2 pi f), `curvature` the curvature number kappa (theory 13.1).
+    -kappa V^2 with the speed in space V = u_x + v_track; `along` is coefficient `k` of u_x (theory
+    13.1).
     """
     work[ROW.extra, k] = along + work[ROW.track, k]
     turn = curvature * square_of(work, ROW.extra, k)
@@ -90,13 +211,9 @@ def bend(work: Work, along: float, curvature: float, k: int) -> None:
 def slide_series(contact: Contact, order: int, work: Work) -> None:
     """Fill the power series of a slip that is not 0 at the start: its components, square and load.
 
-    slip' = D - q L (e_1, r e_2), with the acceleration D without friction, q = mu_k, the load L,
-    the direction e of the slip and r the contact's response. The slip's size s comes from s^2 =
-    slip^2, and R = q L/s from R s = q L, coefficient by coefficient up to power `order`. Sums run
-    over pairs i + j = k, several at a time, so that each waits for its own last term only.
-
-    `contact` is the contact that slips, with friction and axes. `work` is the table of series, a
-    row a quantity (`ROW`), a column a power of the phase; the slip at the start is in column 0.
+    Its size s comes from s^2 = slip^2, and R = q L/s from R s = q L, coefficient by coefficient up
+    to power `order`. Sums run over pairs i + j = k, several at a time, so that each waits for its
+    own last term only.
     """
     first, second, pressed = ROW.slip, ROW.slip + 1, ROW.free + contact.pressed
     push, across = ROW.free, ROW.free + contact.second
@@ -156,13 +273,7 @@ def slide_series(contact: Contact, order: int, work: Work) -> None:
 
 @borrowing
 def stays_in_line(contact: Contact, order: int, work: Work) -> bool:
-    """True if a slip keeps its direction, so that its series are simpler: s_1 D_2 = s_2 D_1.
-
-    s is the slip at the start and D the acceleration without friction, both with two components,
-    for all coefficients of D below the power `order`, in the rows `slip` and `free` of the table
-    `work`. False in a curve, and for a cylinder that slips aslant. `contact` is the contact that
-    slips, with its axes.
-    """
+    """True if a slip keeps its direction, so that its series are simpler: s_1 D_2 = s_2 D_1."""
     first, second = work[ROW.slip, 0], work[ROW.slip + 1, 0]
     if contact.curvature != 0.0 or (contact.response != 1.0 and first * second != 0.0):
         return False
@@ -176,15 +287,7 @@ def stays_in_line(contact: Contact, order: int, work: Work) -> bool:
 
 @borrowing
 def line_series(contact: Contact, order: int, work: Work) -> None:
-    """Fill the power series of a slip with a constant direction e: its components, size and load.
-
-    slip' = D - mu_k L (e_1, r e_2), with the acceleration D without friction, load L and the
-    contact's response r, up to power `order`. The quotient slip/|slip| is not needed, which would
-    leave rounding in the higher terms where the slip is small.
-
-    `contact` is the contact that slips, with friction and axes. `work` is the table of series, a
-    row a quantity (`ROW`), a column a power; the slip at the start is in column 0 of its rows.
-    """
+    """Fill the power series of a slip with a constant direction: components, size and load."""
     first, second, size, load = ROW.slip, ROW.slip + 1, ROW.square, ROW.load
     start_1, start_2 = work[first, 0], work[second, 0]
     work[size, 0] = math.sqrt(start_1 * start_1 + start_2 * start_2)
@@ -211,11 +314,6 @@ def onset_series(
 
         r'       = D_1 cos + D_2 sin - q L (cos^2 + response sin^2)
         r theta' = D_2 cos - D_1 sin - q L (response - 1) sin cos
-
-    It begins in the direction (`cosine`, `sine`); `start` is r' at the start in g, 0 if static
-    friction is no larger than kinetic. As theta' has a factor 1/r, the series of theta is a formal
-    one then: good within its smallest term. `contact` is the contact that slips, `order` the
-    highest power; `work` is the table of series, a row a quantity (`ROW`).
     """
     first, second = ROW.slip, ROW.slip + 1
     push, across, load = ROW.free, ROW.free + contact.second, ROW.load
@@ -272,10 +370,7 @@ def last_of_slip(
 ) -> None:
     """Fill the power series of the last piece of a slip: a straight line to its end.
 
-    Slip = (size - rate D) e, D the phase since the step began, where the series of a turning slip
-    fail. `size` is the slip's speed in g/w (w = 2 pi f), `rate` its rate of fall in g, e =
-    (`cosine`, `sine`) its direction. `contact` is the contact that slips; rows `slip` and `load` of
-    the table `work` are written.
+    Slip = (size - rate D) e.
     """
     work[ROW.slip, 0], work[ROW.slip + 1, 0] = size * cosine, size * sine
     work[ROW.slip, 1], work[ROW.slip + 1, 1] = -rate * cosine, -rate * sine
@@ -288,13 +383,7 @@ def last_of_slip(
 def fill_velocities(contact: Contact, order: int, velocity_2: float, work: Work) -> None:
     """Fill the power series of the part's velocities along both axes of a slipping contact.
 
-    Along the first axis the velocity is the slip. Along the second friction changes the slip of a
-    cylinder r times as much as the velocity, r = 1 + m r^2/I: u_2' = (slip_2' + (r - 1) D_2)/r,
-    with the acceleration D without friction.
-
-    `contact` is the contact that slips, `order` the highest power of the phase, `velocity_2` is u_2
-    at the start in g/w (w = 2 pi f). `work` is the table of series, a row a quantity (`ROW`), a
-    column a power: rows `slip` and `free` are read, rows `velocity` written.
+    Along the second axis u_2' = (slip_2' + (r - 1) D_2)/r, with r = 1 + m r^2/I of a cylinder.
     """
     response = contact.response
     along, other = ROW.velocity, ROW.velocity + contact.second
@@ -312,9 +401,7 @@ def fill_velocities(contact: Contact, order: int, velocity_2: float, work: Work)
 def asymptotic_span(order: int, work: Work) -> float:
     """Return the phase in rad within which an asymptotic power series of the slip is accurate.
 
-    0.7 min |a_k|/|a_(k+1)| over the last half of its terms a_k, up to the power `order`: within it
-    the terms fall up to the last. The series of a slip that begins may be of this kind. `work` is
-    the table of series, whose rows `slip` hold both components.
+    0.7 min |a_k|/|a_(k+1)| over the last half of its terms a_k.
     """
     span = math.inf
     for k in range(order // 2, order):

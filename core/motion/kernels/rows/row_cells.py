@@ -1,33 +1,47 @@
-"""Rows of many cells, period by period until they repeat, and the path of one (theory 17.4)."""
+"""Rows from event to event (theory 17.3), until they repeat, and the path of one (17.4)."""
 
 from __future__ import annotations
 
 import math
+from collections import namedtuple
+from typing import Any
 
 import numpy as np
 
 from vibrafeed.core.compiled import borrowing, compiled, raised
-from vibrafeed.core.motion.kernels.arrays import Floats, Statuses, Stop
+from vibrafeed.core.motion.kernels.constants import STATUS
+from vibrafeed.core.motion.kernels.inputs import Floats, Statuses, Stop
 from vibrafeed.core.motion.kernels.means import BATCHES
 from vibrafeed.core.motion.kernels.planar.flow import TURN
-from vibrafeed.core.motion.kernels.rows.advance import (
-    HIT,
-    NO_EVENT,
-    ON_FLOOR,
-    Air,
-    happened,
-    lifted,
-    move,
-    next_event,
-    refreshed,
-)
-from vibrafeed.core.motion.kernels.rows.contact import closing, held_from, is_held
-from vibrafeed.core.motion.kernels.rows.drive import (
+from vibrafeed.core.motion.kernels.rows.contact import (
     Driven,
+    at_phase,
     backward_speed,
+    carried,
+    chain_end,
+    closing,
+    collide,
+    contact_until,
+    first_rise,
+    flight,
     gap_swept,
+    held_from,
+    hold,
+    is_held,
     is_lifted,
+    land,
+    least_friction,
+    least_pressed,
+    lift_off,
+    pushes,
+    relative_push,
+    set_flows,
+    slide,
+    start,
+    stop_pressed,
+    stop_until,
     swept,
+    swung,
 )
 from vibrafeed.core.motion.kernels.rows.repeat import (
     AGREES,
@@ -42,19 +56,193 @@ from vibrafeed.core.motion.kernels.rows.repeat import (
     remaining,
     shortest,
 )
-from vibrafeed.core.motion.kernels.rows.stop import stop_pressed
-from vibrafeed.core.motion.kernels.rows.tables import (
+from vibrafeed.core.motion.kernels.rows.row_sine import LONGEST_FLIGHT
+from vibrafeed.core.motion.kernels.rows.row_state import (
     AT,
     COLUMN,
+    IN_SPACE,
     NO_STOP,
+    ON_FLOOR,
+    ON_TRACK,
     TALLIES,
+    Air,
     Row,
     Tally,
     drive_of,
     row_at,
 )
-from vibrafeed.core.motion.kernels.rows.wave import waved_of
-from vibrafeed.core.motion.kernels.statuses import STATUS
+from vibrafeed.core.motion.kernels.rows.row_wave import waved_of
+
+Event = namedtuple("Event", "span kind part")
+"""The phase until it happens, what it is, and the part, or the contact, that it begins with."""
+
+NOTHING, LIFT, LANDING, STOP, START, RELEASE, HIT = range(7)  # kinds of events
+
+NO_EVENT = Event(0.0, NOTHING, 0)  # the event before a motion starts
+
+SHORTEST_BOUNCES = 1e-6
+"""Phase in rad: parts that are pressed together and would bounce for less touch at once. The swing
+of their gap, which is left out, is of the order of its square."""
+
+
+@borrowing
+def refreshed(
+    row: Row, drive: Driven, level: float, tau: float, flying: bool, event: Event
+) -> None:
+    """Update a row of parts after an event: start, release or part some, and set accelerations."""
+    forced = event.part if event.kind == START else -1
+    pull = drive.gs - level
+    push, load = pushes(drive, pull, tau)
+    if row.stop != NO_STOP:
+        hold(row, drive, push, load, flying, event.kind == RELEASE)
+    if not flying:
+        start(row, push, load, forced)
+        slide(row)
+    set_flows(row, drive, pull, flying)
+
+
+@borrowing
+def next_event(
+    row: Row, drive: Driven, level: float, tau: float, span: float, landing: float
+) -> Event:
+    """Return the earliest event of a row of parts within `span` rad from phase `tau`.
+
+    `NOTHING` at `span` if there is none. Of several at once lift-off comes first, then landings,
+    stops, starts, releases by the stop and collisions.
+    """
+    event = Event(span, NOTHING, 0)
+    now = at_phase(drive, tau)
+    flying = landing < math.inf
+    if flying:
+        if landing < span:
+            event = Event(landing, LANDING, 0)
+    else:
+        up = lift_off(drive, tau)
+        if up < span:
+            event = Event(up, LIFT, 0)
+        event = _on_floor(row, drive, drive.gs - level, tau, now, event)
+    if row.stop != NO_STOP:
+        event = _released(row, drive, drive.gs - level, tau, flying, event)
+    for i in range(row.closed.size):
+        if row.closed[i] == 0:
+            until = contact_until(row, drive, i, now, event.span)
+            if until < event.span:
+                event = Event(until, HIT, i)
+    return event
+
+
+@borrowing
+def _on_floor(row: Row, drive: Driven, pull: float, tau: float, now: Any, event: Event) -> Event:
+    first = 0
+    while first < row.mass.size:
+        end = chain_end(row, first)
+        mode = row.mode[first]
+        if mode != 0:
+            until = stop_until(row, drive, first, now, event.span)
+            if until < event.span:
+                event = Event(until, STOP, first)
+        else:
+            for way in (1, -1):
+                if way > 0 and row.stop == ON_TRACK and is_held(row, end):
+                    continue
+                mu = least_friction(row, first, end, way)
+                level = way * pull + mu * drive.gn
+                until = first_rise(drive, first, way, float(way), mu, level, tau)
+                if until < event.span:
+                    event = Event(until, START, first)
+        first = end
+    return event
+
+
+@borrowing
+def _released(
+    row: Row, drive: Driven, pull: float, tau: float, flying: bool, event: Event
+) -> Event:
+    first = held_from(row)
+    if first == row.mass.size:
+        return event
+    until = math.inf
+    if row.stop == ON_TRACK:
+        if flying:
+            until = first_rise(drive, row.mass.size, 1, -1.0, 0.0, -pull, tau)
+    elif not flying and row.mode[first] != 0:
+        least = least_pressed(row, first)
+        if least != 0.0:
+            way = 1.0 if least > 0.0 else -1.0
+            level = way * (drive.gn - drive.gs / least)
+            until = first_rise(drive, row.mass.size, 1, 0.0, way, level, tau)
+    return Event(until, RELEASE, first) if until < event.span else event
+
+
+@borrowing
+def move(row: Row, drive: Driven, tau: float, span: float) -> None:
+    """Move all parts of a row over `span` rad from phase `tau`, by their accelerations.
+
+    There must be no event within. Parts that touch have one velocity and one acceleration: they
+    move by the same distance, to the bit.
+    """
+    by, behind = swung(drive, tau, span), 0.0
+    for i in range(row.mass.size):
+        more, way = carried(row, drive, i, by, span)
+        row.speed[i] += more
+        row.place[i] += way
+        if i > 0 and row.closed[i - 1] == 0:
+            row.gap[i - 1] += way - behind
+        behind = way
+    parts = row.mass.size
+    if row.stop == IN_SPACE:
+        more, way = carried(row, drive, parts, by, span)
+        row.speed[parts] += more
+        if row.closed[parts - 1] == 1:
+            row.speed[parts] = row.speed[parts - 1]
+        else:
+            row.gap[parts - 1] += way - behind
+    elif row.stop == ON_TRACK and row.closed[parts - 1] == 0:
+        row.gap[parts - 1] -= behind
+
+
+@borrowing
+def lifted(drive: Driven, tau: float) -> Air:
+    """Return the flight that begins at phase `tau`: phase until landing, landing speed in g/w."""
+    span, impulse = flight(drive, tau)
+    return Air(min(span, TURN * LONGEST_FLIGHT), impulse)
+
+
+@borrowing
+def happened(
+    row: Row, drive: Driven, event: Event, tau: float, air: Air, restitution: float
+) -> tuple[Air, float, float]:
+    """Change a row by an event; return its flight, energy lost, impulse on the stop."""
+    lost, impulse = 0.0, 0.0
+    if event.kind == LIFT:
+        air = lifted(drive, tau)
+    elif event.kind == LANDING:
+        impulse = land(row, air.impulse)
+        air = lifted(drive, tau) if is_lifted(drive, tau) else ON_FLOOR
+    elif event.kind == STOP:
+        end = chain_end(row, event.part)
+        for i in range(event.part, end):
+            row.speed[i], row.mode[i] = 0.0, 0
+        if is_held(row, end):
+            row.speed[end] = 0.0
+    elif event.kind == HIT:
+        if _bounces_end(row, drive, event.part, tau, restitution):
+            restitution = 0.0
+        lost, impulse = collide(row, event.part, restitution)
+    return air, lost, impulse
+
+
+@borrowing
+def _bounces_end(row: Row, drive: Driven, contact: int, tau: float, restitution: float) -> bool:
+    # Bounces pressed together by -a last 2 e v/(a (1 - e)) in all (theory 13.5).
+    drag = row.drag[contact + 1] - row.drag[contact]
+    pressed = drag - relative_push(row, drive, contact, tau)
+    meets = row.speed[contact] - row.speed[contact + 1]
+    return (
+        restitution > 0.0
+        and 2.0 * restitution * meets < SHORTEST_BOUNCES * (1.0 - restitution) * pressed
+    )
+
 
 MAX_EVENTS = 100_000
 """Most events of a period: a row of 64 parts has some hundreds, so that more come from rounding."""
@@ -67,14 +255,7 @@ def one_period(
     row: Row, drive: Driven, restitution: float, air: Air, past: Past, period: int,
     swept_gaps: Floats,
 ) -> tuple[Air, Tally]:  # fmt: skip
-    """Follow a row of parts over one period of the drive; return the flight at its end, and sums.
-
-    `air` is the flight at the start, `restitution` that between parts, `period` the number of the
-    period. `past` notes which contacts touched, and `swept_gaps` gets the integrals of the gaps.
-    The sums are those of `Tally`: collisions, times in contact and in the air, energy lost, forces
-    on the stop. Each contact that closes with a velocity beyond rounding, 1e-12 of the drive, is a
-    collision. Their number is NaN if there were too many events.
-    """
+    """Follow a row over one period of the drive; return the flight at its end, and sums."""
     tau, step, events, event = 0.0, 0, 0, NO_EVENT
     closed, flying, hits, lost = 0.0, 0.0, 0.0, 0.0
     pressed, struck, peak, held, moving = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -120,9 +301,7 @@ def sweep(row: Row, drive: Driven, tau: float, span: float, result: Floats) -> N
     """Add the integrals of the gaps of a row over a phase without events to `result`.
 
     g d + v d^2/2 - k d^3/6 with the gap g, its rate v and its constant pull k over d = `span` rad
-    from phase `tau`, and the effect of the push: under a sine C (cos(tau + d) - cos(tau) + sin(tau)
-    d + cos(tau) d^2/2). In g/w^2 times rad (w = 2 pi f); `result` has one entry a gap between
-    parts.
+    from phase `tau`, and `gap_swept` of the push, in g/w^2 times rad.
     """
     by = swept(drive, tau, span)
     for i in range(row.mass.size - 1):
@@ -136,15 +315,7 @@ def sweep(row: Row, drive: Driven, tau: float, span: float, result: Floats) -> N
 
 @compiled
 def follow(drive: Driven, row: Row, cell: Floats, result: Floats, stop: Stop) -> int:
-    """Follow a row of parts from event to event until it repeats; fill its results, return status.
-
-    A row that still drifts after all its periods is followed for as many again, moved along its
-    slow transient (`hasten`); not if they are too few to tell a drift by 16 batches of their half.
-
-    `drive` is a sine with steps, or a wave; `row` holds the parts at rest at the start. `cell` has
-    the columns of `Head`, then the parts and the wave; `result` has the columns of `COLUMN`, then
-    velocity and platoon of each part; `stop` is a flag that ends the work.
-    """
+    """Follow a row of parts until it repeats; fill its results, return its status."""
     scale = max(1e-300, abs(drive.c) + np.abs(drive.levels).max())
     if drive.s > 0.0 and drive.gn <= 0.0:
         return int(STATUS.limit_reached)
@@ -175,28 +346,7 @@ def approach(
     row: Row, drive: Driven, cell: Floats, air: Air, past: Past, means: Floats, hastened: bool,
     scale: float, stop: Stop,
 ) -> tuple[Air, int, int, int]:  # fmt: skip
-    """Follow a row until it repeats, or for all its periods; return how it came to.
-
-    The flight of the parts at the end; the periods followed, -1 if one had too many events; those
-    of the cycle, 0 if there is none; and the period since which the row was not moved.
-
-    Parameters
-    ----------
-    row, air
-        Parts and their flight at the start; the row is changed to that at the end.
-    drive, cell
-        Sine with steps, or wave; the columns of `Head`, then parts and wave.
-    past
-        Filled with the states at the starts of the last periods.
-    means
-        Filled with a row a period: columns of `Tally`, distances of the parts, integrals of gaps.
-    hastened
-        If the row may be moved along a slow transient, in the first half of the periods.
-    scale
-        Size of the drive in g.
-    stop
-        Flag that ends the work.
-    """
+    """Follow a row until it repeats, or for all its periods; return how it came to."""
     restitution, parts, since = cell[AT.part_restitution], row.mass.size, 0
     for period in range(means.shape[0]):
         if raised(stop):
@@ -228,13 +378,7 @@ def at_start(drive: Driven) -> Air:
 
 @compiled
 def row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the table of results of many rows of parts, under a sine or steps along the track.
-
-    Each row is followed from rest, from event to event. `cells` has a row of numbers for each
-    (columns of `Head`, then those of the parts and of the wave); a row of `table` has the columns
-    of `COLUMN`, then velocity and platoon of each part; `status` gets one value a row. `stop` is a
-    flag that ends the work, with the rest left as it is.
-    """
+    """Fill the table of results of many rows of parts, under a sine or steps along the track."""
     for number in range(cells.shape[0]):
         cell = cells[number]
         drive = drive_of(cell)
@@ -246,19 +390,7 @@ def row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> Non
 
 @compiled
 def waved_row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill the result table of rows of parts under any wave, by following each from event to event.
-
-    Parameters
-    ----------
-    cells
-        A row for each cell: columns of `Head`, then the parts and the wave.
-    table
-        A row for each cell: columns of `COLUMN`, then velocity and platoon of each part.
-    status
-        A value of `STATUS` for each cell.
-    stop
-        Flag that ends the work; cells not reached are left as they are.
-    """
+    """Fill table and statuses of rows of parts under any wave, as `row_cells`."""
     for number in range(cells.shape[0]):
         cell = cells[number]
         drive = waved_of(cell)
@@ -270,11 +402,7 @@ def waved_row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) 
 
 @compiled
 def path_of_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
-    """Write positions and gaps of a row's parts at ascending phases, under a sine or steps.
-
-    `phases` are in rad; `places` and `gaps`, a row a phase, get g/w^2 (w = 2 pi f). The gap to a
-    stop, if there is one, is the last. NaN after a period with more than `MAX_EVENTS` events.
-    """
+    """Write positions and gaps of a row's parts at ascending phases, under a sine or steps."""
     path_under(drive_of(cell), cell, phases, places, gaps)
 
 
@@ -286,13 +414,7 @@ def path_of_waved_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats
 
 @compiled
 def path_under(drive: Driven, cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
-    """Write positions and gaps of the parts of a row at ascending phases, for its trajectory.
-
-    The row starts at rest and is moved from event to event. `drive` is a sine with steps, or a
-    wave. `cell` has the columns of `Head`, then those of the parts and of the wave. `phases` are in
-    rad; `places` (a row a phase, a column a part) and `gaps` (a column a contact) are filled in
-    g/w^2 (w = 2 pi f), with NaN after a period with more than `MAX_EVENTS` events.
-    """
+    """Write positions and gaps of the parts of a row at ascending phases, for its trajectory."""
     row, restitution = row_at(cell, backward_speed(drive)), cell[AT.part_restitution]
     air, event = at_start(drive), NO_EVENT
     tau, step, turn, at, events = 0.0, 0, 0, 0, 0

@@ -1,33 +1,120 @@
-"""A run from impact to impact."""
+"""Tumbling parts from event to event: one run, many cells, one path."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from vibrafeed.core.compiled import compiled, raised
-from vibrafeed.core.motion.kernels.arrays import Floats, Stop, copy
-from vibrafeed.core.motion.kernels.statuses import STATUS
-from vibrafeed.core.motion.kernels.tumbling.carry import carry
-from vibrafeed.core.motion.kernels.tumbling.geometry import (
+from vibrafeed.core.motion.kernels.constants import STATUS
+from vibrafeed.core.motion.kernels.inputs import Floats, Statuses, Stop, copy
+from vibrafeed.core.motion.kernels.tumbling.corners import (
+    COLUMN,
+    FLAT,
+    FREE,
+    OVERLAP,
+    PARADOX,
+    PATH,
+    PATH_COLUMNS,
+    STATE,
+    Cell,
+    cell_of,
+    corner_at,
     corner_count,
     gap_of,
     gap_rate_of,
     lowest_gap,
     lowest_rate,
+    side_below,
 )
-from vibrafeed.core.motion.kernels.tumbling.impact import strike
-from vibrafeed.core.motion.kernels.tumbling.run import (
-    MAX_STEPS,
-    TumblingRun,
-    record_rest,
-    record_until,
-    side_of,
-    start_of,
+from vibrafeed.core.motion.kernels.tumbling.supports import (
+    carry,
+    choose,
+    holds,
+    rests_for_ever,
+    strike,
 )
-from vibrafeed.core.motion.kernels.tumbling.support import choose, holds, rests_for_ever
-from vibrafeed.core.motion.kernels.tumbling.tables import FLAT, FREE, OVERLAP, PARADOX, STATE, Cell
+
+MAX_STEPS = 20_000_000
+"""Of a cell: 400 s of motion at 50 Hz and 1,000 steps a period, where all parts have long
+settled."""
+
+
+class TumblingRun(NamedTuple):
+    """The results of a run besides its state, as the columns of its table follow `Tumble`.
+
+    Times in s, `largest_bounce` in m; `side` is the number of the side that lies flat, 0 if none.
+    """
+
+    status: int
+    time: float
+    settling_time: float
+    impacts: int
+    largest_bounce: float
+    side: int
+
+
+@compiled
+def start_of(cell: Cell, state: Floats) -> None:
+    """Set the state of a tumbling part to the start of its run, from the numbers of the cell."""
+    state[:] = 0.0
+    state[STATE.pitch], state[STATE.pitch_rate] = cell.pitch, cell.pitch_rate
+    state[STATE.along_rate], state[STATE.up_rate] = cell.velocity_along, cell.velocity_upward
+    lowest = 0.0
+    for corner in range(corner_count(cell)):
+        s, _ = corner_at(cell, corner, cell.pitch)
+        lowest = max(lowest, s)
+    state[STATE.up] = cell.half_diagonal * lowest + cell.gap_normal
+
+
+@compiled
+def record(cell: Cell, state: Floats, time: float, support: int, row: Floats) -> None:
+    """Write time, state, lowest gap and touching corners of a part into a row of its path."""
+    row[:] = 0.0
+    row[PATH.time] = time
+    copy(state, row[PATH.state : PATH.gap])
+    row[PATH.gap] = lowest_gap(cell, state)
+    if support >= 0:
+        row[PATH.touching + support] = 1.0
+    elif support == FLAT:
+        quarter_turns = side_below(state[STATE.pitch])
+        row[PATH.touching + (-quarter_turns) % 4] = 1.0
+        row[PATH.touching + (1 - quarter_turns) % 4] = 1.0
+
+
+@compiled
+def record_until(
+    cell: Cell, state: Floats, time: float, support: int, times: Floats, written: int, rows: Floats
+) -> int:  # fmt: skip
+    """Write the state of a tumbling part into the rows of all wanted times up to `time` (s)."""
+    while written < times.size and times[written] <= time:
+        record(cell, state, times[written], support, rows[written])
+        written += 1
+    return written
+
+
+@compiled
+def side_of(cell: Cell, support: int, pitch: float) -> int:
+    """Return the number of the side that lies flat, 1 to 4; 0 if none does, 1 for a ball."""
+    if support == FLAT:
+        return side_below(pitch) % 4 + 1
+    return 1 if support >= 0 and cell.turning == 0.0 else 0
+
+
+@compiled
+def fill(cell: Cell, run: TumblingRun, state: Floats, row: Floats) -> None:
+    """Write the results of the run of a tumbling part into its row of the table."""
+    row[COLUMN.pitch] = state[STATE.pitch]
+    row[COLUMN.resting_side] = run.side
+    row[COLUMN.settling_time] = run.settling_time
+    row[COLUMN.impacts] = run.impacts
+    row[COLUMN.largest_bounce] = run.largest_bounce
+    elapsed = cell.duration if run.status == STATUS.settled else run.time
+    row[COLUMN.velocity] = state[STATE.along] / elapsed if elapsed > 0.0 else 0.0
+    row[COLUMN.energy_lost] = state[STATE.lost]
+
 
 EVENTS, EVENTS_A_STEP = 20_000, 20  # most events of a run: so many, and so many more a step
 STEPS_MORE = 50
@@ -41,12 +128,7 @@ LARGEST_TURN = 0.1  # rad a step, so that no corner swings down and up again uns
 def top_of(
     cell: Cell, support: int, state: Floats, after: Floats, time: float, step: float, trial: Floats
 ) -> float:  # fmt: skip
-    """Return the largest height in m of the lowest corner of a tumbling part within a step.
-
-    From `state` at `time` in s to `after`, `step` seconds later; in free flight where the velocity
-    of the lowest corner falls through 0, by halving. So the largest bounce is found. `support` is
-    what carries the part: a corner's number, `FLAT` or `FREE`; `trial` is a work array.
-    """
+    """Return the largest height in m of the lowest corner of a tumbling part within a step."""
     top = max(lowest_gap(cell, state), lowest_gap(cell, after))
     if support != FREE or lowest_rate(cell, state) <= 0.0 or lowest_rate(cell, after) >= 0.0:
         return top
@@ -66,16 +148,7 @@ def dips(
     cell: Cell, support: int, sigma: int, state: Floats, time: float, step: float, after: Floats,
     trial: Floats,
 ) -> float:  # fmt: skip
-    """Return the time in s within a step at which a corner dips into the plane; else `step`.
-
-    Such a corner may be above the plane at both ends of the step: it sinks in `state`, at the
-    start, and rises in `after`, at the end. Its lowest point is taken where the line between both
-    velocities off the plane is 0, and the motion is carried to there into the work array `trial`.
-
-    `support` is what carries the part (a corner's number, `FLAT` or `FREE`), `sigma` its direction
-    of slip (1, -1; 0 if held), `time` the start of the step and `step` its length in s. Both states
-    have the columns of `STATE` (SI).
-    """
+    """Return the time in s within a step at which a corner dips into the plane; else `step`."""
     if support == FLAT:
         return step
     for corner in range(corner_count(cell)):
@@ -93,14 +166,7 @@ def first_misfit(
     cell: Cell, support: int, sigma: int, state: Floats, time: float, step: float, after: Floats,
     trial: Floats,
 ) -> float:  # fmt: skip
-    """Return the time in s within a step at which the support of a tumbling part ceases to fit.
-
-    `state` at `time` fits, `after`, `step` seconds later, does not; `after` is set to the state at
-    that time. `support` is what carries the part (a corner's number, `FLAT` or `FREE`), `sigma` its
-    direction of slip (1, -1; 0 if held); `trial` is a work array. A corner that falls on the plane
-    is followed back by Newton's method, which approaches from below a path that bends down;
-    everything else is halved.
-    """
+    """Return the time in s within a step at which the support of a tumbling part ceases to fit."""
     overlap = OVERLAP * cell.half_diagonal
     low, part, halve = 0.0, step, False
     for _ in range(HALVINGS):
@@ -135,12 +201,7 @@ def first_misfit(
 
 @compiled
 def end_of_step(cell: Cell, state: Floats, time: float, times: Floats, written: int) -> float:
-    """Return the end in s of the next time step of a tumbling part that starts at `time`.
-
-    Limited by the step of `cell`, the duration of the run, the next time at which the state is
-    wanted (`times`, of which `written` are done), and 0.1 rad of pitch. `state` has the columns of
-    `STATE` (SI).
-    """
+    """Return the end in s of the next time step of a tumbling part that starts at `time`."""
     end, pitch_rate = min(time + cell.time_step, cell.duration), state[STATE.pitch_rate]
     if written < times.size:
         end = min(end, times[written])
@@ -153,14 +214,9 @@ def end_of_step(cell: Cell, state: Floats, time: float, times: Floats, written: 
 def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop) -> TumblingRun:
     """Simulate one tumbling part from event to event; return the record of its run.
 
-    A step on one support (corner, side or none) is integrated, and cut where that support ceases to
-    fit; then follow impacts and the choice of the next support, until the part rests for good or
-    its duration ends (theory 13.11).
-
-    `cell` holds the part's numbers (SI). `state` (columns of `STATE`) is set to that at the end;
-    `rows` (columns of `PATH`) are filled at the ascending `times` in s; `stop` is a flag that ends
-    the work. The record has the status, times, impacts, largest bounce, and the side that lies on
-    the plane.
+    A step on one support is integrated, and cut where that support ceases to fit; then follow
+    impacts and the choice of the next support, until the part rests for good or its duration ends
+    (theory 13.11). `rows` (columns of `PATH`) are filled at the ascending `times` in s.
     """
     after, trial = np.empty_like(state), np.empty_like(state)
     start_of(cell, state)
@@ -207,7 +263,26 @@ def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Sto
             impacts += 1
         support, sigma = choose(cell, state, time)
     if status in (STATUS.settled, STATUS.moving) or time >= cell.duration:
-        record_rest(cell, state, support, times, written, rows)
+        record_until(cell, state, math.inf, support, times, written, rows)
     return TumblingRun(
         status, time, settling, impacts, bounce, side_of(cell, support, state[STATE.pitch])
     )
+
+
+@compiled
+def tumble_events(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
+    """Fill the table of results and the statuses of many tumbling parts, from event to event."""
+    state, times, rows = np.empty(len(STATE)), np.empty(0), np.empty((0, PATH_COLUMNS))
+    for number in range(cells.shape[0]):
+        cell = cell_of(cells[number])
+        run = run_events(cell, state, times, rows, stop)
+        if raised(stop):
+            return
+        fill(cell, run, state, table[number])
+        status[number] = run.status
+
+
+@compiled
+def path_events(row: Floats, times: Floats, rows: Floats, stop: Stop) -> None:
+    """Write the path of one cell at ascending times in s into `rows` (columns of `PATH`)."""
+    run_events(cell_of(row), np.empty(len(STATE)), times, rows, stop)

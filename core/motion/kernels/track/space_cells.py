@@ -1,4 +1,4 @@
-"""One cell from its groups to its results, and many cells."""
+"""Cells in space: their means, their courses, and what friction, impacts and the drive do."""
 
 from __future__ import annotations
 
@@ -7,8 +7,16 @@ import math
 import numpy as np
 
 from vibrafeed.core.compiled import compiled, raised
-from vibrafeed.core.motion.kernels.arrays import Flags, Floats, Statuses, Stop
-from vibrafeed.core.motion.kernels.cells import GROUPS, Cell, cell_of
+from vibrafeed.core.motion.kernels.constants import COLUMN, MODE, STATUS, TALLY
+from vibrafeed.core.motion.kernels.inputs import (
+    GROUPS,
+    Cell,
+    Flags,
+    Floats,
+    Statuses,
+    Stop,
+    cell_of,
+)
 from vibrafeed.core.motion.kernels.means import (
     ended,
     fill_means,
@@ -16,10 +24,11 @@ from vibrafeed.core.motion.kernels.means import (
     mean_velocity,
     scatter,
 )
-from vibrafeed.core.motion.kernels.results import COLUMN, TALLY
-from vibrafeed.core.motion.kernels.statuses import STATUS
-from vibrafeed.core.motion.kernels.track import drive
-from vibrafeed.core.motion.kernels.track.cycle import (
+from vibrafeed.core.motion.kernels.track import push
+from vibrafeed.core.motion.kernels.track.advance import advance
+from vibrafeed.core.motion.kernels.track.push import STATE, TURN, Work, at_rest, new_work
+from vibrafeed.core.motion.kernels.track.settling import (
+    NO_PHASES,
     History,
     Series,
     Settled,
@@ -29,7 +38,6 @@ from vibrafeed.core.motion.kernels.track.cycle import (
     settle,
     to_cycle,
 )
-from vibrafeed.core.motion.kernels.track.tables import STATE, TURN, Work, at_rest, new_work
 
 FINE = Series(16, 1e-11)
 """Order and tolerance of the series of the results."""
@@ -44,11 +52,8 @@ SURELY = 1e-4
 STRAYED = 0.1
 """In the drive's speed: two runs that were so far apart no longer depend on their common start."""
 HAIR = 1e-12
-"""Of the restitution: what other runs lose more at each impact than the first.
-
-Series of all orders are alike under steps, and only this parts such runs. It comes to `STRAYED`
-where changes grow by 1e11 on the way, from where on digits decide in the plane, too.
-"""
+"""Of the restitution: what other runs lose more at each impact than the first, which alone parts
+runs of series of any order; it comes to `STRAYED` where changes grow by 1e11 on the way."""
 UNDECIDED = -1
 """No status of results: the cell needs its motion."""
 OTHERS = 3
@@ -62,10 +67,9 @@ RESTITUTION, WALL_RESTITUTION = (
 def never_settles(cell: Cell, wall: bool) -> bool:
     """True if gravity along the track exceeds the mean friction available: the part runs away.
 
-    |sin(gamma)| > mu n + mu_w max(0, n_y) with the larger friction mu of the floor and that of the
-    wall, mu_w: the mean loads of the floor, n, and of the wall of a straight track, n_y, are those
-    of gravity, in g. Without a wall (`wall` False) gravity across pulls as well. False for a curved
-    wall with friction, whose load grows with speed (theory 13.8). `cell` holds the part's numbers.
+    |sin(gamma)| > mu n + mu_w max(0, n_y) with the mean loads of gravity in g; without a wall
+    gravity across pulls as well. False for a curved wall with friction, whose load grows with speed
+    (theory 13.8).
     """
     friction = max(cell.friction_static, cell.friction_kinetic) * cell.gravity_number_normal
     pull = abs(cell.gravity_number_along)
@@ -82,23 +86,7 @@ def never_settles(cell: Cell, wall: bool) -> bool:
 def without_repeating(
     cell: Cell, wall: bool, speed: float, history: History, done: int, result: Floats
 ) -> int:
-    """Fill the result of a motion that did not repeat, and return its status.
-
-    `aperiodic` with the mean velocity of the last three quarters of its `done` periods, in g/w (w =
-    2 pi f), and the error and spread from batches of them; `runaway` or `limit_reached` without a
-    mean where the velocity keeps growing or drifts (theory 13.13).
-
-    Parameters
-    ----------
-    cell, wall
-        The cell's numbers; True if there is a wall.
-    speed
-        Velocity amplitude of the drive in g/w.
-    history
-        Sums of each period (`tallies`, columns of `TALLY`).
-    result
-        Row with the columns of `COLUMN`, filled.
-    """
+    """Fill the result of a motion that did not repeat, and return its status."""
     travel, pull = history.tallies[:done, TALLY.travel], abs(cell.gravity_number_along)
     status, batches = ended(cell, wall, pull, travel, TURN, LEAST_ERROR * speed)
     if status != STATUS.aperiodic:
@@ -112,12 +100,7 @@ def without_repeating(
 
 @compiled
 def solve_at_once(cell: Cell, row: Floats, wall: bool) -> tuple[int, bool]:
-    """Return the status of a cell that needs no simulation (else `UNDECIDED`); True if it rubs.
-
-    `limit_reached` if a number is not finite, nothing presses the part onto the floor, or no period
-    may be followed; `runaway` if gravity along exceeds friction. It rubs if floor or wall have
-    friction. `row` holds all numbers of the cell, with its wave, `wall` is True if there is a wall.
-    """
+    """Return the status of a cell that needs no simulation (else `UNDECIDED`); True if it rubs."""
     total = 0.0
     for value in row:
         total += value
@@ -135,14 +118,8 @@ def solve_at_once(cell: Cell, row: Floats, wall: bool) -> tuple[int, bool]:
 def solve(row: Floats, wall: bool, rolling: float, history: History, result: Floats) -> Settled:
     """Fill the result of a cell followed from rest in space; return how its motion repeats.
 
-    The means over the cycle. The error is twice the difference to the velocity of other runs, plus
-    the rest of the transient and 2e-10 of the drive's speed; `sensitive` is returned if the last
-    digits decide the motion (theory 13.13).
-
-    `row` holds the cell's numbers, `wall` is True if there is a wall, `rolling` is m r^2/I of a
-    cylinder or 0, `history` receives the periods, `result` has the columns of `COLUMN`. The record
-    has the status, the periods after which the motion repeats (0 if it does not), the periods
-    followed, and the rest of the transient in g/w (w = 2 pi f).
+    The error is twice the difference to the velocity of other runs, plus the rest of the transient
+    and 2e-10 of the drive's speed (theory 13.13).
     """
     cell = cell_of(row)
     result[:] = math.nan
@@ -151,7 +128,7 @@ def solve(row: Floats, wall: bool, rolling: float, history: History, result: Flo
         return Settled(at_once, 0, 0, math.inf)
     work = new_work()
     settled, state, hold = to_cycle(row, wall, rolling, FINE, history, work)
-    speed = drive.size(work)
+    speed = push.size(work)
     if settled.multiple == 0:
         if settled.status == STATUS.aperiodic:
             status = without_repeating(cell, wall, speed, history, settled.done, result)
@@ -197,14 +174,7 @@ def followed_on(
     cell: Cell, wall: bool, rolling: float, multiple: int, state: Floats, hold: Flags,
     velocity: float, history: History, work: Work,
 ) -> float:  # fmt: skip
-    """Return an estimate of the error of a mean velocity in g/w, by a run with shorter series.
-
-    The run follows the cycle of `multiple` periods twice from its start (`state`, `hold`, both
-    changed). The result is the difference of its mean velocity in the second time from `velocity`,
-    plus the distance that its state still has to go to repeat; NaN if the run fails. Here w = 2 pi
-    f. `cell` holds the part's numbers, `wall` is True if there is a wall, `rolling` is m r^2/I of a
-    cylinder or 0; `history` and `work` are overwritten.
-    """
+    """Return an estimate of the error of a mean velocity in g/w, by a run with shorter series."""
     last = min(2 * multiple, history.starts.shape[0])
     for period in range(last):
         if not follow_period(cell, wall, rolling, COARSE, period, state, hold, history, work):
@@ -216,11 +186,7 @@ def followed_on(
 
 @compiled
 def changed(row: Floats, hairs: float) -> Cell:
-    """Return the numbers of a cell with restitutions of floor and wall reduced to e (1 - k 1e-12).
-
-    k is `hairs`, `row` the row of the kernel's table, which stays as it is. If such a cell ends in
-    another motion, the last digits decide in which of several motions a part ends.
-    """
+    """Return a cell with restitutions of floor and wall reduced to e (1 - `hairs` 1e-12)."""
     row = row.copy()
     row[RESTITUTION] *= 1.0 - hairs * HAIR
     row[WALL_RESTITUTION] *= 1.0 - hairs * HAIR
@@ -234,22 +200,9 @@ def settled_anew(
 ) -> tuple[float, bool]:  # fmt: skip
     """Return the largest difference of other runs from a mean velocity, True if it is confirmed.
 
-    With rebounds, the last digits may decide in which of several motions a part ends (theory
-    13.13). So it is run again from rest with shorter series and restitutions smaller by 1e-12 of
-    themselves (`changed`). The mean is not confirmed if the velocity along at the ends of its
-    periods is anywhere more than 0.1 of the drive's speed from that of the first run; three more
-    runs, of yet smaller restitutions, then take part in the difference, the largest |v' - v| of
-    their means v' from `velocity` v, in g/w (w = 2 pi f). NaN if a run fails.
-
-    Parameters
-    ----------
-    row, wall, rolling
-        The cell's numbers; True with a wall; m r^2/I of a cylinder or 0.
-    settled, velocity
-        Record of how the first run came to repeat, of which the number of periods is used, and its
-        mean velocity in g/w.
-    history, work
-        Periods of the first run, and work table; both are overwritten.
+    It is run again from rest with shorter series and `changed` restitutions. The mean is not
+    confirmed if a velocity strays by more than 0.1 of the drive's speed; three more runs then take
+    part (theory 13.13).
     """
     speeds = history.ends[: settled.done, STATE.ux].copy()
     state, hold = at_rest()
@@ -259,7 +212,7 @@ def settled_anew(
     most, strayed = abs(other - velocity), 0.0
     for period in range(min(done, speeds.size)):
         strayed = max(strayed, abs(history.ends[period, STATE.ux] - speeds[period]))
-    if strayed < STRAYED * drive.size(work):
+    if strayed < STRAYED * push.size(work):
         return most, True
     for number in range(OTHERS):
         series = Series(COARSE.order, COARSE.tolerance / (2.0 + number))
@@ -277,14 +230,7 @@ def settled_velocity(
     cell: Cell, wall: bool, rolling: float, series: Series, done: int, state: Floats, hold: Flags,
     history: History, work: Work,
 ) -> tuple[float, int]:  # fmt: skip
-    """Return the mean velocity of another run of a cell in g/w, and the periods it took.
-
-    A run with shorter series shows the error of the first. It starts from `state` and `hold`, which
-    change, and may take four times as long as the `done` periods of the first run, and 32 more; NaN
-    if it does not repeat then. Here w = 2 pi f. `cell` holds the part's numbers, `wall` is True if
-    there is a wall, `rolling` is m r^2/I of a cylinder or 0, `series` sets order and tolerance;
-    `history` and `work` are overwritten.
-    """
+    """Return the mean velocity of another run of a cell in g/w, and the periods it took."""
     most = min(history.starts.shape[0] - 1, 4 * done + 32)
     again = settle(cell, wall, rolling, series, most, state, hold, history, work)
     if again.multiple == 0:
@@ -297,21 +243,7 @@ def settled_velocity(
 def solve_cells(
     wall: bool, rolling: float, groups: Floats, table: Floats, status: Statuses, stop: Stop
 ) -> None:
-    """Fill table and statuses of cells with the means of their motion.
-
-    Parameters
-    ----------
-    wall, rolling
-        If there is a wall, and m r^2/I of a cylinder (radius r, moment of inertia I) or 0.
-    groups
-        A row a cell: the fields of `Cell`, then its wave.
-    table
-        A row a cell, with the columns of `COLUMN`; NaN for a cell without means.
-    status
-        A value of `STATUS` for each cell.
-    stop
-        Flag that ends the work; cells not reached are left as they are.
-    """
+    """Fill table and statuses of cells with the means of their motion."""
     if groups.shape[0] == 0:
         return
     most = max(1, int(groups[:, GROUPS - 1].max()))
@@ -324,3 +256,68 @@ def solve_cells(
         status[number] = settled.status
         if settled.status in (STATUS.runaway, STATUS.limit_reached):
             table[number] = np.nan
+
+
+SAMPLE = 7
+"""Columns of a sample: place (3), velocity (3), mode."""
+
+
+@compiled
+def follow(wall: bool, rolling: float, group: Floats, phases: Floats, stop: Stop) -> Floats:
+    """Return position, velocity and mode of a part at phases of its cycle, for its trajectory.
+
+    Shape (phases, 7): place (3) in g/w^2, velocity (3) in g/w, mode.
+    """
+    cell = cell_of(group)
+    samples = np.full((phases.size, SAMPLE), math.nan)
+    samples[:, SAMPLE - 1] = MODE.unknown
+    history, work = new_history(int(cell.max_periods), stop), new_work()
+    found, state, hold = to_cycle(group, wall, rolling, FINE, history, work)
+    if found.status == STATUS.limit_reached:
+        return samples
+    state[STATE.x] = 0.0
+    tally, sampled, periods = np.zeros(len(TALLY)), 0, 0
+    while sampled < phases.size and not raised(stop):
+        before = periods * TURN
+        end = sampled
+        while end < phases.size and phases[end] < before + TURN:
+            end += 1
+        fine = advance(
+            cell, wall, rolling, FINE.order, FINE.tolerance * push.size(work), state, hold,
+            tally, work, phases[sampled:end] - before, samples[sampled:end], tally[:0],
+        )  # fmt: skip
+        if not fine:
+            return samples
+        sampled, periods = end, periods + 1
+    return samples
+
+
+@compiled
+def spend_cells(
+    wall: bool, rolling: float, groups: Floats, table: Floats, status: Statuses, stop: Stop
+) -> None:
+    """Fill the table of mean powers of cells in space: what friction, impacts and the drive do.
+
+    `table` has the columns of `SPENT`, per mass in g^2/w; NaN without a cycle (theory 13.15).
+    """
+    if groups.shape[0] == 0:
+        return
+    history, work = new_history(max(1, int(groups[:, GROUPS - 1].max())), stop), new_work()
+    tally = np.zeros(len(TALLY))
+    for number in range(groups.shape[0]):
+        row, spent = groups[number], table[number]
+        settled, state, hold = to_cycle(row, wall, rolling, FINE, history, work)
+        spent[:] = math.nan
+        if raised(stop):
+            return
+        status[number] = settled.status
+        if settled.multiple == 0:
+            continue
+        tolerance, fine = FINE.tolerance * push.size(work), True
+        spent[:] = 0.0
+        for _ in range(settled.multiple):
+            fine = fine and advance(
+                cell_of(row), wall, rolling, FINE.order, tolerance, state, hold, tally, work,
+                NO_PHASES, history.ends[:0], spent,
+            )  # fmt: skip
+        spent /= settled.multiple * TURN if fine else math.nan

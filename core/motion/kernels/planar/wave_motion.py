@@ -1,4 +1,4 @@
-"""A flight from take-off to landing, under a wave: its part of `drive`."""
+"""Flight, stick and slip of a part under a wave: what a wave tells in `plane_laws`."""
 
 from __future__ import annotations
 
@@ -11,11 +11,15 @@ from vibrafeed.core.motion.kernels.planar.flow import (
     MAX_PIECES,
     NORMAL,
     SMOOTH,
+    STATIC_BACKWARD,
+    STATIC_FORWARD,
     TURN,
+    kind_of,
 )
 from vibrafeed.core.motion.kernels.planar.wave import (
     ENDS,
     LAST_STEP,
+    ROOTS,
     SLACK,
     WaveDrive,
     acceleration,
@@ -24,12 +28,13 @@ from vibrafeed.core.motion.kernels.planar.wave import (
     later_passage,
     next_of_way,
     next_passage,
+    push_of,
     speed_from,
     speed_start,
     step_at,
     zero_of_velocity,
 )
-from vibrafeed.core.motion.kernels.waves import halley, is_near_root
+from vibrafeed.core.motion.kernels.sine_sums import halley, is_near_root, value_and_slope
 
 
 @borrowing
@@ -42,9 +47,8 @@ def normal_numbers(drive: WaveDrive) -> tuple[float, float]:
 def track_speed(drive: WaveDrive, tau: float) -> float:
     """Return the velocity of the track along itself under a wave at phase `tau` [rad], in g/w.
 
-    Minus the integral of the push along over the phase, without its mean (w = 2 pi f): sum of (s_k
-    cos(k tau) - c_k sin(k tau))/k with the coefficients s_k and c_k; of steps v -> v - p D over
-    each, with level p in g and duration D in rad, less the mean of that (theory 13.14).
+    Minus the integral of the push along, without its mean: sum of (s_k cos(k tau) - c_k sin(k
+    tau))/k; of steps v -> v - p D over each, less the mean of that (theory 13.14).
     """
     if drive.steps == 0:
         velocity = 0.0
@@ -64,10 +68,7 @@ def track_speed(drive: WaveDrive, tau: float) -> float:
 
 @borrowing
 def air_swings(drive: WaveDrive, tau: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance along after a flight from phase `tau`, taken off without slip.
-
-    In g/w and g/w^2 (w = 2 pi f), at the phase `d` after take-off.
-    """
+    """Return velocity and distance along after a flight from phase `tau` without slip."""
     return flow(drive, AIR, 0.0, tau, d)
 
 
@@ -75,11 +76,7 @@ def air_swings(drive: WaveDrive, tau: float, d: float) -> tuple[float, float]:
 def swung_along(
     drive: WaveDrive, u: float, d: float, swing: float, sway: float
 ) -> tuple[float, float]:
-    """Return velocity and distance along after a flight for the phase `d`, in g/w and g/w^2.
-
-    u + u0 and u D + x0, with the slip `u` at take-off, D = `d`, and u0 = `swing` and x0 = `sway` of
-    a flight without slip (w = 2 pi f).
-    """
+    """Return velocity and distance along after a flight for the phase `d`, in g/w and g/w^2."""
     return u + swing, u * d + sway
 
 
@@ -91,11 +88,7 @@ def push_slope(drive: WaveDrive, tau: float) -> tuple[float, float]:
 
 @borrowing
 def smooth_span(drive: WaveDrive, tau: float) -> float:
-    """Return a phase interval in rad after `tau` in which the drive is nearly a polynomial.
-
-    Gauss's rule integrates over such intervals. 1.5/n for sums of sines of highest order n; for a
-    drive in steps the phase to its next jump.
-    """
+    """Return a phase interval in rad after `tau` in which the drive is nearly a polynomial."""
     if drive.steps == 0:
         return SMOOTH / drive.orders
     within = folded(tau)
@@ -112,9 +105,7 @@ def lift_off(drive: WaveDrive, tau: float) -> float:
 def landing(drive: WaveDrive, w: float, tau: float) -> float:
     """Return the flight time in rad after take-off at phase `tau` under a wave; -1 if not found.
 
-    `w` >= 0 is the velocity at take-off in g/(2 pi f). Between two changes of sign of the normal
-    acceleration the height bends one way: a piece that bends down and ends above the floor was
-    above it all the way; on a piece that bends up the least height is found first (theory 13.14).
+    As under a sine, between two changes of sign of the normal acceleration (theory 13.14).
     """
     d, velocity = 0.0, w
     force = acceleration(drive, NORMAL, tau)
@@ -152,10 +143,8 @@ def landing_root(
 ) -> float:
     """Return the phase between `low` and `high` at which the height of a part falls through 0.
 
-    Phases count from `tau`, where the height is `z` in g/w^2 and the velocity `w` in g/w (here w =
-    2 pi f). Halley's iteration in this bracket, with z' = w and z'' = p_z - n: push p_z off the
-    floor less gravity n. It starts where the parabola at `high` falls through 0: `high` may be the
-    lowest point, where the velocity is rounding and no step of Halley's or Newton's leads anywhere.
+    Halley's iteration from where the parabola at `high` falls through 0: `high` may be the lowest
+    point, where the velocity is rounding and no step leads anywhere.
     """
     velocity, height = flow(drive, NORMAL, w, tau, high)
     height += z
@@ -185,11 +174,10 @@ def landing_root(
 
 @borrowing
 def hop_height(drive: WaveDrive, w: float, tau: float, span: float, known: float) -> float:
-    """Return the largest height of a flight in g/(2 pi f)^2, or `known` if that is larger.
+    """Return the largest height of a flight in g/w^2, or `known` if that is larger.
 
-    The part takes off at phase `tau` with velocity `w` and flies for `span` rad; tops are where w
-    falls through 0. They are looked for only if the bound (n + s) span^2/8 is above
-    `known`: z'' >= -(n + s), and both ends are on the floor.
+    Tops are looked for only if (n + s) span^2/8 is above `known`: z'' >= -(n + s), and both ends
+    are on the floor.
     """
     if (drive.gn + drive.s) * span * span / 8 <= known:
         return known
@@ -205,3 +193,66 @@ def hop_height(drive: WaveDrive, w: float, tau: float, span: float, known: float
         if d >= span:
             break
     return best
+
+
+THRESHOLD = 4e-16  # rounding of the push at which friction is overcome, over its size
+
+
+@borrowing
+def always_holds(drive: WaveDrive) -> bool:
+    """True if no acceleration changes its sign, the part never lifts off, and friction holds it."""
+    table = drive.table
+    if table[ROOTS + NORMAL, 0] + table[ROOTS + STATIC_FORWARD, 0] > 0.0:
+        return False
+    return (
+        table[ROOTS + STATIC_BACKWARD, 0] == 0.0
+        and acceleration(drive, STATIC_FORWARD, 0.0) <= 0.0
+        and acceleration(drive, STATIC_BACKWARD, 0.0) >= 0.0
+    )
+
+
+@borrowing
+def stop_after(drive: WaveDrive, sign: float, u: float, at: float, span: float) -> float:
+    """Return the phase in rad until a slip in direction `sign` stops; -1 if not within `span`.
+
+    Between two changes of sign of the acceleration the velocity is monotonic, so that one piece
+    after the other is tested by its end (theory 13.14).
+    """
+    kind, low, first = kind_of(sign), 0.0, u
+    start = speed_start(drive, kind, at)
+    if u == 0.0:
+        # From rest a part starts to slide only where it gains speed, whatever rounding says.
+        low, first = next_of_way(drive, kind, at, sign < 0.0) - at, sign
+    for _ in range(MAX_PIECES):
+        if not low < span:
+            return -1.0
+        high = min(span, later_passage(drive, kind, at + low)[0] - at)
+        last = speed_from(drive, kind, u, at, start, high)[0]
+        if sign * last <= 0.0:
+            return zero_of_velocity(drive, kind, u, at, start, low, high, first, last)
+        low, first = high, last
+    return -1.0
+
+
+@borrowing
+def slip_uncertainty(drive: WaveDrive) -> float:
+    """Return the error of a mean velocity in g/w by rounding of the phases at which slips start.
+
+    The phase is uncertain by the rounding of the push over its slope; steps have no such error.
+    """
+    if drive.steps > 0:
+        return 0.0
+    size = drive.c + drive.mu_s * (drive.s + drive.gn)
+    jump, uncertainty = (drive.mu_s - drive.mu_k) * (drive.s + drive.gn), 0.0
+    for kind in (STATIC_FORWARD, STATIC_BACKWARD):
+        row = drive.table[ROOTS + kind]
+        for number in range(1, int(row[0]) + 1):
+            slope = value_and_slope(push_of(drive, kind), row[number])[1]
+            uncertainty += jump * THRESHOLD * size / max(abs(slope), 1e-8 * size)
+    return uncertainty
+
+
+@borrowing
+def two_sided(drive: WaveDrive) -> tuple[float, float]:
+    """Return no closed form of sliding without stick (0, 0): under a wave none is known."""
+    return 0.0, 0.0

@@ -1,11 +1,8 @@
 """From rest until the motion repeats: the map of one period of the drive onto the next.
 
-Most motions forget their start within a few periods, since a part that sticks forgets all. Where
-they do not, the map is sped up by Anderson's mixing of the last periods; only between periods of
-the same events, and near the end, since a jump may else land on another motion, or on one that
-repels. In a cycle of several periods, or in chaos, jumps may go on for ever and never let the part
-arrive: after a few the part is followed again, from its start, without any, so that no mean is ever
-taken over states that a jump has moved.
+Slow maps are sped up by Anderson's mixing of the last periods; only between periods of the same
+events, and near the end, since a jump may else land on another motion, or on one that repels. After
+a few jumps in vain the part is followed again without any: no mean is taken over moved states.
 """
 
 from __future__ import annotations
@@ -16,14 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from vibrafeed.core.compiled import compiled, raised
-from vibrafeed.core.motion.kernels.arrays import Flags, Floats, Stop, copy
-from vibrafeed.core.motion.kernels.cells import Cell, cell_of
+from vibrafeed.core.motion.kernels.constants import STATUS, TALLY
+from vibrafeed.core.motion.kernels.inputs import Cell, Flags, Floats, Stop, cell_of, copy
 from vibrafeed.core.motion.kernels.means import wall_gap
-from vibrafeed.core.motion.kernels.results import TALLY
-from vibrafeed.core.motion.kernels.statuses import STATUS
-from vibrafeed.core.motion.kernels.track import drive
+from vibrafeed.core.motion.kernels.track import push
 from vibrafeed.core.motion.kernels.track.advance import advance
-from vibrafeed.core.motion.kernels.track.tables import HOLD, STATE, Work, at_rest
+from vibrafeed.core.motion.kernels.track.push import HOLD, STATE, Work, at_rest
 
 MAX_MULTIPLE = 32
 """Periods of a cycle, as many as `reference` and the hops of the plane look for."""
@@ -52,9 +47,8 @@ NO_PHASES = np.zeros(0)  # phases of samples, where none are asked for
 class History(NamedTuple):
     """States at the starts and ends of periods of the drive, and what happened in each.
 
-    `starts` and `ends` have shape (periods + 1, 7), columns of `STATE`; they differ where a jump of
-    the iteration came between. `tallies` have the columns of `TALLY`, `holds` those of `HOLD`, at
-    the starts. `stop` is a flag, looked at between periods, that ends the work.
+    `starts` and `ends`, shape (periods + 1, 7), differ where a jump of the iteration came between;
+    `holds` are at the starts. `stop` is a flag, looked at between periods, that ends the work.
     """
 
     starts: Floats
@@ -74,16 +68,8 @@ class Series(NamedTuple):
 class Settled(NamedTuple):
     """The way in which a cell came to repeat.
 
-    Attributes
-    ----------
-    status
-        Status of the motion, one of `STATUS`.
-    multiple
-        Periods after which it repeats; 0 if it does not.
-    done
-        Periods followed.
-    left
-        Distance of the state from its limit that may be left, in g/w.
+    `multiple` are the periods after which it repeats, 0 if it does not; `done` those followed;
+    `left` the distance of the state from its limit that may be left, in g/w.
     """
 
     status: int
@@ -94,10 +80,7 @@ class Settled(NamedTuple):
 
 @compiled
 def new_history(most: int, stop: Stop) -> History:
-    """Return buffers for the states and sums of `most` periods of a motion, not yet filled.
-
-    `stop` is a flag that ends the work, kept with them.
-    """
+    """Return buffers for the states and sums of `most` periods of a motion, not yet filled."""
     return History(
         np.empty((most + 1, len(STATE))), np.empty((most + 1, len(STATE))),
         np.empty((most + 1, len(TALLY))), np.empty((most + 1, len(HOLD)), dtype=np.int64),
@@ -109,11 +92,8 @@ def new_history(most: int, stop: Stop) -> History:
 def apart(wall: bool, rolling: float, history: History, later: int, earlier: int) -> float:
     """Return the distance between two states of a motion, 0 where it repeats, in units of g and w.
 
-    Those at the end of period `later` and at the start of period `earlier` in `history`: the
-    largest of |dz|, |du_x|, |du_z|, |du_y + dspin| and |dy|. The position along does not matter,
-    nor does that across without a wall (`wall` False); |dy| is left out for a part that did not
-    touch the wall between and does not come nearer (`wall_gap`). `rolling` is m r^2/I of a
-    cylinder, whose slip matters but not the speed at which it rolls, or 0.
+    The largest of |dz|, |du_x|, |du_z|, |du_y + dspin| and `wall_gap` between the end of period
+    `later` and the start of period `earlier`.
     """
     new, old = history.ends[later], history.starts[earlier]
     most = max(
@@ -138,11 +118,8 @@ def repeats(
 ) -> int:  # fmt: skip
     """Return the number of periods after which the motion repeats, 0 if it does not.
 
-    The first m <= 32 for which the end of period `last` and the start m - 1 periods earlier, at
-    period `since` or later, are apart by at most `close`, in units of g and w = 2 pi f. `since` is
-    the period after the last jump of the iteration. If a divisor of m nearly repeats, by less than
-    `parted`, the cycle may be a shorter one that has not settled yet: 0. `history` holds the
-    periods; `wall` is True if there is a wall, `rolling` is m r^2/I of a cylinder or 0.
+    The first m <= 32 with states apart by at most `close`; 0 if a divisor of m nearly repeats, by
+    less than `parted`: the shorter cycle may not have settled yet.
     """
     ends, starts, column = history.ends, history.starts, STATE.ux
     for multiple in range(1, min(MAX_MULTIPLE, last - since + 1) + 1):
@@ -164,11 +141,9 @@ def remaining(
 ) -> float:
     """Return an estimate of the distance of a state from that of the repeating motion, in g/w.
 
-    It is d/(1 - q), q = d/d0 at most 0.999, if changes keep shrinking as they do: d is the change
-    over the last cycle of `multiple` periods, up to period `last`, and d0 that over the one before.
-    d alone if that began before period `since`, the last jump of the iteration (theory 13.13). Here
-    w = 2 pi f. `history` holds the periods; `wall` is True if there is a wall, `rolling` is m r^2/I
-    of a cylinder or 0.
+    d/(1 - q), q = d/d0 at most 0.999, with the change d over the last cycle and d0 over the one
+    before; d alone if that began before period `since`, the last jump of the iteration (theory
+    13.13).
     """
     change = apart(wall, rolling, history, last, last - multiple + 1)
     if last - 2 * multiple + 1 < since or change == 0.0:
@@ -183,30 +158,11 @@ def follow_period(
     cell: Cell, wall: bool, rolling: float, series: Series, period: int, state: Floats, hold: Flags,
     history: History, work: Work,
 ) -> bool:  # fmt: skip
-    """Follow a cell for one more period and record it in `history`; False if that fails.
-
-    It fails if the period has too many events, or the state is not finite.
-
-    Parameters
-    ----------
-    cell
-        The cell's numbers.
-    wall, rolling
-        If there is a wall, and m r^2/I of a cylinder (radius r, moment of inertia I) or 0.
-    series
-        Order and tolerance of the power series of a step.
-    period
-        Number of the period, from 0: its row in `history`.
-    state, hold
-        State and contacts (columns of `STATE` and `HOLD`) at the start of the period, changed to
-        those at its end; the position along starts from 0.
-    work
-        Rows of `ROW`, set for the cell's drive and its step series.
-    """
+    """Follow a cell for one more period and record it in `history`; False if that fails."""
     state[STATE.x] = 0.0
     history.starts[period], history.holds[period] = state, hold
     fine = advance(
-        cell, wall, rolling, series.order, series.tolerance * drive.size(work), state, hold,
+        cell, wall, rolling, series.order, series.tolerance * push.size(work), state, hold,
         history.tallies[period], work, NO_PHASES, history.starts[:0], state[:0],
     )  # fmt: skip
     history.ends[period] = state
@@ -218,25 +174,9 @@ def settle(
     cell: Cell, wall: bool, rolling: float, series: Series, most: int, state: Floats, hold: Flags,
     history: History, work: Work,
 ) -> Settled:  # fmt: skip
-    """Follow a cell until its motion repeats, or for `most` periods; return how it repeats.
-
-    Slow transients are shortened by jumps of the state (Anderson's mixing). If the motion does not
-    repeat with them, it is followed again from its start without any, so that no mean is taken over
-    moved states; if it then nears a cycle it is followed on.
-
-    Parameters
-    ----------
-    cell, wall, rolling
-        The part's numbers; True with a wall; m r^2/I of a cylinder or 0.
-    series
-        Order and tolerance of the power series.
-    state, hold
-        State and contacts (columns of `STATE`, `HOLD`) at the start; changed to those at the end.
-    history, work
-        Filled with the periods; table of series, set for the drive.
-    """
+    """Follow a cell until its motion repeats, or for `most` periods; return how it repeats."""
     start, start_hold = state.copy(), hold.copy()
-    near = APART_AT_MOST * drive.size(work)
+    near = APART_AT_MOST * push.size(work)
     settled, most_jumps = Settled(STATUS.aperiodic, 0, 0, math.inf), MAX_JUMPS
     for _ in range(3):
         settled, jumps = approach(
@@ -258,27 +198,9 @@ def settle(
 def to_cycle(
     row: Floats, wall: bool, rolling: float, series: Series, history: History, work: Work
 ) -> tuple[Settled, Floats, Flags]:
-    """Follow a cell from rest until its motion repeats; return how, and state and contacts there.
-
-    The first value is the way in which it came to repeat (`Settled`); state (columns of `STATE`)
-    and contacts (columns of `HOLD`) are those at the start of the cycle, or at the end if it does
-    not repeat.
-
-    Parameters
-    ----------
-    row
-        The cell's numbers (columns of `Cell`, then its wave).
-    wall, rolling
-        If there is a wall, and m r^2/I of a cylinder (radius r, moment of inertia I) or 0.
-    series
-        Order and tolerance of the power series of a step.
-    history
-        Filled with starts, ends and sums of each period.
-    work
-        Rows of `ROW`, set here for the cell's drive and its step series.
-    """
+    """Follow a cell from rest until it repeats; return how, and state and contacts there."""
     cell = cell_of(row)
-    drive.set_drive(cell, row, work)
+    push.set_drive(cell, row, work)
     state, hold = at_rest()
     most = int(cell.max_periods)
     settled = settle(cell, wall, rolling, series, most, state, hold, history, work)
@@ -292,11 +214,8 @@ def to_cycle(
 def neared(wall: bool, rolling: float, history: History, done: int, near: float) -> Settled:
     """Return the period of a motion that approaches a cycle slowly, as the record `Settled`.
 
-    Without jumps of the iteration, over `done` periods in `history`. The change over a cycle must
-    have fallen from d0 to d, less than a tenth, within the last L cycles (a quarter of all
-    periods): with the ratio q = (d/d0)^(1/L) of one cycle the state is still off by d q/(1 - q),
-    which must be less than `near`, in g/w (w = 2 pi f). `multiple` of the record is 0 if there is
-    no such cycle. `wall` is True if there is a wall, `rolling` is m r^2/I of a cylinder or 0
+    The change over a cycle must have fallen to less than a tenth within the last L cycles: with the
+    ratio q = (d/d0)^(1/L) the state is still off by d q/(1 - q), which must be less than `near`
     (theory 13.13).
     """
     for multiple in range(1, min(MAX_MULTIPLE, done // 8) + 1):
@@ -320,25 +239,8 @@ def approach(
     cell: Cell, wall: bool, rolling: float, series: Series, most: int, most_jumps: int,
     state: Floats, hold: Flags, history: History, work: Work,
 ) -> tuple[Settled, int]:  # fmt: skip
-    """Follow a cell until its motion repeats, within limits; return how it repeats, and jumps used.
-
-    The state after a period is a function of that before, y -> f(y). Where |f(y) - y| of periods
-    with the same events shrinks slowly, the state jumps ahead by Anderson's mixing (`jump`).
-
-    Parameters
-    ----------
-    cell, wall, rolling
-        The part's numbers; True with a wall; m r^2/I of a cylinder or 0.
-    series
-        Order and tolerance of the power series.
-    most, most_jumps
-        Largest numbers of periods and of jumps; 0 for a run without jumps.
-    state, hold
-        State and contacts (columns of `STATE`, `HOLD`) at the start; changed to those at the end.
-    history, work
-        Filled with the periods; table of series.
-    """
-    speed = drive.size(work)
+    """Follow a cell until it repeats, within limits; return how it repeats, and jumps used."""
+    speed = push.size(work)
     close = cell.tolerance * speed
     since, shrank, jumps = 0, 0, 0
     for period in range(most):
@@ -375,34 +277,21 @@ def approach(
 
 @compiled
 def same_events(history: History, first: int, second: int) -> bool:
-    """True if two periods had the same events in the same order: their event hashes are equal.
-
-    `first` and `second` are indices of periods. Only the maps of such periods are alike, so that
-    the next states can be predicted from the last.
-    """
+    """True if two periods had the same events in the same order: their event hashes are equal."""
     tallies = history.tallies
     return bool(tallies[first, TALLY.signature] == tallies[second, TALLY.signature])
 
 
 @compiled
 def first_coordinate(wall: bool, history: History, period: int) -> int:
-    """Return the first column of the state that takes part in Anderson's mixing.
-
-    y if the part touched a wall in the period, else z: x and an unbounded y do not matter.
-    `history` holds the periods.
-    """
+    """Return the first column of the state that takes part in Anderson's mixing."""
     touched = wall and history.tallies[period, TALLY.at_wall] > 0.0
     return STATE.y if touched else STATE.z
 
 
 @compiled
 def step_size(wall: bool, history: History, period: int) -> float:
-    """Return the largest change of a state over a period, max |end - start|, in g/w and g/w^2.
-
-    Where it shrinks steadily from period to period, Anderson's mixing may take a jump towards the
-    cycle. Over the columns of the state that take part in the mixing (`first_coordinate`). Here w =
-    2 pi f. `history` holds the periods; `wall` is True if there is a wall.
-    """
+    """Return the largest change of a state over a period, max |end - start|, in g/w and g/w^2."""
     most = 0.0
     for i in range(first_coordinate(wall, history, period), len(STATE)):
         most = max(most, abs(history.ends[period, i] - history.starts[period, i]))
@@ -413,13 +302,8 @@ def step_size(wall: bool, history: History, period: int) -> float:
 def jump(wall: bool, history: History, last: int, since: int, state: Floats) -> bool:
     """Move the state to where the motion is predicted to repeat; False if there is no prediction.
 
-    By Anderson's mixing, which shortens slow transients: with residuals f = end - start of the last
-    periods, weights minimise |f_last - sum of weights times differences of f|, and the new state is
-    the same combination of the ends.
-
-    Only periods with equal events count, up to number `last`, after number `since`, the last jump.
-    False, with the state as it was, also if the new one would lie below the floor or, with a wall
-    (`wall` True), behind it. `history` holds the periods; `state` has the columns of `STATE`.
+    Weights minimise |f_last - sum of weights times differences of f| of the residuals f = end -
+    start of periods with equal events; the new state is the same combination of the ends.
     """
     depth = 0
     while depth < min(DEPTH, last - since) and same_events(history, last - depth - 1, last):
@@ -443,10 +327,8 @@ def jump(wall: bool, history: History, last: int, since: int, state: Floats) -> 
 def mixing_weights(history: History, last: int, depth: int, first: int) -> tuple[Floats, int]:
     """Return the weights by which a slow transient is extrapolated, and how many are in use.
 
-    Anderson's mixing: the least squares of |f_last - sum of w_j df_j| over `depth` differences df
-    of residuals f = end - start of a period before period `last`, latest first, over the columns of
-    the state from `first` on. By modified Gram and Schmidt: Q R w = f_last. 0 are in use if a
-    weight is too large. `history` holds the periods.
+    Least squares by modified Gram and Schmidt, Q R w = f_last; 0 are in use if a weight is too
+    large.
     """
     columns = len(STATE)
     basis, triangle, weights = np.zeros((DEPTH, columns)), np.zeros((DEPTH, DEPTH)), np.zeros(DEPTH)
