@@ -13,8 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibrafeed.core.mechanics.angles import cosine, sine
-from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, ratio, sine
 
 # --- One unilateral contact: force or separation, never both (theory 2.3).
 #

@@ -12,8 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibrafeed.core.mechanics.angles import cosine
-from vibrafeed.core.mechanics.arrays import Array, Mask, hypot, ratio
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, hypot, ratio
 
 Matrix = Sequence[Sequence[Array]]
 

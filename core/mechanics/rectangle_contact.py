@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibrafeed.core.mechanics.angles import cosine, sine
-from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, sine
 
 # Share of the parts' size below which lengths count as equal: two corners on a face, or a corner on
 # a corner. Far above rounding, far below what a part is made to.

@@ -11,8 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibrafeed.core.mechanics.angles import cosine, sine
-from vibrafeed.core.mechanics.arrays import Array, Mask, hypot
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, hypot, sine
 
 
 def share_of_faces(along: Array, across: Array, apart: Array) -> Array:

@@ -9,8 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibrafeed.core.mechanics.arrays import Array, Mask, hypot, ratio
-from vibrafeed.core.mechanics.elementwise import Elementwise
+from vibrafeed.core.mechanics.arrays import Array, Elementwise, Mask, hypot, ratio
 
 # Newton's steps: a solid cylinder has its root to the last bit after five, over all inputs that the
 # tests try; what turns more easily needs more. A loop over arrays stops as soon as no root moves; a

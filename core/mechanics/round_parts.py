@@ -10,8 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from vibrafeed.core.mechanics import rolling
-from vibrafeed.core.mechanics.angles import cosine, sine
-from vibrafeed.core.mechanics.arrays import Array, Mask, hypot, ratio
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, hypot, ratio, sine
 from vibrafeed.core.mechanics.screws import Wrench, vector
 
 # --- how much of a part turns

@@ -1,9 +1,14 @@
-"""Screws: dual vectors, twists, wrenches and momentum, each a type of its own (theory 1.6).
+"""Wrenches as screws, and a cylinder that rolls and yaws on a level plane (theory 1.6, 9).
 
-A screw is a resultant and a moment about a point. Sources disagree on which half comes first, and a
-twist added to a wrench is nonsense that six bare numbers allow; so halves have names, and kinds do
-not mix. Halves are arrays of shape (..., 3) that broadcast against each other. A type does not know
-its reference point and axes: whoever combines two screws answers for these being the same.
+A screw is a resultant and a moment about a point. Sources disagree on which half comes first, so
+halves have names. Halves are arrays of shape (..., 3) that broadcast against each other. A type
+does not know its reference point and axes: whoever combines two answers for that.
+
+Axes: n upwards (the source's E1), eta in rolling direction (E2), sigma along the axis (E3). Angles
+are counted from sigma towards eta, as the source does; theory 9.2 says what that means in the axes
+of the track. Pure rolling about mid-length, with angular velocity theta' n + phi' sigma and the
+centre's velocity r phi' eta. SI units, angles in radians; wrenches are about the centre, in the
+axes n, eta, sigma.
 """
 
 from __future__ import annotations
@@ -14,8 +19,8 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.mechanics.angles import cosine, sine
-from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, hypot, ratio, sine
+from vibrafeed.core.mechanics.rolling import is_rolling
 
 # --- Rotations of rigid bodies as plain arrays (theory 1.1; (2.1) of the source).
 #
@@ -367,3 +372,237 @@ def _scaled(half: Array) -> tuple[Array, NDArray[np.intc]]:
     """Return vectors scaled so that their largest component is in [1/2, 1), and the exponents."""
     _, exponent = np.frexp(np.max(np.abs(half), axis=-1))
     return np.ldexp(half, -exponent[..., None]), exponent
+
+
+def level_gravity(*, gravity: Array) -> Array:
+    """Return gravity onto a level floor, g [m s-2]."""
+    return gravity
+
+
+def rolling_drive(
+    *, vibration_acceleration: Array, alpha: Array, beta: Array, axis_yaw: Array
+) -> Array:
+    """Return the drive at its peak along eta, D_eta = P cos(beta) sin(alpha + theta) [m s-2]."""
+    return vibration_acceleration * cosine(beta) * sine(alpha + axis_yaw)
+
+
+def axial_drive(
+    *, vibration_acceleration: Array, alpha: Array, beta: Array, axis_yaw: Array
+) -> Array:
+    """Return the drive's peak along sigma, D_sigma = P cos(beta) cos(alpha + theta) [m s-2].
+
+    sigma is the direction of the cylinder's axis, at the yaw theta (`axis_yaw`).
+    """
+    return vibration_acceleration * cosine(beta) * cosine(alpha + axis_yaw)
+
+
+def axial_friction_acceleration(
+    *, axial_drive: Array, diameter: Array, spin_rate: Array, yaw_rate: Array
+) -> Array:
+    """Return the friction per mass along the axis, D_sigma - r phi' theta', (4.16) [m s-2].
+
+    D_sigma is the drive along the axis, r the radius, phi' the spin rate and theta' the yaw rate.
+    """
+    return axial_drive - diameter / 2 * spin_rate * yaw_rate
+
+
+def rolling_friction(*, mass: Array, rolling_drive: Array) -> Array:
+    """Return the friction force that rolls the cylinder, m D_eta/3, (4.15) [N]."""
+    return mass * rolling_drive / 3
+
+
+def axial_friction(*, mass: Array, axial_friction_acceleration: Array) -> Array:
+    """Return the friction force along the axis, m (D_sigma - r phi' theta'), (4.16) [N]."""
+    return mass * axial_friction_acceleration
+
+
+def spin_acceleration(*, rolling_drive: Array, diameter: Array) -> Array:
+    """Return the spin acceleration, phi'' = 4 D_eta/(3 d), (4.19) [rad s-2]."""
+    return 4 * rolling_drive / (3 * diameter)
+
+
+def yaw_acceleration(
+    *, mass: Array, diameter: Array, length: Array, drilling_moment: Array
+) -> Array:
+    """Return the yaw acceleration, M_z/I1 with I1 = m (3 r^2 + L^2)/12; 0 in (4.18) [rad s-2].
+
+    M_z is the drilling moment of the floor, r and L radius and length.
+    """
+    return 12 * drilling_moment / (mass * (0.75 * np.square(diameter) + np.square(length)))
+
+
+def printed_yaw_rate(*, axial_drive: Array, diameter: Array, spin_rate: Array) -> Array:
+    """Return the yaw rate as printed, theta' = 4 D_sigma/(3 d phi'), (4.20) [rad s-1].
+
+    D_sigma is the drive along the axis, phi' the spin rate. It follows only if the floor's
+    resultant is held at mid-length. Without spin it has no value, as at every start from rest, and
+    its time derivative contradicts (4.18).
+    """
+    with np.errstate(over="ignore"):
+        return ratio(4 * axial_drive, 3 * diameter * spin_rate, np.nan)
+
+
+def pressure_offset_axial(
+    *,
+    axial_drive: Array,
+    diameter: Array,
+    spin_rate: Array,
+    yaw_rate: Array,
+    normal_acceleration: Array,
+) -> Array:
+    """Return the shift of the floor's normal force, r (D_sigma - (3/2) r phi' theta')/n0 [m].
+
+    D_sigma is the drive along the axis, r the radius, phi' the spin rate, theta' the yaw rate, n0
+    the normal force per mass. Friction along the axis tilts the cylinder and the yaw of its spin
+    resists; the floor balances both. The source leaves it out. NaN in flight.
+    """
+    tilting = axial_drive - 0.75 * diameter * spin_rate * yaw_rate
+    return diameter / 2 * _over_normal(tilting, normal_acceleration, np.nan)
+
+
+def required_friction(
+    *, rolling_drive: Array, axial_friction_acceleration: Array, normal_acceleration: Array
+) -> Array:
+    """Return the least static friction with which the cylinder rolls, hypot(F_eta, F_sigma)/N [1].
+
+    F_eta and F_sigma are the friction forces in rolling direction and along the axis, N the floor's
+    force; infinite in flight.
+    """
+    friction = hypot(rolling_drive / 3, axial_friction_acceleration)
+    return _over_normal(friction, normal_acceleration, np.inf)
+
+
+def cone_margin(
+    *,
+    mass: Array,
+    friction_static: Array,
+    rolling_drive: Array,
+    axial_friction_acceleration: Array,
+    normal_acceleration: Array,
+) -> Array:
+    """Return the margin of static friction, mu_s N - hypot(F_eta, F_sigma) [N].
+
+    F_eta and F_sigma are the friction forces in rolling direction and along the axis, N the floor's
+    force; below 0 the cylinder slips.
+    """
+    friction = hypot(rolling_drive / 3, axial_friction_acceleration)
+    return mass * (friction_static * normal_acceleration - friction)
+
+
+def floor_wrench(
+    *,
+    mass: Array,
+    diameter: Array,
+    spin_rate: Array,
+    yaw_rate: Array,
+    drilling_moment: Array,
+    rolling_friction: Array,
+    axial_friction: Array,
+    floor_force: Array,
+) -> Wrench:
+    """Return the wrench of the floor about the centre, in the axes n, eta, sigma [N, N m].
+
+    The force is (N, -F_eta, -F_sigma): floor force N, friction F_eta in rolling direction and
+    F_sigma along the axis. The moment is (M_z, -I3 theta' phi', r F_eta): drilling moment M_z, then
+    what turns the spin phi' with the yaw rate theta', I3 = m r^2/2.
+    """
+    force = vector(floor_force, -rolling_friction, -axial_friction)
+    precession = _turning_of_spin(mass, diameter, spin_rate, yaw_rate)
+    return Wrench(force, vector(drilling_moment, precession, diameter / 2 * rolling_friction))
+
+
+def force_wrench(
+    *,
+    mass: Array,
+    diameter: Array,
+    spin_rate: Array,
+    yaw_rate: Array,
+    drilling_moment: Array,
+    rolling_drive: Array,
+    rolling_friction: Array,
+) -> Wrench:
+    """Return the wrench of drive, gravity and floor together about the centre, (4.12), (4.13).
+
+    Of a cylinder that rolls and yaws on a level floor. In the axes n, eta, sigma [N, N m]; drive
+    and gravity act at the centre. What (4.15) to (4.17) cancel is left out instead of subtracted:
+    along n nothing remains, along sigma m r phi' theta', with spin rate phi' and yaw rate theta'.
+    """
+    turning = mass * (diameter / 2) * spin_rate * yaw_rate
+    force = vector(np.zeros(()), mass * rolling_drive * (2 / 3), turning)
+    precession = _turning_of_spin(mass, diameter, spin_rate, yaw_rate)
+    return Wrench(force, vector(drilling_moment, precession, diameter / 2 * rolling_friction))
+
+
+def floor_reduction(*, floor_wrench: Wrench) -> ScrewReduction:
+    """Return pitch F.M/F^2 and axis F x M/F^2 of the floor's wrench, force F and moment M."""
+    return floor_wrench.reduced()
+
+
+def force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
+    """Return pitch F.M/F^2 and axis F x M/F^2 of all forces' wrench, force F and moment M."""
+    return force_wrench.reduced()
+
+
+def printed_floor_reduction(*, floor_wrench: Wrench) -> ScrewReduction:
+    """Return pitch and axis of the floor's wrench with the sign of (4.3), (4.5), (4.6)."""
+    return _as_printed(floor_wrench.reduced())
+
+
+def printed_force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
+    """Return pitch and axis of the force system with the sign of (4.3), (4.5), (4.6)."""
+    return _as_printed(force_wrench.reduced())
+
+
+def tips_along_axis(*, pressure_offset_axial: Array, length: Array) -> Mask:
+    """True where the floor's normal force would leave the cylinder: |e| > L/2, it tips."""
+    return np.abs(pressure_offset_axial) > length / 2
+
+
+def slips(
+    *,
+    rolling_drive: Array,
+    axial_friction_acceleration: Array,
+    friction_static: Array,
+    normal_acceleration: Array,
+) -> Mask:
+    """True where a rolling and yawing cylinder needs more friction than there is.
+
+    hypot(F_eta, F_sigma) > mu_s N, with the friction forces in rolling direction (`rolling_drive`,
+    of which a solid cylinder needs a third) and along the axis, and the floor's force N, all per
+    mass [m s-2].
+    """
+    return ~is_rolling(
+        in_plane_drive_x=axial_friction_acceleration,
+        in_plane_drive_y=rolling_drive,
+        friction_static=friction_static,
+        floor_acceleration=normal_acceleration,
+    )
+
+
+def has_no_printed_yaw_rate(*, printed_yaw_rate: Array) -> Mask:
+    """True where (4.20) has no value: without spin, or too little for a float."""
+    return ~np.isfinite(printed_yaw_rate)
+
+
+def has_no_force_axis(*, force_reduction: ScrewReduction) -> Mask:
+    """True where the force system has no axis: it is a pure couple, or nothing."""
+    return np.asarray(force_reduction.kind != ScrewKind.GENERAL)
+
+
+def _over_normal(value: Array, normal_acceleration: Array, otherwise: float) -> Array:
+    """Return value/n0, and `otherwise` in flight."""
+    pressed = normal_acceleration > 0
+    return np.where(pressed, value / np.where(pressed, normal_acceleration, 1.0), otherwise)
+
+
+def _turning_of_spin(mass: Array, diameter: Array, spin_rate: Array, yaw_rate: Array) -> Array:
+    """Return the moment about eta that turns the spin, -I3 theta' phi', I3 = m r^2/2 [N m].
+
+    phi' is the spin rate, theta' the yaw rate.
+    """
+    return -mass * np.square(diameter) / 8 * spin_rate * yaw_rate
+
+
+def _as_printed(reduction: ScrewReduction) -> ScrewReduction:
+    """Return a screw's pitch and axis with the sign of the axis as printed."""
+    return ScrewReduction(reduction.pitch, -reduction.axis_point, reduction.kind)

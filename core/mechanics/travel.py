@@ -13,15 +13,17 @@ from collections.abc import Callable
 
 import numpy as np
 
-from vibrafeed.core.mechanics.angles import cosine
-from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
-from vibrafeed.core.mechanics.elementwise import (
+from vibrafeed.core.mechanics.arrays import (
     LOGARITHMIC,
+    Array,
+    Mask,
     arc_quotient,
     arc_series,
     arctan_quotient,
+    cosine,
     expm1_quotient,
     log1p_quotient,
+    ratio,
     sin_quotient,
     sinh_quotient,
     tan_quotient,

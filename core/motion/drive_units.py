@@ -13,9 +13,8 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from vibrafeed.core.errors import Problem
-from vibrafeed.core.mechanics import bowl_drive_unit, drive_unit
-from vibrafeed.core.mechanics.angles import cosine, sine
-from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics import drive_unit
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, sine
 from vibrafeed.core.motion import bowl_track
 from vibrafeed.core.motion.bowl_track import Track, track_of
 from vibrafeed.core.motion.drives import SINE, Shape, under_wave
@@ -179,7 +178,7 @@ def loaded_inertia(
     *, moving_inertia: Array, load_mass: Array, part_load: Load, load_radius: Array
 ) -> Array:
     """Return the inertia with the load and the effective mass of travelling parts [kg m2]."""
-    return bowl_drive_unit.loaded_inertia(
+    return drive_unit.loaded_inertia(
         moving_inertia=moving_inertia, load_mass=load_mass + part_load.mass, load_radius=load_radius
     )
 

@@ -15,8 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from vibrafeed.core.errors import Problem
-from vibrafeed.core.mechanics.angles import cosine, sine
-from vibrafeed.core.mechanics.arrays import Array, ratio
+from vibrafeed.core.mechanics.arrays import Array, cosine, ratio, sine
 from vibrafeed.core.motion import limits, waves
 from vibrafeed.core.motion.groups import Groups
 from vibrafeed.core.motion.result import STATUS, Motion

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibrafeed.core.mechanics import corner, vibration
+from vibrafeed.core.mechanics import corner, floor
 from vibrafeed.core.mechanics.arrays import Array, hypot
 from vibrafeed.core.mechanics.corner import Direction
 from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
@@ -33,7 +33,7 @@ CORNER = (
     Equation("slip_direction", corner.slip_direction, "theory 2.4"),
     Equation("contact_case", corner.contact_case, "theory 2.3"),
     Equation("floor_acceleration", corner.floor_acceleration, "theory 2.3"),
-    Equation("floor_force", vibration.floor_force, "theory 2.3"),
+    Equation("floor_force", floor.floor_force, "theory 2.3"),
     Equation("friction_force", corner.friction_force, "theory 2.3"),
     Equation("acceleration_along", corner.acceleration_along, "(3.1), (3.25)"),
     Equation("acceleration_upward", corner.acceleration_upward, "(3.1), (3.25)"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vibrafeed.core.mechanics import friction, rolling, travel, vibration, wall
+from vibrafeed.core.mechanics import floor, rolling, travel, wall
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
     STATIC_ABOVE_KINETIC,
@@ -15,36 +15,36 @@ from vibrafeed.core.scenes.scene import (
 # --- Equations of all scenes of a part on a plane: drive, gravity, and a floor without a wall.
 
 DRIVE = (
-    Equation("vibration_acceleration", vibration.vibration_acceleration, "theory 0.2"),
-    Equation("drive_along", vibration.drive_along, "(3.8)"),
-    Equation("drive_across", vibration.drive_across, "(3.8)"),
-    Equation("drive_normal", vibration.drive_normal, "(3.8)"),
-    Equation("gravity_along", vibration.gravity_along, "(3.11)"),
-    Equation("normal_acceleration", vibration.normal_acceleration, "(3.9), (3.11)"),
-    Equation("throw_number", vibration.throw_number, "theory 13.2"),
-    Equation("in_plane_drive_x", vibration.in_plane_drive_x, "theory 3"),
+    Equation("vibration_acceleration", floor.vibration_acceleration, "theory 0.2"),
+    Equation("drive_along", floor.drive_along, "(3.8)"),
+    Equation("drive_across", floor.drive_across, "(3.8)"),
+    Equation("drive_normal", floor.drive_normal, "(3.8)"),
+    Equation("gravity_along", floor.gravity_along, "(3.11)"),
+    Equation("normal_acceleration", floor.normal_acceleration, "(3.9), (3.11)"),
+    Equation("throw_number", floor.throw_number, "theory 13.2"),
+    Equation("in_plane_drive_x", floor.in_plane_drive_x, "theory 3"),
 )
 
 PLANE = (
     *DRIVE,
-    Equation("gravity_normal", vibration.gravity_normal, "(3.11)"),
-    Equation("in_plane_drive_y", vibration.in_plane_drive_y, "theory 3"),
-    Equation("in_plane_drive", vibration.in_plane_drive, "theory 3.2"),
-    Equation("rotated_acceleration_x", vibration.rotated_acceleration_x, "(3.10), (3.12)"),
-    Equation("rotated_acceleration_y", vibration.rotated_acceleration_y, "(3.10), (3.12)"),
-    Equation("floor_force", vibration.floor_force, "(3.9), (3.11)"),
+    Equation("gravity_normal", floor.gravity_normal, "(3.11)"),
+    Equation("in_plane_drive_y", floor.in_plane_drive_y, "theory 3"),
+    Equation("in_plane_drive", floor.in_plane_drive, "theory 3.2"),
+    Equation("rotated_acceleration_x", floor.rotated_acceleration_x, "(3.10), (3.12)"),
+    Equation("rotated_acceleration_y", floor.rotated_acceleration_y, "(3.10), (3.12)"),
+    Equation("floor_force", floor.floor_force, "(3.9), (3.11)"),
 )
 
 PER_AXIS = (
-    Equation("acceleration_x", friction.per_axis_acceleration_x, "(3.9), (3.11)", "thesis"),
-    Equation("acceleration_y", friction.per_axis_acceleration_y, "(3.9), (3.11)", "thesis"),
-    Equation("acceleration_z", vibration.no_acceleration_z, "(3.9), (3.11)", "thesis"),
-    Equation("floor_acceleration", vibration.unchecked_acceleration, "(3.9), (3.11)", "thesis"),
+    Equation("acceleration_x", floor.per_axis_acceleration_x, "(3.9), (3.11)", "thesis"),
+    Equation("acceleration_y", floor.per_axis_acceleration_y, "(3.9), (3.11)", "thesis"),
+    Equation("acceleration_z", floor.no_acceleration_z, "(3.9), (3.11)", "thesis"),
+    Equation("floor_acceleration", floor.unchecked_acceleration, "(3.9), (3.11)", "thesis"),
 )
 
 UNILATERAL = (
-    Equation("floor_acceleration", vibration.supported_acceleration, "theory 3.2", "physical"),
-    Equation("acceleration_z", vibration.lift_off_acceleration, "theory 3.2", "physical"),
+    Equation("floor_acceleration", floor.supported_acceleration, "theory 3.2", "physical"),
+    Equation("acceleration_z", floor.lift_off_acceleration, "theory 3.2", "physical"),
 )
 
 PLANE_DEFAULTS = {"alpha": 0.0, "gamma": 0.0, "gravity": STANDARD_GRAVITY}
@@ -71,17 +71,17 @@ OFFSETS = frozenset(("pressure_offset_x", "pressure_offset_y"))
 RECTANGLE_PHYSICAL = (
     *PLANE,
     *UNILATERAL,
-    Equation("sliding_fraction", friction.sliding_fraction, "theory 3.2", "physical"),
-    Equation("acceleration_x", friction.disc_acceleration_x, "theory 3.2", "physical"),
-    Equation("acceleration_y", friction.disc_acceleration_y, "theory 3.2", "physical"),
-    Equation("pressure_offset_x", friction.pressure_offset_x, "theory 4.4", "physical"),
-    Equation("pressure_offset_y", friction.pressure_offset_y, "theory 4.4", "physical"),
+    Equation("sliding_fraction", floor.sliding_fraction, "theory 3.2", "physical"),
+    Equation("acceleration_x", floor.disc_acceleration_x, "theory 3.2", "physical"),
+    Equation("acceleration_y", floor.disc_acceleration_y, "theory 3.2", "physical"),
+    Equation("pressure_offset_x", floor.pressure_offset_x, "theory 4.4", "physical"),
+    Equation("pressure_offset_y", floor.pressure_offset_y, "theory 4.4", "physical"),
 )
 
 FLIGHT = Condition(
-    "flight", vibration.has_left_floor, FLOOR | ACCELERATIONS | OFFSETS, otherwise="contact"
+    "flight", floor.has_left_floor, FLOOR | ACCELERATIONS | OFFSETS, otherwise="contact"
 )
-STICK = Condition("stick", friction.is_stuck, ACCELERATIONS | OFFSETS, otherwise="slip")
+STICK = Condition("stick", floor.is_stuck, ACCELERATIONS | OFFSETS, otherwise="slip")
 
 RECTANGLE_SCENE = Scene(
     name="rectangle-on-plane",
@@ -100,8 +100,8 @@ RECTANGLE_SCENE = Scene(
         "derived": (FLIGHT, STICK),
         "physical": (
             FLIGHT,
-            Condition("tipping", friction.tips_x, frozenset(("pressure_offset_x",))),
-            Condition("tipping", friction.tips_y, frozenset(("pressure_offset_y",))),
+            Condition("tipping", floor.tips_x, frozenset(("pressure_offset_x",))),
+            Condition("tipping", floor.tips_y, frozenset(("pressure_offset_y",))),
             STICK,
         ),
     },
@@ -135,7 +135,7 @@ CYLINDER_PHYSICAL = (
     ),
 )
 CONDITIONS = (
-    Condition("flight", vibration.has_left_floor, FLOOR | MOTION | {"roll_root"}, "contact"),
+    Condition("flight", floor.has_left_floor, FLOOR | MOTION | {"roll_root"}, "contact"),
     Condition("stick", rolling.is_at_rest, MOTION),
     Condition("roll", rolling.is_rolling, MOTION | {"roll_root"}, otherwise="slip"),
 )
@@ -163,8 +163,8 @@ CYLINDER_SCENE = Scene(
 
 COMMON = (
     *DRIVE,
-    Equation("gravity_normal", vibration.leaning_gravity_normal, "(3.13)"),
-    Equation("gravity_across", vibration.gravity_across, "(3.13)"),
+    Equation("gravity_normal", floor.leaning_gravity_normal, "(3.13)"),
+    Equation("gravity_across", floor.gravity_across, "(3.13)"),
     Equation("centripetal_acceleration", wall.centripetal_acceleration, "(3.14)"),
     Equation("transport_velocity", travel.transport_velocity, "(3.18)"),
     Equation("terminal_velocity", travel.terminal_velocity, "theory 4.5"),
@@ -174,11 +174,11 @@ COMMON = (
     Equation("distance_at_time", travel.distance_at_time, "theory 4.5"),
     Equation("stopping_distance", travel.stopping_distance, "theory 4.5"),
     Equation("stopping_time", travel.stopping_time, "theory 4.5"),
-    Equation("velocity_bound", vibration.velocity_bound, "theory 11.1"),
+    Equation("velocity_bound", floor.velocity_bound, "theory 11.1"),
     Equation("suggested_distance", travel.suggested_distance, "theory 11.1"),
     Equation("distance_bound", travel.distance_bound, "theory 11.1"),
     Equation("chord_cosine", wall.chord_cosine, "(3.13)"),
-    Equation("floor_force", vibration.floor_force, "(3.15b)"),
+    Equation("floor_force", floor.floor_force, "(3.15b)"),
     Equation("wall_force", wall.wall_force, "(3.16)"),
     Equation("wall_force_front", wall.wall_force_front, "(3.16)"),
     Equation("wall_force_rear", wall.wall_force_rear, "(3.16)"),
@@ -186,7 +186,7 @@ COMMON = (
 TOP_EDGE = (
     Equation("acceleration_x", wall.curved_acceleration_x, "(3.17)"),
     Equation("acceleration_y", wall.curved_acceleration_y, "(3.14)"),
-    Equation("acceleration_z", vibration.no_acceleration_z, "(3.14)"),
+    Equation("acceleration_z", floor.no_acceleration_z, "(3.14)"),
     Equation("wall_acceleration", wall.top_edge_wall_acceleration, "(3.16)"),
     Equation("floor_acceleration", wall.top_edge_floor_acceleration, "(3.15b)"),
     Equation("z_residual", wall.z_residual, "(3.14)"),
@@ -209,9 +209,9 @@ TRACK_PHYSICAL = (
     *CORRECTED,
     Equation("acceleration_x", wall.supported_acceleration_x, "theory 4.4", "physical"),
     Equation("acceleration_y", wall.off_wall_acceleration_y, "theory 4.4", "physical"),
-    Equation("acceleration_z", vibration.lift_off_acceleration, "theory 4.4", "physical"),
+    Equation("acceleration_z", floor.lift_off_acceleration, "theory 4.4", "physical"),
     Equation("wall_acceleration", wall.pushing_wall_acceleration, "theory 4.4", "physical"),
-    Equation("floor_acceleration", vibration.supported_acceleration, "theory 4.4", "physical"),
+    Equation("floor_acceleration", floor.supported_acceleration, "theory 4.4", "physical"),
     Equation("pressure_offset_x", wall.held_pressure_offset_x, "theory 4.4", "physical"),
 )
 
@@ -245,7 +245,7 @@ FITS = Condition(
 )
 LEFT_FLOOR = (
     Condition("flight_and_wall_lost", wall.has_left_floor_and_wall, BOTH),
-    Condition("flight", vibration.has_left_floor, TRACK_FLOOR, otherwise="contact"),
+    Condition("flight", floor.has_left_floor, TRACK_FLOOR, otherwise="contact"),
 )
 # After flight, but before the wall: a speed of 0 is explained before its validity is doubted.
 REST = (
@@ -289,7 +289,7 @@ PHYSICAL_CONDITIONS = (
     *LEFT_FLOOR,
     *REST,
     LEFT_WALL,
-    Condition("tipping", friction.tips_x, frozenset(("pressure_offset_x",))),
+    Condition("tipping", floor.tips_x, frozenset(("pressure_offset_x",))),
     *BEYOND,
     Condition("stick", wall.is_held, ACCELERATION, otherwise="slip"),
 )

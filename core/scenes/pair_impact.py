@@ -4,12 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from vibrafeed.core.mechanics import (
-    cylinder_impact,
-    cylinder_outcome,
-    rectangle_impact,
-    rectangle_outcome,
-)
+from vibrafeed.core.mechanics import cylinder_impact, rectangle_impact
 from vibrafeed.core.mechanics.cylinder_contact import cylinder_contact
 from vibrafeed.core.mechanics.rectangle_contact import rectangle_contact
 from vibrafeed.core.scenes.scene import Condition, Equation, Scene, fields
@@ -64,7 +59,7 @@ RECTANGLE_REST = (
             "the tangential impulse on body 1, along t = (-n_y, n_x) [N s]",
         ),
     ),
-    Equation("planar_motion_after", rectangle_outcome.motion_after, "theory 5.2"),
+    Equation("planar_motion_after", rectangle_impact.motion_after, "theory 5.2"),
     *fields(
         "planar_motion_after",
         "theory 5.2",
@@ -75,15 +70,13 @@ RECTANGLE_REST = (
         velocity_y_2_after=("velocity_y_2", "the velocity of body 2 after the impact, y [m s-1]"),
         spin_2_after=("spin_2", "the angular velocity of body 2 after the impact [rad s-1]"),
     ),
-    Equation("separation_normal", rectangle_outcome.separation_normal, "theory 5.2"),
-    Equation("separation_tangential", rectangle_outcome.separation_tangential, "theory 5.3"),
-    Equation("energy_before", rectangle_outcome.energy_before, "theory 5.3"),
-    Equation("energy_lost", rectangle_outcome.energy_lost, "theory 5.3"),
-    Equation("momentum_residual_x", rectangle_outcome.momentum_residual_x, "theory 5.3"),
-    Equation("momentum_residual_y", rectangle_outcome.momentum_residual_y, "theory 5.3"),
-    Equation(
-        "angular_momentum_residual", rectangle_outcome.angular_momentum_residual, "theory 5.3"
-    ),
+    Equation("separation_normal", rectangle_impact.separation_normal, "theory 5.2"),
+    Equation("separation_tangential", rectangle_impact.separation_tangential, "theory 5.3"),
+    Equation("energy_before", rectangle_impact.energy_before, "theory 5.3"),
+    Equation("energy_lost", rectangle_impact.energy_lost, "theory 5.3"),
+    Equation("momentum_residual_x", rectangle_impact.momentum_residual_x, "theory 5.3"),
+    Equation("momentum_residual_y", rectangle_impact.momentum_residual_y, "theory 5.3"),
+    Equation("angular_momentum_residual", rectangle_impact.angular_momentum_residual, "theory 5.3"),
 )
 WITH_FRICTION = Equation("edge_action", rectangle_impact.edge_action_with_friction, "theory 5.1")
 RECTANGLE_FRICTIONLESS = (
@@ -274,37 +267,37 @@ CYLINDER_REST = (
             "the velocity n.(v1 + w1 x rho1 - v2 - w2 x rho2) before the impact [m s-1]",
         ),
     ),
-    Equation("sliding_before", cylinder_outcome.sliding_before, "theory 8.1"),
+    Equation("sliding_before", cylinder_impact.sliding_before, "theory 8.1"),
     *fields(
         "spatial_impulse",
         "theory 8.1",
         impulse_normal=("normal", "the normal impulse on body 1 [N s]"),
     ),
-    Equation("impulse_friction", cylinder_outcome.impulse_friction, "theory 8.1"),
-    Equation("impulse_x", cylinder_outcome.impulse_x, "theory 8.1"),
-    Equation("impulse_y", cylinder_outcome.impulse_y, "theory 8.1"),
-    Equation("impulse_z", cylinder_outcome.impulse_z, "theory 8.1"),
+    Equation("impulse_friction", cylinder_impact.impulse_friction, "theory 8.1"),
+    Equation("impulse_x", cylinder_impact.impulse_x, "theory 8.1"),
+    Equation("impulse_y", cylinder_impact.impulse_y, "theory 8.1"),
+    Equation("impulse_z", cylinder_impact.impulse_z, "theory 8.1"),
     Equation("spatial_motion_after", cylinder_impact.spatial_motion_after, "theory 8.1"),
     *fields(
         "spatial_motion_after",
         "theory 8.1",
         **VELOCITIES,
     ),
-    Equation("separation_normal", cylinder_outcome.separation_normal, "theory 8.1"),
-    Equation("sliding_after", cylinder_outcome.sliding_after, "theory 8.1"),
-    Equation("energy_before", cylinder_outcome.energy_before, "theory 8.1"),
-    Equation("energy_lost", cylinder_outcome.energy_lost, "theory 8.1"),
-    Equation("momentum_residual_x", cylinder_outcome.momentum_residual_x, "theory 8.1"),
-    Equation("momentum_residual_y", cylinder_outcome.momentum_residual_y, "theory 8.1"),
-    Equation("momentum_residual_z", cylinder_outcome.momentum_residual_z, "theory 8.1"),
+    Equation("separation_normal", cylinder_impact.separation_normal, "theory 8.1"),
+    Equation("sliding_after", cylinder_impact.sliding_after, "theory 8.1"),
+    Equation("energy_before", cylinder_impact.energy_before, "theory 8.1"),
+    Equation("energy_lost", cylinder_impact.energy_lost, "theory 8.1"),
+    Equation("momentum_residual_x", cylinder_impact.momentum_residual_x, "theory 8.1"),
+    Equation("momentum_residual_y", cylinder_impact.momentum_residual_y, "theory 8.1"),
+    Equation("momentum_residual_z", cylinder_impact.momentum_residual_z, "theory 8.1"),
     Equation(
-        "angular_momentum_residual_x", cylinder_outcome.angular_momentum_residual_x, "theory 8.1"
+        "angular_momentum_residual_x", cylinder_impact.angular_momentum_residual_x, "theory 8.1"
     ),
     Equation(
-        "angular_momentum_residual_y", cylinder_outcome.angular_momentum_residual_y, "theory 8.1"
+        "angular_momentum_residual_y", cylinder_impact.angular_momentum_residual_y, "theory 8.1"
     ),
     Equation(
-        "angular_momentum_residual_z", cylinder_outcome.angular_momentum_residual_z, "theory 8.1"
+        "angular_momentum_residual_z", cylinder_impact.angular_momentum_residual_z, "theory 8.1"
     ),
 )
 CYLINDER_FRICTIONLESS = (

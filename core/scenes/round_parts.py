@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibrafeed.core.mechanics import resting, round_parts, vibration, wall, yawing
+from vibrafeed.core.mechanics import floor, resting, round_parts, screws, wall
 from vibrafeed.core.scenes.on_floor import (
     ACCELERATIONS,
     DRIVE,
@@ -41,7 +41,7 @@ ROLLER_MOTION = (ACCELERATIONS - {"sliding_fraction"}) | {
     "roll_root",
 }  # fmt: skip
 ROLLER_CONDITIONS = (
-    Condition("flight", vibration.has_left_floor, FLOOR | ROLLER_MOTION, otherwise="contact"),
+    Condition("flight", floor.has_left_floor, FLOOR | ROLLER_MOTION, otherwise="contact"),
     Condition("roll", round_parts.rolls, ROLLER_MOTION, otherwise="slip"),
 )
 
@@ -81,7 +81,7 @@ SPHERE_MOTION = (ACCELERATIONS - {"sliding_fraction"}) | {
     "moved_fraction", "angular_acceleration", "required_friction",
 }  # fmt: skip
 SPHERE_CONDITIONS = (
-    Condition("flight", vibration.has_left_floor, FLOOR | SPHERE_MOTION, otherwise="contact"),
+    Condition("flight", floor.has_left_floor, FLOOR | SPHERE_MOTION, otherwise="contact"),
     Condition("roll", round_parts.rolls, SPHERE_MOTION, otherwise="slip"),
 )
 
@@ -121,7 +121,7 @@ CONE_MOTION = frozenset(
     ("rolling_acceleration", "turning_acceleration", "required_friction", "regime")
 )  # fmt: skip
 CONE_CONDITIONS = (
-    Condition("flight", vibration.has_left_floor, FLOOR | CONE_MOTION, otherwise="contact"),
+    Condition("flight", floor.has_left_floor, FLOOR | CONE_MOTION, otherwise="contact"),
     Condition("unstable_side", resting.is_side_unstable, SHAPE | CONE_MOTION, otherwise="contact"),
     Condition("roll", round_parts.rolls, CONE_MOTION, otherwise="slip"),
 )
@@ -199,39 +199,39 @@ AXES = (
 """Pitch and axis of the wrenches of floor and forces."""
 
 COMMON = (
-    Equation("vibration_acceleration", vibration.vibration_acceleration, "theory 0.2"),
-    Equation("drive_normal", vibration.drive_normal, "(4.13)"),
-    Equation("rolling_drive", yawing.rolling_drive, "(4.13), theory 9.2"),
-    Equation("axial_drive", yawing.axial_drive, "(4.13), theory 9.2"),
-    Equation("gravity_normal", yawing.level_gravity, "(4.17)"),
-    Equation("normal_acceleration", vibration.normal_acceleration, "(4.17)"),
-    Equation("throw_number", vibration.throw_number, "theory 13.2"),
-    Equation("floor_acceleration", vibration.unchecked_acceleration, "(4.17)"),
-    Equation("floor_force", vibration.floor_force, "(4.17)"),
-    Equation("axial_friction_acceleration", yawing.axial_friction_acceleration, "(4.16)"),
-    Equation("rolling_friction", yawing.rolling_friction, "(4.15)"),
-    Equation("axial_friction", yawing.axial_friction, "(4.16)"),
-    Equation("spin_acceleration", yawing.spin_acceleration, "(4.19)"),
-    Equation("yaw_acceleration", yawing.yaw_acceleration, "(4.18), theory 9.3"),
-    Equation("printed_yaw_rate", yawing.printed_yaw_rate, "(4.20), theory 9.4"),
-    Equation("pressure_offset_axial", yawing.pressure_offset_axial, "theory 9.3"),
-    Equation("required_friction", yawing.required_friction, "theory 9.3"),
-    Equation("cone_margin", yawing.cone_margin, "theory 9.3"),
-    Equation("floor_wrench", yawing.floor_wrench, "theory 9.3"),
-    Equation("force_wrench", yawing.force_wrench, "(4.12), (4.13), theory 9.3"),
+    Equation("vibration_acceleration", floor.vibration_acceleration, "theory 0.2"),
+    Equation("drive_normal", floor.drive_normal, "(4.13)"),
+    Equation("rolling_drive", screws.rolling_drive, "(4.13), theory 9.2"),
+    Equation("axial_drive", screws.axial_drive, "(4.13), theory 9.2"),
+    Equation("gravity_normal", screws.level_gravity, "(4.17)"),
+    Equation("normal_acceleration", floor.normal_acceleration, "(4.17)"),
+    Equation("throw_number", floor.throw_number, "theory 13.2"),
+    Equation("floor_acceleration", floor.unchecked_acceleration, "(4.17)"),
+    Equation("floor_force", floor.floor_force, "(4.17)"),
+    Equation("axial_friction_acceleration", screws.axial_friction_acceleration, "(4.16)"),
+    Equation("rolling_friction", screws.rolling_friction, "(4.15)"),
+    Equation("axial_friction", screws.axial_friction, "(4.16)"),
+    Equation("spin_acceleration", screws.spin_acceleration, "(4.19)"),
+    Equation("yaw_acceleration", screws.yaw_acceleration, "(4.18), theory 9.3"),
+    Equation("printed_yaw_rate", screws.printed_yaw_rate, "(4.20), theory 9.4"),
+    Equation("pressure_offset_axial", screws.pressure_offset_axial, "theory 9.3"),
+    Equation("required_friction", screws.required_friction, "theory 9.3"),
+    Equation("cone_margin", screws.cone_margin, "theory 9.3"),
+    Equation("floor_wrench", screws.floor_wrench, "theory 9.3"),
+    Equation("force_wrench", screws.force_wrench, "(4.12), (4.13), theory 9.3"),
     *AXES,
 )
 THESIS = (
     *COMMON,
     Equation(
         "floor_reduction",
-        yawing.printed_floor_reduction,
+        screws.printed_floor_reduction,
         "(4.1) to (4.7)",
         "thesis",
     ),
     Equation(
         "force_reduction",
-        yawing.printed_force_reduction,
+        screws.printed_force_reduction,
         "(4.1) to (4.7)",
         "thesis",
     ),
@@ -240,13 +240,13 @@ DERIVED = (
     *COMMON,
     Equation(
         "floor_reduction",
-        yawing.floor_reduction,
+        screws.floor_reduction,
         "(4.1) to (4.7)",
         "derived",
     ),
     Equation(
         "force_reduction",
-        yawing.force_reduction,
+        screws.force_reduction,
         "(4.1) to (4.7)",
         "derived",
     ),
@@ -269,14 +269,14 @@ ROLLING = FORCE_AXIS | {
 ROLLING_CONDITIONS = (
     Condition(
         "flight",
-        vibration.has_left_floor,
+        floor.has_left_floor,
         FLOOR | ROLLING | {"required_friction", "printed_yaw_rate"},
         "contact",
     ),
-    Condition("tipping", yawing.tips_along_axis, ROLLING | {"required_friction"}),
-    Condition("singular", yawing.has_no_printed_yaw_rate, frozenset(("printed_yaw_rate",))),
-    Condition("singular", yawing.has_no_force_axis, FORCE_AXIS),
-    Condition("slip", yawing.slips, ROLLING, otherwise="roll"),
+    Condition("tipping", screws.tips_along_axis, ROLLING | {"required_friction"}),
+    Condition("singular", screws.has_no_printed_yaw_rate, frozenset(("printed_yaw_rate",))),
+    Condition("singular", screws.has_no_force_axis, FORCE_AXIS),
+    Condition("slip", screws.slips, ROLLING, otherwise="roll"),
 )
 
 ROLLING_SCENE = Scene(
@@ -308,9 +308,9 @@ DISC_SOURCE = "theory 18.1"
 DISC_PHYSICAL = (
     *DRIVE,
     *UNILATERAL,
-    Equation("gravity_normal", vibration.leaning_gravity_normal, "theory 0.4"),
-    Equation("gravity_across", vibration.gravity_across, "theory 0.4"),
-    Equation("floor_force", vibration.floor_force, DISC_SOURCE),
+    Equation("gravity_normal", floor.leaning_gravity_normal, "theory 0.4"),
+    Equation("gravity_across", floor.gravity_across, "theory 0.4"),
+    Equation("floor_force", floor.floor_force, DISC_SOURCE),
     Equation("centripetal_acceleration", wall.centripetal_acceleration, "theory 4.1"),
     Equation("wall_balance", wall.derived_wall_balance, "theory 4.1"),
     Equation("wall_acceleration", wall.pushing_wall_acceleration, "theory 4.1"),
@@ -328,12 +328,12 @@ DISC_PHYSICAL = (
     Equation("force_wrench", round_parts.disc_force_wrench, DISC_SOURCE),
     Equation(
         "floor_reduction",
-        yawing.floor_reduction,
+        screws.floor_reduction,
         "(4.1) to (4.7)",
     ),
     Equation(
         "force_reduction",
-        yawing.force_reduction,
+        screws.force_reduction,
         "(4.1) to (4.7)",
     ),
     *AXES,
@@ -346,9 +346,9 @@ DISC_MOTION = frozenset(
     )
 )  # fmt: skip
 DISC_CONDITIONS = (
-    Condition("flight", vibration.has_left_floor, FLOOR | DISC_MOTION, otherwise="contact"),
+    Condition("flight", floor.has_left_floor, FLOOR | DISC_MOTION, otherwise="contact"),
     Condition("wall_lost", round_parts.leaves_wall, WALL | DISC_MOTION, otherwise="contact"),
-    Condition("singular", yawing.has_no_force_axis, FORCE_AXIS),
+    Condition("singular", screws.has_no_force_axis, FORCE_AXIS),
     Condition("stick", round_parts.is_held, DISC_MOTION),
     Condition("roll", round_parts.rolls, DISC_MOTION, otherwise="slip"),
 )
