@@ -344,7 +344,7 @@ def sensitivities(
 def _columns(cells: Mapping[str, Array]) -> tuple[dict[str, Any], int]:
     """Return the cells as columns of 50-digit numbers, and their length.
 
-    A parameter is the float that it is, but for multiples of 90 degrees (`mechanics.angles`).
+    A parameter is the float that it is, but for multiples of 90 degrees (`mechanics.arrays`).
     """
     columns = {name: _AS_NUMBER(np.atleast_1d(values)) for name, values in cells.items()}
     size = max((column.size for column in columns.values()), default=1)

@@ -11,7 +11,7 @@ import pytest
 import sympy as sp
 
 from vibrafeed.core.mechanics import screws
-from vibrafeed.core.mechanics.screws import Wrench
+from vibrafeed.core.mechanics.screws import reduce_screw
 
 RANDOM = np.random.default_rng(4)
 POINTS = 200
@@ -128,7 +128,7 @@ def test_the_reduction_of_a_wrench_4_1_to_4_7():
     assert sp.simplify(right.cross(force) + pitch * force - moment) == sp.zeros(3, 1)
     assert sp.simplify(printed.cross(force) + pitch * force - moment) != sp.zeros(3, 1)
     F, M = RANDOM.normal(size=(2, POINTS, 3))
-    reduction = Wrench(F, M).reduced()
+    reduction = reduce_screw(F, M)
     function = sp.lambdify([*force, *moment], [pitch, *right], "numpy")
     expected = np.stack(function(*F.T, *M.T))
     # |F| is above 0.03 here, so that the sums of products are divided by 1e-3 at the least

@@ -2,20 +2,18 @@
 
 import numpy as np
 
-from vibrafeed.core.mechanics.screws import (
+from screws import (
     MomentumScrew,
     Twist,
     Wrench,
     body_to_reference,
-    cross,
-    dot,
     dual_euler,
     inertia_about,
     momentum_screw,
     newton_euler,
     power,
-    vector,
 )
+from vibrafeed.core.mechanics.screws import cross, dot, vector
 from vibrafeed.core.plan.plan import make_plan
 
 RANDOM = np.random.default_rng(214)
@@ -272,7 +270,7 @@ def test_the_force_system_of_a_rolling_cylinder_is_the_rate_of_momentum_about_an
     ).moved_to(point)
     axes = Twist(vector(yaw, none, none), vector(none, r * spin, none)).moved_to(point)
     required = dual_euler(momentum=momentum, momentum_rate=rate, twist=axes)
-    expected = at["force_wrench"].moved_to(point)
+    expected = Wrench(at["force_wrench"].force, at["force_wrench"].moment).moved_to(point)
     norm = np.linalg.norm
     force, moment = norm(expected.force, axis=-1), norm(expected.moment, axis=-1)
     kinetic = m * (r * spin) ** 2  # V x m V, nothing but its rounding
@@ -282,7 +280,7 @@ def test_the_force_system_of_a_rolling_cylinder_is_the_rate_of_momentum_about_an
     applied = vector(
         at["drive_normal"] - at["gravity_normal"], at["rolling_drive"], at["axial_drive"]
     )
-    total = at["floor_wrench"] + Wrench(m[:, None] * applied, np.zeros(3))
+    total = Wrench(m[:, None] * applied, np.zeros(3)) + at["floor_wrench"]
     size = m * (norm(applied, axis=-1) + np.abs(r * spin * yaw))
     assert largest_error(total.force, at["force_wrench"].force, size) < 1e-15
     np.testing.assert_array_equal(total.moment, at["force_wrench"].moment)
