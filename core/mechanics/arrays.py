@@ -90,10 +90,6 @@ def cosine(angle: Array) -> Array:
 
 
 def _axis(angle: Array) -> tuple[Array, Array, Mask]:
-    """Return the nearest multiple of pi/2, the angle less it, and a mask where both are equal.
-
-    All in radians.
-    """
     nearest = np.rint(angle / QUARTER) * QUARTER
     apart = angle - nearest
     return nearest, apart, np.rint(apart / TINY) == 0

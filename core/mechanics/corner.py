@@ -424,7 +424,6 @@ def inverse_limiting_friction(*, inertia_ratio: Array, diagonal_direction: Direc
 
 
 def _limit(inverse: Array) -> Array:
-    """Return the limiting friction from its inverse; infinite where that is not above 0 [1]."""
     meaningful = inverse > 0
     with np.errstate(over="ignore"):
         return np.where(meaningful, 1.0 / np.where(meaningful, inverse, 1.0), np.inf)

@@ -29,7 +29,7 @@ def dot(a: Vector, b: Vector) -> Array:
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """Return the vector product a x b of two vectors, each a tuple of three arrays."""
+    """Return the vector product a x b."""
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -75,18 +75,12 @@ def direction(a: Vector, otherwise: Vector) -> Vector:
 
 
 def any_across(axis: Vector) -> Vector:
-    """Return some unit vector at right angles to a unit `axis`, both tuples of three arrays.
-
-    For a base of the plane across the axis, where any will do.
-    """
+    """Return some unit vector at right angles to a unit `axis`."""
     z = axis[2]
     flat = np.abs(z) > 0.5
     zero = np.zeros_like(z)
     e = where(flat, (np.ones_like(z), zero, zero), (zero, zero, np.ones_like(z)))
     return direction(across(e, axis), e)
-
-
-# --- The shape of a cylinder, and how far a direction separates two of them (theory 8.2).
 
 
 class Cylinder(NamedTuple):
@@ -104,11 +98,7 @@ def support(body: Cylinder, n: Vector) -> Array:
 
 
 def separation(body: Cylinder, other: Cylinder, n: Vector) -> Array:
-    """Return the distance between two cylinders along the unit vector n; negative in overlap [m].
-
-    n points from `other` to `body`: n.(C - C') less what both bodies extend from their centres
-    along n.
-    """
+    """Return the distance of two cylinders along n, from `other` to `body`; < 0 in overlap [m]."""
     between = dot(n, minus(body.centre, other.centre))
     return between - support(body, n) - support(other, n)
 
@@ -125,10 +115,8 @@ def minima(
 ) -> tuple[Array, Array]:
     """Return the angles of the two lowest minima of a function with the period 2 pi [rad].
 
-    Points of a rim that may touch another body are such minima of a distance. `value` gives the
-    function at an angle, `slope_and_bend` its first and second derivative, for arrays of cells;
-    samples find the minima, Newton's method refines them. Where there is one minimum only, both
-    angles are equal.
+    `slope_and_bend` gives its first and second derivative. Samples find the minima, Newton's method
+    refines them. Where there is one minimum only, both angles are equal.
     """
     step = 2 * np.pi / SAMPLES
     values = [value(t) for t in step * np.arange(SAMPLES)]
@@ -148,12 +136,6 @@ def minima(
 def _refined(
     t: Array, reach: float, slope_and_bend: Callable[[Array], tuple[Array, Array]]
 ) -> Array:
-    """Return the angle of a function's minimum near a sampled angle [rad].
-
-    `t` is the sample, `reach` the distance to its neighbours [rad], `slope_and_bend` returns first
-    and second derivative at an angle. Newton's steps stay in a bracket around the sample that
-    shrinks with each step.
-    """
     low, high = t - reach, t + reach
     done: Mask = np.zeros(np.shape(t), dtype=np.bool_)
     for _ in range(MAX_STEPS):
@@ -189,28 +171,18 @@ class Rim(NamedTuple):
 
 
 def _way(point: Vector, base: Cylinder) -> Vector:
-    """Return the vector from the nearest point of a cylinder `base` to a point [m].
-
-    `point` is given relative to the centre of `base`; inside the cylinder the vector is 0.
-    """
     height, off = dot(point, base.axis), across(point, base.axis)
     above = np.maximum(0.0, np.abs(height) - base.half) * np.where(height < 0, -1.0, 1.0)
     return plus(scaled(off, _free(norm(off), base.radius)), base.axis, above)
 
 
 def _free(distance: Array, radius: Array) -> Array:
-    """Return the share of a distance from an axis that lies beyond a radius; 0 inside [1]."""
     outside = distance > radius
     return np.where(outside, (distance - radius) / np.where(outside, distance, 1.0), 0.0)
 
 
 def _slope_and_bend(rim: Rim, base: Cylinder, angle: Array) -> tuple[Array, Array]:
-    """Return first and second derivative of d^2/2 by the angle of a point on a rim [m2].
-
-    d is the distance of the rim's point at `angle` [rad] from the cylinder `base`; `rim` is given
-    relative to the centre of `base`. A Newton iteration finds with them the point of the rim that
-    is nearest to the cylinder.
-    """
+    # First and second derivative of d^2/2 by the angle, d the distance of the rim's point.
     point, along = rim.at(angle), rim.along(angle)
     way, off = _way(point, base), across(point, base.axis)
     climb, beside = dot(along, base.axis), across(along, base.axis)
@@ -248,10 +220,8 @@ class Nearest(NamedTuple):
 def nearest_on_rims(body: Cylinder, base: Cylinder, size: Array) -> Nearest:
     """Return the gap between `base` and the nearest point on either rim of `body`, with normal.
 
-    Where no face or side holds the contact of two  The gap is in m, the normal points
-    from `base` to the rim, and `point` is the nearest point of `base`. `size` is the sum of both
-    half diagonals [m], by which the tolerance scales. `proven` is False where the bodies overlap,
-    or where no rim of `body` holds its nearest point.
+    `size` is the sum of both half diagonals [m], by which the tolerance scales. `proven` is False
+    where the bodies overlap, or where no rim of `body` holds its nearest point.
     """
     first = any_across(body.axis)
     radii = scaled(first, body.radius), scaled(cross(body.axis, first), body.radius)
@@ -261,12 +231,10 @@ def nearest_on_rims(body: Cylinder, base: Cylinder, size: Array) -> Nearest:
         rim = Rim(middle, *radii)
 
         def squared(angle: Array, rim: Rim = rim) -> Array:
-            """Return the squared distance of a rim point from the body."""
             way = _way(rim.at(angle), base)
             return dot(way, way)
 
         def derivatives(angle: Array, rim: Rim = rim) -> tuple[Array, Array]:
-            """Return first and second derivative of half the squared distance by the rim angle."""
             return _slope_and_bend(rim, base, angle)
 
         for angle in minima(squared, derivatives):
@@ -283,10 +251,7 @@ def nearest_on_rims(body: Cylinder, base: Cylinder, size: Array) -> Nearest:
 
 
 def chosen(mask: Mask, rim: Nearest, other: Nearest) -> Nearest:
-    """Return the nearest point of a rim: that of `rim` where `mask` holds, else of `other`.
-
-    All fields are arrays over the cells: gap [m], normal, point [m], and the mask `proven`.
-    """
+    """Return the nearest point of a rim: that of `rim` where `mask` holds, else of `other`."""
     return Nearest(
         np.where(mask, rim.gap, other.gap),
         where(mask, rim.normal, other.normal),
@@ -334,11 +299,7 @@ class CylinderContact(NamedTuple):
 
 
 class _Form(NamedTuple):
-    """One of the forms that a contact can have, with the fields of `CylinderContact`.
-
-    `gap` is what its normal separates the bodies by, `body` the `face_body`; `proven` is true where
-    its points are as far apart as that, so that no other form can have a larger gap.
-    """
+    """One of the forms that a contact can have, with the fields of `CylinderContact`."""
 
     gap: Array
     form: Array
@@ -352,13 +313,6 @@ class _Form(NamedTuple):
 
 
 def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Form:
-    """Return the candidate for the contact of an end face of `base` with the body `other`.
-
-    The face may meet rim, side or face of `other`. The record has the gap [m], the normal from
-    `base` to `other`, the ends of the contact line (of a point both the same), and `proven`, where
-    the point lies on the face. `number`, 1 or 2, is the number of the body `base` in the pair,
-    `size` the sum of both half diagonals [m], by which tolerances scale.
-    """
     u, apart = base.axis, minus(other.centre, base.centre)
     n = scaled(u, np.where(dot(u, apart) < 0, -1.0, 1.0))
     w = dot(n, other.axis)
@@ -401,15 +355,6 @@ def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Fo
 
 
 def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> list[_Form]:
-    """Return the candidates for the contact of both rims of `other` with the side of `base`.
-
-    Up to two for each rim. Each has gap [m], normal, point and a flag `proven`: its point is the
-    first of `other` along the normal, and lies on the side within its length. A rim point is a
-    candidate where its distance from the axis of `base` has a minimum by the angle on the rim.
-
-    `number`, 1 or 2, is the number of the body `base` in the pair, `size` the sum of both half
-    diagonals [m], by which tolerances scale.
-    """
     forms = []
     e_1 = any_across(other.axis)
     e_2 = cross(other.axis, e_1)
@@ -423,12 +368,10 @@ def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> lis
         p_1, p_2 = dot(p, a_1), dot(p, a_2)
 
         def value(t: Array, p_1: Array = p_1, p_2: Array = p_2) -> Array:
-            """Return half the squared distance from the axis, less a constant, at rim angle t."""
             bending = square * np.cos(2 * t) + mixed * np.sin(2 * t)
             return p_1 * np.cos(t) + p_2 * np.sin(t) + bending / 2
 
         def derivatives(t: Array, p_1: Array = p_1, p_2: Array = p_2) -> tuple[Array, Array]:
-            """Return first and second derivative of `value` by the rim angle t."""
             c, s = np.cos(t), np.sin(t)
             c_2, s_2 = np.cos(2 * t), np.sin(2 * t)
             slope = -p_1 * s + p_2 * c - square * s_2 + mixed * c_2
@@ -457,13 +400,6 @@ def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> lis
 
 
 def _sides(body_1: Cylinder, body_2: Cylinder, size: Array) -> _Form:
-    """Return the candidate for the contact of two cylinders by their sides, crossed or parallel.
-
-    Crossed axes touch in a point, parallel ones along a line from `first` to `second`. The record
-    has the gap [m], the normal from body 2 to body 1, and `proven`, where the point or line lies on
-    both sides within their lengths. `size` is the sum of both half diagonals [m], by which
-    tolerances scale.
-    """
     apart = minus(body_1.centre, body_2.centre)
     k = dot(body_1.axis, body_2.axis)
     turn = cross(body_1.axis, body_2.axis)
@@ -499,11 +435,6 @@ def _sides(body_1: Cylinder, body_2: Cylinder, size: Array) -> _Form:
 
 
 def _extent(form: _Form) -> Array:
-    """Return the rank of a contact form by what touches, to prefer the larger where gaps are alike.
-
-    0 for a point, 1 for a point on both rims, 2 for a line or a face, 3 for a face or for the end
-    of a line that lies on both rims; such an end has the normal of the line all the same.
-    """
     wide = form.line | (form.form == FACE_ON_FACE)
     return np.where(wide, 2.0, 0.0) + np.where(form.several, 1.0, 0.0)
 

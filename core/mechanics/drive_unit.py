@@ -250,19 +250,9 @@ def bowl_mass(
 
 
 def _bowl_mass(m1: Array, m2: Array, i1: Array, i2: Array, r_s: Array, th: Array) -> Array:
-    """Return the mass that the stroke moves, I (cos th/r_s)^2 + m sin^2 th [kg].
-
-    `m1`, `i1` are mass [kg] and moment of inertia [kg m2] of the bowl, `m2`, `i2` those of the
-    base, `r_s` [m] and `th` [rad] radius and tilt of the leaves; m = m1 m2/(m1 + m2), I = i1 i2/(i1
-    + i2).
-    """
+    # Mass that the stroke moves, I (cos th/r_s)^2 + m sin^2 th [kg].
     turning, lifting = i1 * (i2 / (i1 + i2)), m1 * (m2 / (m1 + m2))
     return turning * np.square(cosine(th) / r_s) + lifting * np.square(sine(th))
-
-
-def load_radius(*, radius: Array) -> Array:
-    """Return the radius at which the load acts, equal to the part's radius by default [m]."""
-    return radius
 
 
 def loaded_inertia(*, moving_inertia: Array, load_mass: Array, load_radius: Array) -> Array:
@@ -336,12 +326,8 @@ def bowl_harmonic(
 
 
 def _reduced(mass: Array, lost: Array, other: Array) -> tuple[Array, Array, Array]:
-    """Return real part and loss of a reduced mass with a damper, and body 1's share of the motion.
-
-    The reduced mass is m1 m2/(m1 + m2) = real part - i loss [kg, or kg m2 for inertias], with the
-    complex m1 = `mass` - i `lost`, where `lost` = c/w of a damper c to the ground, and m2 =
-    `other`; the share is |m2/(m1 + m2)| [1] (theory 15.3).
-    """
+    # The reduced mass m1 m2/(m1 + m2) = real part - i loss, m1 = `mass` - i `lost`, lost = c/w of a
+    # damper c to the ground, m2 = `other`; and the share |m2/(m1 + m2)|.
     total = mass + other
     size = hypot(total, lost)
     share = other / size

@@ -103,11 +103,6 @@ def in_plane_drive_x(*, drive_along: Array, gravity_along: Array) -> Array:
     return drive_along - gravity_along
 
 
-def in_plane_drive_y(*, drive_across: Array) -> Array:
-    """Return drive less gravity along y on a floor without lean, D_y [m s-2]."""
-    return drive_across
-
-
 def in_plane_drive(*, in_plane_drive_x: Array, in_plane_drive_y: Array) -> Array:
     """Return the magnitude |D| of drive less gravity in the floor plane [m s-2]."""
     return hypot(in_plane_drive_x, in_plane_drive_y)
@@ -148,27 +143,12 @@ def floor_force(*, mass: Array, floor_acceleration: Array) -> Array:
     return mass * floor_acceleration
 
 
-def unchecked_acceleration(*, normal_acceleration: Array) -> Array:
-    """Return the normal force per mass, n0, whatever its sign, as in the source [m s-2]."""
-    return normal_acceleration
-
-
 def no_acceleration_z() -> Array:
     """Return the value 0: the source assumes that the part stays on the floor [m s-2]."""
     return np.zeros(())
 
 
 # --- Friction: per axis as the source prints it, and as one disc (theory 1.5).
-
-
-def friction_static(*, friction: Array) -> Array:
-    """Return the static coefficient where one coefficient serves for both [1]."""
-    return friction
-
-
-def friction_kinetic(*, friction: Array) -> Array:
-    """Return the kinetic coefficient where one coefficient serves for both [1]."""
-    return friction
 
 
 def per_axis_acceleration_x(
@@ -241,11 +221,6 @@ def _friction_share(
     friction_kinetic: Array,
     floor_acceleration: Array,
 ) -> Array:
-    """Return one component of the friction force over the normal force; NaN in flight [1].
-
-    `drive` is that component of drive and gravity in the floor, `in_plane_drive` their size and
-    `floor_acceleration` the normal force, all per mass [m s-2].
-    """
     stuck = is_stuck(
         in_plane_drive=in_plane_drive,
         friction_static=friction_static,

@@ -40,21 +40,20 @@ class SpatialImpulse(NamedTuple):
     sticks: Mask
 
 
-class EdgeImpulse(NamedTuple):
-    """Impulses at both ends of a line of contact without friction.
+class EdgeAction(NamedTuple):
+    """The point of a touching line where the impulse acts.
 
     Attributes
     ----------
-    first, second : ndarray
-        Normal impulses at the ends.
-    again : ndarray of bool
-        Where an end that got no impulse approaches after the impact: another impact follows at
-        once, and this one does not tell the whole.
+    share : ndarray
+        Its distance from the first end of the line over the length, 0 to 1.
+    unknown : ndarray of bool
+        Where no single impulse describes the impact: an end approaches after it, so that another
+        follows at once.
     """
 
-    first: Array
-    second: Array
-    again: Mask
+    share: Array
+    unknown: Mask
 
 
 def frictionless(*, G_NN: Array, u_N: Array, restitution: Array) -> Array:
@@ -69,18 +68,10 @@ def frictionless(*, G_NN: Array, u_N: Array, restitution: Array) -> Array:
 def _arrest(
     G_NN: Array, G_NT: Array, G_TT: Array, u_N: Array, u_T: Array, friction: Array
 ) -> Impulse:
-    """Return the impulse that stops the approach at a contact in the plane, with Coulomb friction.
-
-    The compression phase of an impact: the normal velocity `u_N` <= 0 [m s-1] becomes 0. G_NN,
-    G_NT, G_TT are the Delassus numbers, velocities per impulse [kg-1], `u_T` is the sliding
-    velocity [m s-1]. The result has normal and tangential impulse [N s], and where the contact
-    sticks.
-
-    On the line u_N' = 0 the tangential velocity grows strictly with L_T, and the friction cone cuts
-    an interval around L_T = 0 out of the line, infinite on a side where the cone does not meet it.
-    The impulse is the one that sticks, moved to the nearest end if it lies outside: exactly one
-    solution for any friction.
-    """
+    # Compression: u_N becomes 0. On the line u_N' = 0 the tangential velocity grows strictly with
+    # L_T, and the friction cone cuts an interval around L_T = 0 out of it, infinite on a side where
+    # the cone does not meet it. The impulse is the one that sticks, moved to the nearest end if it
+    # lies outside: exactly one solution for any friction.
     arrest = -u_N / G_NN
     coupling = G_NT / G_NN
     sticking = -(u_T + G_NT * arrest) / _positive(G_TT - G_NT * coupling, G_TT)
@@ -163,29 +154,25 @@ def pfeiffer_glocker(
 
 
 def _positive(difference: Array, term: Array) -> Array:
-    """Return a difference of Delassus numbers, no less than the rounding of its first term.
-
-    In exact numbers it is positive. With lever arms of 1e8 times a body's size, as of bodies far
-    apart, all digits cancel: any value within the rounding is then as good as another, but 0 cannot
-    divide and a negative one turns signs.
-    """
+    # A difference of Delassus numbers, positive in exact numbers. With lever arms of 1e8 times a
+    # body's size all digits cancel: any value within the rounding of the first term is then as good
+    # as another, but 0 cannot divide and a negative one turns signs.
     return np.maximum(difference, EPSILON * term)
 
 
 def _met(u_N: Array, u_T: Array) -> Array:
-    """Return the sliding velocity where the bodies approach, 0 elsewhere [m s-1]."""
     return np.where(u_N < 0, u_T, 0.0)
 
 
 def on_edge(
     *, G_11: Array, G_12: Array, G_22: Array, u_1: Array, u_2: Array, restitution: Array
-) -> EdgeImpulse:
-    """Return the normal impulses at both ends of a line of contact, without friction [N s].
+) -> EdgeAction:
+    """Return the point of a line of contact at which the resultant of both ends' impulses acts.
 
-    G_11, G_12, G_22 are the Delassus numbers of the ends 1 and 2, velocities per impulse [kg-1],
-    u_1 and u_2 their normal velocities before [m s-1]. Of L >= 0 and G L + (1 + eps) u >= 0, at
-    each end one is 0; G is positive definite, so that exactly one of the four combinations fits.
-    The result has also a mask `again`, where an end approaches still after the impact.
+    Without friction. G_11, G_12, G_22 are the Delassus numbers of the ends 1 and 2, velocities per
+    impulse [kg-1], u_1 and u_2 their normal velocities before [m s-1]. Of L >= 0 and
+    G L + (1 + eps) u >= 0, at each end one is 0; G is positive definite, so that exactly one of the
+    four combinations fits.
     """
     b_1, b_2 = (1 + restitution) * u_1, (1 + restitution) * u_2
     determinant = G_11 * G_22 - G_12 * G_12
@@ -201,8 +188,10 @@ def on_edge(
     L_2 = np.where(both, both_2, np.where(first, 0.0, only_2))
     slack = -1e-12 * (np.abs(u_1) + np.abs(u_2))
     after_1, after_2 = u_1 + G_11 * L_1 + G_12 * L_2, u_2 + G_12 * L_1 + G_22 * L_2
-    again = (L_1 + L_2 > 0) & ((after_1 < slack) | (after_2 < slack))
-    return EdgeImpulse(L_1, L_2, again)
+    total = L_1 + L_2
+    again = (total > 0) & ((after_1 < slack) | (after_2 < slack))
+    idle = np.where(u_2 < u_1, 1.0, 0.0)
+    return EdgeAction(np.where(total > 0, L_2 / np.where(total > 0, total, 1.0), idle), again)
 
 
 class SpatialDelassus(NamedTuple):
@@ -227,14 +216,10 @@ def _in_cone(
     b: tuple[Array, Array],
     friction: Array,
 ) -> tuple[tuple[Array, Array], Mask]:
-    """Return the tangential impulse with friction on a disc, and a mask where the contact sticks.
-
-    The impulse L [N s], with two components, obeys c + S L = -z L, |L| <= mu (a - b.L): `stiffness`
-    is S_11, S_12, S_22 [kg-1], `c` the sliding velocity without L [m s-1], and a - b.L the normal
-    impulse, with `a` [N s] and `b` [1]; mu is `friction`. z is 0 where the contact sticks and else
-    positive. On the axes of S, L_k = -c_k/(s_k + z); the root z of mu (a - b.L)/|L| - 1, nearly
-    linear in z, is bracketed by 0 and a bound and found by Newton's method with bisection.
-    """
+    # L with c + S L = -z L, |L| <= mu (a - b.L), and where it sticks (z = 0): S `stiffness` [kg-1],
+    # c the sliding velocity without L, a - b.L the normal impulse. On the axes of S,
+    # L_k = -c_k/(s_k + z); the root z of mu (a - b.L)/|L| - 1, nearly linear in z, is bracketed by
+    # 0 and a bound and found by Newton's method with bisection.
     S_11, S_12, S_22 = stiffness
     mean, difference = (S_11 + S_22) / 2, (S_11 - S_22) / 2
     s_1 = mean + np.hypot(difference, S_12)
@@ -280,13 +265,8 @@ def _in_cone(
 def _arrest_in_space(
     G: SpatialDelassus, u_N: Array, u: tuple[Array, Array], friction: Array
 ) -> SpatialImpulse:
-    """Return the impulse that stops the approach at a contact in space: the compression phase.
-
-    The normal velocity `u_N` <= 0 [m s-1] becomes 0; friction along two tangents stops the sliding
-    velocities `u` [m s-1] if it can, and is mu times the normal impulse else. `G` are the Delassus
-    numbers of the contact [kg-1]. The result has normal and tangential impulses [N s], and where
-    the contact sticks.
-    """
+    # Compression: the normal velocity u_N becomes 0; friction stops the sliding velocities if it
+    # can, and is mu times the normal impulse else.
     a, b = -u_N / G.NN, (G.N1 / G.NN, G.N2 / G.NN)
     stiffness = (
         _positive(G.T11 - G.N1 * b[0], G.T11),

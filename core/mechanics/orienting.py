@@ -339,7 +339,6 @@ def oriented_feed_rate(*, arrival_rate: Array, line: PassedShares, wanted_aspect
 
 
 def _wanted(shares: Sequence[Array], wanted_aspect: Array) -> Array:
-    """Return the share of the wanted aspect, counted from 1."""
     wanted = shares[0]
     for place, share in enumerate(shares[1:], 2):
         wanted = np.where(wanted_aspect == place, share, wanted)
@@ -431,10 +430,6 @@ def tested_line_ends(
 
 
 def _deviation(shares: Sequence[Array], off: Sequence[Array], drop_count: Array) -> Array:
-    """Return the standard deviation of a sum of Dirichlet's shares with weights [1].
-
-    `off` are the weights less their mean, for each of the `shares`; `drop_count` is N + K/2.
-    """
     squares = sum(p * np.square(v) for p, v in zip(shares, off, strict=True))
     return np.sqrt(squares / (drop_count + 1))
 

@@ -5,29 +5,15 @@ All functions take and return broadcastable float64 arrays, SI units, angles in 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from vibrafeed.core.mechanics import impact
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.mechanics.impact import Impulse, only_in_impact
+from vibrafeed.core.mechanics.impact import EdgeAction, Impulse, only_in_impact
 from vibrafeed.core.mechanics.rectangle_contact import Rectangle, RectangleContact
-
-
-class EdgeAction(NamedTuple):
-    """The point of a touching edge where the impulse acts.
-
-    Attributes
-    ----------
-    share : ndarray
-        Its distance from the first end of the edge over the length, 0 to 1.
-    unknown : ndarray of bool
-        Where no single impulse describes the impact of the edge.
-    """
-
-    share: Array
-    unknown: Mask
 
 
 class Arms(NamedTuple):
@@ -62,28 +48,16 @@ class BodyVelocities(NamedTuple):
 # --- the bodies
 
 
-def rectangle_1(
-    *, position_x_1: Array, position_y_1: Array, angle_1: Array, length_1: Array, width_1: Array
+def rectangle(
+    *, position_x: Array, position_y: Array, angle: Array, length: Array, width: Array
 ) -> Rectangle:
-    """Return the place and shape of body 1."""
-    return Rectangle(position_x_1, position_y_1, angle_1, length_1, width_1)
+    """Return the place and shape of a body."""
+    return Rectangle(position_x, position_y, angle, length, width)
 
 
-def rectangle_2(
-    *, position_x_2: Array, position_y_2: Array, angle_2: Array, length_2: Array, width_2: Array
-) -> Rectangle:
-    """Return the place and shape of body 2."""
-    return Rectangle(position_x_2, position_y_2, angle_2, length_2, width_2)
-
-
-def inertia_1(*, mass_1: Array, length_1: Array, width_1: Array) -> Array:
-    """Return the moment of inertia of body 1, m (a^2 + h^2)/12 [kg m2]."""
-    return mass_1 * (length_1 * length_1 + width_1 * width_1) / 12
-
-
-def inertia_2(*, mass_2: Array, length_2: Array, width_2: Array) -> Array:
-    """Return the moment of inertia of body 2, m (a^2 + h^2)/12 [kg m2]."""
-    return mass_2 * (length_2 * length_2 + width_2 * width_2) / 12
+def inertia(*, mass: Array, length: Array, width: Array) -> Array:
+    """Return the moment of inertia of a body, m (a^2 + h^2)/12 [kg m2]."""
+    return mass * (length * length + width * width) / 12
 
 
 def rectangle_masses(
@@ -118,11 +92,6 @@ def _closing(
     body_2: Rectangle,
     motion: BodyVelocities,
 ) -> Array:
-    """Return the velocity of body 1 relative to body 2 at a point, along a direction [m s-1].
-
-    The point is (x, y) [m], the direction the unit vector (n_x, n_y), `motion` the velocities of
-    both bodies.
-    """
     u = motion
     slip_x = (u.velocity_x_1 - u.spin_1 * (y - body_1.y)) - (
         u.velocity_x_2 - u.spin_2 * (y - body_2.y)
@@ -167,7 +136,7 @@ def edge_action_without_friction(
     first_1, second_1, first_2, second_2 = arms
     mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
     free = 1 / mass_1 + 1 / mass_2
-    both = impact.on_edge(
+    action = impact.on_edge(
         G_11=free + first_1 * first_1 / inertia_1 + first_2 * first_2 / inertia_2,
         G_12=free + first_1 * second_1 / inertia_1 + first_2 * second_2 / inertia_2,
         G_22=free + second_1 * second_1 / inertia_1 + second_2 * second_2 / inertia_2,
@@ -175,10 +144,7 @@ def edge_action_without_friction(
         u_2=u_2,
         restitution=restitution,
     )
-    total = both.first + both.second
-    idle = np.where(u_2 < u_1, 1.0, 0.0)
-    share = np.where(total > 0, both.second / np.where(total > 0, total, 1.0), idle)
-    return EdgeAction(share, at.edge & both.again)
+    return EdgeAction(action.share, at.edge & action.unknown)
 
 
 def edge_action_with_friction(
@@ -204,16 +170,13 @@ def edge_action_with_friction(
     return EdgeAction(np.where(u_2 < u_1, 1.0, 0.0), at.edge & (np.minimum(u_1, u_2) < 0))
 
 
-def contact_x(*, rectangle_contact: RectangleContact, edge_action: EdgeAction) -> Array:
-    """Return the point where the impulse acts, x [m]."""
+def contact_point(
+    axis: int, *, rectangle_contact: RectangleContact, edge_action: EdgeAction
+) -> Array:
+    """Return the point where the impulse acts, x (`axis` 0) or y (1) [m]."""
     at = rectangle_contact
-    return at.first_x + edge_action.share * (at.second_x - at.first_x)
-
-
-def contact_y(*, rectangle_contact: RectangleContact, edge_action: EdgeAction) -> Array:
-    """Return the point where the impulse acts, y [m]."""
-    at = rectangle_contact
-    return at.first_y + edge_action.share * (at.second_y - at.first_y)
+    first, second = ((at.first_x, at.second_x), (at.first_y, at.second_y))[axis]
+    return first + edge_action.share * (second - first)
 
 
 def contact_arms(
@@ -336,12 +299,12 @@ def overlaps(*, rectangle_contact: RectangleContact, contact_tolerance: Array) -
     return (at.gap < -contact_tolerance * at.size) | (at.beside & (at.gap < 0))
 
 
-def is_corner_on_corner(*, rectangle_contact: RectangleContact) -> Mask:
+def lacks_single_point(*, rectangle_contact: RectangleContact) -> Mask:
     """True where a corner meets a corner: the normal is not unique."""
     return rectangle_contact.at_corner
 
 
-def is_edge_on_edge(*, edge_action: EdgeAction) -> Mask:
+def lacks_single_impulse(*, edge_action: EdgeAction) -> Mask:
     """True where an edge meets an edge and no single impulse tells the result."""
     return edge_action.unknown
 
@@ -362,12 +325,6 @@ def _only_at_one_contact(
     tolerance: Array,
     edge_action: EdgeAction,
 ) -> Impulse:
-    """Return an impulse with 0 where two bodies are apart and NaN where the law does not hold.
-
-    It does not hold where they overlap by more than `tolerance` (a share of their size), touch
-    corner on corner, or edge on edge in a way that no single impulse describes
-    (`edge_action.unknown`). `at` is the record of their contact, with gap and kind.
-    """
     nothing = is_apart(rectangle_contact=at, contact_tolerance=tolerance)
     unknown = overlaps(rectangle_contact=at, contact_tolerance=tolerance)
     unknown = unknown | ((at.at_corner | edge_action.unknown) & ~nothing)
@@ -397,7 +354,8 @@ def frictionless_impulse(
     return _only_at_one_contact(impulse, rectangle_contact, contact_tolerance, edge_action)
 
 
-def pfeiffer_glocker_impulse(
+def impulse_with_friction(
+    law: Callable[..., Impulse],
     *,
     rectangle_contact: RectangleContact,
     contact_tolerance: Array,
@@ -410,46 +368,13 @@ def pfeiffer_glocker_impulse(
     friction: Array,
     restitution: Array,
 ) -> Impulse:
-    """Return the impulse of compression and expansion with friction on body 1 [N s].
+    """Return the impulse on body 1 by a `law` of impact with friction [N s].
 
-    The law of Pfeiffer and Glocker; the restitution is Poisson's: expansion over compression of the
-    normal impulse. 0 where the bodies are apart, NaN where they overlap or the impact has no single
-    impulse.
+    The Delassus numbers `delassus_*` are velocities per impulse [kg-1], the `approach_*` relative
+    velocities before [m s-1]. 0 where the bodies are apart, NaN where they overlap or the impact
+    has no single impulse.
     """
-    impulse = impact.pfeiffer_glocker(
-        G_NN=delassus_normal,
-        G_NT=delassus_coupling,
-        G_TT=delassus_tangential,
-        u_N=approach_normal,
-        u_T=approach_tangential,
-        friction=friction,
-        restitution=restitution,
-    )
-    return _only_at_one_contact(impulse, rectangle_contact, contact_tolerance, edge_action)
-
-
-def moreau_impulse(
-    *,
-    rectangle_contact: RectangleContact,
-    contact_tolerance: Array,
-    edge_action: EdgeAction,
-    delassus_normal: Array,
-    delassus_coupling: Array,
-    delassus_tangential: Array,
-    approach_normal: Array,
-    approach_tangential: Array,
-    friction: Array,
-    restitution: Array,
-) -> Impulse:
-    """Return the impulse on body 1 in an impact with friction, by Moreau's law [N s].
-
-    One restitution holds in both directions, normal and tangential. The Delassus numbers
-    `delassus_*` are velocities per impulse [kg-1], the `approach_*` relative velocities before [m
-    s-1]. Normal and tangential impulse are 0 where the bodies are apart by more than
-    `contact_tolerance` (a share of their size), NaN where they overlap or the impact of an edge
-    (`edge_action`) has no single impulse.
-    """
-    impulse = impact.moreau(
+    impulse = law(
         G_NN=delassus_normal,
         G_NT=delassus_coupling,
         G_TT=delassus_tangential,
@@ -493,40 +418,6 @@ def motion_after(
     )
 
 
-def separation_normal(
-    *, planar_motion_after: BodyVelocities, contact_arms: Arms, normal_x: Array, normal_y: Array
-) -> Array:
-    """Return the normal velocity at the contact after the impact, positive if it opens [m s-1].
-
-    Of body 1 relative to body 2. `planar_motion_after` has velocities and spins of both [m s-1, rad
-    s-1], `contact_arms` the levers of the contact about their centres [m], (`normal_x`, `normal_y`)
-    is the unit normal from body 2 to body 1.
-    """
-    return approach_normal(
-        contact_arms=contact_arms,
-        normal_x=normal_x,
-        normal_y=normal_y,
-        planar_motion=planar_motion_after,
-    )
-
-
-def separation_tangential(
-    *, planar_motion_after: BodyVelocities, contact_arms: Arms, normal_x: Array, normal_y: Array
-) -> Array:
-    """Return the tangential velocity at the contact after the impact, 0 if it sticks [m s-1].
-
-    Of body 1 relative to body 2. `planar_motion_after` has velocities and spins of both [m s-1, rad
-    s-1], `contact_arms` the levers of the contact about their centres [m], (`normal_x`, `normal_y`)
-    is the unit normal.
-    """
-    return approach_tangential(
-        contact_arms=contact_arms,
-        normal_x=normal_x,
-        normal_y=normal_y,
-        planar_motion=planar_motion_after,
-    )
-
-
 def energy_before(*, planar_motion: BodyVelocities, rectangle_masses: RectangleMasses) -> Array:
     """Return the kinetic energy of both bodies before the impact [J]."""
     u, (mass_1, inertia_1, mass_2, inertia_2) = planar_motion, rectangle_masses
@@ -561,32 +452,20 @@ def energy_lost(
     )
 
 
-def momentum_residual_x(
+def momentum_residual(
+    axis: int,
     *,
     planar_motion: BodyVelocities,
     planar_motion_after: BodyVelocities,
     rectangle_masses: RectangleMasses,
 ) -> Array:
-    """Return the change of the total linear momentum by an impact, x: 0 but for rounding [N s].
+    """Return the change of the total linear momentum, x (`axis` 0) or y (1) [N s].
 
     A check: `planar_motion` is the motion of both bodies before, `planar_motion_after` after it.
     """
     before, after, masses = planar_motion, planar_motion_after, rectangle_masses
-    change_1 = after.velocity_x_1 - before.velocity_x_1
-    change_2 = after.velocity_x_2 - before.velocity_x_2
-    return masses.mass_1 * change_1 + masses.mass_2 * change_2
-
-
-def momentum_residual_y(
-    *,
-    planar_motion: BodyVelocities,
-    planar_motion_after: BodyVelocities,
-    rectangle_masses: RectangleMasses,
-) -> Array:
-    """Return the change of the total linear momentum by the impact, y: 0 but for rounding [N s]."""
-    before, after, masses = planar_motion, planar_motion_after, rectangle_masses
-    change_1 = after.velocity_y_1 - before.velocity_y_1
-    change_2 = after.velocity_y_2 - before.velocity_y_2
+    change_1 = after[axis] - before[axis]
+    change_2 = after[axis + 3] - before[axis + 3]
     return masses.mass_1 * change_1 + masses.mass_2 * change_2
 
 

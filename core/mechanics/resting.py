@@ -102,11 +102,6 @@ def cone_centre(*, diameter: Array, small_diameter: Array, height: Array) -> Arr
     return height * (1 + r * (2 + 3 * r)) / (4 * (1 + r * (1 + r)))
 
 
-def turned_centre(*, centre_of_mass: Array) -> Array:
-    """Return the height of a turned part's centre above the end of `diameter`, as measured [m]."""
-    return centre_of_mass
-
-
 def side_foot(
     *, diameter: Array, small_diameter: Array, height: Array, mass_height: Array
 ) -> Array:
@@ -180,11 +175,7 @@ def turned_centres(
 
 
 def _depth(centre: Array, reach: Array) -> Array:
-    """Return R - h for a corner at the distance R = hypot(h, reach) from the centre [m].
-
-    h (`centre`) is the height of the centre, `reach` the distance of the corner from the centre's
-    foot [m]: reach^2/(R + h), without the difference of what is nearly equal.
-    """
+    # R - h for a corner at the distance R = hypot(h, reach) from the centre [m].
     return reach * (reach / (hypot(centre, reach) + centre))
 
 
@@ -334,16 +325,6 @@ def cone_gyration(
     along = (1 + r * (3 + 6 * r)) / (10 * q)
     z = mass_height / height
     return hypot(diameter * np.sqrt(turning), height * np.sqrt(along - z * z))
-
-
-def turned_gyration(*, radius_of_gyration: Array) -> Array:
-    """Return the radius of gyration of a turned part, as measured [m]."""
-    return radius_of_gyration
-
-
-def upright_centre(*, mass_height: Array) -> Array:
-    """Return the height of the centre of a part that stands on the end of `diameter` [m]."""
-    return mass_height
 
 
 # --- when it topples

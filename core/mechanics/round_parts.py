@@ -318,11 +318,6 @@ def leaves_wall(*, wall_balance: Array) -> Mask:
     return wall_balance < 0
 
 
-def wall_as_floor(*, friction_kinetic: Array) -> Array:
-    """Return the floor's kinetic friction, for a wall of the same material [1]."""
-    return friction_kinetic
-
-
 def net_push(*, in_plane_drive_x: Array, wall_friction: Array, wall_acceleration: Array) -> Array:
     """Return the drive along x less the wall's friction, sgn(D) max(0, |D| - mu_w s) [m s-2].
 

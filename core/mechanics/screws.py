@@ -32,11 +32,6 @@ def dot(a: Array, b: Array) -> Array:
     return np.asarray(np.sum(a * b, axis=-1))
 
 
-def cross(a: Array, b: Array) -> Array:
-    """Return the vector product over the last axis."""
-    return np.cross(a, b)
-
-
 @dataclass(frozen=True, eq=False)
 class Wrench:
     """Resultant of a force system.
@@ -89,21 +84,15 @@ def reduce_screw(resultant: Array, moment: Array) -> ScrewReduction:
     back = m_exponent - f_exponent
     with np.errstate(over="ignore", under="ignore"):
         pitch = np.ldexp(dot(f, m) / square, back)
-        axis = np.ldexp(cross(f, m) / square[..., None], back[..., None])
+        axis = np.ldexp(np.cross(f, m) / square[..., None], back[..., None])
     return ScrewReduction(
         np.where(has_force, pitch, np.nan), np.where(has_force[..., None], axis, np.nan), has_force
     )
 
 
 def _scaled(half: Array) -> tuple[Array, NDArray[np.intc]]:
-    """Return vectors scaled so that their largest component is in [1/2, 1), and the exponents."""
     _, exponent = np.frexp(np.max(np.abs(half), axis=-1))
     return np.ldexp(half, -exponent[..., None]), exponent
-
-
-def level_gravity(*, gravity: Array) -> Array:
-    """Return gravity onto a level floor, g [m s-2]."""
-    return gravity
 
 
 def rolling_drive(
@@ -317,19 +306,14 @@ def has_no_force_axis(*, force_reduction: ScrewReduction) -> Mask:
 
 
 def _over_normal(value: Array, normal_acceleration: Array, otherwise: float) -> Array:
-    """Return value/n0, and `otherwise` in flight."""
     pressed = normal_acceleration > 0
     return np.where(pressed, value / np.where(pressed, normal_acceleration, 1.0), otherwise)
 
 
 def _turning_of_spin(mass: Array, diameter: Array, spin_rate: Array, yaw_rate: Array) -> Array:
-    """Return the moment about eta that turns the spin, -I3 theta' phi', I3 = m r^2/2 [N m].
-
-    phi' is the spin rate, theta' the yaw rate.
-    """
+    # Moment about eta that turns the spin, -I3 theta' phi', I3 = m r^2/2 [N m].
     return -mass * np.square(diameter) / 8 * spin_rate * yaw_rate
 
 
 def _as_printed(reduction: ScrewReduction) -> ScrewReduction:
-    """Return a screw's pitch and axis with the sign of the axis as printed."""
     return ScrewReduction(reduction.pitch, -reduction.axis_point, reduction.has_axis)

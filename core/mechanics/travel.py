@@ -39,16 +39,12 @@ SHORT_WAY = 0.15
 
 
 def _rate(K: Array, friction: Array, radius: Array) -> Array:
-    """Return the rate sqrt(mu |K|/R) with which the speed tends to its limit [s-1].
-
-    K is the acceleration at zero speed, mu the kinetic friction, R the bowl's radius. It is a
-    product of roots, since mu |K| may underflow.
-    """
+    # A product of roots, since mu |K| may underflow.
     return np.sqrt(friction / radius) * np.sqrt(np.abs(K))
 
 
 def _damping(friction: Array, radius: Array, distance: Array) -> Array:
-    """Return the exponent by which wall friction damps the squared speed, s = 2 mu x/R [1]."""
+    # Exponent by which wall friction damps the squared speed, s = 2 mu x/R [1].
     return 2 * friction * (distance / radius)
 
 
@@ -74,11 +70,9 @@ def transport_velocity(
 
 
 def _joined(carried: Array, gained: Array, grows: Mask) -> Array:
-    """Return sqrt(c^2 + g^2) where it grows, else sqrt(c^2 - g^2), or 0 for c < g [m s-1].
-
-    c `carried` and g `gained`. One root for both, of 1 + r^2 or (1 - r)(1 + r), r the ratio of the
-    less to the greater: no overflow, and no cancellation of squares near the stop.
-    """
+    # sqrt(c^2 + g^2) where it grows, else sqrt(c^2 - g^2), or 0 for c < g. One root for both, of
+    # 1 + r^2 or (1 - r)(1 + r), r the ratio of the less to the greater: no overflow, and no
+    # cancellation of squares near the stop.
     is_less = gained < carried
     most, least = np.where(is_less, carried, gained), np.where(is_less, gained, carried)
     scale = np.where(most > 0, most, 1.0)
@@ -90,11 +84,7 @@ def _joined(carried: Array, gained: Array, grows: Mask) -> Array:
 def _speeds(
     K: Array, friction: Array, radius: Array, distance: Array, speed: Array
 ) -> tuple[Array, Array]:
-    """Return the contributions of starting speed and |K| to the later speed [m s-1].
-
-    v0 exp(-s/2) and sqrt(2 |K| x phi(s)), with s = 2 mu x/R and phi(s) = (1 - exp(-s))/s; K is the
-    acceleration at zero speed, v0 `speed`.
-    """
+    # v0 exp(-s/2) and sqrt(2 |K| x phi(s)), what starting speed and |K| give the later speed.
     s = _damping(friction, radius, distance)
     gained = np.sqrt(2 * np.abs(K) * expm1_quotient(s)) * np.sqrt(distance)
     return speed * np.exp(-s / 2), gained
@@ -143,12 +133,8 @@ def travel_time(
 def _short_time(
     K: Array, v: Array, v0: Array, s: Array, friction: Array, radius: Array, distance: Array
 ) -> Array:
-    """Return the time to cover a distance with little damping s; infinite if never covered [s].
-
-    s is at most `SHORT_WAY`; the arguments are those of `travel_time`. Half of the arc has the
-    tangent k p, p = x phi(s/2)/(v + v0 exp(-s/2)), and the time is 2 p times the `arc_series` of
-    (mu/R) K p^2. From rest K cancels, and that is tanh(s/4).
-    """
+    # Half of the arc has the tangent k p, p = x phi(s/2)/(v + v0 exp(-s/2)), and the time is 2 p
+    # times the `arc_series` of (mu/R) K p^2. From rest K cancels, and that is tanh(s/4).
     decay = np.exp(-s / 2)
     p, arrives = _quotient(distance * expm1_quotient(s / 2), v, v + v0 * decay, distance)
     from_rest = -np.expm1(-s / 2) / (1 + decay)
@@ -159,11 +145,8 @@ def _short_time(
 def _long_time(
     K: Array, v: Array, v0: Array, s: Array, friction: Array, radius: Array, distance: Array
 ) -> Array:
-    """Return the time to cover a distance with any damping s; infinite if never covered [s].
-
-    The arguments are those of `travel_time`: q times the `arc_quotient` of (mu/R) K q^2, whose root
-    is exp(-s/2) (v + v0)/(v + v0 exp(-s)). From rest K cancels, and (mu/R) K q^2 = 1 - exp(-s).
-    """
+    # q times the `arc_quotient` of (mu/R) K q^2, whose root is exp(-s/2) (v + v0)/(v + v0 exp(-s)).
+    # From rest K cancels, and (mu/R) K q^2 = 1 - exp(-s).
     from_rest, goes = v0 == 0, distance > 0
     way = 2 * distance * expm1_quotient(s)
     q, arrives = _quotient(way, v, v + v0 * np.exp(-s), distance)
@@ -178,11 +161,6 @@ def _long_time(
 
 
 def _quotient(way: Array, speed: Array, pace: Array, distance: Array) -> tuple[Array, Mask]:
-    """Return `way` over `pace` [s], 0 where the part does not get there; and where it does.
-
-    It does not if its `speed` at the end [m s-1] is 0, or the time is beyond the floats. No
-    `distance` [m] takes no time.
-    """
     goes = distance > 0
     with np.errstate(over="ignore", divide="ignore"):
         q = np.where(goes, way, 0.0) / np.where(goes, np.where(speed > 0, pace, 0.0), 1.0)
@@ -212,10 +190,7 @@ def mean_velocity(
 
 
 def _speed_ratio(K: Array, friction: Array, radius: Array, speed: Array) -> Array:
-    """Return the starting speed over sqrt(|K| R/mu), where the part brakes (K < 0); else 0 [1].
-
-    K is the acceleration at zero speed, mu the friction, R the bowl's radius.
-    """
+    # Starting speed over sqrt(|K| R/mu), where the part brakes (K < 0); else 0 [1].
     root = np.sqrt(np.where(K < 0, -K, 1.0))
     return np.where(K < 0, speed * np.sqrt(friction / radius) / root, 0.0)
 

@@ -64,11 +64,6 @@ def curved_acceleration_x(
     return starting_acceleration - friction_kinetic * centripetal_acceleration
 
 
-def curved_acceleration_y(*, centripetal_acceleration: Array) -> Array:
-    """Return the acceleration v^2/R of a part that follows the wall [m s-2]."""
-    return centripetal_acceleration
-
-
 def derived_wall_balance(
     *, centripetal_acceleration: Array, gravity_across: Array, drive_across: Array
 ) -> Array:

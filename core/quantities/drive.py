@@ -18,11 +18,6 @@ WHERE = {"along": "along the track", "across": "across the track", "normal": "of
 
 
 def _amplitude(axis: str, order: int) -> Quantity:
-    """Return the declaration of a parameter: the amplitude of a harmonic of the drive [m].
-
-    It is that of the track's motion along `axis`, ``"along"``, ``"across"`` or ``"normal"``, at
-    `order` times the frequency, zero to peak.
-    """
     return Quantity(
         "m", f"A{_LETTERS[axis]}{order}", f"Amplitude {axis}, order {order}",
         f"Amplitude of the track's motion {WHERE[axis]} at {_times(order)}, zero to peak.", 0.0,
@@ -31,11 +26,6 @@ def _amplitude(axis: str, order: int) -> Quantity:
 
 
 def _phase(axis: str, order: int) -> Quantity:
-    """Return the declaration of a parameter: the phase of a harmonic of the drive [degree].
-
-    It is the lead of the track's motion along `axis`, ``"along"``, ``"across"`` or ``"normal"``, at
-    `order` times the frequency.
-    """
     return angle(
         f"phi{_LETTERS[axis]}{order}", f"Phase {axis}, order {order}",
         f"Lead of the track's motion {WHERE[axis]} at {_times(order)}: the displacement is "
@@ -48,11 +38,6 @@ def _times(order: int) -> str:
 
 
 def _level(axis: str, step: int) -> Quantity:
-    """Return the declaration of a parameter: the track's acceleration in a step [m/s2].
-
-    A drive may be given as steps of constant acceleration over a period; `step` is the number of
-    one, from 1, and `axis` is ``"along"``, ``"across"`` or ``"normal"``.
-    """
     return Quantity(
         "m s-2", f"a{_LETTERS[axis]}{step}", f"Acceleration {axis}, step {step}",
         f"Acceleration of the track {WHERE[axis]} during step {step} of a period.",
@@ -61,11 +46,6 @@ def _level(axis: str, step: int) -> Quantity:
 
 
 def _duration(step: int) -> Quantity:
-    """Return the declaration of a parameter: the relative duration of a step of the drive.
-
-    A drive may be given as steps of constant acceleration; `step` is the number of one, from 1.
-    Durations have no unit: those of all steps together are one period.
-    """
     return Quantity(
         "1", f"T{step}", f"Duration of step {step}",
         f"Relative duration of step {step}; the durations of all steps divide the period.", 0.0,
@@ -74,11 +54,6 @@ def _duration(step: int) -> Quantity:
 
 
 def _limits(axis: str) -> dict[str, Quantity]:
-    """Return the declarations of the outputs that tell how hard a drive is along an axis, by name.
-
-    They are largest acceleration, stroke and largest jerk; `axis` is ``"along"``, ``"across"`` or
-    ``"normal"``. They are compared with what a real drive unit can do.
-    """
     letter, where = _LETTERS[axis], WHERE[axis]
     return {
         f"largest_acceleration_{axis}": Quantity(

@@ -9,10 +9,6 @@ MAX_STRETCHES = 6
 
 
 def _turns(n: int) -> Quantity:
-    """Return the declaration of a parameter: the turns of stretch `n` of a bowl's track.
-
-    A stretch is a piece of the track with one climb and one lining; stretches count from 1.
-    """
     return Quantity(
         "1", f"n_{n}", f"Turns, stretch {n}", f"Turns of stretch {n} of the track.", 0.0,
         strict=True, parameter=True, examples=("1.5",), usual=(1e-3, 20.0),
@@ -26,10 +22,6 @@ def _radius(n: int) -> Quantity:
 
 
 def _climb(n: int) -> Quantity:
-    """Return the declaration of a parameter: the climb of stretch `n` of a bowl's track [degree].
-
-    A stretch is a piece of the track with one climb and one lining; stretches count from 1.
-    """
     return angle(
         f"gamma_{n}", f"Climb, stretch {n}",
         f"Climb of stretch {n}; that of the stretch before unless given.", 80.0, "3 deg",
@@ -38,10 +30,6 @@ def _climb(n: int) -> Quantity:
 
 
 def _friction(n: int) -> Quantity:
-    """Return the declaration of a parameter: the friction on stretch `n` of a bowl's track, from 1.
-
-    A stretch is a piece of the track with one climb and one lining.
-    """
     return friction(
         f"mu_{n}",
         f"Friction, stretch {n}",
@@ -122,7 +110,6 @@ BOWL_TRACK: dict[str, Quantity] = {
 def _input(
     unit: str, symbol: str, label: str, says: str, example: str, *, strict: bool
 ) -> Quantity:
-    """Return the quantity of an input that is at least 0; with `strict` above 0."""
     return Quantity(
         unit, symbol, label, says, 0.0, strict=strict, parameter=True, examples=(example,)
     )

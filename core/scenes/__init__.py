@@ -7,8 +7,6 @@ from vibrafeed.core.mechanics.floor import (
     amplitude,
     amplitude_of_vertical,
     amplitude_of_vertical_stroke,
-    friction_kinetic,
-    friction_static,
 )
 from vibrafeed.core.mechanics.orienting import rate_by_pitch
 from vibrafeed.core.scenes import (
@@ -22,7 +20,7 @@ from vibrafeed.core.scenes import (
     row_on_plane,
     soft_contact,
 )
-from vibrafeed.core.scenes.scene import EXACT, Condition, Constraint, Equation, Scene
+from vibrafeed.core.scenes.scene import EXACT, Condition, Constraint, Equation, Scene, fields
 
 SCENES: dict[str, Scene] = {
     "rectangle-isolated": isolated.RECTANGLE_SCENE,
@@ -51,8 +49,12 @@ ALIASES = (
     Equation("amplitude", amplitude, "theory 0.2"),
     Equation("amplitude", amplitude_of_vertical, "theory 0.2"),
     Equation("amplitude", amplitude_of_vertical_stroke, "theory 0.2"),
-    Equation("friction_static", friction_static, "theory 11.2"),
-    Equation("friction_kinetic", friction_kinetic, "theory 11.2"),
+    *fields(
+        "friction",
+        "theory 11.2",
+        friction_static=("the static coefficient where one coefficient serves for both [1]",),
+        friction_kinetic=("the kinetic coefficient where one coefficient serves for both [1]",),
+    ),
     Equation("drive_force", magnet_force, "theory 15.1"),
     Equation("drive_force", unbalance_force, "theory 15.1"),
     Equation("arrival_rate", rate_by_pitch, "theory 16.3"),

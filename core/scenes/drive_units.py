@@ -10,7 +10,7 @@ import numpy as np
 
 from vibrafeed.core.mechanics import drive_unit
 from vibrafeed.core.mechanics.arrays import Array, cosine, hypot, sine
-from vibrafeed.core.scenes.scene import Condition, Equation, Scene
+from vibrafeed.core.scenes.scene import Condition, Equation, Scene, fields
 
 
 def natural_frequency(
@@ -39,12 +39,7 @@ def foot_frequency(
 
 
 def _squares(k: Array, k_f: Array, m1: Array, m2: Array) -> tuple[Array, Array]:
-    """Return the squared circular frequencies of both modes, the higher first [rad2 s-2].
-
-    They are the roots w^2 of m1 m2 w^4 - (k (m1 + m2) + k_f m1) w^2 + k k_f = 0: stiffness k of the
-    leaves and k_f of the feet, m1 of the loaded trough, m2 of the base. The lower comes from the
-    product of both, without cancellation.
-    """
+    # The roots w^2, the lower from the product of both, without cancellation.
     half = (k * (m1 + m2) + k_f * m1) / 2
     product = (m1 * m2) * (k * k_f)
     # half^2 - product = (k (m1 + m2) - k_f m1)^2/4 + k k_f m1^2: never below 0.
@@ -109,13 +104,7 @@ def track_harmonic(
 def _trough(
     w: Array, k: Array, c: Array, k_f: Array, c_f: Array, m1: Array, c_l: Array, m2: Array
 ) -> tuple[Array, Array]:
-    """Return the displacement of the trough per force of the drive, X1/F, as two arrays [m N-1].
-
-    Real and imaginary part in X1 e^(iwt) for the force F cos(wt). `w` is the circular frequency
-    [rad s-1]; `k`, `c` stiffness and damping of the leaves [N m-1, N s m-1], `k_f`, `c_f` of the
-    feet; `m1` the loaded trough [kg], `c_l` the damper from it to the ground, `m2` the base (theory
-    15.2).
-    """
+    # Real and imaginary part of X1/F, in X1 e^(iwt) for the force F cos(wt).
     a_real, a_imag = m1 * w * w, -w * c_l
     p_real, p_imag = k_f - m2 * w * w, w * c_f
     q_real, q_imag = p_real - a_real, p_imag - a_imag
@@ -135,14 +124,6 @@ def floor_force(
     X2, the amplitude of the base, is the fourth entry of `stroke_response` [m].
     """
     return hypot(foot_stiffness, circular_frequency * foot_damping) * stroke_response[3]
-
-
-def linear_amplitude(*, stroke_response: tuple[Array, ...]) -> Array:
-    """Return the amplitude of the track, X1 [m].
-
-    It is the third entry of `stroke_response`, the amplitude of the trough.
-    """
-    return stroke_response[2]
 
 
 def linear_angle(*, spring_angle: Array, gamma: Array) -> Array:
@@ -194,12 +175,7 @@ def turning_mass(
 def _arm(
     m_r: Array, i1: Array, i2: Array, along: Array, upward: Array, th: Array
 ) -> tuple[Array, Array]:
-    """Return the lever d x e of the drive [m] and the total moment of inertia I_t [kg m2].
-
-    d is (`along`, `upward`), from the base's mass centre to the trough's, e the unit vector at the
-    angle `th`; `m_r` is the reduced mass, `i1` and `i2` are both moments of inertia: I_t = i1 + i2
-    + m_r d^2.
-    """
+    # The lever d x e of the drive, and I_t = i1 + i2 + m_r d^2.
     arm = along * sine(th) - upward * cosine(th)
     return arm, i1 + i2 + m_r * (along * along + upward * upward)
 
@@ -352,7 +328,9 @@ LINEAR = (
     Equation("natural_frequency", natural_frequency, "theory 15.2"),
     Equation("foot_frequency", foot_frequency, "theory 15.2"),
     Equation("stroke_response", stroke_response, "theory 15.2"),
-    Equation("track_amplitude", linear_amplitude, "theory 15.2"),
+    *fields(
+        "stroke_response", "theory 15.2", track_amplitude=(2, "the amplitude of the track, X1 [m]")
+    ),
     Equation("vibration_angle", linear_angle, "theory 15.2"),
     Equation("foot_force", floor_force, "theory 15.2"),
     Equation("track_harmonic", track_harmonic, "theory 15.2"),
@@ -419,7 +397,13 @@ LINEAR_SCENE = Scene(
 BOWL = (
     *SHARED,
     Equation("generalised_mass", drive_unit.bowl_mass_empty, "theory 15.3"),
-    Equation("load_radius", drive_unit.load_radius, "theory 15.3"),
+    *fields(
+        "radius",
+        "theory 15.3",
+        load_radius=(
+            "the radius at which the load acts, equal to the part's radius by default [m]",
+        ),
+    ),
     Equation("loaded_inertia", drive_unit.loaded_inertia, "theory 15.3"),
     Equation("bowl_mass", drive_unit.bowl_mass, "theory 15.3"),
     Equation("natural_frequency", drive_unit.bowl_frequency, "theory 15.3"),

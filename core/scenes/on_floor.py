@@ -10,6 +10,7 @@ from vibrafeed.core.scenes.scene import (
     Constraint,
     Equation,
     Scene,
+    fields,
 )
 
 # --- Equations of all scenes of a part on a plane: drive, gravity, and a floor without a wall.
@@ -28,18 +29,29 @@ DRIVE = (
 PLANE = (
     *DRIVE,
     Equation("gravity_normal", floor.gravity_normal, "(3.11)"),
-    Equation("in_plane_drive_y", floor.in_plane_drive_y, "theory 3"),
+    *fields(
+        "drive_across",
+        "theory 3",
+        in_plane_drive_y=("drive less gravity along y on a floor without lean, D_y [m s-2]",),
+    ),
     Equation("in_plane_drive", floor.in_plane_drive, "theory 3.2"),
     Equation("rotated_acceleration_x", floor.rotated_acceleration_x, "(3.10), (3.12)"),
     Equation("rotated_acceleration_y", floor.rotated_acceleration_y, "(3.10), (3.12)"),
     Equation("floor_force", floor.floor_force, "(3.9), (3.11)"),
 )
 
+
+def unchecked_load(source: str, variant: str = "all") -> tuple[Equation, ...]:
+    """Return the equation of a normal force that may pull, as in the source."""
+    says = "the normal force per mass, n0, whatever its sign, as in the source [m s-2]"
+    return fields("normal_acceleration", source, variant, floor_acceleration=(says,))
+
+
 PER_AXIS = (
     Equation("acceleration_x", floor.per_axis_acceleration_x, "(3.9), (3.11)", "thesis"),
     Equation("acceleration_y", floor.per_axis_acceleration_y, "(3.9), (3.11)", "thesis"),
     Equation("acceleration_z", floor.no_acceleration_z, "(3.9), (3.11)", "thesis"),
-    Equation("floor_acceleration", floor.unchecked_acceleration, "(3.9), (3.11)", "thesis"),
+    *unchecked_load("(3.9), (3.11)", "thesis"),
 )
 
 UNILATERAL = (
@@ -185,7 +197,11 @@ COMMON = (
 )
 TOP_EDGE = (
     Equation("acceleration_x", wall.curved_acceleration_x, "(3.17)"),
-    Equation("acceleration_y", wall.curved_acceleration_y, "(3.14)"),
+    *fields(
+        "centripetal_acceleration",
+        "(3.14)",
+        acceleration_y=("the acceleration v^2/R of a part that follows the wall [m s-2]",),
+    ),
     Equation("acceleration_z", floor.no_acceleration_z, "(3.14)"),
     Equation("wall_acceleration", wall.top_edge_wall_acceleration, "(3.16)"),
     Equation("floor_acceleration", wall.top_edge_floor_acceleration, "(3.15b)"),

@@ -88,12 +88,6 @@ class Device:
         return matrix
 
     def _kept(self, number: str, aspects: int, parameters: dict[str, Any]) -> list[Array]:
-        """Return the share of each aspect that a test of the device passes; empty if it is none.
-
-        An aspect is a way in which a part lies. `number` is the kind of the device's number, such
-        as `wiper_height`, `aspects` is how many aspects there are, and `parameters` has sizes of
-        parts and devices by name, SI units.
-        """
         sizes: Sequence[orienting.Aspect] = parameters.get("aspect_sizes", ())
         if number == "wiper_height":
             height = self.number(number, parameters)
@@ -111,13 +105,6 @@ class Device:
         return []
 
     def _rail(self, parameters: dict[str, Any]) -> Matrix:
-        """Return the effect of two rails on turned parts, as a matrix over their aspects.
-
-        The aspects are upright, on its side, inverted; entry j of row i is the share that goes from
-        i to j. Parts on their side or inverted go on inverted if they hang by their head; all
-        others fall. `parameters` has the width of the rails and the diameters of head and shank, SI
-        units.
-        """
         width = self.number("rail_width", parameters)
         hangs = orienting.hangs_on_rail(width, parameters["shank_diameter"], parameters["diameter"])
         zero = np.zeros(())
@@ -170,23 +157,6 @@ class DeviceLine:
     def _in_order(
         self, matrices: list[Matrix], outlets: list[Array | None], order: Array
     ) -> tuple[list[Matrix], list[Array | None]]:
-        """Return matrices and outlet capacities of the devices, rearranged for each cell.
-
-        Parameters
-        ----------
-        matrices : list of Matrix
-            What each device does to parts: shares over cells, by aspect before and after.
-        outlets : list of ndarray or None
-            The capacities of the outlets [1/s]; None, a device without outlet, counts as infinite.
-        order : ndarray
-            For each cell the number, from 1, of a permutation of the devices, as
-            `orienting.devices_in_order` counts them.
-
-        Returns
-        -------
-        tuple of list
-            The same lists, rearranged; a capacity is None where no device has an outlet.
-        """
         capacities = [np.asarray(np.inf) if one is None else one for one in outlets]
         chosen: list[Matrix] = []
         at: list[Array | None] = []
@@ -203,11 +173,6 @@ class DeviceLine:
 
 
 def _pick(pick: list[Any], values: list[Array]) -> Array:
-    """Return, in each cell, the one of several values whose mask is true there.
-
-    `pick` has a mask for each of the `values`, arrays over cells that broadcast. Where no mask is
-    true it is the first value.
-    """
     picked = values[0]
     for mask, value in zip(pick[1:], values[1:], strict=True):
         picked = np.where(mask, value, picked)
@@ -365,12 +330,6 @@ def fit_to_study(scene: Scene, parameters: Collection[str]) -> Scene:
 
 @lru_cache(maxsize=64)
 def _fitted(_: str, numbers: tuple[str, ...], ordered: bool, tested: bool) -> Scene:
-    """Return the scene of an orienting line with the devices of a study; cached by its arguments.
-
-    `numbers` are the names of the devices' parameters, which end in the place of a device, such as
-    ``wiper_height_1``; `ordered` is true if the study gives the order of the devices as a number,
-    `tested` if it gives a drop test. The first argument is only part of the cache's key.
-    """
     devices: dict[int, list[str]] = {}
     for number, place in (match.groups() for match in map(_NUMBER.fullmatch, numbers) if match):
         devices.setdefault(int(place), []).append(number)
@@ -393,12 +352,6 @@ def _fitted(_: str, numbers: tuple[str, ...], ordered: bool, tested: bool) -> Sc
 def _equations_with_devices(
     shape: str, numbers: dict[int, list[str]], ordered: bool, tested: bool
 ) -> tuple[Equation, ...]:
-    """Return the equations of an orienting line for a shape of parts, with the devices of a study.
-
-    `numbers` has for each place of the line, from 1, the names of what the study gives of the
-    device there, such as ``wiper_height``; `ordered` is true if the study gives the order of the
-    devices, `tested` if it gives a drop test, from which the shares and their ends are then taken.
-    """
     known, aspects = numbers_of(shape), len(ASPECTS[shape])
     devices = [
         Device(place, tuple(n for n in known if n in numbers[place])) for place in sorted(numbers)

@@ -42,7 +42,16 @@ SHAPES: dict[str, tuple[Equation, ...]] = {
         Equation("depths", resting.prism_depths, SOURCE),
     ),
     "truncated_cone": (Equation("mass_height", resting.cone_centre, SOURCE), *_TURNED),
-    "turned": (Equation("mass_height", resting.turned_centre, SOURCE), *_TURNED),
+    "turned": (
+        field_of(
+            "centre_of_mass",
+            (),
+            "mass_height",
+            "the height of a turned part's centre above the end of `diameter`, as measured [m]",
+            SOURCE,
+        ),
+        *_TURNED,
+    ),
 }
 """What the shares of each shape follow from."""
 
@@ -95,7 +104,16 @@ def lying(shape: str, outputs: frozenset[str]) -> tuple[Condition, ...]:
 SECTION = "theory 16.2"
 _ROUND = (Equation("standing_base", resting.round_base, SECTION),)
 _ON_END = (Equation("standing_centre", resting.end_centre, SECTION),)
-_UPRIGHT = (*_ROUND, Equation("standing_centre", resting.upright_centre, SECTION))
+_UPRIGHT = (
+    *_ROUND,
+    field_of(
+        "mass_height",
+        (),
+        "standing_centre",
+        "the height of the centre of a part that stands on the end of `diameter` [m]",
+        SECTION,
+    ),
+)
 POSES: dict[str, tuple[Equation, ...]] = {
     "box": (
         Equation("standing_base", resting.box_base, SECTION),
@@ -112,7 +130,9 @@ POSES: dict[str, tuple[Equation, ...]] = {
         Equation("gyration", resting.prism_gyration, SECTION),
     ),
     "truncated_cone": (*_UPRIGHT, Equation("gyration", resting.cone_gyration, SECTION)),
-    "turned": (*_UPRIGHT, Equation("gyration", resting.turned_gyration, SECTION)),
+    "turned": (*_UPRIGHT, field_of("radius_of_gyration", (), "gyration",
+                                    "the radius of gyration of a turned part, as measured [m]",
+                                    SECTION)),
 }  # fmt: skip
 """How each shape stands: a box on its face of length by width, the others on an end."""
 

@@ -12,8 +12,16 @@ from vibrafeed.core.scenes.on_floor import (
     PLANE,
     PLANE_DEFAULTS,
     UNILATERAL,
+    unchecked_load,
 )
-from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene, fields
+from vibrafeed.core.scenes.scene import (
+    STANDARD_GRAVITY,
+    Condition,
+    Equation,
+    Scene,
+    field_of,
+    fields,
+)
 
 # --- A roller, tube, ring or hoop that lies on a plane, its axis in any direction, from rest.
 
@@ -198,15 +206,18 @@ AXES = (
 )
 """Pitch and axis of the wrenches of floor and forces."""
 
+LEVEL_GRAVITY = field_of(
+    "gravity", (), "gravity_normal", "gravity onto a level floor, g [m s-2]", "(4.17)"
+)
 COMMON = (
     Equation("vibration_acceleration", floor.vibration_acceleration, "theory 0.2"),
     Equation("drive_normal", floor.drive_normal, "(4.13)"),
     Equation("rolling_drive", screws.rolling_drive, "(4.13), theory 9.2"),
     Equation("axial_drive", screws.axial_drive, "(4.13), theory 9.2"),
-    Equation("gravity_normal", screws.level_gravity, "(4.17)"),
+    LEVEL_GRAVITY,
     Equation("normal_acceleration", floor.normal_acceleration, "(4.17)"),
     Equation("throw_number", floor.throw_number, "theory 13.2"),
-    Equation("floor_acceleration", floor.unchecked_acceleration, "(4.17)"),
+    *unchecked_load("(4.17)"),
     Equation("floor_force", floor.floor_force, "(4.17)"),
     Equation("axial_friction_acceleration", screws.axial_friction_acceleration, "(4.16)"),
     Equation("rolling_friction", screws.rolling_friction, "(4.15)"),
@@ -315,7 +326,11 @@ DISC_PHYSICAL = (
     Equation("wall_balance", wall.derived_wall_balance, "theory 4.1"),
     Equation("wall_acceleration", wall.pushing_wall_acceleration, "theory 4.1"),
     Equation("wall_force", wall.wall_force, "theory 4.1"),
-    Equation("wall_friction", round_parts.wall_as_floor, DISC_SOURCE),
+    *fields(
+        "friction_kinetic",
+        DISC_SOURCE,
+        wall_friction=("the floor's kinetic friction, for a wall of the same material [1]",),
+    ),
     Equation("net_push", round_parts.net_push, DISC_SOURCE),
     Equation("rolling_factor", round_parts.tube_factor, DISC_SOURCE),
     Equation("rolling_share", round_parts.rolling_share, DISC_SOURCE),

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibrafeed.core.mechanics import floor, screws
+from vibrafeed.core.mechanics import floor
 from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, ratio, sine
+from vibrafeed.core.scenes.round_parts import LEVEL_GRAVITY
 from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
 
 MINUTE = 60.0  # seconds
@@ -275,12 +276,9 @@ def strikes_too_late(
 
 
 def is_not_carried(
-    *,
-    forward_acceleration: Array,
-    return_acceleration: Array,
-    friction_kinetic: Array,
+    *, forward_acceleration: Array, return_acceleration: Array, friction_kinetic: Array,
     gravity: Array,
-) -> Mask:
+) -> Mask:  # fmt: skip
     """True where friction does not carry the row forward, or holds it while the track runs back."""
     brake = friction_kinetic * gravity
     return (forward_acceleration > brake) | (return_acceleration <= brake)
@@ -310,14 +308,9 @@ def least_held_force(
 
 
 def locked_held_force(
-    *,
-    row_weight: Array,
-    friction_static: Array,
-    gravity: Array,
-    gamma: Array,
-    vibration_acceleration: Array,
-    beta: Array,
-) -> Array:
+    *, row_weight: Array, friction_static: Array, gravity: Array, gamma: Array,
+    vibration_acceleration: Array, beta: Array,
+) -> Array:  # fmt: skip
     """Return the mean force of a row on a stop of the track, as friction may lock it in [N].
 
     Stiff elastic parts keep a force until friction is overcome: F/M follows max(L, min(U, F)), at
@@ -350,18 +343,13 @@ def locked_held_force(
 
 
 def _angle(value: Array, gain: Array) -> Array:
-    """Return asin(value/gain), cut to the range of the arc sine [rad]."""
     return np.arcsin(np.maximum(np.minimum(ratio(value, gain, 1.0), 1.0), -1.0))
 
 
 def least_two_level_force(
-    *,
-    row_weight: Array,
-    friction_static: Array,
-    gravity: Array,
-    forward_acceleration: Array,
+    *, row_weight: Array, friction_static: Array, gravity: Array, forward_acceleration: Array,
     return_acceleration: Array,
-) -> Array:
+) -> Array:  # fmt: skip
     """Return the mean least force on a stop that moves with a track of two accelerations [N].
 
     M (a_m - mu g) a_s/(a_s + a_m), with a_s forward and a_m back: the row presses while the track
@@ -385,13 +373,9 @@ def never_closes(*, row_velocity: Array, front_velocity: Array) -> Mask:
 
 
 def slips_back(
-    *,
-    friction_static: Array,
-    gravity: Array,
-    gamma: Array,
-    vibration_acceleration: Array,
+    *, friction_static: Array, gravity: Array, gamma: Array, vibration_acceleration: Array,
     beta: Array,
-) -> Mask:
+) -> Mask:  # fmt: skip
     """True where the row leaves a stop of the track: P (cb - mu sb) > g (mu cos gamma - sin gamma).
 
     P is the vibration acceleration; cb and sb are cosine and sine of beta.
@@ -408,55 +392,9 @@ def leaves_floor(
 
 
 SOURCE = "theory 17.5"
-LANE = (
-    Equation("lane_pitch", lane_pitch, SOURCE),
-    Equation("throughput_limit", throughput_limit, SOURCE),
-    Equation("throughput", throughput, SOURCE),
-    Equation("part_spacing", part_spacing, SOURCE),
-    Equation("queue_velocity", queue_velocity, SOURCE),
-    Equation("fill_time", fill_time, SOURCE),
-    Equation("clear_time", clear_time, SOURCE),
-    Equation("escapement_rate", escapement_rate, SOURCE),
-)
-BEND = (
-    Equation("bend_pitch", bend_pitch, SOURCE),
-    Equation("held_line_force", held_line_force, SOURCE),
-    Equation("sliding_line_force", sliding_line_force, SOURCE),
-)
 WEIGHT = Equation("row_weight", row_weight, SOURCE)
-FIXED_STOP = (
-    Equation("vibration_acceleration", floor.vibration_acceleration, "theory 0.2"),
-    Equation("drive_normal", floor.drive_normal, "(3.10)"),
-    Equation("gravity_normal", screws.level_gravity, "(4.17)"),
-    Equation("throw_number", floor.throw_number, "theory 13.2"),
-    WEIGHT,
-    Equation("stop_force", held_force, SOURCE),
-)
-STEPPED_STOP = (
-    WEIGHT,
-    Equation("two_level_hold", two_level_hold, SOURCE),
-    Equation("stop_force", two_level_force, SOURCE),
-    Equation("stop_contact_fraction", two_level_contact, SOURCE),
-    Equation("stop_impact_share", two_level_impacts, SOURCE),
-)
-TRACK_STOP = (
-    Equation("vibration_acceleration", floor.vibration_acceleration, "theory 0.2"),
-    WEIGHT,
-    Equation("least_stop_force", least_held_force, SOURCE),
-    Equation("locked_stop_force", locked_held_force, SOURCE),
-)
-STEPPED_TRACK_STOP = (
-    WEIGHT,
-    Equation("least_stop_force", least_two_level_force, SOURCE),
-)
-PLATOONS = (
-    Equation("mean_platoons", mean_platoons, SOURCE),
-    Equation("closing_time", closing_time, SOURCE),
-    Equation("pair_force", pair_force, SOURCE),
-)
-OF_FLOW = frozenset(("throughput", "part_spacing", "queue_velocity"))
-OF_STEPS = frozenset(("stop_force", "stop_contact_fraction", "stop_impact_share"))
-OF_TRACK = frozenset(("least_stop_force", "locked_stop_force"))
+LOCKED = frozenset(("least_stop_force", "locked_stop_force"))
+STEPS = frozenset(("stop_force", "stop_contact_fraction", "stop_impact_share"))
 
 SCENE = Scene(
     name="row-on-plane",
@@ -467,53 +405,80 @@ SCENE = Scene(
     "a throw number of 1.705 on. On a stop of the track (track_stop) rigid parts press with "
     "least_stop_force or more; stiff elastic ones keep locked_stop_force.",
     variants={
-        "lane": LANE,
-        "bend": BEND,
-        "fixed_stop": FIXED_STOP,
-        "stepped_stop": STEPPED_STOP,
-        "track_stop": TRACK_STOP,
-        "stepped_track_stop": STEPPED_TRACK_STOP,
-        "platoons": PLATOONS,
+        "lane": (
+            Equation("lane_pitch", lane_pitch, SOURCE),
+            Equation("throughput_limit", throughput_limit, SOURCE),
+            Equation("throughput", throughput, SOURCE),
+            Equation("part_spacing", part_spacing, SOURCE),
+            Equation("queue_velocity", queue_velocity, SOURCE),
+            Equation("fill_time", fill_time, SOURCE),
+            Equation("clear_time", clear_time, SOURCE),
+            Equation("escapement_rate", escapement_rate, SOURCE),
+        ),
+        "bend": (
+            Equation("bend_pitch", bend_pitch, SOURCE),
+            Equation("held_line_force", held_line_force, SOURCE),
+            Equation("sliding_line_force", sliding_line_force, SOURCE),
+        ),
+        "fixed_stop": (
+            Equation("vibration_acceleration", floor.vibration_acceleration, "theory 0.2"),
+            Equation("drive_normal", floor.drive_normal, "(3.10)"),
+            LEVEL_GRAVITY,
+            Equation("throw_number", floor.throw_number, "theory 13.2"),
+            WEIGHT,
+            Equation("stop_force", held_force, SOURCE),
+        ),
+        "stepped_stop": (
+            WEIGHT,
+            Equation("two_level_hold", two_level_hold, SOURCE),
+            Equation("stop_force", two_level_force, SOURCE),
+            Equation("stop_contact_fraction", two_level_contact, SOURCE),
+            Equation("stop_impact_share", two_level_impacts, SOURCE),
+        ),
+        "track_stop": (
+            Equation("vibration_acceleration", floor.vibration_acceleration, "theory 0.2"),
+            WEIGHT,
+            Equation("least_stop_force", least_held_force, SOURCE),
+            Equation("locked_stop_force", locked_held_force, SOURCE),
+        ),
+        "stepped_track_stop": (
+            WEIGHT, Equation("least_stop_force", least_two_level_force, SOURCE),
+        ),
+        "platoons": (
+            Equation("mean_platoons", mean_platoons, SOURCE),
+            Equation("closing_time", closing_time, SOURCE),
+            Equation("pair_force", pair_force, SOURCE),
+        ),
     },
     default_variant="lane",
     conditions={
-        "lane": (Condition("crowded", is_crowded, OF_FLOW, otherwise="contact"),),
+        "lane": (
+            Condition("crowded", is_crowded,
+                      frozenset(("throughput", "part_spacing", "queue_velocity")), "contact"),
+        ),
         "bend": (
-            Condition(
-                "invalid_geometry", is_too_long, frozenset(("bend_pitch",)), otherwise="contact"
-            ),
+            Condition("invalid_geometry", is_too_long, frozenset(("bend_pitch",)), "contact"),
         ),
         "fixed_stop": (
-            Condition(
-                "indeterminate_force",
-                is_bound_only,
-                frozenset(("stop_force",)),
-                otherwise="contact",
-            ),
+            Condition("indeterminate_force", is_bound_only, frozenset(("stop_force",)), "contact"),
         ),
         "stepped_stop": (
-            Condition("indeterminate_force", is_not_carried, OF_STEPS, otherwise="contact"),
-            Condition("indeterminate_force", strikes_too_late, OF_STEPS),
+            Condition("indeterminate_force", is_not_carried, STEPS, otherwise="contact"),
+            Condition("indeterminate_force", strikes_too_late, STEPS),
         ),
         "track_stop": (
-            Condition("flight", leaves_floor, OF_TRACK, otherwise="contact"),
-            Condition("indeterminate_force", slips_back, OF_TRACK),
+            Condition("flight", leaves_floor, LOCKED, otherwise="contact"),
+            Condition("indeterminate_force", slips_back, LOCKED),
         ),
         "stepped_track_stop": (
-            Condition(
-                "indeterminate_force",
-                slips_back_in_steps,
-                frozenset(("least_stop_force",)),
-                otherwise="contact",
-            ),
+            Condition("indeterminate_force", slips_back_in_steps, frozenset(("least_stop_force",)),
+                      "contact"),
         ),
         "platoons": (
-            Condition(
-                "separating", never_closes, frozenset(("closing_time",)), otherwise="contact"
-            ),
+            Condition("separating", never_closes, frozenset(("closing_time",)), "contact"),
         ),
     },
     defaults={"part_gap": 0.0, "gravity": STANDARD_GRAVITY},
     variant_defaults={"track_stop": {"gamma": 0.0}},
     constraints=(),
-)
+)  # fmt: skip

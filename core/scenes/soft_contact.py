@@ -25,10 +25,6 @@ rigid."""
 
 
 def _excess(x: Array) -> Array:
-    """Return exp(x) - 1 - x without cancellation near 0, where a series is summed [1].
-
-    The law of restitution of Hunt and Crossley is solved with it. `x` is an array.
-    """
     near = np.abs(x) < SMALL
     small = np.where(near, x, 0.0)
     series = np.ones(())
@@ -101,10 +97,7 @@ def restitution_of_damping(*, contact_damping_ratio: Array) -> Array:
 
 
 def _arc(zeta: Array) -> Array:
-    """Return acos(zeta)/sqrt(1 - zeta^2), and beyond 1 acosh(zeta)/sqrt(zeta^2 - 1) [1].
-
-    One smooth function, 1 at zeta = 1.
-    """
+    # Acos(zeta)/sqrt(1 - zeta^2), and beyond 1 acosh(zeta)/sqrt(zeta^2 - 1) [1].
     low, high = np.minimum(zeta, 1.0), np.maximum(zeta, 1.0)
     root = np.sqrt((1 - low) * (1 + low))
     beyond = np.sqrt(high - 1) * np.sqrt(high + 1)

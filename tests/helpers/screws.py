@@ -12,7 +12,7 @@ import numpy as np
 
 from vibrafeed.core.mechanics import screws
 from vibrafeed.core.mechanics.arrays import Array, cosine, sine
-from vibrafeed.core.mechanics.screws import ScrewReduction, cross, dot, reduce_screw
+from vibrafeed.core.mechanics.screws import ScrewReduction, dot, reduce_screw
 
 # --- Rotations of rigid bodies as plain arrays (theory 1.1; (2.1) of the source).
 #
@@ -103,8 +103,8 @@ class DualVector:
 
         (2.13) prints the last term without the cross.
         """
-        dual = cross(self.real, other.dual) - cross(other.real, self.dual)
-        return DualVector(cross(self.real, other.real), dual)
+        dual = np.cross(self.real, other.dual) - np.cross(other.real, self.dual)
+        return DualVector(np.cross(self.real, other.real), dual)
 
     def moved_to(self, point: Array) -> DualVector:
         """Return the same screw about another reference point.
@@ -208,7 +208,7 @@ class MomentumScrew:
 
 def force_at(*, point: Array, force: Array) -> Wrench:
     """Return the wrench of a force that acts at a point given from the reference point."""
-    return Wrench(force, cross(point, force))
+    return Wrench(force, np.cross(point, force))
 
 
 def power(wrench: Wrench, twist: Twist) -> Array:
@@ -236,8 +236,8 @@ def momentum_screw(
     leads from A to the mass centre G, all in body components. w and V_A are `twist`.
     """
     m = np.asarray(mass)[..., None]
-    linear = m * (twist.linear + cross(twist.angular, mass_centre))
-    angular = turned(inertia, twist.angular) + m * cross(mass_centre, twist.linear)
+    linear = m * (twist.linear + np.cross(twist.angular, mass_centre))
+    angular = turned(inertia, twist.angular) + m * np.cross(mass_centre, twist.linear)
     return MomentumScrew(linear, angular)
 
 
@@ -267,11 +267,11 @@ def newton_euler(
     m2]; `twist` holds the angular velocity omega and the velocity v of the mass centre, and
     `twist_rate` the derivatives of these components.
     """
-    acceleration = twist_rate.linear + cross(twist.angular, twist.linear)
+    acceleration = twist_rate.linear + np.cross(twist.angular, twist.linear)
     spin = turned(central_inertia, twist.angular)
-    moment = turned(central_inertia, twist_rate.angular) + cross(twist.angular, spin)
+    moment = turned(central_inertia, twist_rate.angular) + np.cross(twist.angular, spin)
     return Wrench(np.asarray(mass)[..., None] * acceleration, moment)
 
 
 def _about(point: Array, resultant: Array, moment: Array) -> Array:
-    return moment + cross(resultant, point)
+    return moment + np.cross(resultant, point)

@@ -13,7 +13,7 @@ from screws import (
     newton_euler,
     power,
 )
-from vibrafeed.core.mechanics.screws import cross, dot, vector
+from vibrafeed.core.mechanics.screws import dot, vector
 from vibrafeed.core.plan.plan import make_plan
 
 RANDOM = np.random.default_rng(214)
@@ -95,9 +95,9 @@ def test_dual_euler_is_the_sum_over_point_masses():
     force, moment, inertia = np.zeros((POINTS, 3)), np.zeros((POINTS, 3)), np.zeros((POINTS, 3, 3))
     for k in range(5):
         r, m = places[:, k], masses[:, k]
-        a = vdot + cross(w, v) + cross(wdot, r) + cross(w, cross(w, r))
+        a = vdot + np.cross(w, v) + np.cross(wdot, r) + np.cross(w, np.cross(w, r))
         force += m[:, None] * a
-        moment += cross(r, m[:, None] * a)
+        moment += np.cross(r, m[:, None] * a)
         inertia += inertia_about(mass=m, central_inertia=np.zeros((3, 3)), offset=r)
     total = masses.sum(-1)
     centre = np.einsum("pk,pki->pi", masses, places) / total[:, None]
@@ -224,11 +224,11 @@ def test_the_rolling_cylinder_solves_newton_euler_in_resting_axes():
     A[:, :3, :3] = np.eye(3)
     for column, direction in ((6, n), (7, -eta), (8, -sigma)):
         A[:, :3, column] = -direction
-        A[:, 3:6, column] = -cross(arm, direction) / r[:, None]
+        A[:, 3:6, column] = -np.cross(arm, direction) / r[:, None]
     b[:, :3] = drive
     A[:, 3:6, 3:6] = inertia / (m * r * r)[:, None, None]
     A[:, 3:6, 9] = -eta
-    gyroscopic = ROLLING["drilling_moment"][:, None] * n - cross(w, H)
+    gyroscopic = ROLLING["drilling_moment"][:, None] * n - np.cross(w, H)
     b[:, 3:6] = gyroscopic / (m * r)[:, None]
     # V = r (w.sigma) eta, differentiated: eta turns with yaw towards sigma.
     A[:, 6:9, :3] = np.eye(3)
