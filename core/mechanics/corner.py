@@ -459,29 +459,9 @@ def another_corner_is_lower(*, pitch: Array) -> Mask:
     return (pitch < 0) | (pitch > np.pi / 2)
 
 
-def has_no_solution(*, contact_case: Array) -> Mask:
-    """True where no force satisfies the contact: Painleve's paradox."""
-    return contact_case == NO_SOLUTION
-
-
-def has_two_solutions(*, contact_case: Array) -> Mask:
-    """True where separation and contact both satisfy the equations, or every force does."""
-    return contact_case == TWO_SOLUTIONS
-
-
-def separates(*, contact_case: Array) -> Mask:
-    """True where the corner leaves the plane."""
-    return contact_case == SEPARATION
-
-
-def is_held(*, contact_case: Array) -> Mask:
-    """True where friction keeps the corner at rest."""
-    return contact_case == STICK
-
-
-def slides(*, contact_case: Array) -> Mask:
-    """True where the corner slides, or starts to."""
-    return contact_case == SLIDING
+def is_case(known: float, *, contact_case: Array) -> Mask:
+    """True where the contact is in a `known` case."""
+    return contact_case == known
 
 
 def right_is_unlimited(*, inverse_limiting_friction: Array) -> Mask:

@@ -219,7 +219,7 @@ def is_poorly_isolated(*, foot_frequency: Array, frequency: Array) -> Mask:
 # --- Bowl and base, leaves on a circle of radius r_s, tilted by th (theory 15.3).
 
 
-def bowl_mass_empty(
+def bowl_mass(
     *, moving_mass: Array, base_mass: Array, moving_inertia: Array, base_inertia: Array,
     spring_radius: Array, spring_angle: Array,
 ) -> Array:  # fmt: skip
@@ -230,29 +230,11 @@ def bowl_mass_empty(
     leaves is s = r_s Theta/cos(th). m_r = m1 m2/(m1 + m2) of bowl and base, and I_r alike of their
     moments of inertia. With the stiffness k of the leaves, this mass gives the natural frequency.
     """
-    return _bowl_mass(
-        moving_mass, base_mass, moving_inertia, base_inertia, spring_radius, spring_angle
-    )
-
-
-def bowl_mass(
-    *, loaded_mass: Array, base_mass: Array, loaded_inertia: Array, base_inertia: Array,
-    spring_radius: Array, spring_angle: Array,
-) -> Array:  # fmt: skip
-    """Return the moved mass of the loaded unit, I_r (cos th/r_s)^2 + m_r sin^2 th [kg].
-
-    r_s and th are radius and tilt of the leaf springs (`spring_radius`, `spring_angle`); m_r = m1
-    m2/(m1 + m2) of the loaded bowl and the base, and I_r alike of their moments of inertia.
-    """
-    return _bowl_mass(
-        loaded_mass, base_mass, loaded_inertia, base_inertia, spring_radius, spring_angle
-    )
-
-
-def _bowl_mass(m1: Array, m2: Array, i1: Array, i2: Array, r_s: Array, th: Array) -> Array:
-    # Mass that the stroke moves, I (cos th/r_s)^2 + m sin^2 th [kg].
+    m1, m2, i1, i2 = moving_mass, base_mass, moving_inertia, base_inertia
     turning, lifting = i1 * (i2 / (i1 + i2)), m1 * (m2 / (m1 + m2))
-    return turning * np.square(cosine(th) / r_s) + lifting * np.square(sine(th))
+    return turning * np.square(cosine(spring_angle) / spring_radius) + lifting * np.square(
+        sine(spring_angle)
+    )
 
 
 def loaded_inertia(*, moving_inertia: Array, load_mass: Array, load_radius: Array) -> Array:

@@ -9,8 +9,6 @@ All functions take and return broadcastable float64 arrays, SI units.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import (
@@ -362,32 +360,9 @@ def stops_before_time(*, stopping_time: Array, time: Array) -> Mask:
     return stopping_time <= time
 
 
-def speed_exceeds_track(*, transport_velocity: Array, velocity_bound: Array) -> Mask:
-    """True where v(x) exceeds the largest speed of the track, which friction cannot do."""
-    return transport_velocity > velocity_bound
-
-
-def mean_exceeds_track(*, mean_velocity: Array, velocity_bound: Array) -> Mask:
-    """True where x/t(x) exceeds the largest speed of the track, which friction cannot do."""
-    return mean_velocity > velocity_bound
-
-
-def speed_at_time_exceeds_track(*, velocity_at_time: Array, velocity_bound: Array) -> Mask:
-    """True where v(t) exceeds the largest speed of the track, which friction cannot do."""
-    return velocity_at_time > velocity_bound
-
-
-def terminal_exceeds_track(*, terminal_velocity: Array, velocity_bound: Array) -> Mask:
-    """True where v_inf exceeds the largest speed of the track, which friction cannot do."""
-    return terminal_velocity > velocity_bound
-
-
-EXCEEDS_TRACK_SPEED: dict[str, Callable[..., Mask]] = {
-    "transport_velocity": speed_exceeds_track,
-    "mean_velocity": mean_exceeds_track,
-    "velocity_at_time": speed_at_time_exceeds_track,
-    "terminal_velocity": terminal_exceeds_track,
-}
+def exceeds_track(velocity: str, **values: Array) -> Mask:
+    """True where a velocity exceeds the largest speed of the track, which friction cannot do."""
+    return values[velocity] > values["velocity_bound"]
 
 
 def grows_without_bound(*, starting_acceleration: Array, friction_kinetic: Array) -> Mask:
@@ -395,16 +370,6 @@ def grows_without_bound(*, starting_acceleration: Array, friction_kinetic: Array
     return (starting_acceleration > 0) & (friction_kinetic == 0)
 
 
-def never_stops(*, stopping_distance: Array) -> Mask:
-    """True where the part never stops."""
-    return np.isinf(stopping_distance)
-
-
-def never_arrives(*, travel_time: Array) -> Mask:
-    """True where the part takes longer to cover the distance than a float holds."""
-    return np.isinf(travel_time)
-
-
-def never_reaches_track_speed(*, distance_bound: Array) -> Mask:
-    """True where (3.18) never reaches the largest speed of the track."""
-    return np.isinf(distance_bound)
+def is_endless(quantity: str, **values: Array) -> Mask:
+    """True where a quantity is infinite."""
+    return np.isinf(values[quantity])

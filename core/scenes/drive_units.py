@@ -10,7 +10,7 @@ import numpy as np
 
 from vibrafeed.core.mechanics import drive_unit
 from vibrafeed.core.mechanics.arrays import Array, cosine, hypot, sine
-from vibrafeed.core.scenes.scene import Condition, Equation, Scene, fields
+from vibrafeed.core.scenes.scene import Condition, Equation, Scene, fields, under_names
 
 
 def natural_frequency(
@@ -134,7 +134,7 @@ def linear_angle(*, spring_angle: Array, gamma: Array) -> Array:
 # --- A drive unit whose line misses its mass centres: trough and base turn together (theory 15.2).
 
 
-def turning_mass_empty(
+def turning_mass(
     *, moving_mass: Array, base_mass: Array, moving_inertia: Array, base_inertia: Array,
     offset_along: Array, offset_upward: Array, spring_angle: Array,
 ) -> Array:  # fmt: skip
@@ -151,25 +151,6 @@ def turning_mass_empty(
     # d^2 - (d x e)^2 = (d.e)^2: the difference cancels where the masses are light to turn.
     reach = offset_along * cosine(spring_angle) + offset_upward * sine(spring_angle)
     return m_r * ((moving_inertia + base_inertia + m_r * reach * reach) / inertia)
-
-
-def turning_mass(
-    *, loaded_mass: Array, base_mass: Array, moving_inertia: Array, base_inertia: Array,
-    offset_along: Array, offset_upward: Array, spring_angle: Array,
-) -> Array:  # fmt: skip
-    """Return the mass that the stroke of a loaded drive unit moves, if its masses turn [kg].
-
-    m_r - m_r^2 (d x e)^2/I_t, less than the reduced mass m_r = m1 m2/(m1 + m2) of loaded trough (1)
-    and base (2), as both also turn. d (`offset_along`, `offset_upward`, [m]) leads from the base's
-    mass centre to the trough's; e is the unit vector along the stroke, at the angle `spring_angle`
-    [rad]; I_t = I1 + I2 + m_r d^2 [kg m2]. The load is taken at the trough's mass centre (theory
-    15.2).
-    """
-    return turning_mass_empty(
-        moving_mass=loaded_mass, base_mass=base_mass, moving_inertia=moving_inertia,
-        base_inertia=base_inertia, offset_along=offset_along, offset_upward=offset_upward,
-        spring_angle=spring_angle,
-    )  # fmt: skip
 
 
 def _arm(
@@ -337,8 +318,12 @@ LINEAR = (
 )
 TURNING = (
     *SHARED,
-    Equation("generalised_mass", turning_mass_empty, "theory 15.2"),
-    Equation("turning_mass", turning_mass, "theory 15.2"),
+    Equation("generalised_mass", turning_mass, "theory 15.2"),
+    under_names(
+        "turning_mass", turning_mass, "theory 15.2",
+        "the mass that the stroke of a loaded drive unit moves, if its masses turn [kg]",
+        moving_mass="loaded_mass",
+    ),
     Equation("natural_frequency", turning_frequency, "theory 15.2"),
     Equation("stroke_response", turning_response, "theory 15.2"),
     Equation("track_harmonic", turning_harmonic, "theory 15.2"),
@@ -346,7 +331,7 @@ TURNING = (
     Equation("track_motion", turning_track, "theory 15.2"),
     Equation("track_amplitude", turning_amplitude, "theory 15.2"),
     Equation("vibration_angle", turning_angle, "theory 15.2"),
-)
+)  # fmt: skip
 _RESONANCE, *_SIDES = tuning("foot_force")
 LINEAR_CONDITIONS = (
     *LIMITS,
@@ -396,7 +381,7 @@ LINEAR_SCENE = Scene(
 
 BOWL = (
     *SHARED,
-    Equation("generalised_mass", drive_unit.bowl_mass_empty, "theory 15.3"),
+    Equation("generalised_mass", drive_unit.bowl_mass, "theory 15.3"),
     *fields(
         "radius",
         "theory 15.3",
@@ -405,7 +390,11 @@ BOWL = (
         ),
     ),
     Equation("loaded_inertia", drive_unit.loaded_inertia, "theory 15.3"),
-    Equation("bowl_mass", drive_unit.bowl_mass, "theory 15.3"),
+    under_names(
+        "bowl_mass", drive_unit.bowl_mass, "theory 15.3",
+        "the moved mass of the loaded unit, I_r (cos th/r_s)^2 + m_r sin^2 th [kg]",
+        moving_mass="loaded_mass", base_mass="base_mass", moving_inertia="loaded_inertia",
+    ),
     Equation("natural_frequency", drive_unit.bowl_frequency, "theory 15.3"),
     Equation("stroke_response", drive_unit.bowl_response, "theory 15.3"),
     Equation("track_harmonic", drive_unit.bowl_harmonic, "theory 15.3"),
@@ -413,7 +402,7 @@ BOWL = (
     Equation("bowl_lift", drive_unit.bowl_lift, "theory 15.3"),
     Equation("track_amplitude", drive_unit.bowl_amplitude, "theory 15.3"),
     Equation("vibration_angle", drive_unit.bowl_angle, "theory 15.3"),
-)
+)  # fmt: skip
 BOWL_CONDITIONS = (*LIMITS, *tuning("bowl_turn", "bowl_lift"))
 
 BOWL_SCENE = Scene(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from vibrafeed.core.mechanics import corner, floor
 from vibrafeed.core.mechanics.arrays import Array, hypot
 from vibrafeed.core.mechanics.corner import Direction
-from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
+from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene, under_names
 
 # --- Equations that the scenes of an isolated part share: one corner on a fixed plane.
 
@@ -78,11 +80,18 @@ FORCES = frozenset(
 LIMITS = frozenset(("limiting_friction_right", "limiting_friction_left"))
 CONDITIONS = (
     Condition("invalid_geometry", corner.another_corner_is_lower, FORCES | LIMITS),
-    Condition("no_solution", corner.has_no_solution, FORCES),
-    Condition("two_solutions", corner.has_two_solutions, FORCES),
-    Condition("separation", corner.separates, FORCES),
-    Condition("stick", corner.is_held, FORCES),
-    Condition("sliding", corner.slides, FORCES, otherwise="sliding"),
+    *(
+        Condition(regime, partial(corner.is_case, case), FORCES, otherwise, says=f"True {says}.")
+        for regime, case, otherwise, says in (
+            ("no_solution", corner.NO_SOLUTION, "",
+             "where no force satisfies the contact: Painleve's paradox"),
+            ("two_solutions", corner.TWO_SOLUTIONS, "",
+             "where separation and contact both satisfy the equations, or every force does"),
+            ("separation", corner.SEPARATION, "", "where the corner leaves the plane"),
+            ("stick", corner.STICK, "", "where friction keeps the corner at rest"),
+            ("sliding", corner.SLIDING, "sliding", "where the corner slides, or starts to"),
+        )
+    ),
     Condition(
         "unbounded",
         corner.right_is_unlimited,
@@ -95,7 +104,7 @@ CONDITIONS = (
         frozenset(("limiting_friction_left",)),
         otherwise="contact",
     ),
-)
+)  # fmt: skip
 
 # The two rates are 0, the corner touching and at rest, until a study gives the centre's velocity.
 CORNER_DEFAULTS = {
@@ -117,17 +126,17 @@ VALIDITY = (
 # --- A rectangular part with one lower corner on a fixed plane; section 3.2.1 of the source.
 
 
-def rectangle_corner_angle(*, height: Array, length: Array) -> Array:
+def corner_angle(*, height: Array, length: Array) -> Array:
     """Return the angle of the diagonal in the part, zeta = atan2(b, h) [rad]."""
     return np.arctan2(height, length)
 
 
-def rectangle_corner_direction(*, height: Array, length: Array) -> Direction:
+def corner_direction(*, height: Array, length: Array) -> Direction:
     """Return sine and cosine of zeta."""
     return corner.direction_of(height, length)
 
 
-def rectangle_half_diagonal(*, height: Array, length: Array) -> Array:
+def half_diagonal(*, height: Array, length: Array) -> Array:
     """Return the distance from the centre to the corner, rho = sqrt(b^2 + h^2)/2 [m]."""
     return hypot(height, length) / 2
 
@@ -175,9 +184,9 @@ def rectangle_printed_gap_tangential_acceleration(
 
 
 RECTANGLE_BODY = (
-    Equation("corner_angle", rectangle_corner_angle, "(3.2)"),
-    Equation("corner_direction", rectangle_corner_direction, "(3.2)"),
-    Equation("half_diagonal", rectangle_half_diagonal, "(3.2)"),
+    Equation("corner_angle", corner_angle, "(3.2)"),
+    Equation("corner_direction", corner_direction, "(3.2)"),
+    Equation("half_diagonal", half_diagonal, "(3.2)"),
     Equation("inertia_ratio", rectangle_inertia_ratio, "theory 2.1"),
 )
 RECTANGLE_PRINTED = Equation(
@@ -203,21 +212,6 @@ RECTANGLE_SCENE = Scene(
 # --- A cylindrical part with one point of its rim on a fixed plane; section 3.3.1 of the source.
 #
 # The motion is in the plane that holds the axis, so that the part shows as a rectangle d by h.
-
-
-def cylinder_corner_angle(*, diameter: Array, length: Array) -> Array:
-    """Return the angle of the diagonal in the part, zeta = atan2(d, h) [rad]."""
-    return np.arctan2(diameter, length)
-
-
-def cylinder_corner_direction(*, diameter: Array, length: Array) -> Direction:
-    """Return sine and cosine of zeta."""
-    return corner.direction_of(diameter, length)
-
-
-def cylinder_half_diagonal(*, diameter: Array, length: Array) -> Array:
-    """Return the distance from the centre to the rim, rho = sqrt(d^2 + h^2)/2 [m]."""
-    return hypot(diameter, length) / 2
 
 
 def cylinder_inertia_ratio(*, corner_direction: Direction) -> Array:
@@ -268,11 +262,20 @@ def cylinder_printed_gap_tangential_acceleration(
 
 
 CYLINDER_BODY = (
-    Equation("corner_angle", cylinder_corner_angle, "(3.28)"),
-    Equation("corner_direction", cylinder_corner_direction, "(3.28)"),
-    Equation("half_diagonal", cylinder_half_diagonal, "(3.28)"),
+    under_names(
+        "corner_angle", corner_angle, "(3.28)",
+        "the angle of the diagonal in the part, zeta = atan2(d, h) [rad]", height="diameter",
+    ),
+    under_names(
+        "corner_direction", corner_direction, "(3.28)", "sine and cosine of zeta",
+        height="diameter",
+    ),
+    under_names(
+        "half_diagonal", half_diagonal, "(3.28)",
+        "the distance from the centre to the rim, rho = sqrt(d^2 + h^2)/2 [m]", height="diameter",
+    ),
     Equation("inertia_ratio", cylinder_inertia_ratio, "theory 6"),
-)
+)  # fmt: skip
 CYLINDER_PRINTED = Equation(
     "gap_tangential_acceleration", cylinder_printed_gap_tangential_acceleration, "(3.33b)", "thesis"
 )

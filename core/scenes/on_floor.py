@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from vibrafeed.core.mechanics import floor, rolling, travel, wall
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
@@ -10,6 +12,7 @@ from vibrafeed.core.scenes.scene import (
     Constraint,
     Equation,
     Scene,
+    field_of,
     fields,
 )
 
@@ -26,6 +29,9 @@ DRIVE = (
     Equation("in_plane_drive_x", floor.in_plane_drive_x, "theory 3"),
 )
 
+LEVEL_GRAVITY = field_of(
+    "gravity", (), "gravity_normal", "gravity onto a level floor, g [m s-2]", "(4.17)"
+)
 PLANE = (
     *DRIVE,
     Equation("gravity_normal", floor.gravity_normal, "(3.11)"),
@@ -278,14 +284,30 @@ REST = (
 LEFT_WALL = Condition("wall_lost", wall.has_left_wall, WALL, otherwise="contact")
 BEYOND = (
     Condition("unbounded", travel.grows_without_bound, frozenset(("terminal_velocity",))),
-    Condition("unbounded", travel.never_stops, frozenset(("stopping_distance", "stopping_time"))),
-    Condition("unbounded", travel.never_arrives, frozenset(("travel_time",))),
-    Condition("unbounded", travel.never_reaches_track_speed, frozenset(("distance_bound",))),
     *(
-        Condition("faster_than_track", function, frozenset((velocity,)))
-        for velocity, function in travel.EXCEEDS_TRACK_SPEED.items()
+        Condition(
+            "unbounded", partial(travel.is_endless, name), frozenset((name, *others)),
+            needs=(name,), says=f"True where {says}.",
+        )
+        for name, others, says in (
+            ("stopping_distance", ("stopping_time",), "the part never stops"),
+            ("travel_time", (), "the part takes longer to cover the distance than a float holds"),
+            ("distance_bound", (), "(3.18) never reaches the largest speed of the track"),
+        )
     ),
-)
+    *(
+        Condition(
+            "faster_than_track", partial(travel.exceeds_track, name), frozenset((name,)),
+            needs=(name, "velocity_bound"),
+            says=f"True where {symbol} exceeds the largest speed of the track, which friction "
+            "cannot do.",
+        )
+        for name, symbol in (
+            ("transport_velocity", "v(x)"), ("mean_velocity", "x/t(x)"),
+            ("velocity_at_time", "v(t)"), ("terminal_velocity", "v_inf"),
+        )
+    ),
+)  # fmt: skip
 PRINTED_CONDITIONS = (
     Condition(
         "invalid_geometry", wall.topples_on_wall, WALL_FORCES | FLOOR_FORCES | {"z_residual"}

@@ -44,16 +44,16 @@ def conditions(
     `laws` has the functions; `where` gives the place of contact, `before` what closes there, and
     `after` what the impact leaves.
     """
-    place, closing, left = (
+    position, closing, left = (
         frozenset(one.gives for one in some if not QUANTITIES[one.gives].bundle)
         for some in (where, before, after)
     )
     left = left - {"energy_before"} | {"regime"}
     closing |= left
     common = (
-        Condition("apart", laws.is_apart, place | closing, otherwise="contact"),
-        Condition("overlap", laws.overlaps, place | closing),
-        Condition("simultaneous", laws.lacks_single_point, place | closing),
+        Condition("apart", laws.is_apart, position | closing, otherwise="contact"),
+        Condition("overlap", laws.overlaps, position | closing),
+        Condition("simultaneous", laws.lacks_single_point, position | closing),
         Condition("simultaneous", laws.lacks_single_impulse, left),
         Condition("no_impact", laws.does_not_approach, closing, otherwise="impact"),
     )

@@ -9,6 +9,7 @@ from vibrafeed.core.scenes.on_floor import (
     ACCELERATIONS,
     DRIVE,
     FLOOR,
+    LEVEL_GRAVITY,
     PLANE,
     PLANE_DEFAULTS,
     UNILATERAL,
@@ -19,7 +20,6 @@ from vibrafeed.core.scenes.scene import (
     Condition,
     Equation,
     Scene,
-    field_of,
     fields,
 )
 
@@ -206,9 +206,6 @@ AXES = (
 )
 """Pitch and axis of the wrenches of floor and forces."""
 
-LEVEL_GRAVITY = field_of(
-    "gravity", (), "gravity_normal", "gravity onto a level floor, g [m s-2]", "(4.17)"
-)
 COMMON = (
     Equation("vibration_acceleration", floor.vibration_acceleration, "theory 0.2"),
     Equation("drive_normal", floor.drive_normal, "(4.13)"),

@@ -10,7 +10,7 @@ import numpy as np
 
 from vibrafeed.core.mechanics import floor
 from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, ratio, sine
-from vibrafeed.core.scenes.round_parts import LEVEL_GRAVITY
+from vibrafeed.core.scenes.on_floor import LEVEL_GRAVITY
 from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
 
 MINUTE = 60.0  # seconds

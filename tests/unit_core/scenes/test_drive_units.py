@@ -227,7 +227,7 @@ def of_bowl(F, w, k, c, m1, m2, i1, i2, c_l, r_l, r_s, th):
 
 def of_turning(F, w, k, c, m1, m2, i1, i2, along, upward, th):
     mass = drive_units.turning_mass(
-        loaded_mass=m1, base_mass=m2, moving_inertia=i1, base_inertia=i2, offset_along=along,
+        moving_mass=m1, base_mass=m2, moving_inertia=i1, base_inertia=i2, offset_along=along,
         offset_upward=upward, spring_angle=th,
     )  # fmt: skip
     return drive_units.turning_response(
