@@ -96,43 +96,6 @@ def turned_aspects(*, diameter: Array, small_diameter: Array, height: Array) -> 
     return Aspect(height, large, large), lying, Aspect(height, large, large)
 
 
-# --- what devices let pass, of one aspect
-
-
-def passes_wiper(aspect: Aspect, wiper_height: Array) -> Array:
-    """Return 1 where a part is no higher than the edge of a wiper and passes, else 0 [1]."""
-    return np.where(aspect.height <= wiper_height, 1.0, 0.0)
-
-
-def passes_ledge(aspect: Aspect, centre: Array, ledge_width: Array, delta: Array) -> Array:
-    """Return 1 where a part's centre is above a ledge along the wall and it passes, else 0.
-
-    The part passes where (w - a/2) + z tan(delta) > 0, with the ledge's width w, the part's size a
-    across the track and its centre's height z (`centre`) [m]: a track that leans by delta holds it
-    on the wall.
-    """
-    over = ledge_width - aspect.across / 2 + centre * np.tan(delta)
-    return np.where(over > 0, 1.0, 0.0)
-
-
-def passes_gap(aspect: Aspect, gap_length: Array) -> Array:
-    """Return 1 where a part is longer than twice a gap in the track, else 0.
-
-    Its centre is carried until its front has landed.
-    """
-    return np.where(aspect.along / 2 > gap_length, 1.0, 0.0)
-
-
-def passes_aspect(number: int, passed_aspect: Array) -> Array:
-    """Return 1 where the aspect `number`, from 1 on, is the one that may pass a device, else 0."""
-    return np.where(passed_aspect == number, 1.0, 0.0)
-
-
-def hangs_on_rail(rail_width: Array, shank_diameter: Array, diameter: Array) -> Array:
-    """Return 1 where a shank falls between two rails and the head of `diameter` does not."""
-    return np.where((shank_diameter < rail_width) & (rail_width < diameter), 1.0, 0.0)
-
-
 # --- matrices
 
 
@@ -141,10 +104,10 @@ def unchanged(aspects: int) -> Matrix:
     return [[np.asarray(float(i == j)) for j in range(aspects)] for i in range(aspects)]
 
 
-def test_of(kept: Sequence[Array]) -> Matrix:
-    """Return the diagonal matrix of a device that lets a share of each aspect pass."""
-    zero = np.zeros(())
-    return [[one if i == j else zero for j in range(len(kept))] for i, one in enumerate(kept)]
+def test_of(kept: Sequence[Mask]) -> Matrix:
+    """Return the diagonal matrix of a device that lets parts of an aspect pass or not."""
+    ones, zero = [np.where(one, 1.0, 0.0) for one in kept], np.zeros(())
+    return [[one if i == j else zero for j in range(len(kept))] for i, one in enumerate(ones)]
 
 
 def turning(matrix: Matrix, turned_share: Array, turn: Array, *, failed: bool) -> Matrix:
@@ -179,10 +142,7 @@ def product(first: Matrix, second: Matrix) -> Matrix:
 
 
 def _sum(terms: Sequence[Array]) -> Array:
-    total = terms[0]
-    for term in terms[1:]:
-        total = total + term
-    return total
+    return sum(terms[1:], terms[0])
 
 
 def passed(shares: Sequence[Array], matrix: Matrix) -> PassedShares:
@@ -359,26 +319,23 @@ DEVIATIONS = 1.959963984540054
 """Standard deviations from the mean within which 95 % of a normal distribution lie."""
 
 
-def posterior_shares(counts: Sequence[Array]) -> tuple[Array, ...]:
+def posterior_shares(**counts: Array) -> tuple[Array, ...]:
     """Return the share of parts that come to rest in each aspect, estimated from a drop test [1].
 
     `counts` are the parts seen in each of K aspects, n_o, N in all: the mean of Dirichlet's
     distribution, (n_o + 1/2)/(N + K/2).
     """
-    total = posterior_count(counts)
-    return tuple((one + PRIOR) / total for one in counts)
+    total = posterior_count(**counts)
+    return tuple((one + PRIOR) / total for one in counts.values())
 
 
-def posterior_count(counts: Sequence[Array]) -> Array:
+def posterior_count(**counts: Array) -> Array:
     """Return the sum of the counts of a drop test's aspects with their prior, N + K/2 [1].
 
     It is the weight of the test. `counts` has an array for each of the K aspects, with the parts
     that came to rest in it, N in total; each aspect counts 1/2 before the test.
     """
-    total = counts[0] + PRIOR
-    for one in counts[1:]:
-        total = total + (one + PRIOR)
-    return total
+    return _sum([one + PRIOR for one in counts.values()])
 
 
 def yield_deviation(

@@ -86,15 +86,6 @@ FLOOR = frozenset(
 
 OFFSETS = frozenset(("pressure_offset_x", "pressure_offset_y"))
 
-RECTANGLE_PHYSICAL = (
-    *PLANE,
-    *UNILATERAL,
-    Equation("sliding_fraction", floor.sliding_fraction, "theory 3.2", "physical"),
-    Equation("acceleration_x", floor.disc_acceleration_x, "theory 3.2", "physical"),
-    Equation("acceleration_y", floor.disc_acceleration_y, "theory 3.2", "physical"),
-    Equation("pressure_offset_x", floor.pressure_offset_x, "theory 4.4", "physical"),
-    Equation("pressure_offset_y", floor.pressure_offset_y, "theory 4.4", "physical"),
-)
 
 FLIGHT = Condition(
     "flight", floor.has_left_floor, FLOOR | ACCELERATIONS | OFFSETS, otherwise="contact"
@@ -110,7 +101,15 @@ RECTANGLE_SCENE = Scene(
     variants={
         "thesis": (*PLANE, *PER_AXIS),
         "derived": (*PLANE, *PER_AXIS),
-        "physical": RECTANGLE_PHYSICAL,
+        "physical": (
+            *PLANE,
+            *UNILATERAL,
+            Equation("sliding_fraction", floor.sliding_fraction, "theory 3.2", "physical"),
+            Equation("acceleration_x", floor.disc_acceleration_x, "theory 3.2", "physical"),
+            Equation("acceleration_y", floor.disc_acceleration_y, "theory 3.2", "physical"),
+            Equation("pressure_offset_x", floor.pressure_offset_x, "theory 4.4", "physical"),
+            Equation("pressure_offset_y", floor.pressure_offset_y, "theory 4.4", "physical"),
+        ),
     },
     default_variant="physical",
     conditions={
@@ -132,26 +131,6 @@ RECTANGLE_SCENE = Scene(
 
 MOTION = ACCELERATIONS - {"sliding_fraction"} | {"angular_acceleration"}
 
-CYLINDER_THESIS = (
-    *PLANE,
-    *PER_AXIS,
-    Equation("angular_acceleration", rolling.printed_angular_acceleration, "(3.36)", "thesis"),
-)
-CYLINDER_DERIVED = (
-    *PLANE,
-    *PER_AXIS,
-    Equation("angular_acceleration", rolling.rolling_angular_acceleration, "(3.36)", "derived"),
-)
-CYLINDER_PHYSICAL = (
-    *PLANE,
-    *UNILATERAL,
-    Equation("roll_root", rolling.roll_root, "theory 7.3", "physical"),
-    Equation("acceleration_x", rolling.slipping_acceleration_x, "theory 7.3", "physical"),
-    Equation("acceleration_y", rolling.slipping_acceleration_y, "theory 7.3", "physical"),
-    Equation(
-        "angular_acceleration", rolling.slipping_angular_acceleration, "theory 7.3", "physical"
-    ),
-)
 CONDITIONS = (
     Condition("flight", floor.has_left_floor, FLOOR | MOTION | {"roll_root"}, "contact"),
     Condition("stick", rolling.is_at_rest, MOTION),
@@ -166,9 +145,33 @@ CYLINDER_SCENE = Scene(
     "resistance and drilling friction are neglected. Closed forms describe the part only while the "
     "throw number is below 1.",
     variants={
-        "thesis": CYLINDER_THESIS,
-        "derived": CYLINDER_DERIVED,
-        "physical": CYLINDER_PHYSICAL,
+        "thesis": (
+            *PLANE,
+            *PER_AXIS,
+            Equation(
+                "angular_acceleration", rolling.printed_angular_acceleration, "(3.36)", "thesis"
+            ),
+        ),
+        "derived": (
+            *PLANE,
+            *PER_AXIS,
+            Equation(
+                "angular_acceleration", rolling.rolling_angular_acceleration, "(3.36)", "derived"
+            ),
+        ),
+        "physical": (
+            *PLANE,
+            *UNILATERAL,
+            Equation("roll_root", rolling.roll_root, "theory 7.3", "physical"),
+            Equation("acceleration_x", rolling.slipping_acceleration_x, "theory 7.3", "physical"),
+            Equation("acceleration_y", rolling.slipping_acceleration_y, "theory 7.3", "physical"),
+            Equation(
+                "angular_acceleration",
+                rolling.slipping_angular_acceleration,
+                "theory 7.3",
+                "physical",
+            ),
+        ),
     },
     default_variant="physical",
     conditions={"thesis": CONDITIONS, "derived": CONDITIONS, "physical": CONDITIONS},
@@ -213,28 +216,10 @@ TOP_EDGE = (
     Equation("floor_acceleration", wall.top_edge_floor_acceleration, "(3.15b)"),
     Equation("z_residual", wall.z_residual, "(3.14)"),
 )
-TRACK_THESIS = (
-    *COMMON,
-    *TOP_EDGE,
-    Equation("starting_acceleration", wall.printed_starting_acceleration, "(3.17)", "thesis"),
-    Equation("wall_balance", wall.printed_wall_balance, "(3.16)", "thesis"),
-    Equation("wall_speed", wall.printed_wall_speed, "(3.16)", "thesis"),
-)
 CORRECTED = (
     Equation("starting_acceleration", wall.derived_starting_acceleration, "(3.17)", "derived"),
     Equation("wall_balance", wall.derived_wall_balance, "(3.16)"),
     Equation("wall_speed", wall.derived_wall_speed, "theory 4.3"),
-)
-TRACK_DERIVED = (*COMMON, *TOP_EDGE, *CORRECTED)
-TRACK_PHYSICAL = (
-    *COMMON,
-    *CORRECTED,
-    Equation("acceleration_x", wall.supported_acceleration_x, "theory 4.4", "physical"),
-    Equation("acceleration_y", wall.off_wall_acceleration_y, "theory 4.4", "physical"),
-    Equation("acceleration_z", floor.lift_off_acceleration, "theory 4.4", "physical"),
-    Equation("wall_acceleration", wall.pushing_wall_acceleration, "theory 4.4", "physical"),
-    Equation("floor_acceleration", floor.supported_acceleration, "theory 4.4", "physical"),
-    Equation("pressure_offset_x", wall.held_pressure_offset_x, "theory 4.4", "physical"),
 )
 
 WALL_FORCES = frozenset(("wall_acceleration", "wall_force", "wall_force_rear", "wall_force_front"))
@@ -256,7 +241,6 @@ TRAVEL = frozenset(
 )
 ACCELERATION = frozenset(("acceleration_x", "regime"))
 BOTH = WALL_FORCES | FLOOR_FORCES | TRAVEL | ACCELERATION | {"z_residual", "pressure_offset_x"}
-TRACK_FLOOR = BOTH | {"normal_acceleration", "throw_number", "acceleration_z"}
 WALL = BOTH | {"wall_balance", "acceleration_y"}
 
 CORNERS_FIT = Condition(
@@ -267,7 +251,12 @@ FITS = Condition(
 )
 LEFT_FLOOR = (
     Condition("flight_and_wall_lost", wall.has_left_floor_and_wall, BOTH),
-    Condition("flight", floor.has_left_floor, TRACK_FLOOR, otherwise="contact"),
+    Condition(
+        "flight",
+        floor.has_left_floor,
+        BOTH | {"normal_acceleration", "throw_number", "acceleration_z"},
+        otherwise="contact",
+    ),
 )
 # After flight, but before the wall: a speed of 0 is explained before its validity is doubted.
 REST = (
@@ -321,16 +310,6 @@ PRINTED_CONDITIONS = (
     Condition("outside_cone", wall.presses_wall, WALL_FORCES | FLOOR_FORCES | {"z_residual"}),
     *BEYOND,
 )
-PHYSICAL_CONDITIONS = (
-    CORNERS_FIT,
-    FITS,
-    *LEFT_FLOOR,
-    *REST,
-    LEFT_WALL,
-    Condition("tipping", floor.tips_x, frozenset(("pressure_offset_x",))),
-    *BEYOND,
-    Condition("stick", wall.is_held, ACCELERATION, otherwise="slip"),
-)
 
 TRACK_SCENE = Scene(
     name="rectangle-on-track",
@@ -341,12 +320,42 @@ TRACK_SCENE = Scene(
     "a period, and the physical variant uses the derived K for them. The part's path radius is "
     "taken as R. The forces of thesis and derived let the wall act at the part's top edge; they "
     "leave z_residual in the vertical balance and lie outside the friction cone.",
-    variants={"thesis": TRACK_THESIS, "derived": TRACK_DERIVED, "physical": TRACK_PHYSICAL},
+    variants={
+        "thesis": (
+            *COMMON,
+            *TOP_EDGE,
+            Equation(
+                "starting_acceleration", wall.printed_starting_acceleration, "(3.17)", "thesis"
+            ),
+            Equation("wall_balance", wall.printed_wall_balance, "(3.16)", "thesis"),
+            Equation("wall_speed", wall.printed_wall_speed, "(3.16)", "thesis"),
+        ),
+        "derived": (*COMMON, *TOP_EDGE, *CORRECTED),
+        "physical": (
+            *COMMON,
+            *CORRECTED,
+            Equation("acceleration_x", wall.supported_acceleration_x, "theory 4.4", "physical"),
+            Equation("acceleration_y", wall.off_wall_acceleration_y, "theory 4.4", "physical"),
+            Equation("acceleration_z", floor.lift_off_acceleration, "theory 4.4", "physical"),
+            Equation("wall_acceleration", wall.pushing_wall_acceleration, "theory 4.4", "physical"),
+            Equation("floor_acceleration", floor.supported_acceleration, "theory 4.4", "physical"),
+            Equation("pressure_offset_x", wall.held_pressure_offset_x, "theory 4.4", "physical"),
+        ),
+    },
     default_variant="physical",
     conditions={
         "thesis": PRINTED_CONDITIONS,
         "derived": PRINTED_CONDITIONS,
-        "physical": PHYSICAL_CONDITIONS,
+        "physical": (
+            CORNERS_FIT,
+            FITS,
+            *LEFT_FLOOR,
+            *REST,
+            LEFT_WALL,
+            Condition("tipping", floor.tips_x, frozenset(("pressure_offset_x",))),
+            *BEYOND,
+            Condition("stick", wall.is_held, ACCELERATION, otherwise="slip"),
+        ),
     },
     defaults={
         "alpha": 0.0,

@@ -157,9 +157,6 @@ RECTANGLE_AFTER = (
         "angular_momentum_residual", rectangle_impact.angular_momentum_residual, "theory 5.3"
     ),
 )  # fmt: skip
-RECTANGLE_FRICTION = Equation(
-    "edge_action", rectangle_impact.edge_action_with_friction, "theory 5.1"
-)
 RECTANGLE_SCENE = Scene(
     name="rectangle-pair-impact",
     title="Impact of two rectangular parts on the floor plane",
@@ -184,7 +181,9 @@ RECTANGLE_SCENE = Scene(
         **{
             name: (
                 *RECTANGLE_STATE,
-                RECTANGLE_FRICTION,
+                Equation(
+    "edge_action", rectangle_impact.edge_action_with_friction, "theory 5.1"
+),
                 Equation(
                     "planar_impulse", partial(rectangle_impact.impulse_with_friction, law),
                     "theory 5.3", name, says=says,
@@ -317,7 +316,6 @@ CYLINDER_AFTER = (
         for place, axis in enumerate("xyz")
     ),
 )  # fmt: skip
-CYLINDER_FRICTION = Equation("contact_frame", cylinder_impact.frame_with_friction, "theory 8.2")
 CYLINDER_SCENE = Scene(
     name="cylinder-pair-impact",
     title="Impact of two cylindrical parts",
@@ -342,7 +340,7 @@ CYLINDER_SCENE = Scene(
         **{
             name: (
                 *CYLINDER_STATE,
-                CYLINDER_FRICTION,
+                Equation("contact_frame", cylinder_impact.frame_with_friction, "theory 8.2"),
                 Equation(
                     "spatial_impulse", partial(cylinder_impact.impulse_with_friction, law),
                     "theory 8.1", name, says=says,

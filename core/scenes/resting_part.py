@@ -55,7 +55,6 @@ SHAPES: dict[str, tuple[Equation, ...]] = {
 }
 """What the shares of each shape follow from."""
 
-THROWN = Equation("thrown_shares", resting.thrown_shares, SOURCE)
 SHARES = {
     "let_down_share": ("let_down_shares", "the share of let-down parts that rest"),
     "thrown_share": ("thrown_shares", "the share of thrown parts that rest"),
@@ -78,7 +77,7 @@ def shares_of(shape: str) -> tuple[Equation, ...]:
     """
     return (
         *SHAPES[shape],
-        THROWN,
+        Equation("thrown_shares", resting.thrown_shares, SOURCE),
         *(
             field_of(bundle, (place,), f"{kind}_{name}", f"{says} {WORDS[name]} [1]", SOURCE)
             for place, name in enumerate(ASPECTS[shape])
@@ -136,23 +135,6 @@ POSES: dict[str, tuple[Equation, ...]] = {
 }  # fmt: skip
 """How each shape stands: a box on its face of length by width, the others on an end."""
 
-TOPPLING = (
-    Equation("edge_distance", resting.edge_distance, SECTION),
-    Equation("topple_slope", resting.topple_slope, SECTION),
-    Equation("rocking_friction", resting.rocking_friction, SECTION),
-    Equation("rocking_rate", resting.rocking_rate, SECTION),
-    Equation("topple_speed", resting.topple_speed, SECTION),
-    Equation("pulse_angle", resting.pulse_angle, SECTION),
-    Equation("topple_acceleration", resting.topple_acceleration, SECTION),
-    Equation("topple_margin", resting.topple_margin, SECTION),
-    Equation("push_over_load", resting.push_over_load, SECTION),
-    Equation("rocking_margin", resting.rocking_margin, SECTION),
-)
-STANDS = (
-    Condition("stands", resting.never_rocks, frozenset(("rocking_margin",)), "may_topple"),
-    Condition("may_topple", resting.may_topple, frozenset(("topple_margin",)), "stands"),
-)
-
 
 def equations(shape: str) -> tuple[Equation, ...]:
     """Return the equations of a scene in which a part of a shape comes to rest, and stands.
@@ -160,13 +142,30 @@ def equations(shape: str) -> tuple[Equation, ...]:
     They give the shares that rest in each aspect (way of lying), and what topples the part.
     `shape` is a key of `ASPECTS`.
     """
-    return (*shares_of(shape), *POSES[shape], *TOPPLING)
+    return (
+        *shares_of(shape),
+        *POSES[shape],
+        Equation("edge_distance", resting.edge_distance, SECTION),
+        Equation("topple_slope", resting.topple_slope, SECTION),
+        Equation("rocking_friction", resting.rocking_friction, SECTION),
+        Equation("rocking_rate", resting.rocking_rate, SECTION),
+        Equation("topple_speed", resting.topple_speed, SECTION),
+        Equation("pulse_angle", resting.pulse_angle, SECTION),
+        Equation("topple_acceleration", resting.topple_acceleration, SECTION),
+        Equation("topple_margin", resting.topple_margin, SECTION),
+        Equation("push_over_load", resting.push_over_load, SECTION),
+        Equation("rocking_margin", resting.rocking_margin, SECTION),
+    )
 
 
 def conditions(shape: str) -> tuple[Condition, ...]:
     """Return the conditions of a shape at rest."""
     shares = frozenset(f"{kind}_{name}" for kind in SHARES for name in ASPECTS[shape])
-    return (*lying(shape, shares), *STANDS)
+    return (
+        *lying(shape, shares),
+        Condition("stands", resting.never_rocks, frozenset(("rocking_margin",)), "may_topple"),
+        Condition("may_topple", resting.may_topple, frozenset(("topple_margin",)), "stands"),
+    )
 
 
 SCENE = Scene(

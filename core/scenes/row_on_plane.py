@@ -10,12 +10,11 @@ import numpy as np
 
 from vibrafeed.core.mechanics import floor
 from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, ratio, sine
+from vibrafeed.core.quantities.row import MAX_PARTS
 from vibrafeed.core.scenes.on_floor import LEVEL_GRAVITY
 from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
 
 MINUTE = 60.0  # seconds
-MAX_PARTS = 64
-"""Parts of the longest """
 HELD_FROM = 1.7048313528
 """Throw number G from which every contact with the floor happens while the track runs forward: the
 root of asin(1/G) + D(G) = 3 pi/2, D the phase in which a part that lifts off by itself flies."""
