@@ -55,7 +55,7 @@ def queue_velocity(*, inflow: Array, row_velocity: Array, lane_pitch: Array) -> 
     """Return the velocity with which the tail of a queue moves back, q l v/(v - q l) [m s-1].
 
     The queue stands in front of a closed end; q is the inflow in parts a second, l the distance
-    from part to part of a closed row (`lane_pitch`), v the velocity of the  Infinite where the
+    from part to part of a closed row (`lane_pitch`), v the velocity of the row. Infinite where the
     inflow is all that the lane takes, NaN where it is more.
     """
     flow = inflow / MINUTE * lane_pitch
