@@ -10,7 +10,7 @@ be nearest, with a proof of the same kind; where that fails too, rims have enter
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -62,9 +62,12 @@ def across(a: Vector, axis: Vector) -> Vector:
     return plus(a, axis, -dot(a, axis))
 
 
-def where(condition: Mask, a: Vector, b: Vector) -> Vector:
-    """Return a vector: a where the condition holds, else b."""
-    return tuple(np.where(condition, x, y) for x, y in zip(a, b, strict=True))  # type: ignore[return-value]
+def where(condition: Mask, a: Any, b: Any) -> Any:
+    """Return a vector, or the fields of a record: a where the condition holds, else b."""
+    return tuple(
+        where(condition, x, y) if isinstance(x, tuple) else np.where(condition, x, y)
+        for x, y in zip(a, b, strict=True)
+    )
 
 
 def direction(a: Vector, otherwise: Vector) -> Vector:
@@ -246,18 +249,8 @@ def nearest_on_rims(body: Cylinder, base: Cylinder, size: Array) -> Nearest:
             candidates.append(Nearest(gap, n, point, proven))
     best = candidates[0]
     for candidate in candidates[1:]:
-        best = chosen(best.proven, best, candidate)
+        best = Nearest(*where(best.proven, best, candidate))
     return best
-
-
-def chosen(mask: Mask, rim: Nearest, other: Nearest) -> Nearest:
-    """Return the nearest point of a rim: that of `rim` where `mask` holds, else of `other`."""
-    return Nearest(
-        np.where(mask, rim.gap, other.gap),
-        where(mask, rim.normal, other.normal),
-        where(mask, rim.point, other.point),
-        np.where(mask, rim.proven, other.proven),
-    )
 
 
 # What `form` says.
@@ -465,17 +458,7 @@ def cylinder_contact(*, cylinder_1: Cylinder, cylinder_2: Cylinder) -> CylinderC
         ahead, alike = form.gap > best.gap, np.abs(form.gap - best.gap) <= ALIKE * size
         ahead = np.where(alike, _extent(form) > _extent(best), ahead)
         better = (form.proven & ~best.proven) | ((form.proven == best.proven) & ahead)
-        best = _Form(
-            np.where(better, form.gap, best.gap),
-            np.where(better, form.form, best.form),
-            np.where(better, form.body, best.body),
-            where(better, form.normal, best.normal),
-            where(better, form.first, best.first),
-            where(better, form.second, best.second),
-            np.where(better, form.line, best.line),
-            np.where(better, form.several, best.several),
-            np.where(better, form.proven, best.proven),
-        )
+        best = _Form(*where(better, form, best))
     gap, normal = np.where(best.proven, best.gap, bound), best.normal
     first, second = best.first, best.second
     if not np.all(best.proven):

@@ -209,28 +209,6 @@ def disc_acceleration_x(*, in_plane_drive_x: Array, sliding_fraction: Array) -> 
     return in_plane_drive_x * sliding_fraction
 
 
-def disc_acceleration_y(*, in_plane_drive_y: Array, sliding_fraction: Array) -> Array:
-    """Return the acceleration along y from rest, both axes sharing one friction disc [m s-2]."""
-    return in_plane_drive_y * sliding_fraction
-
-
-def _friction_share(
-    drive: Array,
-    in_plane_drive: Array,
-    friction_static: Array,
-    friction_kinetic: Array,
-    floor_acceleration: Array,
-) -> Array:
-    stuck = is_stuck(
-        in_plane_drive=in_plane_drive,
-        friction_static=friction_static,
-        floor_acceleration=floor_acceleration,
-    )
-    held = ratio(np.where(stuck, drive, 0.0), np.where(stuck, floor_acceleration, 1.0), 0.0)
-    sliding = friction_kinetic * ratio(drive, in_plane_drive, 0.0)
-    return np.where(floor_acceleration > 0, np.where(stuck, held, sliding), np.nan)
-
-
 def pressure_offset_x(
     *,
     height: Array,
@@ -247,31 +225,16 @@ def pressure_offset_x(
     flight. `in_plane_drive` is the size of drive and gravity in the plane, `in_plane_drive_x` their
     component along x, `floor_acceleration` the floor's force, all per mass [m s-2].
     """
-    share = _friction_share(
-        in_plane_drive_x, in_plane_drive, friction_static, friction_kinetic, floor_acceleration
+    stuck = is_stuck(
+        in_plane_drive=in_plane_drive,
+        friction_static=friction_static,
+        floor_acceleration=floor_acceleration,
     )
-    return height / 2 * share
-
-
-def pressure_offset_y(
-    *,
-    height: Array,
-    in_plane_drive_y: Array,
-    in_plane_drive: Array,
-    friction_static: Array,
-    friction_kinetic: Array,
-    floor_acceleration: Array,
-) -> Array:
-    """Return the offset along y of the floor's resultant that balances friction's moment [m].
-
-    A part of the given `height` b [m] tips where it exceeds half the width. Friction acts b/2 below
-    the centre, so that the offset is b/2 times friction along y over the normal force; NaN in
-    flight. `in_plane_drive` is the size of drive and gravity in the plane, `in_plane_drive_y` their
-    component along y, `floor_acceleration` the floor's force, all per mass [m s-2].
-    """
-    share = _friction_share(
-        in_plane_drive_y, in_plane_drive, friction_static, friction_kinetic, floor_acceleration
+    held = ratio(
+        np.where(stuck, in_plane_drive_x, 0.0), np.where(stuck, floor_acceleration, 1.0), 0.0
     )
+    sliding = friction_kinetic * ratio(in_plane_drive_x, in_plane_drive, 0.0)
+    share = np.where(floor_acceleration > 0, np.where(stuck, held, sliding), np.nan)
     return height / 2 * share
 
 
@@ -283,3 +246,9 @@ def tips_x(*, pressure_offset_x: Array, length: Array) -> Mask:
 def tips_y(*, pressure_offset_y: Array, width: Array) -> Mask:
     """True where the floor resultant leaves the base along y: the part tips."""
     return np.abs(pressure_offset_y) > width / 2
+
+
+def over_load(value: Array, load: Array, otherwise: float) -> Array:
+    """Return a value over the floor's force, both per mass, and `otherwise` in flight."""
+    pressed = load > 0
+    return np.where(pressed, value / np.where(pressed, load, 1.0), otherwise)

@@ -26,17 +26,6 @@ def share_of_faces(along: Array, across: Array, apart: Array) -> Array:
     return 2 / np.pi * np.arctan2((along / through) * (across / through), apart / through)
 
 
-def share_of_mantle(length: Array, diameter: Array) -> Array:
-    """Return the share of cylinders that come to rest on their side, l/sqrt(l^2 + d^2) [1]."""
-    return length / hypot(length, diameter)
-
-
-def share_of_ends(length: Array, diameter: Array) -> Array:
-    """Return the share of cylinders that come to rest on either end, 1 - l/sqrt(l^2 + d^2) [1]."""
-    through = hypot(length, diameter)
-    return (diameter / through) * (diameter / (through + length))
-
-
 Shares = tuple[Array, ...]
 """A number for each aspect of a part, in the order of its shape."""
 
@@ -60,8 +49,12 @@ def box_centres(*, length: Array, width: Array, height: Array) -> Shares:
 
 
 def cylinder_shares(*, length: Array, diameter: Array) -> Shares:
-    """Return the shares of let-down cylinders that rest on their side, and on either end [1]."""
-    return share_of_mantle(length, diameter), share_of_ends(length, diameter)
+    """Return the shares of let-down cylinders that rest on their side, and on either end [1].
+
+    l/sqrt(l^2 + d^2) and 1 - l/sqrt(l^2 + d^2): length l, diameter d.
+    """
+    through = hypot(length, diameter)
+    return length / through, (diameter / through) * (diameter / (through + length))
 
 
 def cylinder_centres(*, length: Array, diameter: Array) -> Shares:
@@ -264,29 +257,14 @@ FAR = 10.0
 # --- how parts stand: half base along the push, height of the centre, gyration
 
 
-def box_base(*, length: Array) -> Array:
-    """Return half the length of a box, which is pushed along it [m]."""
-    return length / 2
-
-
-def box_centre(*, height: Array) -> Array:
-    """Return half the height of a box [m]."""
-    return height / 2
+def half(*, size: Array) -> Array:
+    """Return half of a size [m]."""
+    return size / 2
 
 
 def box_gyration(*, length: Array, height: Array) -> Array:
     """Return the radius of gyration of a box about its width, sqrt((l^2 + h^2)/12) [m]."""
     return np.sqrt(np.square(hypot(length, height)) / 12)
-
-
-def round_base(*, diameter: Array) -> Array:
-    """Return the radius of a round end [m]."""
-    return diameter / 2
-
-
-def end_centre(*, length: Array) -> Array:
-    """Return half the length of a part that stands on its end [m]."""
-    return length / 2
 
 
 def cylinder_gyration(*, length: Array, diameter: Array) -> Array:

@@ -11,6 +11,7 @@ import numpy as np
 
 from vibrafeed.core.mechanics import rolling
 from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, hypot, ratio, sine
+from vibrafeed.core.mechanics.floor import over_load
 from vibrafeed.core.mechanics.screws import Wrench, vector
 
 # --- how much of a part turns
@@ -57,17 +58,6 @@ def least_friction(push: Array, rolling_factor: Array, floor_acceleration: Array
     return np.where(pressed, needed, np.inf)
 
 
-def ball_friction(
-    *, in_plane_drive: Array, rolling_factor: Array, floor_acceleration: Array
-) -> Array:
-    """Return the least static friction with which a ball rolls, |D|/((1 + kap) n) [1].
-
-    |D| is the size of drive and gravity in the floor, n the floor's force, both per mass, kap = m
-    r^2/I; infinite in flight.
-    """
-    return least_friction(in_plane_drive, rolling_factor, floor_acceleration)
-
-
 def rolls(*, required_friction: Array, friction_static: Array) -> Mask:
     """True where static friction is enough to roll."""
     return required_friction <= friction_static
@@ -84,16 +74,6 @@ def ball_fraction(
     """
     slips = 1.0 - friction_kinetic * ratio(floor_acceleration, in_plane_drive, 0.0)
     return np.where(required_friction <= friction_static, rolling_share, slips)
-
-
-def fraction_x(*, in_plane_drive_x: Array, moved_fraction: Array) -> Array:
-    """Return the acceleration of the centre along x [m s-2]."""
-    return in_plane_drive_x * moved_fraction
-
-
-def fraction_y(*, in_plane_drive_y: Array, moved_fraction: Array) -> Array:
-    """Return the acceleration of the centre along y [m s-2]."""
-    return in_plane_drive_y * moved_fraction
 
 
 def ball_spin(
@@ -142,9 +122,8 @@ def roller_friction(
     D_s and D_e are the push along and across the axis, n the floor's force, all per mass, kap = m
     r^2/I; infinite in flight.
     """
-    pressed = floor_acceleration > 0
     needed = hypot(push_along_axis, push_across_axis / (1 + rolling_factor))
-    return np.where(pressed, needed / np.where(pressed, floor_acceleration, 1.0), np.inf)
+    return over_load(needed, floor_acceleration, np.inf)
 
 
 def roller_root(
@@ -300,9 +279,8 @@ def cone_friction(
     D_g and D_t are the push along and across the line on which it touches, n the floor's force, all
     per mass, F `cone_factor`. It is that of the floor's resultant; infinite in flight.
     """
-    pressed = floor_acceleration > 0
     needed = hypot(push_along_axis, push_across_axis * (1 - cone_factor))
-    return np.where(pressed, needed / np.where(pressed, floor_acceleration, 1.0), np.inf)
+    return over_load(needed, floor_acceleration, np.inf)
 
 
 # --- A disc, coin or ring on its edge, its face against the wall of a track (theory 18.1).
@@ -331,15 +309,6 @@ def net_push(*, in_plane_drive_x: Array, wall_friction: Array, wall_acceleration
 def is_held(*, net_push: Array) -> Mask:
     """True where the friction of the wall holds the disc."""
     return net_push == 0
-
-
-def disc_friction(*, net_push: Array, rolling_factor: Array, floor_acceleration: Array) -> Array:
-    """Return the least static friction with which the disc rolls, |D - w|/((1 + kap) n) [1].
-
-    D - w is the net push along x (drive less wall friction, per mass), kap = m r^2/I the rolling
-    factor and n the floor's force per mass; infinite in flight.
-    """
-    return least_friction(net_push, rolling_factor, floor_acceleration)
 
 
 def disc_acceleration(

@@ -13,12 +13,13 @@ axes n, eta, sigma.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, hypot, ratio, sine
+from vibrafeed.core.mechanics.floor import over_load
 from vibrafeed.core.mechanics.rolling import is_rolling
 
 
@@ -173,7 +174,7 @@ def pressure_offset_axial(
     resists; the floor balances both. The source leaves it out. NaN in flight.
     """
     tilting = axial_drive - 0.75 * diameter * spin_rate * yaw_rate
-    return diameter / 2 * _over_normal(tilting, normal_acceleration, np.nan)
+    return diameter / 2 * over_load(tilting, normal_acceleration, np.nan)
 
 
 def required_friction(
@@ -185,7 +186,7 @@ def required_friction(
     force; infinite in flight.
     """
     friction = hypot(rolling_drive / 3, axial_friction_acceleration)
-    return _over_normal(friction, normal_acceleration, np.inf)
+    return over_load(friction, normal_acceleration, np.inf)
 
 
 def cone_margin(
@@ -249,24 +250,15 @@ def force_wrench(
     return Wrench(force, vector(drilling_moment, precession, diameter / 2 * rolling_friction))
 
 
-def floor_reduction(*, floor_wrench: Wrench) -> ScrewReduction:
-    """Return pitch F.M/F^2 and axis F x M/F^2 of the floor's wrench, force F and moment M."""
-    return reduce_screw(floor_wrench.force, floor_wrench.moment)
+def reduction(*, wrench: Wrench) -> ScrewReduction:
+    """Return pitch F.M/F^2 and axis F x M/F^2 of a wrench, force F and moment M."""
+    return reduce_screw(wrench.force, wrench.moment)
 
 
-def force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
-    """Return pitch F.M/F^2 and axis F x M/F^2 of all forces' wrench, force F and moment M."""
-    return reduce_screw(force_wrench.force, force_wrench.moment)
-
-
-def printed_floor_reduction(*, floor_wrench: Wrench) -> ScrewReduction:
-    """Return pitch and axis of the floor's wrench with the sign of (4.3), (4.5), (4.6)."""
-    return _as_printed(reduce_screw(floor_wrench.force, floor_wrench.moment))
-
-
-def printed_force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
-    """Return pitch and axis of the force system with the sign of (4.3), (4.5), (4.6)."""
-    return _as_printed(reduce_screw(force_wrench.force, force_wrench.moment))
+def printed_reduction(*, wrench: Wrench) -> ScrewReduction:
+    """Return pitch and axis of a wrench with the sign of (4.3), (4.5), (4.6)."""
+    found = reduce_screw(wrench.force, wrench.moment)
+    return replace(found, axis_point=-found.axis_point)
 
 
 def tips_along_axis(*, pressure_offset_axial: Array, length: Array) -> Mask:
@@ -305,15 +297,6 @@ def has_no_force_axis(*, force_reduction: ScrewReduction) -> Mask:
     return ~force_reduction.has_axis
 
 
-def _over_normal(value: Array, normal_acceleration: Array, otherwise: float) -> Array:
-    pressed = normal_acceleration > 0
-    return np.where(pressed, value / np.where(pressed, normal_acceleration, 1.0), otherwise)
-
-
 def _turning_of_spin(mass: Array, diameter: Array, spin_rate: Array, yaw_rate: Array) -> Array:
     # Moment about eta that turns the spin, -I3 theta' phi', I3 = m r^2/2 [N m].
     return -mass * np.square(diameter) / 8 * spin_rate * yaw_rate
-
-
-def _as_printed(reduction: ScrewReduction) -> ScrewReduction:
-    return ScrewReduction(reduction.pitch, -reduction.axis_point, reduction.has_axis)

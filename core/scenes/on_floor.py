@@ -14,6 +14,7 @@ from vibrafeed.core.scenes.scene import (
     Scene,
     field_of,
     fields,
+    under_names,
 )
 
 # --- Equations of all scenes of a part on a plane: drive, gravity, and a floor without a wall.
@@ -106,9 +107,24 @@ RECTANGLE_SCENE = Scene(
             *UNILATERAL,
             Equation("sliding_fraction", floor.sliding_fraction, "theory 3.2", "physical"),
             Equation("acceleration_x", floor.disc_acceleration_x, "theory 3.2", "physical"),
-            Equation("acceleration_y", floor.disc_acceleration_y, "theory 3.2", "physical"),
+            under_names(
+                "acceleration_y",
+                floor.disc_acceleration_x,
+                "theory 3.2",
+                "the acceleration along y from rest, both axes sharing one friction disc [m s-2]",
+                "physical",
+                in_plane_drive_x="in_plane_drive_y",
+            ),
             Equation("pressure_offset_x", floor.pressure_offset_x, "theory 4.4", "physical"),
-            Equation("pressure_offset_y", floor.pressure_offset_y, "theory 4.4", "physical"),
+            under_names(
+                "pressure_offset_y",
+                floor.pressure_offset_x,
+                "theory 4.4",
+                "the offset along y of the floor's resultant that balances friction's moment [m]",
+                "physical",
+                height="height",
+                in_plane_drive_x="in_plane_drive_y",
+            ),
         ),
     },
     default_variant="physical",

@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from vibrafeed.core.mechanics import resting
-from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene, field_of
+from vibrafeed.core.scenes.scene import (
+    STANDARD_GRAVITY,
+    Condition,
+    Equation,
+    Scene,
+    field_of,
+    under_names,
+)
 
 # --- The shapes of parts that come to rest: their shares, and heights and depths of their centre.
 #
@@ -101,8 +108,20 @@ def lying(shape: str, outputs: frozenset[str]) -> tuple[Condition, ...]:
 
 
 SECTION = "theory 16.2"
-_ROUND = (Equation("standing_base", resting.round_base, SECTION),)
-_ON_END = (Equation("standing_centre", resting.end_centre, SECTION),)
+_ROUND = (
+    under_names(
+        "standing_base", resting.half, SECTION, "the radius of a round end [m]", size="diameter"
+    ),
+)
+_ON_END = (
+    under_names(
+        "standing_centre",
+        resting.half,
+        SECTION,
+        "half the length of a part that stands on its end [m]",
+        size="length",
+    ),
+)
 _UPRIGHT = (
     *_ROUND,
     field_of(
@@ -115,8 +134,10 @@ _UPRIGHT = (
 )
 POSES: dict[str, tuple[Equation, ...]] = {
     "box": (
-        Equation("standing_base", resting.box_base, SECTION),
-        Equation("standing_centre", resting.box_centre, SECTION),
+        under_names("standing_base", resting.half, SECTION,
+                    "half the length of a box, which is pushed along it [m]", size="length"),
+        under_names("standing_centre", resting.half, SECTION, "half the height of a box [m]",
+                    size="height"),
         Equation("gyration", resting.box_gyration, SECTION),
         Equation("long_side_share", resting.long_side_share, SOURCE),
     ),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from vibrafeed.core.mechanics import floor, resting, round_parts, screws, wall
@@ -21,6 +23,7 @@ from vibrafeed.core.scenes.scene import (
     Equation,
     Scene,
     fields,
+    under_names,
 )
 
 # --- A roller, tube, ring or hoop that lies on a plane, its axis in any direction, from rest.
@@ -95,10 +98,25 @@ SPHERE_SCENE = Scene(
             *UNILATERAL,
             Equation("rolling_factor", round_parts.ball_factor, SOURCE),
             Equation("rolling_share", round_parts.rolling_share, SOURCE),
-            Equation("required_friction", round_parts.ball_friction, SOURCE),
+            under_names(
+                "required_friction",
+                round_parts.least_friction,
+                SOURCE,
+                "the least static friction with which a ball rolls, |D|/((1 + kap) n) [1]",
+                push="in_plane_drive",
+            ),
             Equation("moved_fraction", round_parts.ball_fraction, SOURCE),
-            Equation("acceleration_x", round_parts.fraction_x, SOURCE),
-            Equation("acceleration_y", round_parts.fraction_y, SOURCE),
+            *(
+                under_names(
+                    f"acceleration_{axis}",
+                    floor.disc_acceleration_x,
+                    SOURCE,
+                    f"the acceleration of the centre along {axis} [m s-2]",
+                    in_plane_drive_x=f"in_plane_drive_{axis}",
+                    sliding_fraction="moved_fraction",
+                )
+                for axis in "xy"
+            ),
             Equation("angular_acceleration", round_parts.ball_spin, SOURCE),
         )
     },
@@ -163,6 +181,14 @@ CONE_SCENE = Scene(
 
 # --- A cylinder that rolls and yaws on a level plane, by screw theory; chapter 4 of the source.
 
+REDUCTIONS = tuple(
+    under_names(
+        f"{force}_reduction", screws.reduction, "(4.1) to (4.7)",
+        f"pitch F.M/F^2 and axis F x M/F^2 of {whose} wrench, force F and moment M",
+        wrench=f"{force}_wrench",
+    )
+    for force, whose in (("floor", "the floor's"), ("force", "all forces'"))
+)  # fmt: skip
 AXES = (
     *fields(
         "floor_reduction",
@@ -280,33 +306,24 @@ ROLLING_SCENE = Scene(
     variants={
         "thesis": (
             *COMMON,
-            Equation(
-                "floor_reduction",
-                screws.printed_floor_reduction,
-                "(4.1) to (4.7)",
-                "thesis",
-            ),
-            Equation(
-                "force_reduction",
-                screws.printed_force_reduction,
-                "(4.1) to (4.7)",
-                "thesis",
+            *(
+                under_names(
+                    f"{force}_reduction",
+                    screws.printed_reduction,
+                    "(4.1) to (4.7)",
+                    f"pitch and axis of {whose} with the sign of (4.3), (4.5), (4.6)",
+                    "thesis",
+                    wrench=f"{force}_wrench",
+                )
+                for force, whose in (
+                    ("floor", "the floor's wrench"),
+                    ("force", "the force system"),
+                )
             ),
         ),
         "derived": (
             *COMMON,
-            Equation(
-                "floor_reduction",
-                screws.floor_reduction,
-                "(4.1) to (4.7)",
-                "derived",
-            ),
-            Equation(
-                "force_reduction",
-                screws.force_reduction,
-                "(4.1) to (4.7)",
-                "derived",
-            ),
+            *(replace(one, variant="derived") for one in REDUCTIONS),
         ),
     },
     default_variant="derived",
@@ -361,23 +378,20 @@ DISC_SCENE = Scene(
             Equation("net_push", round_parts.net_push, SOURCE),
             Equation("rolling_factor", round_parts.tube_factor, SOURCE),
             Equation("rolling_share", round_parts.rolling_share, SOURCE),
-            Equation("required_friction", round_parts.disc_friction, SOURCE),
+            under_names(
+                "required_friction",
+                round_parts.least_friction,
+                SOURCE,
+                "the least static friction with which the disc rolls, |D - w|/((1 + kap) n) [1]",
+                push="net_push",
+            ),
             Equation("acceleration_x", round_parts.disc_acceleration, SOURCE),
             Equation("angular_acceleration", round_parts.disc_spin, SOURCE),
             Equation("rolling_friction", round_parts.disc_floor_friction, SOURCE),
             Equation("wall_drag", round_parts.wall_drag, SOURCE),
             Equation("floor_wrench", round_parts.disc_floor_wrench, SOURCE),
             Equation("force_wrench", round_parts.disc_force_wrench, SOURCE),
-            Equation(
-                "floor_reduction",
-                screws.floor_reduction,
-                "(4.1) to (4.7)",
-            ),
-            Equation(
-                "force_reduction",
-                screws.force_reduction,
-                "(4.1) to (4.7)",
-            ),
+            *REDUCTIONS,
             *AXES,
         )
     },

@@ -300,8 +300,7 @@ def least_held_force(
     """
     gain = vibration_acceleration * (cosine(beta) + friction_static * sine(beta))
     drag = gravity * (sine(gamma) + friction_static * cosine(gamma))
-    share = np.maximum(np.minimum(ratio(drag, gain, 1.0), 1.0), -1.0)
-    from_on = np.arcsin(share)
+    from_on = _angle(drag, gain)
     mean = (gain * np.cos(from_on) - drag * (np.pi / 2 - from_on)) / np.pi
     return row_weight / gravity * np.where(gain > drag, mean, 0.0)
 
