@@ -72,8 +72,7 @@ def cylinder(
 ) -> Cylinder:  # fmt: skip
     """Return centre, unit axis, radius and half length of a body from its parameters.
 
-    The axis is (ce ca, ce sa, se), c and s being cosine and sine of elevation e and azimuth a
-    [rad]. Positions, diameter and length are in m.
+    The axis is (ce ca, ce sa, se), c and s being cosine and sine of elevation e and azimuth a.
     """
     flat = cosine(elevation)
     axis = flat * cosine(azimuth), flat * sine(azimuth), sine(elevation)
@@ -153,14 +152,8 @@ def frame_without_friction(
 ) -> ImpactFrame:  # fmt: skip
     """Return point, normal and tangents of the contact of two cylinders without friction.
 
-    The frame in which their impact is computed. Where the bodies touch along a line, the impulses
-    at both its ends are solved together, and the point is where their resultant acts. `unknown` of
-    the result marks lines of which an end approaches again after the impact, which the law does not
-    solve.
-
-    `cylinder_contact` has the normal and the ends of the line [m], `cylinder_masses` masses and
-    moments of inertia [kg, kg m2], `spatial_motion` velocities and spins before the impact [m s-1,
-    rad s-1].
+    Where the bodies touch along a line, the impulses at both its ends are solved together, and the
+    point is where their resultant acts.
     """
     at, body_1, body_2, masses = cylinder_contact, cylinder_1, cylinder_2, cylinder_masses
     n, first, second = at.normal, at.first, at.second
@@ -183,11 +176,9 @@ def frame_with_friction(
 ) -> ImpactFrame:  # fmt: skip
     """Return point, normal and tangents of the contact of two cylinders with friction.
 
-    The frame in which their impact is computed. Where a line touches, the point is the end that
-    approaches faster. If this end does not approach, no point of the line does; else the frame is
-    `unknown`, since an impact with friction along a line is not solved (regime `simultaneous`).
-    `cylinder_contact` has normal and ends of the line [m], `spatial_motion` velocities and spins
-    before the impact [m s-1, rad s-1].
+    Where a line touches, the point is the end that approaches faster. If this end does not
+    approach, no point of the line does; else the frame is `unknown`, since an impact with friction
+    along a line is not solved (regime `simultaneous`).
     """
     at, one, two = cylinder_contact, cylinder_1, cylinder_2
     u_1 = dot(at.normal, _at(at.first, one, two, spatial_motion))
@@ -201,9 +192,8 @@ def spatial_delassus(
 ) -> SpatialDelassus:  # fmt: skip
     """Return the six Delassus numbers of the contact of two cylinders: velocity per impulse [kg-1].
 
-    G_nn, G_nt, G_ns, G_tt, G_ts, G_ss for the normal n and the tangents t and s of `contact_frame`,
-    at its point; the change of the relative velocity along one by a unit impulse along the other.
-    `cylinder_masses` holds masses and moments of inertia [kg, kg m2].
+    Of the normal n and the tangents t and s of `contact_frame`, at its point: the change of the
+    relative velocity along one by a unit impulse along the other.
     """
     p, n, t, s = contact_frame[:4]
     bodies = (cylinder_1, cylinder_2, cylinder_masses)
@@ -285,10 +275,8 @@ def frictionless_impulse(
 ) -> SpatialImpulse:  # fmt: skip
     """Return Newton's impulse without friction, L_N = -(1 + eps) u_N/G_NN, on body 1 [N s].
 
-    Newton's law, L_N = -(1 + eps) u_N/G_NN, with the restitution eps, the approach velocity u_N [m
-    s-1] and the Delassus number G_NN, velocity per impulse [kg-1]. 0 where the bodies are apart by
-    more than `contact_tolerance` (a share of their size), NaN where they overlap or the impact has
-    no single impulse (`contact_frame.unknown`); the tangential impulses are 0.
+    0 where the bodies are apart by more than the tolerance, NaN where they overlap or the impact
+    has no single impulse.
     """
     normal = impact.frictionless(G_NN=delassus_normal, u_N=approach_normal, restitution=restitution)
     none = np.zeros_like(normal)
@@ -303,10 +291,8 @@ def impulse_with_friction(
 ) -> SpatialImpulse:  # fmt: skip
     """Return the impulse on body 1 by a `law` of impact with friction [N s].
 
-    Normal and two tangential impulses are 0 where the bodies are apart by more than
-    `contact_tolerance` (a share of their size), NaN where they overlap, touch at several places, or
-    the law has no solution. `spatial_delassus` are velocities per impulse [kg-1],
-    `spatial_approach` the relative velocities before [m s-1] in the axes of `contact_frame`.
+    0 where the bodies are apart by more than the tolerance, NaN where they overlap, touch at
+    several places, or the law has no solution.
     """
     impulse = law(
         G=spatial_delassus,
@@ -334,10 +320,7 @@ def spatial_motion_after(
 ) -> SpatialMotion:  # fmt: skip
     """Return velocities and spins of both cylinders after an impact [m s-1, rad s-1].
 
-    v + L/m and w + J^-1 (rho x L) for body 1, with a minus for body 2: v and w are velocity and
-    spin before (`spatial_motion`), L is the impulse on body 1 [N s], given in the axes of
-    `contact_frame`, m and J are mass and inertia tensor [kg, kg m2], and rho leads from the body's
-    centre to the contact point [m].
+    v + L/m and w + J^-1 (rho x L) for body 1, with a minus for body 2; L is the impulse on body 1.
     """
     before, masses, p = spatial_motion, cylinder_masses, contact_frame.point
     L = in_space(spatial_impulse, contact_frame)
@@ -352,10 +335,7 @@ def spatial_motion_after(
 
 
 def inertial(vector: Vector, body: Cylinder, axial: Array, transverse: Array) -> Vector:
-    """Return the angular momentum J w of a cylinder that turns with w [kg m2 s-1].
-
-    `axial` and `transverse` are the moments of inertia along and across its axis [kg m2].
-    """
+    """Return the angular momentum J w of a cylinder that turns with w [kg m2 s-1]."""
     return plus(
         scaled(vector, transverse), body.axis, dot(vector, body.axis) * (axial - transverse)
     )
@@ -401,11 +381,7 @@ def energy_before(
     cylinder_masses: CylinderMasses,
     spatial_motion: SpatialMotion,
 ) -> Array:
-    """Return the kinetic energy of both cylinders before the impact [J].
-
-    `spatial_motion` has velocities and spins before [m s-1, rad s-1], `cylinder_masses` masses and
-    moments of inertia along and across the axes [kg, kg m2].
-    """
+    """Return the kinetic energy of both cylinders before the impact [J]."""
     motion, masses = spatial_motion, cylinder_masses
     turning_1 = inertial(motion.spin_1, cylinder_1, masses.axial_1, masses.across_1)
     turning_2 = inertial(motion.spin_2, cylinder_2, masses.axial_2, masses.across_2)
@@ -428,9 +404,8 @@ def energy_lost(
 ) -> Array:
     """Return the kinetic energy that the impact loses, -L.(u + u')/2 [J].
 
-    L is the impulse on body 1 [N s], in the axes of `contact_frame`, u and u' the velocity of body
-    1 relative to body 2 at the contact before and after [m s-1], from `spatial_motion` and
-    `spatial_motion_after`.
+    L is the impulse on body 1, u and u' the velocity of body 1 relative to body 2 at the contact
+    before and after.
     """
     at, L = contact_frame, spatial_impulse
     before = spatial_approach(at, cylinder_1, cylinder_2, spatial_motion)
@@ -455,11 +430,7 @@ def momentum_residual(
     spatial_motion_after: SpatialMotion,
     cylinder_masses: CylinderMasses,
 ) -> Array:
-    """Return the change of the total momentum by an impact, `axis` 0 to 2 for x to z [N s].
-
-    A check of the solution: `spatial_motion` and `spatial_motion_after` hold the velocities of both
-    bodies before and after [m s-1], `cylinder_masses` their masses [kg].
-    """
+    """Return the change of the total momentum by an impact, `axis` 0 to 2 for x to z [N s]."""
     before, after, masses = spatial_motion, spatial_motion_after, cylinder_masses
     change_1 = after.velocity_1[axis] - before.velocity_1[axis]
     change_2 = after.velocity_2[axis] - before.velocity_2[axis]

@@ -30,9 +30,8 @@ def leaf_stiffness(
 ) -> Array:  # fmt: skip
     """Return the stiffness of all leaf springs together, k = c_k n E b (t/L)^3 [N m-1].
 
-    n leaves of width b, thickness t and free length L between the clamps, whose ends stay parallel.
-    A leaf clamped at both ends is two cantilevers of L/2: 12 E I/L^3 with I = b t^3/12. c_k
-    (`clamp_factor`) is 1 for rigid clamps and less for real ones, which give.
+    n leaves of width b, thickness t and free length L, whose ends stay parallel: two cantilevers of
+    L/2 each. c_k is 1 for rigid clamps and less for real ones, which give.
     """
     slenderness = spring_thickness / spring_length
     cube = slenderness * slenderness * slenderness
@@ -55,8 +54,7 @@ def leaf_frequency(
 ) -> Array:
     """Return the first natural frequency of a leaf by itself, clamped at both ends [Hz].
 
-    f = x^2/(2 pi) (t/L^2) sqrt(E/(12 rho)): thickness t, free length L, density rho, and x =
-    4.7300407 the first root of cos(x) cosh(x) = 1.
+    f = x^2/(2 pi) (t/L^2) sqrt(E/(12 rho)), x = 4.7300407 the first root of cos(x) cosh(x) = 1.
     """
     speed = np.sqrt(elastic_modulus / (12 * spring_density))
     return FIRST_MODE / (2 * np.pi) * (spring_thickness / spring_length) * (speed / spring_length)
@@ -68,8 +66,8 @@ def leaf_mass(
 ) -> Array:  # fmt: skip
     """Return the mass of the leaves that moves with their moving ends, 13/35 of all [kg].
 
-    The other ends are held. Between its ends a leaf bends by 3 x^2 - 2 x^3 of the stroke, x from 0
-    to 1; 13/35 is the mean square.
+    Between its ends a leaf bends by 3 x^2 - 2 x^3 of the stroke, x from 0 to 1; 13/35 is the mean
+    square.
     """
     return 13 / 35 * spring_count * spring_density * spring_width * spring_thickness * spring_length
 
@@ -92,9 +90,9 @@ def unbalance_force(*, unbalance: Array, circular_frequency: Array) -> Array:
 def magnet_force(*, flux_density: Array, pole_area: Array) -> Array:
     """Return the amplitude of a magnet's force at the drive's frequency, F = B^2 A/(4 mu_0) [N].
 
-    B is the peak of the flux density in the gap [T], A the area of all poles [m2]. The pull B^2
-    A/(2 mu_0) swings by half of itself, at twice the line's frequency (full wave) or at the line's
-    (half wave).
+    B is the peak of the flux density in the gap, A the area of all poles. The pull B^2 A/(2 mu_0)
+    swings by half of itself, at twice the line's frequency (full wave) or at the line's (half
+    wave).
     """
     return flux_density * flux_density * pole_area / (4 * VACUUM_PERMEABILITY)
 
@@ -128,18 +126,12 @@ def damping(*, damping_ratio: Array, spring_stiffness: Array, generalised_mass: 
 
 
 def stroke(*, stroke_response: tuple[Array, ...]) -> Array:
-    """Return the amplitude of the stroke between both masses, along the line of the leaves [m].
-
-    The first two entries of `stroke_response` are real and imaginary part of the stroke [m].
-    """
+    """Return the amplitude of the stroke between both masses, along the line of the leaves [m]."""
     return hypot(stroke_response[0], stroke_response[1])
 
 
 def phase(*, stroke_response: tuple[Array, ...]) -> Array:
-    """Return the phase of the stroke behind the force, from 0 to -pi [rad].
-
-    The first two entries of `stroke_response` are real and imaginary part of the stroke [m].
-    """
+    """Return the phase of the stroke behind the force, from 0 to -pi [rad]."""
     return np.arctan2(stroke_response[1], stroke_response[0])
 
 
@@ -153,8 +145,7 @@ def drive_unit_power(
 ) -> Array:
     """Return the mean power of the drive's force, -F w Im(s)/2 [W].
 
-    Im(s) is the second entry of `stroke_response`: the stroke that lags the force by 90 degrees
-    [m].
+    Im(s), the stroke that lags the force by 90 degrees, is the second entry of `stroke_response`.
     """
     return -drive_force * circular_frequency * stroke_response[1] / 2
 
@@ -168,9 +159,9 @@ def second_over_first(
     """Return sine and cosine part, at 2 tau, of a track's second harmonic over its first [1].
 
     tau is the phase in which the first harmonic of the displacement is A sin(tau). The magnet pulls
-    the track back by F (cos(wt) + h cos(2wt)), h being `force_harmonic`. `first` and `second` are
-    real and imaginary part of the displacement per force at w and 2w, G_1 and G_2 [m N-1]: (sine,
-    cosine) = r (-sin psi, cos psi), r e^(i psi) = h G_2 conj(G_1)^2/|G_1|^3.
+    by F (cos(wt) + h cos(2wt)), h `force_harmonic`; `first` and `second` are the displacements per
+    force at w and 2w, G_1 and G_2 [m N-1]: (sine, cosine) = r (-sin psi, cos psi), r e^(i psi) = h
+    G_2 conj(G_1)^2/|G_1|^3.
     """
     size = hypot(*first)
     cos, sin = first[0] / size, first[1] / size
@@ -225,10 +216,9 @@ def bowl_mass(
 ) -> Array:  # fmt: skip
     """Return the moved mass of the empty unit, I_r (cos th/r_s)^2 + m_r sin^2 th [kg].
 
-    The leaf springs stand on a circle of radius r_s (`spring_radius`), tilted by th
-    (`spring_angle`). The bowl turns by Theta and lifts by r_s tan(th) Theta; the stroke of the
-    leaves is s = r_s Theta/cos(th). m_r = m1 m2/(m1 + m2) of bowl and base, and I_r alike of their
-    moments of inertia. With the stiffness k of the leaves, this mass gives the natural frequency.
+    The bowl turns by Theta and lifts by r_s tan(th) Theta; the stroke of the leaves, on a circle of
+    radius r_s and tilted by th, is s = r_s Theta/cos(th). m_r = m1 m2/(m1 + m2) of bowl and base,
+    and I_r alike of their moments of inertia.
     """
     m1, m2, i1, i2 = moving_mass, base_mass, moving_inertia, base_inertia
     turning, lifting = i1 * (i2 / (i1 + i2)), m1 * (m2 / (m1 + m2))
@@ -256,13 +246,9 @@ def bowl_response(
 
     Four arrays: real and imaginary part of s in s e^(iwt) for the force F cos(wt) [m], then the
     bowl's share of the relative turn, |I2/(I1 + I2)|, and of the relative lift, |m2/(m1 + m2)| [1].
-    The amplitude of the bowl follows from them.
 
-    s = F/(k - m w^2 + i w c), m = I_r (cos th/r_s)^2 + m_r sin^2 th with the reduced masses and
-    inertias of bowl (1) and base (2), spring stiffness k, damping c, leaves at radius r_s with tilt
-    th. A damper c_l (`load_damping` [N s m-1]) from the load's radius R_l to the ground makes m1
-    the mass m1 - i c_l/w, I1 the inertia I1 - i c_l R_l^2/w. Arguments in SI units, w in rad s-1
-    (theory 15.3).
+    s = F/(k - m w^2 + i w c), m as of `bowl_mass`. A damper c_l from the load's radius R_l to the
+    ground makes m1 the mass m1 - i c_l/w, I1 the inertia I1 - i c_l R_l^2/w (theory 15.3).
     """
     w = circular_frequency
     lost = load_damping / w
@@ -288,11 +274,8 @@ def bowl_harmonic(
 ) -> tuple[Array, Array]:  # fmt: skip
     """Return sine and cosine part of the track's second harmonic, over its first, of a bowl [1].
 
-    The displacement is A (sin(tau) + s sin(2 tau) + c cos(2 tau)): the result is s and c, with
-    which a part is driven by a magnet on a half wave. `force_harmonic` is the second harmonic of
-    its force over the first; the other arguments are those of `bowl_response` in SI units. Turn and
-    lift of the bowl are taken to keep one proportion in both harmonics: exact without a damper from
-    track to ground (theory 15.5).
+    As of `second_over_first`. Turn and lift of the bowl are taken to keep one proportion in both
+    harmonics: exact without a damper from track to ground (theory 15.5).
     """
     at = [
         bowl_response(
@@ -321,8 +304,7 @@ def bowl_turn(
 ) -> Array:
     """Return the amplitude of the bowl's own turning, s cos(th)/r_s I2/(I1 + I2) [rad].
 
-    s is the stroke of the leaf springs [m], th and r_s their tilt and radius, and I2/(I1 + I2) the
-    third entry of `stroke_response`: the bowl's share of the turn between bowl and base.
+    I2/(I1 + I2) is the third entry of `stroke_response`.
     """
     return stroke * cosine(spring_angle) / spring_radius * stroke_response[2]
 
@@ -330,8 +312,7 @@ def bowl_turn(
 def bowl_lift(*, stroke: Array, stroke_response: tuple[Array, ...], spring_angle: Array) -> Array:
     """Return the amplitude of the bowl's own lift, s sin(th) m2/(m1 + m2), at every radius [m].
 
-    s is the stroke of the leaf springs [m], th their tilt, and m2/(m1 + m2) the fourth entry of
-    `stroke_response`: the bowl's share of the lift between bowl and base.
+    m2/(m1 + m2) is the fourth entry of `stroke_response`.
     """
     return stroke * sine(spring_angle) * stroke_response[3]
 
@@ -344,9 +325,7 @@ def bowl_amplitude(*, radius: Array, bowl_turn: Array, bowl_lift: Array) -> Arra
 def bowl_angle(*, radius: Array, bowl_turn: Array, bowl_lift: Array, gamma: Array) -> Array:
     """Return the angle of the vibration above the track, atan(z_1/(r Theta_1)) - gamma [rad].
 
-    z_1 and Theta_1 are the amplitudes of the bowl's lift [m] and turn [rad], r the radius of the
-    track and gamma its climb. It is the tilt of the leaf springs only where the base is held and r
-    is theirs.
+    It is the tilt of the leaf springs only where the base is held and r is theirs.
     """
     return np.arctan2(bowl_lift, radius * bowl_turn) - gamma
 
@@ -379,10 +358,9 @@ def stretches_of(
 ) -> Stretches:
     """Return the stretches of a bowl's track: their radii at both ends and their lengths [m].
 
-    `radii` are those at the end of each stretch [m]; a stretch begins where the one before ends,
-    the first at `start_radius` [m]. `turns` are turns n about the bowl, `climbs` angles gamma
-    [rad]. The length of a stretch from radius r_1 to r_2 is pi n (r_1 + r_2)/cos(gamma) (theory
-    15.6).
+    A stretch begins where the one before ends. `radii` are those at the ends, `turns` n turns about
+    the bowl, `climbs` angles gamma [rad]: a stretch from r_1 to r_2 is pi n (r_1 + r_2)/cos(gamma)
+    long (theory 15.6).
     """
     starts = (start_radius, *radii[:-1])
     lengths = tuple(
@@ -401,8 +379,7 @@ def total_length(stretches: Stretches) -> Array:
 def bounds(stretches: Stretches) -> list[Array]:
     """Return the shares of the track's length at which stretches begin, then 1 for the exit [1].
 
-    From the lengths of the `stretches`, in the order of travel. One array more than there are
-    stretches; the first is 0.
+    One array more than there are stretches.
     """
     total, passed = total_length(stretches), [0.0 * stretches.length[0]]
     for length in stretches.length:
@@ -413,9 +390,8 @@ def bounds(stretches: Stretches) -> list[Array]:
 def radius_at(fraction: Array, stretches: Stretches) -> Array:
     """Return the radius of the track at a share of its length [m].
 
-    `fraction` is that share, 0 at the start and 1 at the exit. On a stretch from radius r_1 to r_2,
-    r^2 = r_1^2 + (r_2^2 - r_1^2) x at the share x of its own length, since dr ~ dphi and ds ~ r
-    dphi.
+    `fraction` is that share. On a stretch from radius r_1 to r_2, r^2 = r_1^2 + (r_2^2 - r_1^2) x
+    at the share x of its own length, since dr ~ dphi and ds ~ r dphi.
     """
     ends = bounds(stretches)
     radii = []
@@ -430,8 +406,8 @@ def radius_at(fraction: Array, stretches: Stretches) -> Array:
 def picked(fraction: Array, stretches: Stretches, values: Sequence[Array]) -> Array:
     """Return the value, of one a stretch, that holds at a place of a bowl's track.
 
-    `fraction` is the place as a share of the track's length, 0 to 1; `values` has an array for each
-    of the `stretches` (climb, friction, ...). Where two stretches meet, the later one holds.
+    `fraction` is the place as a share of the track's length. Where two stretches meet, the later
+    one holds.
     """
     value = values[0]
     for low, later in zip(bounds(stretches)[1:-1], values[1:], strict=True):

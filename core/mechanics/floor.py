@@ -156,9 +156,8 @@ def per_axis_acceleration_x(
 ) -> Array:
     """Return the acceleration along x as printed, D_x - mu n0, (3.9), (3.11), (3.36) [m s-2].
 
-    D_x is drive and gravity along x, n0 the normal force, both per mass. The source lets friction
-    act along -x whatever the sliding direction, and does not check n0: after lift-off (n0 < 0) this
-    friction drives the part.
+    The source lets friction act along -x whatever the sliding direction, and does not check n0:
+    after lift-off (n0 < 0) this friction drives the part.
     """
     return in_plane_drive_x - friction_kinetic * normal_acceleration
 
@@ -168,18 +167,13 @@ def per_axis_acceleration_y(
 ) -> Array:
     """Return the acceleration along y as printed, D_y - mu n0, (3.9), (3.11), (3.36) [m s-2].
 
-    D_y is the drive along y, n0 the normal force, both per mass. Friction acts along -y even where
-    nothing pushes sideways; see `per_axis_acceleration_x`.
+    Friction acts along -y even where nothing pushes sideways; see `per_axis_acceleration_x`.
     """
     return in_plane_drive_y - friction_kinetic * normal_acceleration
 
 
 def is_stuck(*, in_plane_drive: Array, friction_static: Array, floor_acceleration: Array) -> Mask:
-    """True where static friction holds a part at rest: |D| <= mu_s n, n > 0.
-
-    |D| (`in_plane_drive`) is the size of drive and gravity in the floor, n the floor's force, both
-    per mass [m s-2].
-    """
+    """True where static friction holds a part at rest: |D| <= mu_s n, n > 0."""
     return (in_plane_drive <= friction_static * floor_acceleration) & (floor_acceleration > 0)
 
 
@@ -192,8 +186,7 @@ def sliding_fraction(
 ) -> Array:
     """Return the share of the drive that accelerates: stick 0, slip 1 - mu_k n/|D|, flight 1 [1].
 
-    From rest. |D| (`in_plane_drive`) is the size of drive and gravity in the floor, n the floor's
-    force, both per mass [m s-2]. Friction opposes the impending sliding velocity, which is along D.
+    From rest: friction opposes the impending sliding velocity, which is along D.
     """
     stuck = is_stuck(
         in_plane_drive=in_plane_drive,
@@ -220,10 +213,8 @@ def pressure_offset_x(
 ) -> Array:
     """Return the offset along x of the floor's resultant that balances friction's moment [m].
 
-    A part of the given `height` b [m] tips where it exceeds half the length. Friction acts b/2
-    below the centre, so that the offset is b/2 times friction along x over the normal force; NaN in
-    flight. `in_plane_drive` is the size of drive and gravity in the plane, `in_plane_drive_x` their
-    component along x, `floor_acceleration` the floor's force, all per mass [m s-2].
+    A part of the height b tips where it exceeds half the length. Friction acts b/2 below the
+    centre, so that the offset is b/2 times friction along x over the normal force; NaN in flight.
     """
     stuck = is_stuck(
         in_plane_drive=in_plane_drive,

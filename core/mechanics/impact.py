@@ -59,8 +59,7 @@ class EdgeAction(NamedTuple):
 def frictionless(*, G_NN: Array, u_N: Array, restitution: Array) -> Array:
     """Return Newton's normal impulse -(1 + eps) u_N/G_NN, 0 where the bodies do not approach [N s].
 
-    G_NN is the Delassus number, velocity per impulse [kg-1], u_N the normal velocity before,
-    negative in approach [m s-1].
+    G_NN is the Delassus number, u_N the normal velocity before.
     """
     return (1 + restitution) * np.maximum(0.0, -u_N) / G_NN
 
@@ -103,9 +102,7 @@ def moreau(
 ) -> Impulse:
     """Return Moreau's impulse, with one restitution for normal and sliding velocity, in one step.
 
-    G_NN, G_NT, G_TT are the Delassus numbers of the contact [kg-1], u_N (negative in approach) and
-    u_T its normal and sliding velocity before the impact [m s-1]; 0 where the bodies do not
-    approach (theory 5.3).
+    0 where the bodies do not approach (theory 5.3).
     """
     growth = 1 + restitution
     return _arrest(G_NN, G_NT, G_TT, growth * np.minimum(u_N, 0.0), growth * _met(u_N, u_T),
@@ -124,21 +121,9 @@ def pfeiffer_glocker(
 ) -> Impulse:
     """Return the impulse of compression and expansion at one contact, by Poisson's law.
 
-    Parameters
-    ----------
-    G_NN, G_NT, G_TT
-        Delassus numbers of the contact: velocity per impulse, normal and tangential [kg-1].
-    u_N, u_T
-        Normal velocity (negative in approach) and sliding velocity before the impact [m s-1].
-    friction, restitution
-        Friction coefficient, and eps, the normal impulse of the expansion over that of the
-        compression.
-
-    Returns
-    -------
-    Normal and tangential impulse [N s], and where the contact sticks at the end. The law would let
-    the expansion be larger where the contact would close again; a single contact never does (theory
-    5.3).
+    eps, the normal impulse of the expansion over that of the compression, is `restitution`. The law
+    would let the expansion be larger where the contact would close again; a single contact never
+    does (theory 5.3).
     """
     first = _arrest(G_NN, G_NT, G_TT, np.minimum(u_N, 0.0), _met(u_N, u_T), friction)
     sliding = np.where(
@@ -285,8 +270,7 @@ def moreau_in_space(
 ) -> SpatialImpulse:
     """Return Moreau's impulse with a disc of friction, one restitution for all directions.
 
-    `G` are the Delassus numbers of the contact [kg-1], `u_N` (negative in approach) and `u` its
-    normal and two sliding velocities before the impact [m s-1] (theory 8.1).
+    Symbols as of `moreau`, with two tangents (theory 8.1).
     """
     growth = 1 + restitution
     met = (growth * _met(u_N, u[0]), growth * _met(u_N, u[1]))
@@ -299,23 +283,7 @@ def pfeiffer_glocker_in_space(
     """Return the impulse of compression and expansion at a contact in space, by Poisson's law.
 
     Friction may point in any direction of the tangential plane, with the size mu L_N at most
-    (theory 8.1).
-
-    Parameters
-    ----------
-    G
-        Delassus numbers of the contact: velocity per impulse, normal and along two tangents [kg-1].
-    u_N, u
-        Normal velocity, negative in approach, and both sliding velocities before the impact [m
-        s-1].
-    friction, restitution
-        Friction coefficient mu, and the normal impulse of the expansion over that of the
-        compression.
-
-    Returns
-    -------
-    Normal and tangential impulses [N s], and where the contact sticks. NaN where the contact would
-    close again in the expansion, which is not solved.
+    (theory 8.1). NaN where the contact would close again in the expansion, which is not solved.
     """
     met = (_met(u_N, u[0]), _met(u_N, u[1]))
     first = _arrest_in_space(G, np.minimum(u_N, 0.0), met, friction)

@@ -72,9 +72,7 @@ def cylinder_aspects(*, length: Array, diameter: Array) -> tuple[Aspect, ...]:
 def prism_aspects(*, sides: Array, length: Array, diameter: Array) -> tuple[Aspect, ...]:
     """Return the sizes of a prism as it may lie: on a side, or on an end [m].
 
-    Each `Aspect` has height, width and length. `sides` is the number of its sides, `diameter` that
-    of the circle through its corners, `length` that along the axis. Above the side that it lies on
-    is another one, or a corner where their number is odd.
+    Above the side that it lies on is another one, or a corner where their number is odd.
     """
     inner = diameter / 2 * cosine(np.pi / sides)
     even = np.rint(sides / 2) * 2 == sides
@@ -85,9 +83,8 @@ def prism_aspects(*, sides: Array, length: Array, diameter: Array) -> tuple[Aspe
 def turned_aspects(*, diameter: Array, small_diameter: Array, height: Array) -> tuple[Aspect, ...]:
     """Return the sizes of a turned part as it may lie: upright, on its side, inverted [m].
 
-    Each `Aspect` has height, width and length. `diameter` d and `small_diameter` d_2 are those of
-    its ends, a distance `height` apart. On its side the rim of the large end is d cos(th) high, th
-    half the angle of the cone, and the other rim reaches out by d_2 sin(th) over the side.
+    On its side the rim of the large end is d cos(th) high, th half the angle of the cone, and the
+    other rim reaches out by d_2 sin(th) over the side.
     """
     apart = np.abs(diameter - small_diameter) / 2
     side = hypot(apart, height)
@@ -113,11 +110,9 @@ def test_of(kept: Sequence[Mask]) -> Matrix:
 def turning(matrix: Matrix, turned_share: Array, turn: Array, *, failed: bool) -> Matrix:
     """Return the matrix of a device that turns a share of the parts of one aspect into another.
 
-    Rows and columns are aspects before and after, entries shares [1]. `matrix` is that of the
-    device without turning; `turn` names the aspects as two digits, 21 from aspect 2 to 1, and
-    `turned_share` is the share that turns. If `failed` is True the share is of the parts that the
-    device rejects, and the others of these fall into the bowl; else of those that pass, and the
-    others stay.
+    `turn` names the aspects as two digits, 21 from aspect 2 to 1. If `failed` is True the share is
+    of the parts that the device rejects, and the others of these fall into the bowl; else of those
+    that pass, and the others stay.
     """
     places = range(len(matrix))
     rows = [[*row] for row in matrix]
@@ -148,8 +143,8 @@ def _sum(terms: Sequence[Array]) -> Array:
 def passed(shares: Sequence[Array], matrix: Matrix) -> PassedShares:
     """Return the shares of parts that leave a line, by aspect and in all.
 
-    `shares` are those of the arriving parts that lie in each aspect, `matrix` that of all the
-    line's devices: row i holds the share of parts of aspect i that leave in each aspect.
+    `shares` are those of the arriving parts in each aspect, `matrix` that of all the line's
+    devices.
     """
     aspects = range(len(shares))
     leaving = tuple(_sum([shares[i] * matrix[i][j] for i in aspects]) for j in aspects)
@@ -170,9 +165,8 @@ def outlet_share(
 ) -> Array:
     """Return the share of a flow that an outlet of some capacity takes, min(1, c/q) [1].
 
-    `capacity` c is the most parts a minute that pass; q is what arrives at it: `arrival_rate` parts
-    a minute come to the line with the `shares` of the aspects, of which the devices before the
-    outlet (`matrix`) let a share pass.
+    c is the most parts a minute that pass, q what arrives at it after the devices before
+    (`matrix`).
     """
     return np.minimum(1.0, ratio(capacity, arrival_rate * passed(shares, matrix).total, np.inf))
 
@@ -183,10 +177,9 @@ def outlet_share(
 def devices_in_order(order: Array, count: int) -> list[Array]:
     """Return the index of the device at each position, for one of the count! possible orders.
 
-    `order` is its number: orders count from 1 as words in a dictionary do: 1 is 1, 2, 3, ...; the
-    last one goes backwards. A number between two, where a search may look, means the nearer one.
-    The digits of order - 1 in the base of factorials say how many of the devices that are left come
-    before.
+    Orders count from 1 as words in a dictionary do: 1 is 1, 2, 3, ...; the last one goes backwards.
+    A number between two, where a search may look, means the nearer one. The digits of order - 1 in
+    the base of factorials say how many of the devices that are left come before.
     """
     digits, left = [], np.rint(order) - 1
     for position in range(count - 1):
@@ -220,8 +213,8 @@ def laps_variance(*, line: PassedShares) -> Array:
 def laps_99(*, line: PassedShares) -> Array:
     """Return the number of laps within which 99 of 100 parts pass, ln 0.01/ln(1 - eta) [1].
 
-    Rejected parts go round once more. eta is the yield of the `line`, its share of parts that pass
-    in a lap. At least 1; infinite where no part passes.
+    eta is the yield: the share of parts that pass in a lap. At least 1; infinite where no part
+    passes.
     """
     some = (line.lost > 0) & (line.total > 0)
     few = some & (line.total < 0.5)  # where 1 - eta would lose what eta is
@@ -233,10 +226,7 @@ def laps_99(*, line: PassedShares) -> Array:
 
 
 def time_per_part(*, lap_time: Array, laps: Array) -> Array:
-    """Return the mean time of a part in the bowl until it passes, T/eta [s].
-
-    T is the time of a lap, 1/eta the mean number of laps.
-    """
+    """Return the mean time of a part in the bowl until it passes, T/eta [s]."""
     return lap_time * laps
 
 
@@ -258,17 +248,14 @@ def line_yield(*, line: PassedShares) -> Array:
 
 
 def line_feed_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
-    """Return the number of parts that leave the line per minute, in any aspect, q eta [min-1].
-
-    q parts a minute arrive, of which the share eta passes.
-    """
+    """Return the number of parts that leave the line per minute, in any aspect, q eta [min-1]."""
     return arrival_rate * line.total
 
 
 def return_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
     """Return the number of parts that fall back into the bowl per minute, q (1 - eta) [min-1].
 
-    q parts a minute arrive, of which the share eta passes. It is 0 where all parts pass.
+    0 where all parts pass.
     """
     return arrival_rate * line.lost
 
@@ -276,7 +263,7 @@ def return_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
 def purity(*, line: PassedShares, wanted_aspect: Array) -> Array:
     """Return the share of the leaving parts that lie in the wanted aspect [1].
 
-    `wanted_aspect` is its number, counted from 1. NaN where no part leaves.
+    NaN where no part leaves.
     """
     return _wanted(line.pure, wanted_aspect)
 
@@ -284,17 +271,13 @@ def purity(*, line: PassedShares, wanted_aspect: Array) -> Array:
 def leaving_wanted(*, line: PassedShares, wanted_aspect: Array) -> Array:
     """Return the share of the arriving parts that leave a line of devices as they are wanted [1].
 
-    `wanted_aspect` is the number of the wanted aspect, such as flat or upright, counted from 1.
+    `wanted_aspect` is the number of their aspect, from 1.
     """
     return _wanted(line.leaving, wanted_aspect)
 
 
 def oriented_feed_rate(*, arrival_rate: Array, line: PassedShares, wanted_aspect: Array) -> Array:
-    """Return the number of parts that leave in the wanted aspect per minute [min-1].
-
-    The line's feed rate times its purity: q parts a minute arrive, of which the share e* leaves as
-    wanted.
-    """
+    """Return the number of parts that leave in the wanted aspect per minute [min-1]."""
     return arrival_rate * _wanted(line.leaving, wanted_aspect)
 
 
@@ -322,8 +305,8 @@ DEVIATIONS = 1.959963984540054
 def posterior_shares(**counts: Array) -> tuple[Array, ...]:
     """Return the share of parts that come to rest in each aspect, estimated from a drop test [1].
 
-    `counts` are the parts seen in each of K aspects, n_o, N in all: the mean of Dirichlet's
-    distribution, (n_o + 1/2)/(N + K/2).
+    The mean of Dirichlet's distribution, (n_o + 1/2)/(N + K/2): n_o parts were seen in each of K
+    aspects, N in all.
     """
     total = posterior_count(**counts)
     return tuple((one + PRIOR) / total for one in counts.values())
@@ -332,8 +315,7 @@ def posterior_shares(**counts: Array) -> tuple[Array, ...]:
 def posterior_count(**counts: Array) -> Array:
     """Return the sum of the counts of a drop test's aspects with their prior, N + K/2 [1].
 
-    It is the weight of the test. `counts` has an array for each of the K aspects, with the parts
-    that came to rest in it, N in total; each aspect counts 1/2 before the test.
+    The weight of the test: N parts came to rest in K aspects, each of which counts 1/2 before it.
     """
     return _sum([one + PRIOR for one in counts.values()])
 
@@ -344,8 +326,7 @@ def yield_deviation(
     """Return the standard deviation of the yield that a drop test leaves [1].
 
     sqrt(sum p_o (v_o - eta)^2/(A + 1)): p_o are the counted shares of the aspects, v_o the shares
-    of them that pass the line, eta the yield (both in `counted_line`), and A (`drop_count`) is N +
-    K/2.
+    of them that pass, eta the yield, A = N + K/2.
     """
     total = counted_line.total
     return _deviation(counted_shares, [v - total for v in counted_line.passing], drop_count)
@@ -356,7 +337,7 @@ def tested_line_ends(
 ) -> tuple[PassedShares, PassedShares]:
     """Return the lower and the upper ends of all shares of a line after a drop test [1].
 
-    Each share has its own interval of 95 %: the quantiles of the beta distribution with its mean
+    Each share has its own interval of 95 %, the quantiles of the beta distribution with its mean
     and standard deviation, which is exactly the yield's where each aspect passes as a whole or not
     at all. That of a purity, the quotient of two such shares, is taken to first order.
     """
@@ -394,11 +375,10 @@ def _deviation(shares: Sequence[Array], off: Sequence[Array], drop_count: Array)
 def quantile(mean: Array, deviation: Array, side: int) -> Array:
     """Return an end of the 95 % interval of a beta distribution by its mean and deviation [1].
 
-    For a share known from a drop test. `deviation` is the standard deviation, `side` is -1 for the
-    lower end, 1 for the upper. With the distribution's parameters a and b, its variable x and F = b
-    x/(a (1 - x)), the quotient of F^(1/3) (1 - 1/(9 b)) - (1 - 1/(9 a)) and sqrt(F^(2/3)/(9 b) +
-    1/(9 a)) is nearly standard normal (Paulson 1942): the ends are right to 0.02 standard
-    deviations for a, b >= 1, and to 0.07 where nothing was counted.
+    `side` is -1 for the lower end, 1 for the upper. With the distribution's parameters a and b, its
+    variable x and F = b x/(a (1 - x)), the quotient of F^(1/3) (1 - 1/(9 b)) - (1 - 1/(9 a)) and
+    sqrt(F^(2/3)/(9 b) + 1/(9 a)) is nearly standard normal (Paulson 1942): the ends are right to
+    0.02 standard deviations for a, b >= 1, and to 0.07 where nothing was counted.
     """
     spread = (deviation > 0) & (mean > 0) & (mean < 1)
     m, s = np.where(spread, mean, 0.5), np.where(spread, deviation, 0.1)

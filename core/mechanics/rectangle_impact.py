@@ -113,15 +113,9 @@ def edge_action_without_friction(
 ) -> EdgeAction:
     """Return the point of a touching edge at which the resultant of the impulses at its ends acts.
 
-    Two rectangles meet along an edge without friction. The impulses L at its ends are solved
-    together: L >= 0, G L + (1 + eps) u >= 0, at each end one of both 0, with the Delassus numbers G
-    and approach velocities u (theory 1.4). The normals are parallel, so that the resultant alone
-    gives the impact.
-
-    `rectangle_contact` has the normal and the ends of the edge [m], `rectangle_masses` masses and
-    moments of inertia [kg, kg m2], `planar_motion` velocities and spins before the impact [m s-1,
-    rad s-1]. The result is the point's share of the way from the first end to the second [1], and a
-    mask of edges of which an end approaches again, which the law does not solve.
+    The impulses L at both ends of the edge are solved together: L >= 0, G L + (1 + eps) u >= 0, at
+    each end one of both 0 (theory 1.4). The normals are parallel, so that the resultant alone gives
+    the impact.
     """
     at = rectangle_contact
     u_1, u_2 = (
@@ -156,11 +150,8 @@ def edge_action_with_friction(
 ) -> EdgeAction:
     """Return the end of a touching edge that approaches faster, where the impulse then acts.
 
-    With friction an impact at one end of the edge is solved, one at both ends at once is not. The
-    result is the point's share of the way from the first end to the second, 0 or 1, and the mask
-    `unknown` of edges that approach at all (regime `simultaneous`). `rectangle_contact` has normal
-    and ends of the edge [m], `planar_motion` velocities and spins before the impact [m s-1, rad
-    s-1].
+    An impact at one end of the edge is solved, one at both ends at once is not: edges that approach
+    at all are `unknown`.
     """
     at = rectangle_contact
     u_1, u_2 = (
@@ -190,9 +181,8 @@ def contact_arms(
 ) -> Arms:
     """Return the lever arms of the contact about both centres, rho x n and rho x t [m].
 
-    rho x n and rho x t of each body: rho leads from its centre to the contact (`contact_x`,
-    `contact_y`) [m], n is the unit normal and t = (-n_y, n_x) the tangent. By them impulses turn
-    the bodies.
+    rho leads from a body's centre to the contact, n is the unit normal and t = (-n_y, n_x) the
+    tangent.
     """
     x_1, y_1 = contact_x - rectangle_1.x, contact_y - rectangle_1.y
     x_2, y_2 = contact_x - rectangle_2.x, contact_y - rectangle_2.y
@@ -210,7 +200,7 @@ def contact_arms(
 def delassus_normal(*, contact_arms: Arms, rectangle_masses: RectangleMasses) -> Array:
     """Return the Delassus number 1/m1 + 1/m2 + (rho1 x n)^2/I1 + (rho2 x n)^2/I2 [kg-1].
 
-    It is the normal velocity of the contact per normal impulse; rho x n is the arm of the normal.
+    The normal velocity of the contact per normal impulse.
     """
     mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
     of_1, of_2 = contact_arms.normal_1, contact_arms.normal_2
@@ -220,10 +210,7 @@ def delassus_normal(*, contact_arms: Arms, rectangle_masses: RectangleMasses) ->
 def delassus_coupling(*, contact_arms: Arms, rectangle_masses: RectangleMasses) -> Array:
     """Return the Delassus number (rho1 x n)(rho1 x t)/I1 + (rho2 x n)(rho2 x t)/I2 [kg-1].
 
-    G_NT = (rho1 x n)(rho1 x t)/I1 + (rho2 x n)(rho2 x t)/I2: the relative tangential velocity per
-    normal impulse, and the reverse. `contact_arms` holds the levers rho x n and rho x t of normal
-    and tangent about the centres of both bodies [m], `rectangle_masses` their moments of inertia
-    I1, I2 [kg m2].
+    The relative tangential velocity per normal impulse, and the reverse.
     """
     arms, masses = contact_arms, rectangle_masses
     return (
@@ -235,8 +222,7 @@ def delassus_coupling(*, contact_arms: Arms, rectangle_masses: RectangleMasses) 
 def delassus_tangential(*, contact_arms: Arms, rectangle_masses: RectangleMasses) -> Array:
     """Return the Delassus number 1/m1 + 1/m2 + (rho1 x t)^2/I1 + (rho2 x t)^2/I2 [kg-1].
 
-    It is the tangential velocity of the contact per tangential impulse; rho x t is the arm of the
-    tangent.
+    The tangential velocity of the contact per tangential impulse.
     """
     mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
     of_1, of_2 = contact_arms.tangential_1, contact_arms.tangential_2
@@ -252,9 +238,7 @@ def approach_normal(
 ) -> Array:
     """Return the relative normal velocity of two bodies at their contact before an impact [m s-1].
 
-    n.(v1 + w1 x rho1 - v2 - w2 x rho2), negative in approach: velocity v and spin w of each body
-    (`planar_motion`), rho from its centre to the contact, whose levers about the normal are in
-    `contact_arms` [m], and the unit normal n (`normal_x`, `normal_y`), from body 2 to body 1.
+    n.(v1 + w1 x rho1 - v2 - w2 x rho2), negative in approach.
     """
     u = planar_motion
     drift_x, drift_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2
@@ -271,9 +255,7 @@ def approach_tangential(
 ) -> Array:
     """Return the tangential velocity of the contact points before an impact [m s-1].
 
-    Of body 1 relative to body 2, t.(v1 + w1 x rho1 - v2 - w2 x rho2): velocity v and spin w of each
-    body, rho from its centre to the contact (`contact_arms`), and the tangent t = (-n_y, n_x) to
-    the normal n.
+    t.(v1 + w1 x rho1 - v2 - w2 x rho2).
     """
     u = planar_motion
     drift_x, drift_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2
@@ -287,7 +269,7 @@ def approach_tangential(
 def is_apart(*, rectangle_contact: RectangleContact, contact_tolerance: Array) -> Mask:
     """True where the gap exceeds the tolerance, or the nearest corner lies beside the face.
 
-    The tolerance is a share of the bodies' size [1].
+    The tolerance is a share of the bodies' size.
     """
     at = rectangle_contact
     return (at.gap > contact_tolerance * at.size) | (at.beside & (at.gap >= 0))
@@ -346,8 +328,7 @@ def frictionless_impulse(
 ) -> Impulse:
     """Return Newton's impulse without friction, L_N = -(1 + eps) u_N/G_NN, on body 1 [N s].
 
-    eps is the restitution, u_N the approach velocity, G_NN the Delassus number. 0 where the bodies
-    are apart, NaN where they overlap or the impact has no single impulse.
+    0 where the bodies are apart, NaN where they overlap or the impact has no single impulse.
     """
     normal = impact.frictionless(G_NN=delassus_normal, u_N=approach_normal, restitution=restitution)
     impulse = Impulse(normal, np.zeros_like(normal), np.zeros(normal.shape, dtype=np.bool_))
@@ -370,9 +351,7 @@ def impulse_with_friction(
 ) -> Impulse:
     """Return the impulse on body 1 by a `law` of impact with friction [N s].
 
-    The Delassus numbers `delassus_*` are velocities per impulse [kg-1], the `approach_*` relative
-    velocities before [m s-1]. 0 where the bodies are apart, NaN where they overlap or the impact
-    has no single impulse.
+    0 where the bodies are apart, NaN where they overlap or the impact has no single impulse.
     """
     impulse = law(
         G_NN=delassus_normal,
@@ -400,10 +379,7 @@ def motion_after(
 ) -> BodyVelocities:
     """Return the velocities and spins of both bodies after an impact [m s-1, rad s-1].
 
-    v + L/m and w + (rho x L)/I for body 1, with a minus for body 2: v and w are velocity and spin
-    before (`planar_motion`), L is the impulse on body 1 with normal and tangential part [N s], rho
-    (`contact_arms` [m]) leads from the body's centre to the contact, m and I are mass and moment of
-    inertia [kg, kg m2]. (`normal_x`, `normal_y`) is the unit normal.
+    v + L/m and w + (rho x L)/I for body 1, with a minus for body 2; L is the impulse on body 1.
     """
     L_N, L_T, arms = planar_impulse.normal, planar_impulse.tangential, contact_arms
     L_x, L_y = normal_x * L_N - normal_y * L_T, normal_y * L_N + normal_x * L_T
@@ -440,8 +416,7 @@ def energy_lost(
 ) -> Array:
     """Return the kinetic energy that the impact loses, -L.(u + u')/2 [J].
 
-    L is the impulse on body 1, normal and tangential [N s], u (`approach_*`) and u'
-    (`separation_*`) the relative velocity at the contact before and after [m s-1].
+    L is the impulse on body 1, u and u' the relative velocity at the contact before and after.
     """
     return (
         -(
@@ -459,10 +434,7 @@ def momentum_residual(
     planar_motion_after: BodyVelocities,
     rectangle_masses: RectangleMasses,
 ) -> Array:
-    """Return the change of the total linear momentum, x (`axis` 0) or y (1) [N s].
-
-    A check: `planar_motion` is the motion of both bodies before, `planar_motion_after` after it.
-    """
+    """Return the change of the total linear momentum, x (`axis` 0) or y (1) [N s]."""
     before, after, masses = planar_motion, planar_motion_after, rectangle_masses
     change_1 = after[axis] - before[axis]
     change_2 = after[axis + 3] - before[axis + 3]
@@ -479,10 +451,7 @@ def angular_momentum_residual(
 ) -> Array:
     """Return the change of the total angular momentum about the origin by the impact [kg m2 s-1].
 
-    Without an outer impulse it is 0 but for rounding: a check of the solution. `rectangle_1` and
-    `rectangle_2` have the places of the centres [m], `planar_motion` and `planar_motion_after`
-    velocities and spins before and after [m s-1, rad s-1], `rectangle_masses` masses and moments of
-    inertia [kg, kg m2].
+    Without an outer impulse it is 0 but for rounding: a check of the solution.
     """
     body_1, body_2, masses = rectangle_1, rectangle_2, rectangle_masses
     change = BodyVelocities(

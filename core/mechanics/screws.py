@@ -69,11 +69,10 @@ class ScrewReduction:
 def reduce_screw(resultant: Array, moment: Array) -> ScrewReduction:
     """Return pitch S.S0/S^2 and axis S x S0/S^2 of a screw, (2.9), (4.1).
 
-    `resultant` is S, `moment` is S0 about the reference point, shape (..., 3). Both halves are
-    scaled by powers of two first, so that no square leaves the range of floats; a result beyond
-    that range is infinite. The source prints the axis of a wrench with the opposite sign, (4.3),
-    (4.5), (4.6): the vector from the axis to the point, which contradicts (2.9) and does not give
-    back M in (4.7).
+    `resultant` is S, `moment` is S0 about the reference point, shape (..., 3). Both are scaled by
+    powers of two first, so that no square leaves the range of floats; a result beyond that range is
+    infinite. The source prints the axis of a wrench with the opposite sign, (4.3), (4.5), (4.6),
+    which contradicts (2.9) and does not give back M in (4.7).
     """
     F, M = np.broadcast_arrays(
         np.asarray(resultant, dtype=np.float64), np.asarray(moment, dtype=np.float64)
@@ -106,20 +105,14 @@ def rolling_drive(
 def axial_drive(
     *, vibration_acceleration: Array, alpha: Array, beta: Array, axis_yaw: Array
 ) -> Array:
-    """Return the drive's peak along sigma, D_sigma = P cos(beta) cos(alpha + theta) [m s-2].
-
-    sigma is the direction of the cylinder's axis, at the yaw theta (`axis_yaw`).
-    """
+    """Return the drive's peak along sigma, D_sigma = P cos(beta) cos(alpha + theta) [m s-2]."""
     return vibration_acceleration * cosine(beta) * cosine(alpha + axis_yaw)
 
 
 def axial_friction_acceleration(
     *, axial_drive: Array, diameter: Array, spin_rate: Array, yaw_rate: Array
 ) -> Array:
-    """Return the friction per mass along the axis, D_sigma - r phi' theta', (4.16) [m s-2].
-
-    D_sigma is the drive along the axis, r the radius, phi' the spin rate and theta' the yaw rate.
-    """
+    """Return the friction per mass along the axis, D_sigma - r phi' theta', (4.16) [m s-2]."""
     return axial_drive - diameter / 2 * spin_rate * yaw_rate
 
 
@@ -143,7 +136,7 @@ def yaw_acceleration(
 ) -> Array:
     """Return the yaw acceleration, M_z/I1 with I1 = m (3 r^2 + L^2)/12; 0 in (4.18) [rad s-2].
 
-    M_z is the drilling moment of the floor, r and L radius and length.
+    M_z is the drilling moment of the floor.
     """
     return 12 * drilling_moment / (mass * (0.75 * np.square(diameter) + np.square(length)))
 
@@ -151,9 +144,8 @@ def yaw_acceleration(
 def printed_yaw_rate(*, axial_drive: Array, diameter: Array, spin_rate: Array) -> Array:
     """Return the yaw rate as printed, theta' = 4 D_sigma/(3 d phi'), (4.20) [rad s-1].
 
-    D_sigma is the drive along the axis, phi' the spin rate. It follows only if the floor's
-    resultant is held at mid-length. Without spin it has no value, as at every start from rest, and
-    its time derivative contradicts (4.18).
+    It follows only if the floor's resultant is held at mid-length. Without spin it has no value, as
+    at every start from rest, and its time derivative contradicts (4.18).
     """
     with np.errstate(over="ignore"):
         return ratio(4 * axial_drive, 3 * diameter * spin_rate, np.nan)
@@ -169,9 +161,8 @@ def pressure_offset_axial(
 ) -> Array:
     """Return the shift of the floor's normal force, r (D_sigma - (3/2) r phi' theta')/n0 [m].
 
-    D_sigma is the drive along the axis, r the radius, phi' the spin rate, theta' the yaw rate, n0
-    the normal force per mass. Friction along the axis tilts the cylinder and the yaw of its spin
-    resists; the floor balances both. The source leaves it out. NaN in flight.
+    Friction along the axis tilts the cylinder and the yaw of its spin resists; the floor balances
+    both. The source leaves it out. NaN in flight.
     """
     tilting = axial_drive - 0.75 * diameter * spin_rate * yaw_rate
     return diameter / 2 * over_load(tilting, normal_acceleration, np.nan)
@@ -182,8 +173,8 @@ def required_friction(
 ) -> Array:
     """Return the least static friction with which the cylinder rolls, hypot(F_eta, F_sigma)/N [1].
 
-    F_eta and F_sigma are the friction forces in rolling direction and along the axis, N the floor's
-    force; infinite in flight.
+    F_eta and F_sigma are the friction forces in rolling direction and along the axis; infinite in
+    flight.
     """
     friction = hypot(rolling_drive / 3, axial_friction_acceleration)
     return over_load(friction, normal_acceleration, np.inf)
@@ -199,8 +190,7 @@ def cone_margin(
 ) -> Array:
     """Return the margin of static friction, mu_s N - hypot(F_eta, F_sigma) [N].
 
-    F_eta and F_sigma are the friction forces in rolling direction and along the axis, N the floor's
-    force; below 0 the cylinder slips.
+    F_eta and F_sigma are as of `required_friction`; below 0 the cylinder slips.
     """
     friction = hypot(rolling_drive / 3, axial_friction_acceleration)
     return mass * (friction_static * normal_acceleration - friction)
@@ -219,9 +209,8 @@ def floor_wrench(
 ) -> Wrench:
     """Return the wrench of the floor about the centre, in the axes n, eta, sigma [N, N m].
 
-    The force is (N, -F_eta, -F_sigma): floor force N, friction F_eta in rolling direction and
-    F_sigma along the axis. The moment is (M_z, -I3 theta' phi', r F_eta): drilling moment M_z, then
-    what turns the spin phi' with the yaw rate theta', I3 = m r^2/2.
+    The force is (N, -F_eta, -F_sigma), the moment (M_z, -I3 theta' phi', r F_eta): drilling moment
+    M_z, then what turns the spin phi' with the yaw rate theta', I3 = m r^2/2.
     """
     force = vector(floor_force, -rolling_friction, -axial_friction)
     precession = _turning_of_spin(mass, diameter, spin_rate, yaw_rate)
@@ -240,9 +229,8 @@ def force_wrench(
 ) -> Wrench:
     """Return the wrench of drive, gravity and floor together about the centre, (4.12), (4.13).
 
-    Of a cylinder that rolls and yaws on a level floor. In the axes n, eta, sigma [N, N m]; drive
-    and gravity act at the centre. What (4.15) to (4.17) cancel is left out instead of subtracted:
-    along n nothing remains, along sigma m r phi' theta', with spin rate phi' and yaw rate theta'.
+    In the axes n, eta, sigma; drive and gravity act at the centre. What (4.15) to (4.17) cancel is
+    left out instead of subtracted: along n nothing remains, along sigma m r phi' theta'.
     """
     turning = mass * (diameter / 2) * spin_rate * yaw_rate
     force = vector(np.zeros(()), mass * rolling_drive * (2 / 3), turning)
@@ -275,9 +263,8 @@ def slips(
 ) -> Mask:
     """True where a rolling and yawing cylinder needs more friction than there is.
 
-    hypot(F_eta, F_sigma) > mu_s N, with the friction forces in rolling direction (`rolling_drive`,
-    of which a solid cylinder needs a third) and along the axis, and the floor's force N, all per
-    mass [m s-2].
+    hypot(F_eta, F_sigma) > mu_s N; in rolling direction a solid cylinder needs a third of the
+    drive.
     """
     return ~is_rolling(
         in_plane_drive_x=axial_friction_acceleration,

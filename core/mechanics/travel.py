@@ -56,10 +56,8 @@ def transport_velocity(
 ) -> Array:
     """Return the speed after a distance x, (3.18) with a starting speed v0 [m s-1].
 
-    The drive is taken to stay at its peak; no mean over a period. v^2 = v0^2 exp(-s) + 2 K x
-    phi(s), with s = 2 mu x/R, phi(s) = (1 - exp(-s))/s, the starting speed v0 (`speed` [m s-1]),
-    the acceleration K at zero speed [m s-2], the friction coefficient mu and the bowl's radius R
-    [m]. 0 where the part does not start, or stops before.
+    v^2 = v0^2 exp(-s) + 2 K x phi(s), with s = 2 mu x/R, phi(s) = (1 - exp(-s))/s; 0 where the part
+    does not start, or stops before.
     """
     carried, gained = _speeds(starting_acceleration, friction_kinetic, radius, distance, speed)
     from_rest, grows = carried == 0, starting_acceleration > 0  # from rest one root is enough
@@ -112,12 +110,9 @@ def travel_time(
 ) -> Array:
     """Return the time in which a part covers a distance x [s]; infinite if it does not get there.
 
-    Under the drive at its peak, with friction mu, radius R of the bowl's wall [m], the acceleration
-    K at zero speed [m s-2], and the speeds v0 at the start (`speed`) and v at the end
-    (`transport_velocity`) [m s-1]. With s = 2 mu x/R, phi(s) = (1 - exp(-s))/s, k^2 = mu |K|/R and
-    q = 2 x phi(s)/(v + v0 exp(-s)), the time is atanh(k q)/k for K > 0, atan(k q)/k for K < 0, q
-    for K = 0. It is also twice the same of p = x phi(s/2)/(v + v0 exp(-s/2)), which is a series for
-    s up to `SHORT_WAY`.
+    With s = 2 mu x/R, phi(s) = (1 - exp(-s))/s, k^2 = mu |K|/R and q = 2 x phi(s)/(v + v0 exp(-s)),
+    v the speed at the end, it is atanh(k q)/k for K > 0, atan(k q)/k for K < 0, q for K = 0; also
+    twice the same of p = x phi(s/2)/(v + v0 exp(-s/2)), which is a series for s up to `SHORT_WAY`.
     """
     K, v, v0 = starting_acceleration, transport_velocity, speed
     s = _damping(friction_kinetic, radius, distance)
@@ -177,9 +172,8 @@ def mean_velocity(
 ) -> Array:
     """Return the distance over the travel time [m s-1]; 0 where the part does not get there.
 
-    The drive is taken to stay at its peak. Where the part gets there, but in a time beyond the
-    range of floats, the mean is computed from the speeds at start and end (`speed`,
-    `transport_velocity` [m s-1]), kinetic friction [1] and the bowl's radius [m] instead.
+    Where the part gets there, but in a time beyond the range of floats, the mean is computed from
+    the speeds at start and end instead.
     """
     s = _damping(friction_kinetic, radius, distance)
     creeping = (transport_velocity + speed * np.exp(-s)) / (2 * expm1_quotient(s))
@@ -198,10 +192,8 @@ def stopping_distance(
 ) -> Array:
     """Return the stopping distance, R/(2 mu) log1p(mu v0^2/(|K| R)); infinite without stop [m].
 
-    Under the drive at its peak: R/(2 mu) log1p(y^2), y = v0 sqrt(mu/(|K| R)), with starting speed
-    v0 (`speed` [m s-1]), acceleration K at zero speed [m s-2] (K < 0 brakes), friction mu and
-    radius R of the bowl's wall [m]. For y below 1 it is written as v0^2/(2 |K|) log1p(y^2)/y^2,
-    else the logarithm is taken of y: v0/|K| may be too large for a float where the distance is not.
+    With y = v0 sqrt(mu/(|K| R)); for y below 1 it is written as v0^2/(2 |K|) log1p(y^2)/y^2, else
+    the logarithm is taken of y: v0/|K| may be too large for a float where the distance is not.
     """
     K = starting_acceleration
     y = _speed_ratio(K, friction_kinetic, radius, speed)
@@ -222,10 +214,8 @@ def stopping_time(
 ) -> Array:
     """Return the stopping time, sqrt(R/(|K| mu)) atan(v0 sqrt(mu/(|K| R))); infinite if none [s].
 
-    Under the drive at its peak, with starting speed v0 (`speed` [m s-1]), acceleration K at zero
-    speed (`starting_acceleration` [m s-2], K < 0 brakes), friction mu and radius R of the bowl's
-    wall [m]: sqrt(R/(|K| mu)) atan(y), y = v0 sqrt(mu/(|K| R)). Below y = 1 it is written as v0/|K|
-    atan(y)/y, which holds for mu = 0, too.
+    Below y = v0 sqrt(mu/(|K| R)) = 1 it is written as v0/|K| atan(y)/y, which holds for mu = 0,
+    too.
     """
     K = starting_acceleration
     y = _speed_ratio(K, friction_kinetic, radius, speed)
@@ -251,10 +241,7 @@ def velocity_at_time(
 ) -> Array:
     """Return the speed at a time t, (v0 + K t T)/(1 + mu v0 t T/R) [m s-1]; 0 after the stop.
 
-    Under the drive at its peak: (v0 + K t T)/(1 + mu v0 t T/R), T = tanh(u)/u for K > 0, tan(u)/u
-    for K < 0, u = t sqrt(mu |K|/R), with starting speed v0 (`speed` [m s-1]), acceleration K at
-    zero speed [m s-2], friction mu and radius R of the bowl's wall [m]. `stopping_time` [s] is that
-    of the same motion.
+    T = tanh(u)/u for K > 0, tan(u)/u for K < 0, u = t sqrt(mu |K|/R).
     """
     K, v0 = starting_acceleration, speed
     moving = (time < stopping_time) | (time == 0)
@@ -277,11 +264,9 @@ def distance_at_time(
 ) -> Array:
     """Return the distance that a part has covered at a time t [m]; that of its stop afterwards.
 
-    Under the drive at its peak. exp(mu x/R) is cosh u + y0 sinh u (K > 0) or cos u + y0 sin u (K <
-    0), with u = t sqrt(mu |K|/R) and y0 = v0/sqrt(|K| R/mu): starting speed v0 (`speed` [m s-1]),
-    acceleration K at zero speed [m s-2], friction mu, radius R of the bowl's wall [m]. It is
-    written as one log1p whose argument has mu/R as a factor, so that R/mu cancels. `stopping_time`
-    [s] and `stopping_distance` [m] are those of the same motion.
+    exp(mu x/R) is cosh u + y0 sinh u (K > 0) or cos u + y0 sin u (K < 0), u = t sqrt(mu |K|/R), y0
+    = v0/sqrt(|K| R/mu). It is written as one log1p whose argument has mu/R as a factor, so that
+    R/mu cancels.
     """
     K, v0 = starting_acceleration, speed
     moving = (time < stopping_time) | (time == 0)
@@ -320,10 +305,9 @@ def distance_bound(
 ) -> Array:
     """Return the distance after which a part from rest would be faster than the track [m].
 
-    Beyond it the velocity law (3.18) describes nothing real. x_max = -R/(2 mu) log1p(-mu v_b^2/(K
-    R)): there the law reaches `velocity_bound` v_b [m s-1], with the acceleration K at zero speed
-    [m s-2], friction mu and radius R of the bowl's wall [m]. Infinite where the terminal velocity
-    is below v_b, or the part does not start.
+    Beyond it the law (3.18) describes nothing real: x_max = -R/(2 mu) log1p(-mu v_b^2/(K R)), with
+    the largest speed v_b of the track. Infinite where the terminal velocity is below v_b, or the
+    part does not start.
     """
     K = starting_acceleration
     starts = K > 0

@@ -19,8 +19,7 @@ def natural_frequency(
     """Return the undamped natural frequency of trough against base on the leaf springs [Hz].
 
     The higher root of m1 m2 w^4 - (k (m1 + m2) + k_f m1) w^2 + k k_f = 0, with the stiffness k of
-    the leaves and k_f of the feet, m1 of the loaded trough, m2 of the base; with free feet w^2 = k
-    (m1 + m2)/(m1 m2).
+    the leaves and k_f of the feet, m1 of the loaded trough, m2 of the base.
     """
     upper, _ = _squares(spring_stiffness, foot_stiffness, loaded_mass, base_mass)
     return np.sqrt(upper) / (2 * np.pi)
@@ -31,8 +30,7 @@ def foot_frequency(
 ) -> Array:
     """Return the natural frequency of the whole unit on its feet; 0 with free feet [Hz].
 
-    The lower root of m1 m2 w^4 - (k (m1 + m2) + k_f m1) w^2 + k k_f = 0, with the stiffness k of
-    the leaves and k_f of the feet, m1 of the loaded trough, m2 of the base.
+    The lower root, as of `natural_frequency`.
     """
     _, lower = _squares(spring_stiffness, foot_stiffness, loaded_mass, base_mass)
     return np.sqrt(lower) / (2 * np.pi)
@@ -56,12 +54,11 @@ def stroke_response(
 ) -> tuple[Array, Array, Array, Array]:  # fmt: skip
     """Return stroke between trough and base (real, imaginary), and the amplitudes of both [m].
 
-    The amplitudes are X1 of the trough and X2 of the base. Force and stroke are the real parts of F
-    e^(iwt) and s e^(iwt), with F = `drive_force` [N] and w = `circular_frequency`. With Z = k + i w
-    c of the springs, Z_f = k_f + i w c_f of the feet, a = m1 w^2 - i w c_l of the loaded trough and
-    of the damper from it to the ground, b = m2 w^2, P = Z_f - b, Q = P - a: s = F Q/D, X1 = F P/D,
-    X2 = F a/D, D = Z Q - a P. Im(s) = -F w (c |Q|^2 + c_l |P|^2 + c_f |a|^2)/|D|^2, a sum of what
-    the dampers take: the power keeps its digits however little that is.
+    Force and stroke are the real parts of F e^(iwt) and s e^(iwt). With Z = k + i w c of the
+    springs, Z_f = k_f + i w c_f of the feet, a = m1 w^2 - i w c_l of the loaded trough and of the
+    damper from it to the ground, b = m2 w^2, P = Z_f - b, Q = P - a: s = F Q/D, X1 = F P/D, X2 = F
+    a/D, D = Z Q - a P. Im(s) = -F w (c |Q|^2 + c_l |P|^2 + c_f |a|^2)/|D|^2, a sum of what the
+    dampers take: the power keeps its digits however little that is.
     """
     w = circular_frequency
     a_real, a_imag = loaded_mass * w * w, -w * load_damping
@@ -89,10 +86,7 @@ def track_harmonic(
 ) -> tuple[Array, Array]:  # fmt: skip
     """Return sine and cosine part of the second harmonic of a linear unit's track, over the first.
 
-    The displacement is A (sin(tau) + s sin(2 tau) + c cos(2 tau)): the result is s and c [1], with
-    which a part is driven by a magnet on a half wave. `force_harmonic` is the second harmonic of
-    its force over the first [1]; the others are those of the unit in SI units: springs and feet
-    with their dampers, loaded trough and base (theory 15.5).
+    As of `drive_unit.second_over_first` (theory 15.5).
     """
     springs = (spring_stiffness, damping, foot_stiffness, foot_damping)
     masses = (loaded_mass, load_damping, base_mass)
@@ -121,7 +115,7 @@ def floor_force(
 ) -> Array:  # fmt: skip
     """Return the amplitude of the force of the feet on the floor, |k_f + i w c_f| X2 [N].
 
-    X2, the amplitude of the base, is the fourth entry of `stroke_response` [m].
+    X2, the amplitude of the base, is the fourth entry of `stroke_response`.
     """
     return hypot(foot_stiffness, circular_frequency * foot_damping) * stroke_response[3]
 
@@ -140,11 +134,9 @@ def turning_mass(
 ) -> Array:  # fmt: skip
     """Return the mass that the stroke of the empty unit moves, m_r - m_r^2 (d x e)^2/I_t [kg].
 
-    m_r - m_r^2 (d x e)^2/I_t = m_r (I1 + I2 + m_r (d.e)^2)/I_t, with m_r = m1 m2/(m1 + m2) of
-    trough (1) and base (2), from which the natural frequency follows. d (`offset_along`,
-    `offset_upward`, [m]) leads from the base's mass centre to the trough's, e is the unit vector
-    along the stroke at `spring_angle` [rad]; I_t = I1 + I2 + m_r d^2 with the moments of inertia
-    [kg m2] (theory 15.2).
+    m_r (I1 + I2 + m_r (d.e)^2)/I_t, m_r = m1 m2/(m1 + m2) of trough and base: d leads from the
+    base's mass centre to the trough's, e is the unit vector along the stroke; I_t = I1 + I2 + m_r
+    d^2. A load is taken at the trough's mass centre (theory 15.2).
     """
     m_r = moving_mass * (base_mass / (moving_mass + base_mass))
     _, inertia = _arm(m_r, moving_inertia, base_inertia, offset_along, offset_upward, spring_angle)
@@ -172,9 +164,7 @@ def turning_response(
 ) -> tuple[Array, Array]:  # fmt: skip
     """Return real and imaginary part of the stroke, s = F/(k - m w^2 + i w c) [m].
 
-    s in s e^(iwt) for the force F cos(wt): s = F/(k - m w^2 + i w c), with F the `drive_force` [N],
-    k and c stiffness and damping of the leaves [N m-1, N s m-1], m the mass that the stroke moves
-    (`turning_mass` [kg]), w the circular frequency [rad s-1] (theory 15.2).
+    s in s e^(iwt) for the force F cos(wt), m the mass that the stroke moves (theory 15.2).
     """
     w = circular_frequency
     real, imag = spring_stiffness - turning_mass * w * w, w * damping
@@ -189,10 +179,8 @@ def turning_harmonic(
 ) -> tuple[Array, Array]:  # fmt: skip
     """Return sine and cosine part, at 2 tau, of the track's second harmonic over its first [1].
 
-    tau is the phase in which the first harmonic of the displacement is A sin(tau), `force_harmonic`
-    the second harmonic of the magnet's force over its first. Both harmonics move a spot of the
-    trough along one line: on a free base the turn goes with the stroke. `turning_mass` is the mass
-    that the stroke moves [kg].
+    As of `drive_unit.second_over_first`. Both harmonics move a spot of the trough along one line:
+    on a free base the turn goes with the stroke.
     """
     at = [
         turning_response(
@@ -210,10 +198,7 @@ def trough_turn(
 ) -> Array:  # fmt: skip
     """Return the amplitude of the trough's turning, up in front, -(m_r/I_t) (d x e) s [rad].
 
-    Positive up in front: -(m_r/I_t) (d x e) s, with the `stroke` s [m] along the unit vector e at
-    `spring_angle` [rad], m_r = m1 m2/(m1 + m2) of loaded trough and base [kg], d (`offset_along`,
-    `offset_upward`, [m]) from the base's mass centre to the trough's, and I_t = I1 + I2 + m_r d^2
-    [kg m2] (theory 15.2).
+    Symbols as of `turning_mass` (theory 15.2).
     """
     m_r = loaded_mass * (base_mass / (loaded_mass + base_mass))
     arm, inertia = _arm(
@@ -229,11 +214,9 @@ def turning_track(
 ) -> tuple[Array, Array]:  # fmt: skip
     """Return the amplitudes of a spot of a turning trough along the floor and upward, signed [m].
 
-    (m2/M) (s e + phi k x d) + phi k x b, with the mass m2 of the base and M of both [kg], the
-    `stroke` s [m] along e at the angle `spring_angle` [rad], and the trough's turning phi [rad],
-    positive up in front; k is the unit vector to the left, about which it turns. The `offset` d
-    leads from the base's mass centre to the trough's, the `spot` b from the trough's mass centre to
-    the spot, both [m] (theory 15.2).
+    (m2/M) (s e + phi k x d) + phi k x b, with the mass m2 of the base and M of both and the turning
+    phi; k is the unit vector to the left, d leads from the base's mass centre to the trough's, b
+    from there to the spot (theory 15.2).
     """
     share, phi = base_mass / (loaded_mass + base_mass), trough_turn
     along = share * (stroke * cosine(spring_angle) - phi * offset_upward) - phi * spot_upward
@@ -291,8 +274,7 @@ LIMITS = (
 def tuning(*outputs: str) -> tuple[Condition, ...]:
     """Return the conditions for a drive unit at resonance, tuned stiff or tuned soft.
 
-    A unit is tuned stiff if its natural frequency is above that of the drive. The regime is looked
-    at if a study asks for a stroke or one of the given `outputs`.
+    The regime is looked at if a study asks for a stroke or one of the given `outputs`.
     """
     concerned = STROKES | frozenset(outputs)
     return (

@@ -157,22 +157,8 @@ def rectangle_printed_gap_tangential_acceleration(
 ) -> Array:
     """Return the acceleration of slip as printed in (3.6b), with +mu: 2 mu n too large [m s-2].
 
-    It is that of the touching corner. The source prints +mu, which makes it 2 mu n too large, and
-    knows slip to the right only; to the left its mirror image is taken. It is 0 if the corner
+    The source knows slip to the right only; to the left its mirror image is taken. 0 if the corner
     sticks.
-
-    Parameters
-    ----------
-    contact_case : ndarray
-        Number of what the contact does: separates, sticks, slides.
-    slip_direction : ndarray
-        1 to the right, -1 to the left.
-    floor_acceleration, free_tangential_acceleration : ndarray
-        Normal force per mass, n, and the acceleration of the corner without contact force [m/s2].
-    diagonal_direction : tuple of ndarray
-        Sine and cosine of the angle between the line from corner to centre and the plane.
-    friction_kinetic : ndarray
-        The friction coefficient.
     """
     s, c = diagonal_direction
     sigma_mu = slip_direction * friction_kinetic
@@ -241,22 +227,8 @@ def cylinder_printed_gap_tangential_acceleration(
 ) -> Array:
     """Return the acceleration of slip as printed in (3.33b), with +mu and cos^2 [m s-2].
 
-    It is that of the touching corner. The source prints +mu and cos^2 where -mu and sin^2 are
-    right, and knows slip to the right only; to the left its mirror image is taken. It is 0 if the
-    corner sticks.
-
-    Parameters
-    ----------
-    contact_case : ndarray
-        Number of what the contact does: separates, sticks, slides.
-    slip_direction : ndarray
-        1 to the right, -1 to the left.
-    floor_acceleration, free_tangential_acceleration : ndarray
-        Normal force per mass, and the acceleration of the corner without contact force [m/s2].
-    inertia_ratio, friction_kinetic : ndarray
-        m rho^2/I with the distance rho from corner to centre, and the friction coefficient.
-    diagonal_direction : tuple of ndarray
-        Sine and cosine of the angle of that line to the plane.
+    The source prints +mu and cos^2 where -mu and sin^2 are right, and knows slip to the right only;
+    to the left its mirror image is taken. 0 if the corner sticks.
     """
     s, c = diagonal_direction
     sigma_mu = slip_direction * friction_kinetic

@@ -172,8 +172,7 @@ def _pick(pick: list[Any], values: list[Array]) -> Array:
 def end_of(name: str, function: Function, upper: bool, says: str) -> Equation:
     """Return the equation of the lesser or the larger value at both ends of a line's shares.
 
-    `function` gives the output `name` from a `line`; `upper` is True for the larger one; `says`
-    describes the output in words, with its unit.
+    `function` gives the output `name` from a `line`; `says` describes it, with its unit.
     """
 
     def value(*, line_ends: tuple[PassedShares, PassedShares], **values: Any) -> Array:
@@ -238,8 +237,8 @@ def numbers_of(shape: str) -> tuple[str, ...]:
 def passed_shares_of(shape: str) -> tuple[Equation, ...]:
     """Return the equations for the shares of parts that pass, by aspect, the way in which one lies.
 
-    For each aspect of a `shape` (a key of `ASPECTS`) they give the share by a drop test, the share
-    of the parts arriving in it that passes the line, and the share of all that leaves so.
+    The share by a drop test, that of the parts arriving in the aspect that passes, and that of all
+    that leaves so.
     """
     return tuple(
         field_of(bundle, path, f"{gives}_{name}", says.format(WORDS[name]), LINE)
@@ -273,7 +272,7 @@ def equations(shape: str) -> tuple[Equation, ...]:
 def any_line(shape: str) -> tuple[Equation, ...]:
     """Return the equations of an orienting line with devices of all kinds at all places.
 
-    They serve to list the parameters that a study of parts of this shape may give.
+    They serve to list the parameters that a study may give.
     """
     every = tuple(Device(place, numbers_of(shape)) for place in POSITIONS)
     names = (name for device in every for name in device.inputs)

@@ -29,10 +29,7 @@ def lane_pitch(*, length: Array, part_gap: Array) -> Array:
 
 
 def throughput_limit(*, row_velocity: Array, lane_pitch: Array) -> Array:
-    """Return the most parts a minute that a lane conveys, 60 v/l [min-1].
-
-    v is the velocity of the row, l the distance from part to part of a closed row (`lane_pitch`).
-    """
+    """Return the most parts a minute that a lane conveys, 60 v/l [min-1]."""
     return MINUTE * row_velocity / lane_pitch
 
 
@@ -54,8 +51,7 @@ def part_spacing(*, row_velocity: Array, throughput: Array) -> Array:
 def queue_velocity(*, inflow: Array, row_velocity: Array, lane_pitch: Array) -> Array:
     """Return the velocity with which the tail of a queue moves back, q l v/(v - q l) [m s-1].
 
-    The queue stands in front of a closed end; q is the inflow in parts a second, l the distance
-    from part to part of a closed row (`lane_pitch`), v the velocity of the row. Infinite where the
+    The queue stands in front of a closed end; q is the inflow in parts a second. Infinite where the
     inflow is all that the lane takes, NaN where it is more.
     """
     flow = inflow / MINUTE * lane_pitch
@@ -66,8 +62,7 @@ def queue_velocity(*, inflow: Array, row_velocity: Array, lane_pitch: Array) -> 
 def fill_time(*, lane_length: Array, lane_pitch: Array, inflow: Array) -> Array:
     """Return the time until a lane with a closed end is full, L/(l q), whatever the velocity [s].
 
-    L is the length of the lane, l the distance from part to part of a closed row, q the inflow in
-    parts a second.
+    L is the length of the lane, l the pitch of a closed row, q the inflow in parts a second.
     """
     return ratio(MINUTE * lane_length, lane_pitch * inflow, np.inf)
 
@@ -82,8 +77,7 @@ def escapement_rate(
 ) -> Array:
     """Return the parts a minute of an escapement, 60/(t_c + max(t_o, l/v)): one a stroke [min-1].
 
-    It is closed for t_c and open for t_o [s], and stays open at least until a part of the pitch l
-    has passed at the velocity v.
+    It stays open at least until a part of the pitch l has passed at the velocity v.
     """
     return MINUTE / (closed_time + np.maximum(open_time, lane_pitch / row_velocity))
 
@@ -94,9 +88,8 @@ def escapement_rate(
 def mean_platoons(*, parts: Array) -> Array:
     """Return the mean number of platoons of n parts with random friction, 1 + 1/2 + ... + 1/n [1].
 
-    n is `parts`. Platoons are parts that stay together. It holds where parts slip one way only,
-    whatever the distribution of friction: the faces of the convex minorant of a random walk (Sparre
-    Andersen).
+    Platoons are parts that stay together. It holds where parts slip one way only, whatever the
+    distribution of friction: the faces of the convex minorant of a random walk (Sparre Andersen).
     """
     total = np.zeros_like(parts)
     for k in range(1, MAX_PARTS + 1):
@@ -152,9 +145,9 @@ def held_line_force(
 ) -> Array:
     """Return the front force C of a row that sticks in a bend, (q R/mu)(exp(mu s/R) - 1) [N].
 
-    C = (q R/mu)(exp(mu s/R) - 1), with the push q per length (`line_push` [N m-1]), radius R [m]
-    and length s [m] of the bend, and friction mu of its wall: dC/ds = q + mu C/R, since the track
-    slips forward under the row, and the wall's friction pushes with it (theory 17.5).
+    dC/ds = q + mu C/R, since the track slips forward under the row, and the wall's friction pushes
+    with it: push q per length, radius R and length s of the bend, friction mu of its wall (theory
+    17.5).
     """
     return (
         line_push * bend_radius / bend_friction
@@ -167,9 +160,8 @@ def sliding_line_force(
 ) -> Array:
     """Return the front force C of a row that slides in a bend, (q R/mu)(1 - exp(-mu s/R)) [N].
 
-    q (`line_push`) is the push per length [N m-1]; R, mu and s are the bend's radius [m], the
-    friction of its wall [1] and its length [m]. With the force C, dC/ds = q - mu C/R: C tends to q
-    R/mu, as the pressure of grain in a silo does.
+    dC/ds = q - mu C/R, symbols as of `held_line_force`: C tends to q R/mu, as the pressure of grain
+    in a silo does.
     """
     return (
         -line_push * bend_radius / bend_friction
@@ -208,12 +200,11 @@ def two_level_hold(
 ) -> tuple[Array, Array, Array]:  # fmt: skip
     """Return time without contact [s], impact velocity [m s-1] and period [s] of a row at a stop.
 
-    The stop is at rest in space. The track accelerates forward with a_s for t_s = T a_m/(a_s +
-    a_m), to the velocity V = a_s t_s/2, and back with a_m, to 0 in t_h = V/a_m; T is the period.
-    The row leaves the stop as the track runs back, has the track's velocity -mu g t after t = (V +
-    a_s t_h)/(a_s + mu g), is carried, and strikes the stop after s = (mu g t + sqrt((mu g t)^2 +
-    a_s mu g t^2))/a_s more, with V_i = a_s s - mu g t. The first result is t + s, the second V_i
-    (theory 17.5).
+    The track accelerates forward with a_s for t_s = T a_m/(a_s + a_m), to V = a_s t_s/2, and back
+    with a_m, to 0 in t_h = V/a_m. The row leaves the stop as the track runs back, has the track's
+    velocity -mu g t after t = (V + a_s t_h)/(a_s + mu g), is carried, and strikes the stop after s
+    = (mu g t + sqrt((mu g t)^2 + a_s mu g t^2))/a_s more, with V_i = a_s s - mu g t. The first
+    result is t + s, the second V_i (theory 17.5).
     """
     period = 1.0 / frequency
     a_s, a_m, brake = forward_acceleration, return_acceleration, friction_kinetic * gravity
@@ -230,18 +221,14 @@ def two_level_force(
 ) -> Array:  # fmt: skip
     """Return the mean force on the stop, M (mu g (T - t - s) + V_i)/T, impacts included [N].
 
-    M is the mass of the row, t + s the time without contact, V_i the velocity of the impact and T
-    the period, from `two_level_hold`.
+    M is the mass of the row; the others as of `two_level_hold`.
     """
     away, impact, period = two_level_hold
     return row_weight / gravity * (friction_kinetic * gravity * (period - away) + impact) / period
 
 
 def two_level_contact(*, two_level_hold: tuple[Array, Array, Array]) -> Array:
-    """Return the share of the time in which the row touches the stop, (T - t - s)/T [1].
-
-    t + s is the time without contact and T the period, from `two_level_hold`.
-    """
+    """Return the share of the time in which the row touches the stop, (T - t - s)/T [1]."""
     away, _, period = two_level_hold
     return (period - away) / period
 
@@ -251,8 +238,7 @@ def two_level_impacts(
 ) -> Array:
     """Return the share of the impacts in the mean force on the stop [1].
 
-    V_i/(mu g (T - t - s) + V_i), with the time without contact t + s, the velocity of the impact
-    V_i and the period T of `two_level_hold`.
+    V_i/(mu g (T - t - s) + V_i), as of `two_level_hold`.
     """
     away, impact, period = two_level_hold
     return impact / (friction_kinetic * gravity * (period - away) + impact)
@@ -264,9 +250,7 @@ def strikes_too_late(
 ) -> Mask:  # fmt: skip
     """True where the track turns back before the row is at the stop: t + s > t_h + 2 V/a_s.
 
-    The closed form of the force on the stop does not hold there. t + s is the time without contact
-    (`two_level_hold`), V = a_s t_s/2 the track's largest velocity, a_s its forward acceleration,
-    t_h = V/a_m the time in which it turns to 0 by the acceleration a_m of its return.
+    The closed form of the force on the stop does not hold there; symbols as of `two_level_hold`.
     """
     away, _, period = two_level_hold
     a_s, a_m = forward_acceleration, return_acceleration
@@ -292,11 +276,9 @@ def least_held_force(
 ) -> Array:  # fmt: skip
     """Return the mean over a period of the least force on a stop that moves with the track [N].
 
-    Parts of total mass M that rest against the stop press on it with at least F(t) = M max(0, D -
-    mu n), with the push D and load n per mass. The mean is (M/pi)(C cos(t_f) - k (pi/2 - t_f)),
-    with C = P (cos beta + mu sin beta), k = g (sin gamma + mu cos gamma) and sin(t_f) = k/C; 0
-    where C <= k. P is the vibration acceleration, beta its angle to the track, gamma the slope of
-    the track, mu the static friction; M g is `row_weight` [N].
+    Parts of total mass M press with at least F(t) = M max(0, D - mu n), push D and load n per mass.
+    The mean is (M/pi)(C cos(t_f) - k (pi/2 - t_f)), with C = P (cos beta + mu sin beta), k = g (sin
+    gamma + mu cos gamma) and sin(t_f) = k/C; 0 where C <= k.
     """
     gain = vibration_acceleration * (cosine(beta) + friction_static * sine(beta))
     drag = gravity * (sine(gamma) + friction_static * cosine(gamma))
@@ -312,11 +294,9 @@ def locked_held_force(
     """Return the mean force of a row on a stop of the track, as friction may lock it in [N].
 
     Stiff elastic parts keep a force until friction is overcome: F/M follows max(L, min(U, F)), at
-    least 0, between L = D - mu n and U = D + mu n, with push D and load n per mass; both are sines
-    of the phase less a constant. F is largest, F_1, where L is, stays until U falls to it, follows
-    U to its least value F_2, and stays until L rises to that (theory 17.5). M g is `row_weight`
-    [N], mu `friction_static`, `vibration_acceleration` the amplitude of the drive acceleration [m
-    s-2], `beta` its elevation and `gamma` the climb [rad].
+    least 0, between L = D - mu n and U = D + mu n, both sines of the phase less a constant. F is
+    largest, F_1, where L is, stays until U falls to it, follows U to its least value F_2, and stays
+    until L rises to that (theory 17.5).
     """
     level, climb = cosine(gamma), sine(gamma)
     gain = vibration_acceleration * (cosine(beta) + friction_static * sine(beta))

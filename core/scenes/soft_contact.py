@@ -36,10 +36,10 @@ def _excess(x: Array) -> Array:
 def hunt_crossley(impact_number: Array) -> Array:
     """Return the restitution e of Hunt and Crossley's contact law for an impact number d = b v [1].
 
-    The contact force is F = k x^n (1 + b x') at depth x, with stiffness k, damping b [s m-1] and
-    any exponent n; v is the impact speed [m s-1], so that e falls with it. e solves d - ln(1 + d) =
-    -e d - ln(1 - e d). With s = ln(1 + d) and t = -ln(1 - e d) both sides are exp(x) - 1 - x, at x
-    = s and x = -t: t is found by Newton's method, from s (theory 18.3).
+    The contact force is F = k x^n (1 + b x') at depth x, with any exponent n; v is the impact
+    speed, so that e falls with it. e solves d - ln(1 + d) = -e d - ln(1 - e d). With s = ln(1 + d)
+    and t = -ln(1 - e d) both sides are exp(x) - 1 - x, at x = s and x = -t: t is found by Newton's
+    method, from s (theory 18.3).
     """
     s = np.log1p(impact_number)
     given, t = _excess(s), s
@@ -51,10 +51,8 @@ def hunt_crossley(impact_number: Array) -> Array:
 def damped_number(restitution: Array) -> Array:
     """Return the impact number d = b v at which Hunt and Crossley's law has a restitution [1].
 
-    The inverse of `hunt_crossley`, by which the damping of a lining is found from a drop test. b is
-    the damping of the contact [s m-1], v the impact speed [m s-1]; infinite for restitution 0. 1/e
-    - 1 is nearly linear in d, 2 d/3 for small and d - 1 for large d, so that Newton's method in it
-    converges fast.
+    The inverse of `hunt_crossley`; infinite for restitution 0. 1/e - 1 is nearly linear in d, 2 d/3
+    for small and d - 1 for large d, so that Newton's method in it converges fast.
     """
     some = restitution > 0
     known = 1 / np.where(some, restitution, 0.5) - 1
@@ -108,10 +106,8 @@ def _arc(zeta: Array) -> Array:
 def damping_of_restitution(*, restitution: Array) -> Array:
     """Return the damping ratio of a linear spring and damper contact with a restitution [1].
 
-    So the damping of a lining is found from a drop test: the inverse of `restitution_of_damping`,
-    2 zeta _arc(zeta) = -ln(restitution), by Newton's method. Below exp(-2) = 0.135 the damping is
-    more than critical; infinite for restitution 0. `restitution` is rebound speed over impact
-    speed, an array.
+    The inverse of `restitution_of_damping`, 2 zeta _arc(zeta) = -ln(restitution), by Newton's
+    method. Below exp(-2) = 0.135 the damping is more than critical; infinite for restitution 0.
     """
     some = restitution > 0
     loss = 0.0 - np.log(np.where(some, restitution, 1.0))
