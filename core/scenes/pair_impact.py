@@ -148,10 +148,10 @@ RECTANGLE_AFTER = (
         Equation(
             f"momentum_residual_{axis}", partial(rectangle_impact.momentum_residual, place),
             "theory 5.3",
-            says=f"Return the change of the total linear momentum by {an} impact, {axis}: 0 but "
-            "for rounding [N s].",
+            says=f"Return the change of the total linear momentum by the impact, {axis}: 0 up to "
+            "rounding [N s].",
         )
-        for place, axis, an in ((0, "x", "an"), (1, "y", "the"))
+        for place, axis in enumerate("xy")
     ),
     Equation(
         "angular_momentum_residual", rectangle_impact.angular_momentum_residual, "theory 5.3"
@@ -309,7 +309,7 @@ CYLINDER_AFTER = (
         )
         for gives, function, says in (
             ("momentum_residual", cylinder_impact.momentum_residual,
-             "the total momentum along {} by an impact: 0 but for rounding [N s]"),
+             "the total momentum along {} by an impact: 0 up to rounding [N s]"),
             ("angular_momentum_residual", cylinder_impact.angular_momentum_residual,
              "the angular momentum about the origin by the impact, {} [kg m2 s-1]"),
         )
