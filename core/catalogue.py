@@ -7,7 +7,7 @@ from typing import Any
 from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS
 from vibrafeed.core.plan.plan import find_scene, scene_parameters
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
-from vibrafeed.core.quantities.drive import DRIVE
+from vibrafeed.core.quantities.drives import DRIVE
 from vibrafeed.core.quantities.pictures import INKS, LEVELS, colour_of
 from vibrafeed.core.scenes import SCENES, Equation, Scene, instead_of
 from vibrafeed.core.scenes.scene import behind

@@ -28,7 +28,7 @@ from vibrafeed.core.mechanics.drive_unit import (
 from vibrafeed.core.motion.feeding import parts_per_minute
 from vibrafeed.core.plan.equations import run
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.quantities.drive_unit import OF_STRETCHES
+from vibrafeed.core.quantities.drives import OF_STRETCHES
 from vibrafeed.core.scenes.scene import Condition, Equation, between, fields
 from vibrafeed.core.study.simulate_study import SETTINGS
 

@@ -21,8 +21,7 @@ from vibrafeed.core.motion.drives import SINE, Shape, under_wave
 from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.part_load import Load, PartLoad, part_load
 from vibrafeed.core.motion.waves import Wave
-from vibrafeed.core.quantities.drive import DRIVE
-from vibrafeed.core.quantities.drive_unit import DRIVE_UNIT
+from vibrafeed.core.quantities.drives import DRIVE, DRIVE_UNIT
 from vibrafeed.core.scenes import SCENES, Condition, Equation, Scene
 from vibrafeed.core.scenes.scene import fields
 

@@ -20,7 +20,7 @@ from vibrafeed.core.motion import limits, waves
 from vibrafeed.core.motion.groups import Groups
 from vibrafeed.core.motion.result import STATUS, Motion
 from vibrafeed.core.motion.waves import TURN, Wave
-from vibrafeed.core.quantities.drive import AXES, DRIVE
+from vibrafeed.core.quantities.drives import AXES, DRIVE
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.scenes.scene import Equation
 from vibrafeed.core.watch import Watch

@@ -9,7 +9,7 @@ from functools import cached_property
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.plan.verdicts import Verdict, verdicts_of
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
-from vibrafeed.core.quantities.drive import DRIVE
+from vibrafeed.core.quantities.drives import DRIVE
 from vibrafeed.core.quantities.flags import REGIME
 from vibrafeed.core.quantities.motion import FEEDING, RESULTS
 from vibrafeed.core.scenes import (
