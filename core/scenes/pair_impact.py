@@ -168,11 +168,15 @@ RECTANGLE_SCENE = Scene(
         "frictionless": (
             *RECTANGLE_STATE,
             Equation(
-                "edge_action", rectangle_impact.edge_action_without_friction, "theory 1.4",
+                "edge_action",
+                rectangle_impact.edge_action_without_friction,
+                "theory 1.4",
                 "frictionless",
             ),
             Equation(
-                "planar_impulse", rectangle_impact.frictionless_impulse, "theory 5.2",
+                "planar_impulse",
+                rectangle_impact.frictionless_impulse,
+                "theory 5.2",
                 "frictionless",
             ),
             *RECTANGLE_BEFORE,
@@ -181,27 +185,30 @@ RECTANGLE_SCENE = Scene(
         **{
             name: (
                 *RECTANGLE_STATE,
+                Equation("edge_action", rectangle_impact.edge_action_with_friction, "theory 5.1"),
                 Equation(
-    "edge_action", rectangle_impact.edge_action_with_friction, "theory 5.1"
-),
-                Equation(
-                    "planar_impulse", partial(rectangle_impact.impulse_with_friction, law),
-                    "theory 5.3", name, says=says,
+                    "planar_impulse",
+                    partial(rectangle_impact.impulse_with_friction, law),
+                    "theory 5.3",
+                    name,
+                    says=says,
                 ),
                 *RECTANGLE_BEFORE,
                 *RECTANGLE_AFTER,
             )
             for name, law, says in (
                 ("pfeiffer_glocker", impact.pfeiffer_glocker, PFEIFFER_GLOCKER),
-                ("moreau", impact.moreau, "Return the impulse on body 1 in an impact with "
-                 "friction, by Moreau's law [N s]."),
+                (
+                    "moreau",
+                    impact.moreau,
+                    "Return the impulse on body 1 in an impact with "
+                    "friction, by Moreau's law [N s].",
+                ),
             )
         },
     },
     default_variant="frictionless",
-    conditions=conditions(
-        rectangle_impact, RECTANGLE_WHERE, RECTANGLE_BEFORE, RECTANGLE_AFTER
-    ),
+    conditions=conditions(rectangle_impact, RECTANGLE_WHERE, RECTANGLE_BEFORE, RECTANGLE_AFTER),
     defaults={
         "contact_tolerance": 1e-9,
         "position_x_2": 0.0,
@@ -216,7 +223,7 @@ RECTANGLE_SCENE = Scene(
     },
     constraints=(),
     seconds_a_cell=1e-6,
-)  # fmt: skip
+)
 
 
 # --- Impact of two cylindrical parts; section 3.3.4 of the source.
@@ -327,11 +334,15 @@ CYLINDER_SCENE = Scene(
         "frictionless": (
             *CYLINDER_STATE,
             Equation(
-                "contact_frame", cylinder_impact.frame_without_friction, "theory 1.4, theory 8.2",
+                "contact_frame",
+                cylinder_impact.frame_without_friction,
+                "theory 1.4, theory 8.2",
                 "frictionless",
             ),
             Equation(
-                "spatial_impulse", cylinder_impact.frictionless_impulse, "theory 8.1",
+                "spatial_impulse",
+                cylinder_impact.frictionless_impulse,
+                "theory 8.1",
                 "frictionless",
             ),
             *CYLINDER_BEFORE,
@@ -342,16 +353,23 @@ CYLINDER_SCENE = Scene(
                 *CYLINDER_STATE,
                 Equation("contact_frame", cylinder_impact.frame_with_friction, "theory 8.2"),
                 Equation(
-                    "spatial_impulse", partial(cylinder_impact.impulse_with_friction, law),
-                    "theory 8.1", name, says=says,
+                    "spatial_impulse",
+                    partial(cylinder_impact.impulse_with_friction, law),
+                    "theory 8.1",
+                    name,
+                    says=says,
                 ),
                 *CYLINDER_BEFORE,
                 *CYLINDER_AFTER,
             )
             for name, law, says in (
                 ("pfeiffer_glocker", impact.pfeiffer_glocker_in_space, PFEIFFER_GLOCKER),
-                ("moreau", impact.moreau_in_space, "Return the impulse on body 1 in an impact of "
-                 "two cylinders, by Moreau's law [N s]."),
+                (
+                    "moreau",
+                    impact.moreau_in_space,
+                    "Return the impulse on body 1 in an impact of "
+                    "two cylinders, by Moreau's law [N s].",
+                ),
             )
         },
     },
@@ -373,4 +391,4 @@ CYLINDER_SCENE = Scene(
     },
     constraints=(),
     seconds_a_cell=2e-5,
-)  # fmt: skip
+)
