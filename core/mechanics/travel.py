@@ -17,15 +17,10 @@ from vibrafeed.core.mechanics.arrays import (
     Mask,
     arc_quotient,
     arc_series,
-    arctan_quotient,
     cosine,
     expm1_quotient,
-    log1p_quotient,
+    over_itself,
     ratio,
-    sin_quotient,
-    sinh_quotient,
-    tan_quotient,
-    tanh_quotient,
 )
 
 # Above this phase the hyperbolic functions are replaced by their exponential forms.
@@ -201,7 +196,7 @@ def stopping_distance(
     slow = (K < 0) & ~fast
     root = np.where(slow, speed, 0.0) / np.sqrt(np.where(slow, -K, 1.0))
     with np.errstate(over="ignore"):  # beyond the floats it is infinite
-        near = root * root / 2 * log1p_quotient(np.square(np.where(fast, 0.0, y)))
+        near = root * root / 2 * over_itself(np.log1p, np.square(np.where(fast, 0.0, y)))
     large = np.where(fast, y, 1.0)
     scale = ratio(np.where(fast, radius, 0.0), friction_kinetic, 0.0)
     far = scale * (np.log(large) + np.log1p(np.square(1 / large)) / 2)
@@ -225,7 +220,7 @@ def stopping_time(
         free = np.where(slow, speed, 0.0) / np.where(slow, -K, 1.0)
         angle = np.where(fast, np.arctan(y), 0.0)
         far = ratio(angle, _rate(K, friction_kinetic, radius), np.inf)
-    near = free * arctan_quotient(np.where(fast, 0.0, y))
+    near = free * over_itself(np.arctan, np.where(fast, 0.0, y))
     at_rest = (K == 0) & (speed == 0)
     return np.where(K < 0, np.where(fast, far, near), np.where(at_rest, 0.0, np.inf))
 
@@ -247,7 +242,7 @@ def velocity_at_time(
     moving = (time < stopping_time) | (time == 0)
     t = np.where(moving, time, 0.0)
     u = t * _rate(K, friction_kinetic, radius)
-    tT = t * np.where(K > 0, tanh_quotient(u), tan_quotient(np.where(K > 0, 0.0, u)))
+    tT = t * np.where(K > 0, over_itself(np.tanh, u), over_itself(np.tan, np.where(K > 0, 0.0, u)))
     velocity = (v0 + K * tT) / (1.0 + friction_kinetic * (tT / radius) * v0)
     return np.where(moving, np.maximum(0.0, velocity), 0.0)
 
@@ -278,12 +273,12 @@ def distance_at_time(
     # Arguments outside a branch are replaced: no overflow, no warning.
     small_forward = np.where(forward & ~large, u, 0.0)
     braking = np.where(forward, 0.0, u)
-    from_speed = v0 * t * sin_quotient(braking) * sinh_quotient(small_forward)
-    half = sin_quotient(braking / 2) * sinh_quotient(small_forward / 2)
+    from_speed = v0 * t * over_itself(np.sin, braking) * over_itself(np.sinh, small_forward)
+    half = over_itself(np.sin, braking / 2) * over_itself(np.sinh, small_forward / 2)
     from_drive = K * t * t / 2 * half * half
     straight = from_speed + from_drive
     z = np.where(large, 0.0, straight * (friction_kinetic / radius))
-    near = straight * log1p_quotient(z)
+    near = straight * over_itself(np.log1p, z)
     y0 = ratio(k * v0, np.abs(K), 0.0)
     far_phase = np.where(large, u, 1.0)
     settled = np.log1p((np.where(large, y0, 1.0) - 1.0) * (-np.expm1(-2 * far_phase)) / 2)
@@ -314,7 +309,7 @@ def distance_bound(
     free = np.square(velocity_bound) / (2 * np.where(starts, K, 1.0))
     z = 2 * free * friction_kinetic / radius
     reached = starts & (z < 1)
-    return np.where(reached, free * log1p_quotient(-np.where(reached, z, 0.0)), np.inf)
+    return np.where(reached, free * over_itself(np.log1p, -np.where(reached, z, 0.0)), np.inf)
 
 
 def does_not_start(*, starting_acceleration: Array, speed: Array) -> Mask:
