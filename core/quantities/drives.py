@@ -87,41 +87,7 @@ MAX_STRETCHES = 6
 """Stretches of a track: the inner turns, a lined part, a steeper one, the exit, and two more."""
 
 
-def _turns(n: int) -> Quantity:
-    return Quantity(
-        "1", f"n_{n}", f"Turns, stretch {n}", f"Turns of stretch {n} of the track.", 0.0,
-        strict=True, parameter=True, examples=("1.5",), usual=(1e-3, 20.0),
-    )  # fmt: skip
-
-
-def _radius(n: int) -> Quantity:
-    return length(
-        f"R_{n}", f"Radius, end of stretch {n}", f"Radius at the end of stretch {n}.", "150 mm"
-    )
-
-
-def _climb(n: int) -> Quantity:
-    return angle(
-        f"gamma_{n}", f"Climb, stretch {n}",
-        f"Climb of stretch {n}; that of the stretch before unless given.", 80.0, "3 deg",
-        (-15.0, 15.0),
-    )  # fmt: skip
-
-
-def _friction(n: int) -> Quantity:
-    return friction(
-        f"mu_{n}",
-        f"Friction, stretch {n}",
-        f"Coefficient of friction on stretch {n}; that of the stretch before unless given.",
-    )
-
-
-OF_STRETCHES = {
-    "stretch_turns": _turns,
-    "stretch_radius": _radius,
-    "stretch_climb": _climb,
-    "stretch_friction": _friction,
-}
+OF_STRETCHES = ("stretch_turns", "stretch_radius", "stretch_climb", "stretch_friction")
 """What each stretch of a track has, by the stem of its name."""
 
 
@@ -129,6 +95,7 @@ def _fraction(label: str, says: str, example: str) -> Quantity:
     return Quantity("1", "x", label, says, 0.0, 1.0, parameter=True, examples=(example,))
 
 
+_STRETCHES = range(1, MAX_STRETCHES + 1)
 BOWL_TRACK: dict[str, Quantity] = {
     "track_fraction": _fraction(
         "Share of the track",
@@ -137,9 +104,32 @@ BOWL_TRACK: dict[str, Quantity] = {
     "start_radius": length("R_0", "Radius at the start", "Radius at which the track starts.",
                            "100 mm"),
     **{
-        f"{stem}_{n}": of_stretch(n)
-        for stem, of_stretch in OF_STRETCHES.items()
-        for n in range(1, MAX_STRETCHES + 1)
+        f"stretch_turns_{n}": Quantity(
+            "1", f"n_{n}", f"Turns, stretch {n}", f"Turns of stretch {n} of the track.", 0.0,
+            strict=True, parameter=True, examples=("1.5",), usual=(1e-3, 20.0),
+        )
+        for n in _STRETCHES
+    },
+    **{
+        f"stretch_radius_{n}": length(
+            f"R_{n}", f"Radius, end of stretch {n}", f"Radius at the end of stretch {n}.", "150 mm"
+        )
+        for n in _STRETCHES
+    },
+    **{
+        f"stretch_climb_{n}": angle(
+            f"gamma_{n}", f"Climb, stretch {n}",
+            f"Climb of stretch {n}; that of the stretch before unless given.", 80.0, "3 deg",
+            (-15.0, 15.0),
+        )
+        for n in _STRETCHES
+    },
+    **{
+        f"stretch_friction_{n}": friction(
+            f"mu_{n}", f"Friction, stretch {n}",
+            f"Coefficient of friction on stretch {n}; that of the stretch before unless given.",
+        )
+        for n in _STRETCHES
     },
     "load_radius": length(
         "R_l", "Radius of the load",

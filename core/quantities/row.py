@@ -14,35 +14,6 @@ def _of_part(n: int) -> str:
     return f"part {n} of a row" + (", the rearmost" if n == 1 else "")
 
 
-def _friction(n: int) -> Quantity:
-    return Quantity(
-        "1", f"mu_{n}", f"Friction, part {n}",
-        f"Coefficient of friction between the track and {_of_part(n)}.", 0.0, parameter=True,
-        examples=("0.3",), usual=(1e-3, 2.0),
-    )  # fmt: skip
-
-
-def _mass(n: int) -> Quantity:
-    return Quantity(
-        "kg", f"m_{n}", f"Mass, part {n}", f"Mass of {_of_part(n)}.", 0.0, strict=True,
-        parameter=True, examples=("4 g",), usual=(1e-7, 10.0),
-    )  # fmt: skip
-
-
-def _gap(n: int) -> Quantity:
-    return Quantity(
-        "m", f"g_{n}", f"Gap, part {n}", f"Gap in front of {_of_part(n)}, at the start.", 0.0,
-        parameter=True, examples=("1 mm",),
-    )  # fmt: skip
-
-
-def _position(n: int) -> Quantity:
-    return Quantity(
-        "m", f"x_{n}", f"Position, part {n}",
-        f"Centre of {_of_part(n)} on the track, from the start of the rearmost.",
-    )  # fmt: skip
-
-
 def _platoon(n: int) -> dict[str, Quantity]:
     which = f"platoon {n}" + (", the rearmost" if n == 1 else "")
     return {
@@ -86,20 +57,44 @@ def _acceleration(symbol: str, label: str, says: str) -> Quantity:
     )
 
 
-NUMBERS = {"part_friction": _friction, "part_mass": _mass, "part_gap": _gap}
+NUMBERS = ("part_friction", "part_mass", "part_gap")
 """What each part of a row may have of its own, by the stem of its name."""
 
+_PARTS = range(1, MAX_NUMBERED + 1)
 ROW: dict[str, Quantity] = {
     "parts": Quantity(
         "1", "n", "Parts", "Number of parts in the row.", 2.0, float(MAX_PARTS), parameter=True,
         examples=("8",),
     ),
     **{
-        f"{stem}_{n}": of_part(n)
-        for stem, of_part in NUMBERS.items()
-        for n in range(1, MAX_NUMBERED + 1)
+        f"part_friction_{n}": Quantity(
+            "1", f"mu_{n}", f"Friction, part {n}",
+            f"Coefficient of friction between the track and {_of_part(n)}.", 0.0, parameter=True,
+            examples=("0.3",), usual=(1e-3, 2.0),
+        )
+        for n in _PARTS
     },
-    **{f"part_position_{n}": _position(n) for n in range(1, MAX_NUMBERED + 1)},
+    **{
+        f"part_mass_{n}": Quantity(
+            "kg", f"m_{n}", f"Mass, part {n}", f"Mass of {_of_part(n)}.", 0.0, strict=True,
+            parameter=True, examples=("4 g",), usual=(1e-7, 10.0),
+        )
+        for n in _PARTS
+    },
+    **{
+        f"part_gap_{n}": Quantity(
+            "m", f"g_{n}", f"Gap, part {n}", f"Gap in front of {_of_part(n)}, at the start.", 0.0,
+            parameter=True, examples=("1 mm",),
+        )
+        for n in _PARTS
+    },
+    **{
+        f"part_position_{n}": Quantity(
+            "m", f"x_{n}", f"Position, part {n}",
+            f"Centre of {_of_part(n)} on the track, from the start of the rearmost.",
+        )
+        for n in _PARTS
+    },
     "part_restitution": Quantity(
         "1", "e_p", "Restitution between parts",
         "Relative velocity after a collision of two parts over that before.", 0.0, 1.0,
@@ -131,7 +126,7 @@ ROW: dict[str, Quantity] = {
         "N s", "", "Strokes against the stop",
         "Impulse of all strokes against the stop in a period of the drive.",
     ),
-    **{name: one for n in range(1, MAX_NUMBERED + 1) for name, one in _platoon(n).items()},
+    **{name: one for n in _PARTS for name, one in _platoon(n).items()},
     "row": Quantity("1", "", "Row", "The parts of a row, from the rear on.", bundle=True),
     "platoons": Quantity(
         "1", "", "Platoons", "Groups of parts that have left each other for ever.", count=True
