@@ -406,22 +406,20 @@ def inverse_limiting_friction(*, inertia_ratio: Array, diagonal_direction: Direc
     return inertia_ratio * s * c / (1.0 + inertia_ratio * c * c)
 
 
-def _limit(inverse: Array) -> Array:
-    meaningful = inverse > 0
-    with np.errstate(over="ignore"):
-        return np.where(meaningful, 1.0 / np.where(meaningful, inverse, 1.0), np.inf)
-
-
 def limiting_friction_right(*, inverse_limiting_friction: Array) -> Array:
     """Return the friction at which tau = 0 in slip to the right; infinite outside 0 < s < 90 deg
     (modulo 180 deg), where no friction makes tau vanish [1].
     """  # noqa: D205
-    return _limit(inverse_limiting_friction)
+    meaningful = inverse_limiting_friction > 0
+    with np.errstate(over="ignore"):
+        return np.where(
+            meaningful, 1.0 / np.where(meaningful, inverse_limiting_friction, 1.0), np.inf
+        )
 
 
 def limiting_friction_left(*, inverse_limiting_friction: Array) -> Array:
     """Return the limiting friction in slip to the left; infinite outside 90 < s < 180 deg [1]."""
-    return _limit(-inverse_limiting_friction)
+    return limiting_friction_right(inverse_limiting_friction=-inverse_limiting_friction)
 
 
 def least_limiting_friction(*, inertia_ratio: Array) -> Array:

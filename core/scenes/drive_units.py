@@ -153,11 +153,6 @@ def _arm(
     return arm, i1 + i2 + m_r * (along * along + upward * upward)
 
 
-def turning_frequency(*, spring_stiffness: Array, turning_mass: Array) -> Array:
-    """Return the natural frequency of a unit that turns, sqrt(k/m)/(2 pi) [Hz]."""
-    return np.sqrt(spring_stiffness / turning_mass) / (2 * np.pi)
-
-
 def turning_response(
     *, drive_force: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
     turning_mass: Array,
@@ -306,7 +301,11 @@ TURNING = (
         "the mass that the stroke of a loaded drive unit moves, if its masses turn [kg]",
         moving_mass="loaded_mass",
     ),
-    Equation("natural_frequency", turning_frequency, "theory 15.2"),
+    under_names(
+        "natural_frequency", drive_unit.bowl_frequency, "theory 15.2",
+        "the natural frequency of a unit that turns, sqrt(k/m)/(2 pi) [Hz]",
+        spring_stiffness="spring_stiffness", bowl_mass="turning_mass",
+    ),
     Equation("stroke_response", turning_response, "theory 15.2"),
     Equation("track_harmonic", turning_harmonic, "theory 15.2"),
     Equation("trough_turn", trough_turn, "theory 15.2"),

@@ -240,7 +240,6 @@ CORRECTED = (
 
 WALL_FORCES = frozenset(("wall_acceleration", "wall_force", "wall_force_rear", "wall_force_front"))
 FLOOR_FORCES = frozenset(("floor_acceleration", "floor_force"))
-CORNERS = frozenset(("wall_force_rear", "wall_force_front", "chord_cosine"))
 TRAVEL = frozenset(
     (
         "transport_velocity",
@@ -260,7 +259,10 @@ BOTH = WALL_FORCES | FLOOR_FORCES | TRAVEL | ACCELERATION | {"z_residual", "pres
 WALL = BOTH | {"wall_balance", "acceleration_y"}
 
 CORNERS_FIT = Condition(
-    "invalid_geometry", wall.rear_corner_lifts, CORNERS - {"chord_cosine"}, otherwise="contact"
+    "invalid_geometry",
+    wall.rear_corner_lifts,
+    frozenset(("wall_force_rear", "wall_force_front")),
+    otherwise="contact",
 )
 FITS = Condition(
     "invalid_geometry", wall.is_too_long, frozenset(("chord_cosine",)), otherwise="contact"
