@@ -15,8 +15,7 @@ from vibrafeed.core.motion.drive_units import PARAMETERS_OF_UNIT
 from vibrafeed.core.motion.row_parts import CHOOSING
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.quantities.drive import DRIVE
-from vibrafeed.core.quantities.drive_unit import BOWL_TRACK
+from vibrafeed.core.quantities.drives import BOWL_TRACK, DRIVE
 from vibrafeed.core.quantities.row import MAX_NUMBERED, NUMBERS
 from vibrafeed.core.scenes import SCENES
 

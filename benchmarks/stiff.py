@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from scipy.integrate import solve_ivp
 
 from benchmarks.motions import follow
-from vibrafeed.core.mechanics.soft_contact import damping_of_restitution
+from vibrafeed.core.scenes.soft_contact import damping_of_restitution
 
 PAGE = Path(__file__).parents[1] / "docs" / "generated" / "stiff.md"
 SOLVERS = ("Radau", "BDF", "LSODA")

@@ -7,11 +7,10 @@ from typing import Any
 from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS
 from vibrafeed.core.plan.plan import find_scene, scene_parameters
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
-from vibrafeed.core.quantities.drive import DRIVE
+from vibrafeed.core.quantities.drives import DRIVE
 from vibrafeed.core.quantities.pictures import INKS, LEVELS, colour_of
-from vibrafeed.core.scenes import SCENES, Equation, Scene
-from vibrafeed.core.scenes.aliases import instead_of
-from vibrafeed.core.scenes.graph import behind
+from vibrafeed.core.scenes import SCENES, Equation, Scene, instead_of
+from vibrafeed.core.scenes.scene import behind
 from vibrafeed.core.study.units import read_number
 
 

@@ -21,7 +21,7 @@ from vibrafeed.core.kinds import is_whole, not_verified, share_left_out
 from vibrafeed.core.motion.feeding import travel_in_words
 from vibrafeed.core.quantities import QUANTITIES, REGIMES, STATUSES
 from vibrafeed.core.quantities.flags import REGIME, is_regime
-from vibrafeed.core.quantities.optimum import OF_THE_SEARCH
+from vibrafeed.core.quantities.motion import OF_THE_SEARCH
 from vibrafeed.core.study.distributions import nominal
 
 if TYPE_CHECKING:

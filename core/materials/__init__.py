@@ -102,11 +102,6 @@ def _rows(
     words: Sequence[str],
     values: Sequence[str],
 ) -> list[dict[str, Any]]:
-    """Return the rows of a table of materials that contain all wanted words, with all columns.
-
-    `rows` are those of a data file, `wanted` the words; `words` are the columns of texts, which are
-    searched, and `values` those of ranges, None where a row has none.
-    """
     return [
         {
             **{name: row.get(name, "") for name in words},
@@ -119,17 +114,11 @@ def _rows(
 
 
 def _sources(data: Mapping[str, Any], rows: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the sources that rows cite, by name; `data` is the content of the data file."""
     used = {row["source"] for row in rows}
     return {name: dict(source) for name, source in data["sources"].items() if name in used}
 
 
 def _holds(row: Mapping[str, Any], wanted: Iterable[str], words: Iterable[str]) -> bool:
-    """True if a row of a table of materials holds all words that are searched for.
-
-    Each of the `wanted` words must be the beginning of a word in the columns `words` of the row;
-    capitals make no difference.
-    """
     text = " ".join(row.get(name, "") for name in words).lower()
     for mark in "(),:":
         text = text.replace(mark, " ")
@@ -139,5 +128,4 @@ def _holds(row: Mapping[str, Any], wanted: Iterable[str], words: Iterable[str]) 
 
 @functools.cache
 def _data(name: str) -> Mapping[str, Any]:
-    """Return the content of a data file."""
     return tomllib.loads((files(__name__) / name).read_text(encoding="utf-8"))

@@ -13,8 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibrafeed.core.mechanics.angles import cosine, sine
-from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, ratio, sine
 
 # --- One unilateral contact: force or separation, never both (theory 2.3).
 #
@@ -55,9 +54,8 @@ def case(response: Array, free: Array) -> Array:
 def contact_force(response: Array, free: Array) -> Array:
     """Return the contact force per mass, n = -free/response, of the solution that stays in contact.
 
-    In m/s^2. `free` is the acceleration that opens the gap without a force [m s-2], `response` what
-    a unit of n adds [1]. 0 in separation; NaN where there is no solution and where every n >= 0 is
-    one.
+    In m/s^2; `response` and `free` as of `case`. 0 in separation; NaN where there is no solution
+    and where every n >= 0 is one.
     """
     solution = case(response, free)
     unknown = (solution == NO_SOLUTION) | (response == 0)
@@ -88,9 +86,8 @@ def diagonal_angle(*, corner_angle: Array, pitch: Array) -> Array:
 def diagonal_direction(*, corner_direction: Direction, pitch: Array) -> Direction:
     """Return sine and cosine of the diagonal's angle s = zeta + xi above the plane.
 
-    The diagonal leads from the corner that touches the plane to the centre. `corner_direction`
-    holds sine and cosine of zeta, its angle within the part; xi is the `pitch` [rad]. By the
-    addition theorem: s itself, rounded, would lose the digits of a cosine near 90 degrees.
+    By the addition theorem, zeta being the angle within the part and xi the pitch: s itself,
+    rounded, would lose the digits of a cosine near 90 degrees.
     """
     rise, run = corner_direction
     return (
@@ -171,9 +168,8 @@ def normal_response_right(
 ) -> Array:
     """Return the normal response in slip to the right, 1 + kappa c^2 - mu kappa s c, (3.6a) [1].
 
-    It is the corner's normal acceleration per normal force per mass. s and c are sine and cosine of
-    the diagonal's angle, kappa is the inertia ratio. Where it is below 0, Painleve's paradox
-    occurs.
+    Normal acceleration per normal force per mass; s, c are sine and cosine of the diagonal's angle,
+    kappa the inertia ratio. Below 0 Painleve's paradox occurs.
     """
     return _response(inertia_ratio, diagonal_direction, friction_kinetic)
 
@@ -183,8 +179,7 @@ def normal_response_left(
 ) -> Array:
     """Return the normal response in slip to the left, 1 + kappa c^2 + mu kappa s c [1].
 
-    It is the corner's normal acceleration per normal force per mass. s and c are sine and cosine of
-    the diagonal's angle, kappa is the inertia ratio.
+    Symbols as of `normal_response_right`.
     """
     return _response(inertia_ratio, diagonal_direction, -friction_kinetic)
 
@@ -195,9 +190,8 @@ def normal_response(
 ) -> Array:  # fmt: skip
     """Return the normal response m tau = 1 + kappa c (c - sigma mu s) in the slip direction [1].
 
-    It is the corner's normal acceleration per normal force per mass. s and c are sine and cosine of
-    the diagonal's angle, kappa is the inertia ratio and sigma the slip direction: 1 right, -1 left,
-    and 0, without friction, where nothing slips.
+    Symbols as of `normal_response_right`; sigma is 1 right, -1 left, and 0, without friction, where
+    nothing slips.
     """
     return _response(inertia_ratio, diagonal_direction, slip_direction * friction_kinetic)
 
@@ -236,10 +230,8 @@ def slip_direction(
 ) -> Array:  # fmt: skip
     """Return the direction in which a part's corner slips on the plane: 1, -1, or 0 if it sticks.
 
-    A corner that moves slips along its velocity `gap_tangential_rate` [m s-1], 1 being to the
-    right. From rest it slips against the friction that would have held it, unless static friction
-    holds it or it leaves the plane (`free_normal_acceleration` > 0). The `holding_*` arguments are
-    the normal and tangential force per mass that hold it in place [m s-2] (theory 2.4).
+    A corner that moves slips along its velocity. From rest it slips against the friction that would
+    have held it, unless static friction holds it or it leaves the plane (theory 2.4).
     """
     held = _is_held(holding_normal_acceleration, holding_tangential_acceleration, friction_static)
     stays = held | (free_normal_acceleration > 0)
@@ -254,10 +246,9 @@ def contact_case(
 ) -> Array:  # fmt: skip
     """Return the case of the contact: separation, sliding, stick, two solutions or none.
 
-    SEPARATION, SLIDING, STICK, TWO_SOLUTIONS or NO_SOLUTION. A corner at rest sticks if the force
-    that would hold it (`holding_*`, per mass) lies in the cone of static friction; else the case
-    follows from the normal response and the free normal acceleration. At rest one solution always
-    exists (theory 2.4).
+    A corner at rest sticks if the force that would hold it lies in the cone of static friction;
+    else the case follows from the normal response and the free normal acceleration. At rest one
+    solution always exists (theory 2.4).
     """
     held = _is_held(holding_normal_acceleration, holding_tangential_acceleration, friction_static)
     otherwise = case(normal_response, free_normal_acceleration)
@@ -273,7 +264,7 @@ def by_case(
     """Return one of three values by the contact case of each cell; NaN where no solution exists.
 
     `free` is the value in separation, `held` that of a corner that does not slip, `sliding` that of
-    one that slips or starts to; all have the unit of the quantity that is picked.
+    one that slips or starts to.
     """
     value = np.where(slip_direction == 0, held, sliding)
     value = np.where(contact_case == SEPARATION, free, value)
@@ -309,11 +300,8 @@ def acceleration_upward(
 ) -> Array:  # fmt: skip
     """Return the upward acceleration of the centre, n - g, (3.1) [m s-2].
 
-    n is the normal force per mass. In slip it is computed as -(rho xi'^2 s + g kappa c e)/(m tau),
-    e = c - sigma mu s, without a difference of nearly equal numbers: s and c are sine and cosine of
-    the diagonal's angle, sigma the slip direction (1, -1), rho the half diagonal [m], xi' the pitch
-    rate [rad s-1], kappa the inertia ratio, m tau the `normal_response`. By `contact_case` it is -g
-    in flight, and that of a pendulum while the corner is held.
+    In slip it is -(rho xi'^2 s + g kappa c e)/(m tau), e = c - sigma mu s, without a difference of
+    nearly equal numbers; -g in flight, and that of a pendulum while the corner is held.
     """
     s, c = diagonal_direction
     turning = half_diagonal * pitch_rate * pitch_rate * s
@@ -330,10 +318,8 @@ def pitch_acceleration(
 ) -> Array:  # fmt: skip
     """Return the pitch acceleration, xi'' = -kappa (n c + t s)/rho, (3.1) [rad s-2].
 
-    (3.1), with normal and friction force per mass n and t, sine and cosine s, c of the diagonal's
-    angle, half diagonal rho [m] and inertia ratio kappa. `floor_acceleration` is n, t is -mu_k n
-    times `slip_direction`. By `contact_case` it is 0 in flight, and while the corner is held that
-    of a pendulum about it, whatever the pitch rate.
+    t is -mu_k n in the direction of slip. 0 in flight; while the corner is held that of a pendulum
+    about it, whatever the pitch rate.
     """
     s, c = diagonal_direction
     e = c - slip_direction * friction_kinetic * s
@@ -359,11 +345,9 @@ def gap_tangential_acceleration(
 ) -> Array:  # fmt: skip
     """Return the acceleration of the corner along the plane, g_T'', from (3.6b), (3.33b) [m s-2].
 
-    In slip g_T'' is (g (kappa s e - sigma mu) - (1 + kappa) rho xi'^2 e)/(m tau), e = c - sigma mu
-    s: s and c are sine and cosine of the diagonal's angle, sigma is the slip direction (1, -1),
-    kappa the inertia ratio, rho the half diagonal [m], xi' the pitch rate [rad s-1], m tau the
-    `normal_response` [1]. The source prints +mu and sin^2 in place of -mu and s. By `contact_case`
-    it is 0 where the corner is held, and the free acceleration where it leaves the plane.
+    In slip it is (g (kappa s e - sigma mu) - (1 + kappa) rho xi'^2 e)/(m tau), e = c - sigma mu s.
+    The source prints +mu and sin^2 in place of -mu and s. 0 where the corner is held, the free
+    acceleration where it leaves the plane.
     """
     s, c = diagonal_direction
     sigma_mu = slip_direction * friction_kinetic
@@ -387,9 +371,8 @@ def impact_impulse_normal(
 ) -> Array:  # fmt: skip
     """Return the normal impulse that stops the slip where no force is a solution; else 0 [N s].
 
-    Lambda_N = m g_T' kappa s c/(1 + kappa): g_T' is the slip velocity, s and c sine and cosine of
-    the diagonal's angle. Slip ends first, then compression with the corner at rest, so that
-    friction drops out (theory 2.6).
+    Lambda_N = m g_T' kappa s c/(1 + kappa), g_T' the slip velocity. Slip ends first, then
+    compression with the corner at rest, so that friction drops out (theory 2.6).
     """
     s, c = diagonal_direction
     impulse = mass * gap_tangential_rate * (inertia_ratio / (1.0 + inertia_ratio) * s * c)
@@ -402,8 +385,8 @@ def impact_impulse_tangential(
 ) -> Array:  # fmt: skip
     """Return the friction impulse that stops the slip where no force is a solution; else 0 [N s].
 
-    Lambda_T = -m g_T' (1 + kappa c^2)/(1 + kappa): g_T' is the slip velocity, c the cosine of the
-    diagonal's angle (theory 2.6). It belongs to the normal impulse of `impact_impulse_normal`.
+    Lambda_T = -m g_T' (1 + kappa c^2)/(1 + kappa), with the normal impulse of
+    `impact_impulse_normal` (theory 2.6).
     """
     _, c = diagonal_direction
     share = (1.0 + inertia_ratio * c * c) / (1.0 + inertia_ratio)
@@ -416,31 +399,27 @@ def impact_impulse_tangential(
 def inverse_limiting_friction(*, inertia_ratio: Array, diagonal_direction: Direction) -> Array:
     """Return the inverse of mu_c for slip to the right, kappa s c/(1 + kappa c^2) [1].
 
-    mu_c is the friction at which the normal response vanishes: beyond it a contact may have two
-    solutions or none. s and c are sine and cosine of the diagonal's angle. Where the inverse is
-    negative, slip to the right has one solution at every friction.
+    At mu_c the normal response vanishes: beyond it a contact may have two solutions or none. Where
+    the inverse is negative, slip to the right has one solution at every friction.
     """
     s, c = diagonal_direction
     return inertia_ratio * s * c / (1.0 + inertia_ratio * c * c)
-
-
-def _limit(inverse: Array) -> Array:
-    """Return the limiting friction from its inverse; infinite where that is not above 0 [1]."""
-    meaningful = inverse > 0
-    with np.errstate(over="ignore"):
-        return np.where(meaningful, 1.0 / np.where(meaningful, inverse, 1.0), np.inf)
 
 
 def limiting_friction_right(*, inverse_limiting_friction: Array) -> Array:
     """Return the friction at which tau = 0 in slip to the right; infinite outside 0 < s < 90 deg
     (modulo 180 deg), where no friction makes tau vanish [1].
     """  # noqa: D205
-    return _limit(inverse_limiting_friction)
+    meaningful = inverse_limiting_friction > 0
+    with np.errstate(over="ignore"):
+        return np.where(
+            meaningful, 1.0 / np.where(meaningful, inverse_limiting_friction, 1.0), np.inf
+        )
 
 
 def limiting_friction_left(*, inverse_limiting_friction: Array) -> Array:
     """Return the limiting friction in slip to the left; infinite outside 90 < s < 180 deg [1]."""
-    return _limit(-inverse_limiting_friction)
+    return limiting_friction_right(inverse_limiting_friction=-inverse_limiting_friction)
 
 
 def least_limiting_friction(*, inertia_ratio: Array) -> Array:
@@ -461,29 +440,9 @@ def another_corner_is_lower(*, pitch: Array) -> Mask:
     return (pitch < 0) | (pitch > np.pi / 2)
 
 
-def has_no_solution(*, contact_case: Array) -> Mask:
-    """True where no force satisfies the contact: Painleve's paradox."""
-    return contact_case == NO_SOLUTION
-
-
-def has_two_solutions(*, contact_case: Array) -> Mask:
-    """True where separation and contact both satisfy the equations, or every force does."""
-    return contact_case == TWO_SOLUTIONS
-
-
-def separates(*, contact_case: Array) -> Mask:
-    """True where the corner leaves the plane."""
-    return contact_case == SEPARATION
-
-
-def is_held(*, contact_case: Array) -> Mask:
-    """True where friction keeps the corner at rest."""
-    return contact_case == STICK
-
-
-def slides(*, contact_case: Array) -> Mask:
-    """True where the corner slides, or starts to."""
-    return contact_case == SLIDING
+def is_case(known: float, *, contact_case: Array) -> Mask:
+    """True where the contact is in a `known` case."""
+    return contact_case == known
 
 
 def right_is_unlimited(*, inverse_limiting_friction: Array) -> Mask:

@@ -10,24 +10,101 @@ be nearest, with a proof of the same kind; where that fails too, rims have enter
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from vibrafeed.core.mechanics import cylinders
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.mechanics.cylinders import (
-    Cylinder,
-    Vector,
-    across,
-    cross,
-    dot,
-    norm,
-    plus,
-    scaled,
-    separation,
-)
 from vibrafeed.core.mechanics.rectangle_contact import ALIKE
+
+# --- Vectors in space as three arrays, so that each component broadcasts on its own grid.
+
+Vector = tuple[Array, Array, Array]
+"""Components along x, y, z."""
+
+
+def dot(a: Vector, b: Vector) -> Array:
+    """Return the scalar product a . b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """Return the vector product a x b."""
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+def norm(a: Vector) -> Array:
+    """Return the length |a| of a vector."""
+    return np.sqrt(dot(a, a))
+
+
+def scaled(a: Vector, by: Array | float) -> Vector:
+    """Return a vector times a number."""
+    return a[0] * by, a[1] * by, a[2] * by
+
+
+def plus(a: Vector, b: Vector, by: Array | float = 1.0) -> Vector:
+    """Return the sum a + by b."""
+    return a[0] + by * b[0], a[1] + by * b[1], a[2] + by * b[2]
+
+
+def minus(a: Vector, b: Vector) -> Vector:
+    """Return the difference a - b."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def across(a: Vector, axis: Vector) -> Vector:
+    """Return the component of a vector that is normal to a unit axis."""
+    return plus(a, axis, -dot(a, axis))
+
+
+def where(condition: Mask, a: Any, b: Any) -> Any:
+    """Return a vector, or the fields of a record: a where the condition holds, else b."""
+    return tuple(
+        where(condition, x, y) if isinstance(x, tuple) else np.where(condition, x, y)
+        for x, y in zip(a, b, strict=True)
+    )
+
+
+def direction(a: Vector, otherwise: Vector) -> Vector:
+    """Return the unit vector a/|a|; `otherwise` where a is 0."""
+    length = norm(a)
+    some = length > 0
+    return where(some, scaled(a, 1 / np.where(some, length, 1.0)), otherwise)
+
+
+def any_across(axis: Vector) -> Vector:
+    """Return some unit vector at right angles to a unit `axis`."""
+    z = axis[2]
+    flat = np.abs(z) > 0.5
+    zero = np.zeros_like(z)
+    e = where(flat, (np.ones_like(z), zero, zero), (zero, zero, np.ones_like(z)))
+    return direction(across(e, axis), e)
+
+
+class Cylinder(NamedTuple):
+    """Centre, unit axis, radius and half length."""
+
+    centre: Vector
+    axis: Vector
+    radius: Array
+    half: Array
+
+
+def support(body: Cylinder, n: Vector) -> Array:
+    """Return the extent of a cylinder from its centre in the direction n [m]."""
+    return body.half * np.abs(dot(n, body.axis)) + body.radius * norm(across(n, body.axis))
+
+
+def separation(body: Cylinder, other: Cylinder, n: Vector) -> Array:
+    """Return the distance of two cylinders along n, from `other` to `body`; < 0 in overlap [m]."""
+    between = dot(n, minus(body.centre, other.centre))
+    return between - support(body, n) - support(other, n)
+
 
 # --- The point of a cylinder's rim that is nearest to another cylinder (theory 8.2).
 
@@ -41,10 +118,8 @@ def minima(
 ) -> tuple[Array, Array]:
     """Return the angles of the two lowest minima of a function with the period 2 pi [rad].
 
-    Points of a rim that may touch another body are such minima of a distance. `value` gives the
-    function at an angle, `slope_and_bend` its first and second derivative, for arrays of cells;
-    samples find the minima, Newton's method refines them. Where there is one minimum only, both
-    angles are equal.
+    `slope_and_bend` gives its first and second derivative. Samples find the minima, Newton's method
+    refines them. Where there is one minimum only, both angles are equal.
     """
     step = 2 * np.pi / SAMPLES
     values = [value(t) for t in step * np.arange(SAMPLES)]
@@ -64,12 +139,6 @@ def minima(
 def _refined(
     t: Array, reach: float, slope_and_bend: Callable[[Array], tuple[Array, Array]]
 ) -> Array:
-    """Return the angle of a function's minimum near a sampled angle [rad].
-
-    `t` is the sample, `reach` the distance to its neighbours [rad], `slope_and_bend` returns first
-    and second derivative at an angle. Newton's steps stay in a bracket around the sample that
-    shrinks with each step.
-    """
     low, high = t - reach, t + reach
     done: Mask = np.zeros(np.shape(t), dtype=np.bool_)
     for _ in range(MAX_STEPS):
@@ -105,39 +174,29 @@ class Rim(NamedTuple):
 
 
 def _way(point: Vector, base: Cylinder) -> Vector:
-    """Return the vector from the nearest point of a cylinder `base` to a point [m].
-
-    `point` is given relative to the centre of `base`; inside the cylinder the vector is 0.
-    """
     height, off = dot(point, base.axis), across(point, base.axis)
     above = np.maximum(0.0, np.abs(height) - base.half) * np.where(height < 0, -1.0, 1.0)
     return plus(scaled(off, _free(norm(off), base.radius)), base.axis, above)
 
 
 def _free(distance: Array, radius: Array) -> Array:
-    """Return the share of a distance from an axis that lies beyond a radius; 0 inside [1]."""
     outside = distance > radius
     return np.where(outside, (distance - radius) / np.where(outside, distance, 1.0), 0.0)
 
 
 def _slope_and_bend(rim: Rim, base: Cylinder, angle: Array) -> tuple[Array, Array]:
-    """Return first and second derivative of d^2/2 by the angle of a point on a rim [m2].
-
-    d is the distance of the rim's point at `angle` [rad] from the cylinder `base`; `rim` is given
-    relative to the centre of `base`. A Newton iteration finds with them the point of the rim that
-    is nearest to the cylinder.
-    """
+    # First and second derivative of d^2/2 by the angle, d the distance of the rim's point.
     point, along = rim.at(angle), rim.along(angle)
     way, off = _way(point, base), across(point, base.axis)
     climb, beside = dot(along, base.axis), across(along, base.axis)
     # What moves away from the axis counts in full, what goes round it by the share outside.
     free = _free(norm(off), base.radius)
-    outward = dot(beside, cylinders.direction(off, base.axis))
+    outward = dot(beside, direction(off, base.axis))
     bend = np.where(np.abs(dot(point, base.axis)) > base.half, climb * climb, 0.0)
     bend = (
         bend + np.where(free > 0, outward * outward * (1 - free), 0.0) + free * dot(beside, beside)
     )
-    return dot(way, along), bend - dot(way, cylinders.minus(point, rim.middle))
+    return dot(way, along), bend - dot(way, minus(point, rim.middle))
 
 
 class Nearest(NamedTuple):
@@ -164,51 +223,34 @@ class Nearest(NamedTuple):
 def nearest_on_rims(body: Cylinder, base: Cylinder, size: Array) -> Nearest:
     """Return the gap between `base` and the nearest point on either rim of `body`, with normal.
 
-    Where no face or side holds the contact of two cylinders. The gap is in m, the normal points
-    from `base` to the rim, and `point` is the nearest point of `base`. `size` is the sum of both
-    half diagonals [m], by which the tolerance scales. `proven` is False where the bodies overlap,
-    or where no rim of `body` holds its nearest point.
+    `size` is the sum of both half diagonals [m], by which the tolerance scales. `proven` is False
+    where the bodies overlap, or where no rim of `body` holds its nearest point.
     """
-    first = cylinders.any_across(body.axis)
+    first = any_across(body.axis)
     radii = scaled(first, body.radius), scaled(cross(body.axis, first), body.radius)
     candidates: list[Nearest] = []
     for sign in (-1.0, 1.0):
-        middle = plus(cylinders.minus(body.centre, base.centre), body.axis, sign * body.half)
+        middle = plus(minus(body.centre, base.centre), body.axis, sign * body.half)
         rim = Rim(middle, *radii)
 
         def squared(angle: Array, rim: Rim = rim) -> Array:
-            """Return the squared distance of a rim point from the body."""
             way = _way(rim.at(angle), base)
             return dot(way, way)
 
         def derivatives(angle: Array, rim: Rim = rim) -> tuple[Array, Array]:
-            """Return first and second derivative of half the squared distance by the rim angle."""
             return _slope_and_bend(rim, base, angle)
 
         for angle in minima(squared, derivatives):
             way = _way(rim.at(angle), base)
             gap = norm(way)
-            n = cylinders.direction(way, body.axis)
+            n = direction(way, body.axis)
             proven = (gap > 0) & (np.abs(separation(body, base, n) - gap) <= ALIKE * size)
-            point = plus(base.centre, cylinders.minus(rim.at(angle), way))
+            point = plus(base.centre, minus(rim.at(angle), way))
             candidates.append(Nearest(gap, n, point, proven))
     best = candidates[0]
     for candidate in candidates[1:]:
-        best = chosen(best.proven, best, candidate)
+        best = Nearest(*where(best.proven, best, candidate))
     return best
-
-
-def chosen(mask: Mask, rim: Nearest, other: Nearest) -> Nearest:
-    """Return the nearest point of a rim: that of `rim` where `mask` holds, else of `other`.
-
-    All fields are arrays over the cells: gap [m], normal, point [m], and the mask `proven`.
-    """
-    return Nearest(
-        np.where(mask, rim.gap, other.gap),
-        cylinders.where(mask, rim.normal, other.normal),
-        cylinders.where(mask, rim.point, other.point),
-        np.where(mask, rim.proven, other.proven),
-    )
 
 
 # What `form` says.
@@ -250,11 +292,7 @@ class CylinderContact(NamedTuple):
 
 
 class _Form(NamedTuple):
-    """One of the forms that a contact can have, with the fields of `CylinderContact`.
-
-    `gap` is what its normal separates the bodies by, `body` the `face_body`; `proven` is true where
-    its points are as far apart as that, so that no other form can have a larger gap.
-    """
+    """One of the forms that a contact can have, with the fields of `CylinderContact`."""
 
     gap: Array
     form: Array
@@ -268,28 +306,21 @@ class _Form(NamedTuple):
 
 
 def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Form:
-    """Return the candidate for the contact of an end face of `base` with the body `other`.
-
-    The face may meet rim, side or face of `other`. The record has the gap [m], the normal from
-    `base` to `other`, the ends of the contact line (of a point both the same), and `proven`, where
-    the point lies on the face. `number`, 1 or 2, is the number of the body `base` in the pair,
-    `size` the sum of both half diagonals [m], by which tolerances scale.
-    """
-    u, apart = base.axis, cylinders.minus(other.centre, base.centre)
+    u, apart = base.axis, minus(other.centre, base.centre)
     n = scaled(u, np.where(dot(u, apart) < 0, -1.0, 1.0))
     w = dot(n, other.axis)
     leaning = across(n, other.axis)
-    down = cylinders.direction(leaning, cylinders.any_across(other.axis))
+    down = direction(leaning, any_across(other.axis))
     gap = separation(other, base, n)
     flat = 2 * other.radius * norm(leaning) <= ALIKE * size
     line = ~flat & (2 * other.half * np.abs(w) <= ALIKE * size)
     bottom = plus(other.centre, down, -other.radius)
     rim = plus(bottom, other.axis, np.where(w > 0, -other.half, other.half))
-    off = norm(across(cylinders.minus(rim, base.centre), u))
+    off = norm(across(minus(rim, base.centre), u))
     # The line of a side that lies on the face, as far as it crosses the disc.
     along = across(other.axis, u)
-    along = cylinders.direction(along, cylinders.any_across(u))
-    foot = across(cylinders.minus(bottom, base.centre), u)
+    along = direction(along, any_across(u))
+    foot = across(minus(bottom, base.centre), u)
     ahead = dot(foot, along)
     beside = norm(plus(foot, along, -ahead))
     chord = np.sqrt(np.maximum(0.0, (base.radius - beside) * (base.radius + beside)))
@@ -307,8 +338,8 @@ def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Fo
         np.where(flat, FACE_ON_FACE, np.where(line, SIDE_ON_FACE, RIM_ON_FACE)),
         np.where(flat, 0.0, number),
         n,
-        cylinders.where(line, plus(bottom, other.axis, low), rim),
-        cylinders.where(line, plus(bottom, other.axis, high), rim),
+        where(line, plus(bottom, other.axis, low), rim),
+        where(line, plus(bottom, other.axis, high), rim),
         line,
         flat | (np.abs(overlap) <= ALIKE * size),
         # Deeper than the base is thick, the point need not be in it.
@@ -317,34 +348,23 @@ def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Fo
 
 
 def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> list[_Form]:
-    """Return the candidates for the contact of both rims of `other` with the side of `base`.
-
-    Up to two for each rim. Each has gap [m], normal, point and a flag `proven`: its point is the
-    first of `other` along the normal, and lies on the side within its length. A rim point is a
-    candidate where its distance from the axis of `base` has a minimum by the angle on the rim.
-
-    `number`, 1 or 2, is the number of the body `base` in the pair, `size` the sum of both half
-    diagonals [m], by which tolerances scale.
-    """
     forms = []
-    e_1 = cylinders.any_across(other.axis)
+    e_1 = any_across(other.axis)
     e_2 = cross(other.axis, e_1)
     a_1 = scaled(across(e_1, base.axis), other.radius)
     a_2 = scaled(across(e_2, base.axis), other.radius)
     # Half the squared distance is F = p.a1 c + p.a2 s + (a1.a1 c^2 + 2 a1.a2 c s + a2.a2 s^2)/2.
     square, mixed = (dot(a_1, a_1) - dot(a_2, a_2)) / 2, dot(a_1, a_2)
     for sign in (-1.0, 1.0):
-        middle = plus(cylinders.minus(other.centre, base.centre), other.axis, sign * other.half)
+        middle = plus(minus(other.centre, base.centre), other.axis, sign * other.half)
         p = across(middle, base.axis)
         p_1, p_2 = dot(p, a_1), dot(p, a_2)
 
         def value(t: Array, p_1: Array = p_1, p_2: Array = p_2) -> Array:
-            """Return half the squared distance from the axis, less a constant, at rim angle t."""
             bending = square * np.cos(2 * t) + mixed * np.sin(2 * t)
             return p_1 * np.cos(t) + p_2 * np.sin(t) + bending / 2
 
         def derivatives(t: Array, p_1: Array = p_1, p_2: Array = p_2) -> tuple[Array, Array]:
-            """Return first and second derivative of `value` by the rim angle t."""
             c, s = np.cos(t), np.sin(t)
             c_2, s_2 = np.cos(2 * t), np.sin(2 * t)
             slope = -p_1 * s + p_2 * c - square * s_2 + mixed * c_2
@@ -355,8 +375,8 @@ def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> lis
             rim = plus(plus(middle, e_1, other.radius * c), e_2, other.radius * s)
             off = across(rim, base.axis)
             distance = norm(off)
-            n = cylinders.direction(off, cylinders.any_across(base.axis))
-            n = cylinders.direction(across(n, base.axis), n)
+            n = direction(off, any_across(base.axis))
+            n = direction(across(n, base.axis), n)
             gap = distance - base.radius
             overlap = base.half - np.abs(dot(rim, base.axis))
             point = plus(base.centre, rim)
@@ -373,21 +393,14 @@ def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> lis
 
 
 def _sides(body_1: Cylinder, body_2: Cylinder, size: Array) -> _Form:
-    """Return the candidate for the contact of two cylinders by their sides, crossed or parallel.
-
-    Crossed axes touch in a point, parallel ones along a line from `first` to `second`. The record
-    has the gap [m], the normal from body 2 to body 1, and `proven`, where the point or line lies on
-    both sides within their lengths. `size` is the sum of both half diagonals [m], by which
-    tolerances scale.
-    """
-    apart = cylinders.minus(body_1.centre, body_2.centre)
+    apart = minus(body_1.centre, body_2.centre)
     k = dot(body_1.axis, body_2.axis)
     turn = cross(body_1.axis, body_2.axis)
     sine = norm(turn)
     line = sine * (body_1.half + body_2.half) <= ALIKE * size
     off = across(apart, body_2.axis)
-    n = cylinders.where(line, off, scaled(turn, np.where(dot(turn, apart) < 0, -1.0, 1.0)))
-    n = cylinders.direction(n, cylinders.any_across(body_2.axis))
+    n = where(line, off, scaled(turn, np.where(dot(turn, apart) < 0, -1.0, 1.0)))
+    n = direction(n, any_across(body_2.axis))
     gap = dot(n, apart) - body_1.radius - body_2.radius
     square = np.where(line, 1.0, sine * sine)
     d_1, d_2 = dot(apart, body_1.axis), dot(apart, body_2.axis)
@@ -415,11 +428,6 @@ def _sides(body_1: Cylinder, body_2: Cylinder, size: Array) -> _Form:
 
 
 def _extent(form: _Form) -> Array:
-    """Return the rank of a contact form by what touches, to prefer the larger where gaps are alike.
-
-    0 for a point, 1 for a point on both rims, 2 for a line or a face, 3 for a face or for the end
-    of a line that lies on both rims; such an end has the normal of the line all the same.
-    """
     wide = form.line | (form.form == FACE_ON_FACE)
     return np.where(wide, 2.0, 0.0) + np.where(form.several, 1.0, 0.0)
 
@@ -450,24 +458,14 @@ def cylinder_contact(*, cylinder_1: Cylinder, cylinder_2: Cylinder) -> CylinderC
         ahead, alike = form.gap > best.gap, np.abs(form.gap - best.gap) <= ALIKE * size
         ahead = np.where(alike, _extent(form) > _extent(best), ahead)
         better = (form.proven & ~best.proven) | ((form.proven == best.proven) & ahead)
-        best = _Form(
-            np.where(better, form.gap, best.gap),
-            np.where(better, form.form, best.form),
-            np.where(better, form.body, best.body),
-            cylinders.where(better, form.normal, best.normal),
-            cylinders.where(better, form.first, best.first),
-            cylinders.where(better, form.second, best.second),
-            np.where(better, form.line, best.line),
-            np.where(better, form.several, best.several),
-            np.where(better, form.proven, best.proven),
-        )
+        best = _Form(*where(better, form, best))
     gap, normal = np.where(best.proven, best.gap, bound), best.normal
     first, second = best.first, best.second
     if not np.all(best.proven):
         rims = nearest_on_rims(body_1, body_2, size)
         use = rims.proven & ~best.proven
-        gap, normal = np.where(use, rims.gap, gap), cylinders.where(use, rims.normal, normal)
-        first, second = (cylinders.where(use, rims.point, point) for point in (first, second))
+        gap, normal = np.where(use, rims.gap, gap), where(use, rims.normal, normal)
+        first, second = (where(use, rims.point, point) for point in (first, second))
     return CylinderContact(
         gap=gap,
         size=size,

@@ -8,9 +8,12 @@ from zero to peak. Arrays broadcast; SI units, angles in radians.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 
-from vibrafeed.core.mechanics.arrays import Array, Mask, hypot
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, hypot, sine
 
 VACUUM_PERMEABILITY = 1.25663706127e-6  # N A-2, CODATA 2022
 FIRST_MODE = 22.373285448061052  # of a beam clamped at both ends: cos(x) cosh(x) = 1, squared
@@ -27,9 +30,8 @@ def leaf_stiffness(
 ) -> Array:  # fmt: skip
     """Return the stiffness of all leaf springs together, k = c_k n E b (t/L)^3 [N m-1].
 
-    n leaves of width b, thickness t and free length L between the clamps, whose ends stay parallel.
-    A leaf clamped at both ends is two cantilevers of L/2: 12 E I/L^3 with I = b t^3/12. c_k
-    (`clamp_factor`) is 1 for rigid clamps and less for real ones, which give.
+    n leaves of width b, thickness t and free length L, whose ends stay parallel: two cantilevers of
+    L/2 each. c_k is 1 for rigid clamps and less for real ones, which give.
     """
     slenderness = spring_thickness / spring_length
     cube = slenderness * slenderness * slenderness
@@ -52,8 +54,7 @@ def leaf_frequency(
 ) -> Array:
     """Return the first natural frequency of a leaf by itself, clamped at both ends [Hz].
 
-    f = x^2/(2 pi) (t/L^2) sqrt(E/(12 rho)): thickness t, free length L, density rho, and x =
-    4.7300407 the first root of cos(x) cosh(x) = 1.
+    f = x^2/(2 pi) (t/L^2) sqrt(E/(12 rho)), x = 4.7300407 the first root of cos(x) cosh(x) = 1.
     """
     speed = np.sqrt(elastic_modulus / (12 * spring_density))
     return FIRST_MODE / (2 * np.pi) * (spring_thickness / spring_length) * (speed / spring_length)
@@ -65,8 +66,8 @@ def leaf_mass(
 ) -> Array:  # fmt: skip
     """Return the mass of the leaves that moves with their moving ends, 13/35 of all [kg].
 
-    The other ends are held. Between its ends a leaf bends by 3 x^2 - 2 x^3 of the stroke, x from 0
-    to 1; 13/35 is the mean square.
+    Between its ends a leaf bends by 3 x^2 - 2 x^3 of the stroke, x from 0 to 1; 13/35 is the mean
+    square.
     """
     return 13 / 35 * spring_count * spring_density * spring_width * spring_thickness * spring_length
 
@@ -89,9 +90,9 @@ def unbalance_force(*, unbalance: Array, circular_frequency: Array) -> Array:
 def magnet_force(*, flux_density: Array, pole_area: Array) -> Array:
     """Return the amplitude of a magnet's force at the drive's frequency, F = B^2 A/(4 mu_0) [N].
 
-    B is the peak of the flux density in the gap [T], A the area of all poles [m2]. The pull B^2
-    A/(2 mu_0) swings by half of itself, at twice the line's frequency (full wave) or at the line's
-    (half wave).
+    B is the peak of the flux density in the gap, A the area of all poles. The pull B^2 A/(2 mu_0)
+    swings by half of itself, at twice the line's frequency (full wave) or at the line's (half
+    wave).
     """
     return flux_density * flux_density * pole_area / (4 * VACUUM_PERMEABILITY)
 
@@ -125,18 +126,12 @@ def damping(*, damping_ratio: Array, spring_stiffness: Array, generalised_mass: 
 
 
 def stroke(*, stroke_response: tuple[Array, ...]) -> Array:
-    """Return the amplitude of the stroke between both masses, along the line of the leaves [m].
-
-    The first two entries of `stroke_response` are real and imaginary part of the stroke [m].
-    """
+    """Return the amplitude of the stroke between both masses, along the line of the leaves [m]."""
     return hypot(stroke_response[0], stroke_response[1])
 
 
 def phase(*, stroke_response: tuple[Array, ...]) -> Array:
-    """Return the phase of the stroke behind the force, from 0 to -pi [rad].
-
-    The first two entries of `stroke_response` are real and imaginary part of the stroke [m].
-    """
+    """Return the phase of the stroke behind the force, from 0 to -pi [rad]."""
     return np.arctan2(stroke_response[1], stroke_response[0])
 
 
@@ -150,8 +145,7 @@ def drive_unit_power(
 ) -> Array:
     """Return the mean power of the drive's force, -F w Im(s)/2 [W].
 
-    Im(s) is the second entry of `stroke_response`: the stroke that lags the force by 90 degrees
-    [m].
+    Im(s), the stroke that lags the force by 90 degrees, is the second entry of `stroke_response`.
     """
     return -drive_force * circular_frequency * stroke_response[1] / 2
 
@@ -165,9 +159,9 @@ def second_over_first(
     """Return sine and cosine part, at 2 tau, of a track's second harmonic over its first [1].
 
     tau is the phase in which the first harmonic of the displacement is A sin(tau). The magnet pulls
-    the track back by F (cos(wt) + h cos(2wt)), h being `force_harmonic`. `first` and `second` are
-    real and imaginary part of the displacement per force at w and 2w, G_1 and G_2 [m N-1]: (sine,
-    cosine) = r (-sin psi, cos psi), r e^(i psi) = h G_2 conj(G_1)^2/|G_1|^3.
+    by F (cos(wt) + h cos(2wt)), h `force_harmonic`; `first` and `second` are the displacements per
+    force at w and 2w, G_1 and G_2 [m N-1]: (sine, cosine) = r (-sin psi, cos psi), r e^(i psi) = h
+    G_2 conj(G_1)^2/|G_1|^3.
     """
     size = hypot(*first)
     cos, sin = first[0] / size, first[1] / size
@@ -211,3 +205,211 @@ def is_overstressed(*, stress_margin: Array) -> Mask:
 def is_poorly_isolated(*, foot_frequency: Array, frequency: Array) -> Mask:
     """True where the unit rocks on its feet at more than a third of the drive's frequency."""
     return foot_frequency > frequency / 3
+
+
+# --- Bowl and base, leaves on a circle of radius r_s, tilted by th (theory 15.3).
+
+
+def bowl_mass(
+    *, moving_mass: Array, base_mass: Array, moving_inertia: Array, base_inertia: Array,
+    spring_radius: Array, spring_angle: Array,
+) -> Array:  # fmt: skip
+    """Return the moved mass of the empty unit, I_r (cos th/r_s)^2 + m_r sin^2 th [kg].
+
+    The bowl turns by Theta and lifts by r_s tan(th) Theta; the stroke of the leaves, on a circle of
+    radius r_s and tilted by th, is s = r_s Theta/cos(th). m_r = m1 m2/(m1 + m2) of bowl and base,
+    and I_r alike of their moments of inertia.
+    """
+    m1, m2, i1, i2 = moving_mass, base_mass, moving_inertia, base_inertia
+    turning, lifting = i1 * (i2 / (i1 + i2)), m1 * (m2 / (m1 + m2))
+    return turning * np.square(cosine(spring_angle) / spring_radius) + lifting * np.square(
+        sine(spring_angle)
+    )
+
+
+def loaded_inertia(*, moving_inertia: Array, load_mass: Array, load_radius: Array) -> Array:
+    """Return the inertia with a load that keeps to the track, I1 + m_l R_l^2 [kg m2]."""
+    return moving_inertia + load_mass * np.square(load_radius)
+
+
+def bowl_frequency(*, spring_stiffness: Array, bowl_mass: Array) -> Array:
+    """Return the natural frequency of the bowl, the base free, sqrt(k/m)/(2 pi) [Hz]."""
+    return np.sqrt(spring_stiffness / bowl_mass) / (2 * np.pi)
+
+
+def bowl_response(
+    *, drive_force: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
+    loaded_mass: Array, base_mass: Array, loaded_inertia: Array, base_inertia: Array,
+    load_damping: Array, load_radius: Array, spring_radius: Array, spring_angle: Array,
+) -> tuple[Array, Array, Array, Array]:  # fmt: skip
+    """Return the stroke of the leaf springs and the shares of turn and lift that the bowl makes.
+
+    Four arrays: real and imaginary part of s in s e^(iwt) for the force F cos(wt) [m], then the
+    bowl's share of the relative turn, |I2/(I1 + I2)|, and of the relative lift, |m2/(m1 + m2)| [1].
+
+    s = F/(k - m w^2 + i w c), m as of `bowl_mass`. A damper c_l from the load's radius R_l to the
+    ground makes m1 the mass m1 - i c_l/w, I1 the inertia I1 - i c_l R_l^2/w (theory 15.3).
+    """
+    w = circular_frequency
+    lost = load_damping / w
+    turning, turning_lost, turn = _reduced(
+        loaded_inertia, lost * np.square(load_radius), base_inertia
+    )
+    lifting, lifting_lost, lift = _reduced(loaded_mass, lost, base_mass)
+    of_turn, of_lift = (
+        np.square(cosine(spring_angle) / spring_radius),
+        np.square(sine(spring_angle)),
+    )
+    real = spring_stiffness - (turning * of_turn + lifting * of_lift) * w * w
+    imag = w * damping + (turning_lost * of_turn + lifting_lost * of_lift) * w * w
+    size = hypot(real, imag)
+    share = drive_force / size
+    return share * (real / size), -share * (imag / size), turn, lift
+
+
+def bowl_harmonic(
+    *, force_harmonic: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
+    loaded_mass: Array, base_mass: Array, loaded_inertia: Array, base_inertia: Array,
+    load_damping: Array, load_radius: Array, spring_radius: Array, spring_angle: Array,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Return sine and cosine part of the track's second harmonic, over its first, of a bowl [1].
+
+    As of `second_over_first`. Turn and lift of the bowl are taken to keep one proportion in both
+    harmonics: exact without a damper from track to ground (theory 15.5).
+    """
+    at = [
+        bowl_response(
+            drive_force=1.0 + 0.0 * circular_frequency, circular_frequency=w,
+            spring_stiffness=spring_stiffness, damping=damping, loaded_mass=loaded_mass,
+            base_mass=base_mass, loaded_inertia=loaded_inertia, base_inertia=base_inertia,
+            load_damping=load_damping, load_radius=load_radius, spring_radius=spring_radius,
+            spring_angle=spring_angle,
+        )[:2]
+        for w in (circular_frequency, 2.0 * circular_frequency)
+    ]  # fmt: skip
+    return second_over_first(force_harmonic, *at)
+
+
+def _reduced(mass: Array, lost: Array, other: Array) -> tuple[Array, Array, Array]:
+    # The reduced mass m1 m2/(m1 + m2) = real part - i loss, m1 = `mass` - i `lost`, lost = c/w of a
+    # damper c to the ground, m2 = `other`; and the share |m2/(m1 + m2)|.
+    total = mass + other
+    size = hypot(total, lost)
+    share = other / size
+    return share * (mass * (total / size) + lost * (lost / size)), share * share * lost, share
+
+
+def bowl_turn(
+    *, stroke: Array, stroke_response: tuple[Array, ...], spring_angle: Array, spring_radius: Array
+) -> Array:
+    """Return the amplitude of the bowl's own turning, s cos(th)/r_s I2/(I1 + I2) [rad].
+
+    I2/(I1 + I2) is the third entry of `stroke_response`.
+    """
+    return stroke * cosine(spring_angle) / spring_radius * stroke_response[2]
+
+
+def bowl_lift(*, stroke: Array, stroke_response: tuple[Array, ...], spring_angle: Array) -> Array:
+    """Return the amplitude of the bowl's own lift, s sin(th) m2/(m1 + m2), at every radius [m].
+
+    m2/(m1 + m2) is the fourth entry of `stroke_response`.
+    """
+    return stroke * sine(spring_angle) * stroke_response[3]
+
+
+def bowl_amplitude(*, radius: Array, bowl_turn: Array, bowl_lift: Array) -> Array:
+    """Return the amplitude of the track at its radius, hypot(r Theta_1, z_1) [m]."""
+    return hypot(radius * bowl_turn, bowl_lift)
+
+
+def bowl_angle(*, radius: Array, bowl_turn: Array, bowl_lift: Array, gamma: Array) -> Array:
+    """Return the angle of the vibration above the track, atan(z_1/(r Theta_1)) - gamma [rad].
+
+    It is the tilt of the leaf springs only where the base is held and r is theirs.
+    """
+    return np.arctan2(bowl_lift, radius * bowl_turn) - gamma
+
+
+# --- The track of a bowl: stretches of spirals, one after another from its start to the exit.
+#
+# In a stretch the radius grows in proportion to the turned angle (spiral of Archimedes), and the
+# track climbs at one angle. Its length is that of the turn, 2 pi n r/cos(gamma); what the growth of
+# the radius adds, (dr/(2 pi n r))^2/2 of it, is left out: 1e-4 of a usual bowl (theory 15.6).
+
+
+class Stretches(NamedTuple):
+    """The stretches of a track, from its start to its exit; tuples with an entry a stretch.
+
+    Attributes
+    ----------
+    start, end : tuple of ndarray
+        Radius at both ends [m].
+    length : tuple of ndarray
+        Length along the track [m].
+    """
+
+    start: tuple[Array, ...]
+    end: tuple[Array, ...]
+    length: tuple[Array, ...]
+
+
+def stretches_of(
+    start_radius: Array, radii: Sequence[Array], turns: Sequence[Array], climbs: Sequence[Array]
+) -> Stretches:
+    """Return the stretches of a bowl's track: their radii at both ends and their lengths [m].
+
+    A stretch begins where the one before ends. `radii` are those at the ends, `turns` n turns about
+    the bowl, `climbs` angles gamma [rad]: a stretch from r_1 to r_2 is pi n (r_1 + r_2)/cos(gamma)
+    long (theory 15.6).
+    """
+    starts = (start_radius, *radii[:-1])
+    lengths = tuple(
+        np.pi * count * (first + last) / cosine(climb)
+        for first, last, count, climb in zip(starts, radii, turns, climbs, strict=True)
+    )
+    return Stretches(tuple(starts), tuple(radii), lengths)
+
+
+def total_length(stretches: Stretches) -> Array:
+    """Return the length of the track [m]."""
+    total: Array = sum(stretches.length[1:], stretches.length[0])
+    return total
+
+
+def bounds(stretches: Stretches) -> list[Array]:
+    """Return the shares of the track's length at which stretches begin, then 1 for the exit [1].
+
+    One array more than there are stretches.
+    """
+    total, passed = total_length(stretches), [0.0 * stretches.length[0]]
+    for length in stretches.length:
+        passed.append(passed[-1] + length)
+    return [one / total for one in passed[:-1]] + [np.ones_like(total)]
+
+
+def radius_at(fraction: Array, stretches: Stretches) -> Array:
+    """Return the radius of the track at a share of its length [m].
+
+    `fraction` is that share. On a stretch from radius r_1 to r_2, r^2 = r_1^2 + (r_2^2 - r_1^2) x
+    at the share x of its own length, since dr ~ dphi and ds ~ r dphi.
+    """
+    ends = bounds(stretches)
+    radii = []
+    for first, last, low, high in zip(
+        stretches.start, stretches.end, ends[:-1], ends[1:], strict=True
+    ):
+        x = np.clip((fraction - low) / (high - low), 0.0, 1.0)
+        radii.append(np.sqrt(np.square(first) + (np.square(last) - np.square(first)) * x))
+    return picked(fraction, stretches, radii)
+
+
+def picked(fraction: Array, stretches: Stretches, values: Sequence[Array]) -> Array:
+    """Return the value, of one a stretch, that holds at a place of a bowl's track.
+
+    `fraction` is the place as a share of the track's length. Where two stretches meet, the later
+    one holds.
+    """
+    value = values[0]
+    for low, later in zip(bounds(stretches)[1:-1], values[1:], strict=True):
+        value = np.where(fraction >= low, later, value)
+    return np.asarray(value)

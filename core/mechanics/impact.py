@@ -40,28 +40,26 @@ class SpatialImpulse(NamedTuple):
     sticks: Mask
 
 
-class EdgeImpulse(NamedTuple):
-    """Impulses at both ends of a line of contact without friction.
+class EdgeAction(NamedTuple):
+    """The point of a touching line where the impulse acts.
 
     Attributes
     ----------
-    first, second : ndarray
-        Normal impulses at the ends.
-    again : ndarray of bool
-        Where an end that got no impulse approaches after the impact: another impact follows at
-        once, and this one does not tell the whole.
+    share : ndarray
+        Its distance from the first end of the line over the length, 0 to 1.
+    unknown : ndarray of bool
+        Where no single impulse describes the impact: an end approaches after it, so that another
+        follows at once.
     """
 
-    first: Array
-    second: Array
-    again: Mask
+    share: Array
+    unknown: Mask
 
 
 def frictionless(*, G_NN: Array, u_N: Array, restitution: Array) -> Array:
     """Return Newton's normal impulse -(1 + eps) u_N/G_NN, 0 where the bodies do not approach [N s].
 
-    G_NN is the Delassus number, velocity per impulse [kg-1], u_N the normal velocity before,
-    negative in approach [m s-1].
+    G_NN is the Delassus number, u_N the normal velocity before.
     """
     return (1 + restitution) * np.maximum(0.0, -u_N) / G_NN
 
@@ -69,18 +67,10 @@ def frictionless(*, G_NN: Array, u_N: Array, restitution: Array) -> Array:
 def _arrest(
     G_NN: Array, G_NT: Array, G_TT: Array, u_N: Array, u_T: Array, friction: Array
 ) -> Impulse:
-    """Return the impulse that stops the approach at a contact in the plane, with Coulomb friction.
-
-    The compression phase of an impact: the normal velocity `u_N` <= 0 [m s-1] becomes 0. G_NN,
-    G_NT, G_TT are the Delassus numbers, velocities per impulse [kg-1], `u_T` is the sliding
-    velocity [m s-1]. The result has normal and tangential impulse [N s], and where the contact
-    sticks.
-
-    On the line u_N' = 0 the tangential velocity grows strictly with L_T, and the friction cone cuts
-    an interval around L_T = 0 out of the line, infinite on a side where the cone does not meet it.
-    The impulse is the one that sticks, moved to the nearest end if it lies outside: exactly one
-    solution for any friction.
-    """
+    # Compression: u_N becomes 0. On the line u_N' = 0 the tangential velocity grows strictly with
+    # L_T, and the friction cone cuts an interval around L_T = 0 out of it, infinite on a side where
+    # the cone does not meet it. The impulse is the one that sticks, moved to the nearest end if it
+    # lies outside: exactly one solution for any friction.
     arrest = -u_N / G_NN
     coupling = G_NT / G_NN
     sticking = -(u_T + G_NT * arrest) / _positive(G_TT - G_NT * coupling, G_TT)
@@ -112,9 +102,7 @@ def moreau(
 ) -> Impulse:
     """Return Moreau's impulse, with one restitution for normal and sliding velocity, in one step.
 
-    G_NN, G_NT, G_TT are the Delassus numbers of the contact [kg-1], u_N (negative in approach) and
-    u_T its normal and sliding velocity before the impact [m s-1]; 0 where the bodies do not
-    approach (theory 5.3).
+    0 where the bodies do not approach (theory 5.3).
     """
     growth = 1 + restitution
     return _arrest(G_NN, G_NT, G_TT, growth * np.minimum(u_N, 0.0), growth * _met(u_N, u_T),
@@ -133,21 +121,9 @@ def pfeiffer_glocker(
 ) -> Impulse:
     """Return the impulse of compression and expansion at one contact, by Poisson's law.
 
-    Parameters
-    ----------
-    G_NN, G_NT, G_TT
-        Delassus numbers of the contact: velocity per impulse, normal and tangential [kg-1].
-    u_N, u_T
-        Normal velocity (negative in approach) and sliding velocity before the impact [m s-1].
-    friction, restitution
-        Friction coefficient, and eps, the normal impulse of the expansion over that of the
-        compression.
-
-    Returns
-    -------
-    Normal and tangential impulse [N s], and where the contact sticks at the end. The law would let
-    the expansion be larger where the contact would close again; a single contact never does (theory
-    5.3).
+    eps, the normal impulse of the expansion over that of the compression, is `restitution`. The law
+    would let the expansion be larger where the contact would close again; a single contact never
+    does (theory 5.3).
     """
     first = _arrest(G_NN, G_NT, G_TT, np.minimum(u_N, 0.0), _met(u_N, u_T), friction)
     sliding = np.where(
@@ -163,29 +139,25 @@ def pfeiffer_glocker(
 
 
 def _positive(difference: Array, term: Array) -> Array:
-    """Return a difference of Delassus numbers, no less than the rounding of its first term.
-
-    In exact numbers it is positive. With lever arms of 1e8 times a body's size, as of bodies far
-    apart, all digits cancel: any value within the rounding is then as good as another, but 0 cannot
-    divide and a negative one turns signs.
-    """
+    # A difference of Delassus numbers, positive in exact numbers. With lever arms of 1e8 times a
+    # body's size all digits cancel: any value within the rounding of the first term is then as good
+    # as another, but 0 cannot divide and a negative one turns signs.
     return np.maximum(difference, EPSILON * term)
 
 
 def _met(u_N: Array, u_T: Array) -> Array:
-    """Return the sliding velocity where the bodies approach, 0 elsewhere [m s-1]."""
     return np.where(u_N < 0, u_T, 0.0)
 
 
 def on_edge(
     *, G_11: Array, G_12: Array, G_22: Array, u_1: Array, u_2: Array, restitution: Array
-) -> EdgeImpulse:
-    """Return the normal impulses at both ends of a line of contact, without friction [N s].
+) -> EdgeAction:
+    """Return the point of a line of contact at which the resultant of both ends' impulses acts.
 
-    G_11, G_12, G_22 are the Delassus numbers of the ends 1 and 2, velocities per impulse [kg-1],
-    u_1 and u_2 their normal velocities before [m s-1]. Of L >= 0 and G L + (1 + eps) u >= 0, at
-    each end one is 0; G is positive definite, so that exactly one of the four combinations fits.
-    The result has also a mask `again`, where an end approaches still after the impact.
+    Without friction. G_11, G_12, G_22 are the Delassus numbers of the ends 1 and 2, velocities per
+    impulse [kg-1], u_1 and u_2 their normal velocities before [m s-1]. Of L >= 0 and
+    G L + (1 + eps) u >= 0, at each end one is 0; G is positive definite, so that exactly one of the
+    four combinations fits.
     """
     b_1, b_2 = (1 + restitution) * u_1, (1 + restitution) * u_2
     determinant = G_11 * G_22 - G_12 * G_12
@@ -201,8 +173,10 @@ def on_edge(
     L_2 = np.where(both, both_2, np.where(first, 0.0, only_2))
     slack = -1e-12 * (np.abs(u_1) + np.abs(u_2))
     after_1, after_2 = u_1 + G_11 * L_1 + G_12 * L_2, u_2 + G_12 * L_1 + G_22 * L_2
-    again = (L_1 + L_2 > 0) & ((after_1 < slack) | (after_2 < slack))
-    return EdgeImpulse(L_1, L_2, again)
+    total = L_1 + L_2
+    again = (total > 0) & ((after_1 < slack) | (after_2 < slack))
+    idle = np.where(u_2 < u_1, 1.0, 0.0)
+    return EdgeAction(np.where(total > 0, L_2 / np.where(total > 0, total, 1.0), idle), again)
 
 
 class SpatialDelassus(NamedTuple):
@@ -227,14 +201,10 @@ def _in_cone(
     b: tuple[Array, Array],
     friction: Array,
 ) -> tuple[tuple[Array, Array], Mask]:
-    """Return the tangential impulse with friction on a disc, and a mask where the contact sticks.
-
-    The impulse L [N s], with two components, obeys c + S L = -z L, |L| <= mu (a - b.L): `stiffness`
-    is S_11, S_12, S_22 [kg-1], `c` the sliding velocity without L [m s-1], and a - b.L the normal
-    impulse, with `a` [N s] and `b` [1]; mu is `friction`. z is 0 where the contact sticks and else
-    positive. On the axes of S, L_k = -c_k/(s_k + z); the root z of mu (a - b.L)/|L| - 1, nearly
-    linear in z, is bracketed by 0 and a bound and found by Newton's method with bisection.
-    """
+    # L with c + S L = -z L, |L| <= mu (a - b.L), and where it sticks (z = 0): S `stiffness` [kg-1],
+    # c the sliding velocity without L, a - b.L the normal impulse. On the axes of S,
+    # L_k = -c_k/(s_k + z); the root z of mu (a - b.L)/|L| - 1, nearly linear in z, is bracketed by
+    # 0 and a bound and found by Newton's method with bisection.
     S_11, S_12, S_22 = stiffness
     mean, difference = (S_11 + S_22) / 2, (S_11 - S_22) / 2
     s_1 = mean + np.hypot(difference, S_12)
@@ -280,13 +250,8 @@ def _in_cone(
 def _arrest_in_space(
     G: SpatialDelassus, u_N: Array, u: tuple[Array, Array], friction: Array
 ) -> SpatialImpulse:
-    """Return the impulse that stops the approach at a contact in space: the compression phase.
-
-    The normal velocity `u_N` <= 0 [m s-1] becomes 0; friction along two tangents stops the sliding
-    velocities `u` [m s-1] if it can, and is mu times the normal impulse else. `G` are the Delassus
-    numbers of the contact [kg-1]. The result has normal and tangential impulses [N s], and where
-    the contact sticks.
-    """
+    # Compression: the normal velocity u_N becomes 0; friction stops the sliding velocities if it
+    # can, and is mu times the normal impulse else.
     a, b = -u_N / G.NN, (G.N1 / G.NN, G.N2 / G.NN)
     stiffness = (
         _positive(G.T11 - G.N1 * b[0], G.T11),
@@ -305,8 +270,7 @@ def moreau_in_space(
 ) -> SpatialImpulse:
     """Return Moreau's impulse with a disc of friction, one restitution for all directions.
 
-    `G` are the Delassus numbers of the contact [kg-1], `u_N` (negative in approach) and `u` its
-    normal and two sliding velocities before the impact [m s-1] (theory 8.1).
+    Symbols as of `moreau`, with two tangents (theory 8.1).
     """
     growth = 1 + restitution
     met = (growth * _met(u_N, u[0]), growth * _met(u_N, u[1]))
@@ -319,23 +283,7 @@ def pfeiffer_glocker_in_space(
     """Return the impulse of compression and expansion at a contact in space, by Poisson's law.
 
     Friction may point in any direction of the tangential plane, with the size mu L_N at most
-    (theory 8.1).
-
-    Parameters
-    ----------
-    G
-        Delassus numbers of the contact: velocity per impulse, normal and along two tangents [kg-1].
-    u_N, u
-        Normal velocity, negative in approach, and both sliding velocities before the impact [m
-        s-1].
-    friction, restitution
-        Friction coefficient mu, and the normal impulse of the expansion over that of the
-        compression.
-
-    Returns
-    -------
-    Normal and tangential impulses [N s], and where the contact sticks. NaN where the contact would
-    close again in the expansion, which is not solved.
+    (theory 8.1). NaN where the contact would close again in the expansion, which is not solved.
     """
     met = (_met(u_N, u[0]), _met(u_N, u[1]))
     first = _arrest_in_space(G, np.minimum(u_N, 0.0), met, friction)

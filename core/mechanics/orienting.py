@@ -12,8 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibrafeed.core.mechanics.angles import cosine
-from vibrafeed.core.mechanics.arrays import Array, Mask, hypot, ratio
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, hypot, ratio
 
 Matrix = Sequence[Sequence[Array]]
 
@@ -73,9 +72,7 @@ def cylinder_aspects(*, length: Array, diameter: Array) -> tuple[Aspect, ...]:
 def prism_aspects(*, sides: Array, length: Array, diameter: Array) -> tuple[Aspect, ...]:
     """Return the sizes of a prism as it may lie: on a side, or on an end [m].
 
-    Each `Aspect` has height, width and length. `sides` is the number of its sides, `diameter` that
-    of the circle through its corners, `length` that along the axis. Above the side that it lies on
-    is another one, or a corner where their number is odd.
+    Above the side that it lies on is another one, or a corner where their number is odd.
     """
     inner = diameter / 2 * cosine(np.pi / sides)
     even = np.rint(sides / 2) * 2 == sides
@@ -86,52 +83,14 @@ def prism_aspects(*, sides: Array, length: Array, diameter: Array) -> tuple[Aspe
 def turned_aspects(*, diameter: Array, small_diameter: Array, height: Array) -> tuple[Aspect, ...]:
     """Return the sizes of a turned part as it may lie: upright, on its side, inverted [m].
 
-    Each `Aspect` has height, width and length. `diameter` d and `small_diameter` d_2 are those of
-    its ends, a distance `height` apart. On its side the rim of the large end is d cos(th) high, th
-    half the angle of the cone, and the other rim reaches out by d_2 sin(th) over the side.
+    On its side the rim of the large end is d cos(th) high, th half the angle of the cone, and the
+    other rim reaches out by d_2 sin(th) over the side.
     """
     apart = np.abs(diameter - small_diameter) / 2
     side = hypot(apart, height)
     large, small = np.maximum(diameter, small_diameter), np.minimum(diameter, small_diameter)
     lying = Aspect(large * (height / side), large, side + small * (apart / side))
     return Aspect(height, large, large), lying, Aspect(height, large, large)
-
-
-# --- what devices let pass, of one aspect
-
-
-def passes_wiper(aspect: Aspect, wiper_height: Array) -> Array:
-    """Return 1 where a part is no higher than the edge of a wiper and passes, else 0 [1]."""
-    return np.where(aspect.height <= wiper_height, 1.0, 0.0)
-
-
-def passes_ledge(aspect: Aspect, centre: Array, ledge_width: Array, delta: Array) -> Array:
-    """Return 1 where a part's centre is above a ledge along the wall and it passes, else 0.
-
-    The part passes where (w - a/2) + z tan(delta) > 0, with the ledge's width w, the part's size a
-    across the track and its centre's height z (`centre`) [m]: a track that leans by delta holds it
-    on the wall.
-    """
-    over = ledge_width - aspect.across / 2 + centre * np.tan(delta)
-    return np.where(over > 0, 1.0, 0.0)
-
-
-def passes_gap(aspect: Aspect, gap_length: Array) -> Array:
-    """Return 1 where a part is longer than twice a gap in the track, else 0.
-
-    Its centre is carried until its front has landed.
-    """
-    return np.where(aspect.along / 2 > gap_length, 1.0, 0.0)
-
-
-def passes_aspect(number: int, passed_aspect: Array) -> Array:
-    """Return 1 where the aspect `number`, from 1 on, is the one that may pass a device, else 0."""
-    return np.where(passed_aspect == number, 1.0, 0.0)
-
-
-def hangs_on_rail(rail_width: Array, shank_diameter: Array, diameter: Array) -> Array:
-    """Return 1 where a shank falls between two rails and the head of `diameter` does not."""
-    return np.where((shank_diameter < rail_width) & (rail_width < diameter), 1.0, 0.0)
 
 
 # --- matrices
@@ -142,20 +101,18 @@ def unchanged(aspects: int) -> Matrix:
     return [[np.asarray(float(i == j)) for j in range(aspects)] for i in range(aspects)]
 
 
-def test_of(kept: Sequence[Array]) -> Matrix:
-    """Return the diagonal matrix of a device that lets a share of each aspect pass."""
-    zero = np.zeros(())
-    return [[one if i == j else zero for j in range(len(kept))] for i, one in enumerate(kept)]
+def test_of(kept: Sequence[Mask]) -> Matrix:
+    """Return the diagonal matrix of a device that lets parts of an aspect pass or not."""
+    ones, zero = [np.where(one, 1.0, 0.0) for one in kept], np.zeros(())
+    return [[one if i == j else zero for j in range(len(kept))] for i, one in enumerate(ones)]
 
 
 def turning(matrix: Matrix, turned_share: Array, turn: Array, *, failed: bool) -> Matrix:
     """Return the matrix of a device that turns a share of the parts of one aspect into another.
 
-    Rows and columns are aspects before and after, entries shares [1]. `matrix` is that of the
-    device without turning; `turn` names the aspects as two digits, 21 from aspect 2 to 1, and
-    `turned_share` is the share that turns. If `failed` is True the share is of the parts that the
-    device rejects, and the others of these fall into the bowl; else of those that pass, and the
-    others stay.
+    `turn` names the aspects as two digits, 21 from aspect 2 to 1. If `failed` is True the share is
+    of the parts that the device rejects, and the others of these fall into the bowl; else of those
+    that pass, and the others stay.
     """
     places = range(len(matrix))
     rows = [[*row] for row in matrix]
@@ -180,17 +137,14 @@ def product(first: Matrix, second: Matrix) -> Matrix:
 
 
 def _sum(terms: Sequence[Array]) -> Array:
-    total = terms[0]
-    for term in terms[1:]:
-        total = total + term
-    return total
+    return sum(terms[1:], terms[0])
 
 
 def passed(shares: Sequence[Array], matrix: Matrix) -> PassedShares:
     """Return the shares of parts that leave a line, by aspect and in all.
 
-    `shares` are those of the arriving parts that lie in each aspect, `matrix` that of all the
-    line's devices: row i holds the share of parts of aspect i that leave in each aspect.
+    `shares` are those of the arriving parts in each aspect, `matrix` that of all the line's
+    devices.
     """
     aspects = range(len(shares))
     leaving = tuple(_sum([shares[i] * matrix[i][j] for i in aspects]) for j in aspects)
@@ -211,9 +165,8 @@ def outlet_share(
 ) -> Array:
     """Return the share of a flow that an outlet of some capacity takes, min(1, c/q) [1].
 
-    `capacity` c is the most parts a minute that pass; q is what arrives at it: `arrival_rate` parts
-    a minute come to the line with the `shares` of the aspects, of which the devices before the
-    outlet (`matrix`) let a share pass.
+    c is the most parts a minute that pass, q what arrives at it after the devices before
+    (`matrix`).
     """
     return np.minimum(1.0, ratio(capacity, arrival_rate * passed(shares, matrix).total, np.inf))
 
@@ -224,10 +177,9 @@ def outlet_share(
 def devices_in_order(order: Array, count: int) -> list[Array]:
     """Return the index of the device at each position, for one of the count! possible orders.
 
-    `order` is its number: orders count from 1 as words in a dictionary do: 1 is 1, 2, 3, ...; the
-    last one goes backwards. A number between two, where a search may look, means the nearer one.
-    The digits of order - 1 in the base of factorials say how many of the devices that are left come
-    before.
+    Orders count from 1 as words in a dictionary do: 1 is 1, 2, 3, ...; the last one goes backwards.
+    A number between two, where a search may look, means the nearer one. The digits of order - 1 in
+    the base of factorials say how many of the devices that are left come before.
     """
     digits, left = [], np.rint(order) - 1
     for position in range(count - 1):
@@ -261,8 +213,8 @@ def laps_variance(*, line: PassedShares) -> Array:
 def laps_99(*, line: PassedShares) -> Array:
     """Return the number of laps within which 99 of 100 parts pass, ln 0.01/ln(1 - eta) [1].
 
-    Rejected parts go round once more. eta is the yield of the `line`, its share of parts that pass
-    in a lap. At least 1; infinite where no part passes.
+    eta is the yield: the share of parts that pass in a lap. At least 1; infinite where no part
+    passes.
     """
     some = (line.lost > 0) & (line.total > 0)
     few = some & (line.total < 0.5)  # where 1 - eta would lose what eta is
@@ -274,10 +226,7 @@ def laps_99(*, line: PassedShares) -> Array:
 
 
 def time_per_part(*, lap_time: Array, laps: Array) -> Array:
-    """Return the mean time of a part in the bowl until it passes, T/eta [s].
-
-    T is the time of a lap, 1/eta the mean number of laps.
-    """
+    """Return the mean time of a part in the bowl until it passes, T/eta [s]."""
     return lap_time * laps
 
 
@@ -299,17 +248,14 @@ def line_yield(*, line: PassedShares) -> Array:
 
 
 def line_feed_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
-    """Return the number of parts that leave the line per minute, in any aspect, q eta [min-1].
-
-    q parts a minute arrive, of which the share eta passes.
-    """
+    """Return the number of parts that leave the line per minute, in any aspect, q eta [min-1]."""
     return arrival_rate * line.total
 
 
 def return_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
     """Return the number of parts that fall back into the bowl per minute, q (1 - eta) [min-1].
 
-    q parts a minute arrive, of which the share eta passes. It is 0 where all parts pass.
+    0 where all parts pass.
     """
     return arrival_rate * line.lost
 
@@ -317,7 +263,7 @@ def return_rate(*, arrival_rate: Array, line: PassedShares) -> Array:
 def purity(*, line: PassedShares, wanted_aspect: Array) -> Array:
     """Return the share of the leaving parts that lie in the wanted aspect [1].
 
-    `wanted_aspect` is its number, counted from 1. NaN where no part leaves.
+    NaN where no part leaves.
     """
     return _wanted(line.pure, wanted_aspect)
 
@@ -325,22 +271,17 @@ def purity(*, line: PassedShares, wanted_aspect: Array) -> Array:
 def leaving_wanted(*, line: PassedShares, wanted_aspect: Array) -> Array:
     """Return the share of the arriving parts that leave a line of devices as they are wanted [1].
 
-    `wanted_aspect` is the number of the wanted aspect, such as flat or upright, counted from 1.
+    `wanted_aspect` is the number of their aspect, from 1.
     """
     return _wanted(line.leaving, wanted_aspect)
 
 
 def oriented_feed_rate(*, arrival_rate: Array, line: PassedShares, wanted_aspect: Array) -> Array:
-    """Return the number of parts that leave in the wanted aspect per minute [min-1].
-
-    The line's feed rate times its purity: q parts a minute arrive, of which the share e* leaves as
-    wanted.
-    """
+    """Return the number of parts that leave in the wanted aspect per minute [min-1]."""
     return arrival_rate * _wanted(line.leaving, wanted_aspect)
 
 
 def _wanted(shares: Sequence[Array], wanted_aspect: Array) -> Array:
-    """Return the share of the wanted aspect, counted from 1."""
     wanted = shares[0]
     for place, share in enumerate(shares[1:], 2):
         wanted = np.where(wanted_aspect == place, share, wanted)
@@ -361,26 +302,22 @@ DEVIATIONS = 1.959963984540054
 """Standard deviations from the mean within which 95 % of a normal distribution lie."""
 
 
-def posterior_shares(counts: Sequence[Array]) -> tuple[Array, ...]:
+def posterior_shares(**counts: Array) -> tuple[Array, ...]:
     """Return the share of parts that come to rest in each aspect, estimated from a drop test [1].
 
-    `counts` are the parts seen in each of K aspects, n_o, N in all: the mean of Dirichlet's
-    distribution, (n_o + 1/2)/(N + K/2).
+    The mean of Dirichlet's distribution, (n_o + 1/2)/(N + K/2): n_o parts were seen in each of K
+    aspects, N in all.
     """
-    total = posterior_count(counts)
-    return tuple((one + PRIOR) / total for one in counts)
+    total = posterior_count(**counts)
+    return tuple((one + PRIOR) / total for one in counts.values())
 
 
-def posterior_count(counts: Sequence[Array]) -> Array:
+def posterior_count(**counts: Array) -> Array:
     """Return the sum of the counts of a drop test's aspects with their prior, N + K/2 [1].
 
-    It is the weight of the test. `counts` has an array for each of the K aspects, with the parts
-    that came to rest in it, N in total; each aspect counts 1/2 before the test.
+    The weight of the test: N parts came to rest in K aspects, each of which counts 1/2 before it.
     """
-    total = counts[0] + PRIOR
-    for one in counts[1:]:
-        total = total + (one + PRIOR)
-    return total
+    return _sum([one + PRIOR for one in counts.values()])
 
 
 def yield_deviation(
@@ -389,8 +326,7 @@ def yield_deviation(
     """Return the standard deviation of the yield that a drop test leaves [1].
 
     sqrt(sum p_o (v_o - eta)^2/(A + 1)): p_o are the counted shares of the aspects, v_o the shares
-    of them that pass the line, eta the yield (both in `counted_line`), and A (`drop_count`) is N +
-    K/2.
+    of them that pass, eta the yield, A = N + K/2.
     """
     total = counted_line.total
     return _deviation(counted_shares, [v - total for v in counted_line.passing], drop_count)
@@ -401,7 +337,7 @@ def tested_line_ends(
 ) -> tuple[PassedShares, PassedShares]:
     """Return the lower and the upper ends of all shares of a line after a drop test [1].
 
-    Each share has its own interval of 95 %: the quantiles of the beta distribution with its mean
+    Each share has its own interval of 95 %, the quantiles of the beta distribution with its mean
     and standard deviation, which is exactly the yield's where each aspect passes as a whole or not
     at all. That of a purity, the quotient of two such shares, is taken to first order.
     """
@@ -432,10 +368,6 @@ def tested_line_ends(
 
 
 def _deviation(shares: Sequence[Array], off: Sequence[Array], drop_count: Array) -> Array:
-    """Return the standard deviation of a sum of Dirichlet's shares with weights [1].
-
-    `off` are the weights less their mean, for each of the `shares`; `drop_count` is N + K/2.
-    """
     squares = sum(p * np.square(v) for p, v in zip(shares, off, strict=True))
     return np.sqrt(squares / (drop_count + 1))
 
@@ -443,11 +375,10 @@ def _deviation(shares: Sequence[Array], off: Sequence[Array], drop_count: Array)
 def quantile(mean: Array, deviation: Array, side: int) -> Array:
     """Return an end of the 95 % interval of a beta distribution by its mean and deviation [1].
 
-    For a share known from a drop test. `deviation` is the standard deviation, `side` is -1 for the
-    lower end, 1 for the upper. With the distribution's parameters a and b, its variable x and F = b
-    x/(a (1 - x)), the quotient of F^(1/3) (1 - 1/(9 b)) - (1 - 1/(9 a)) and sqrt(F^(2/3)/(9 b) +
-    1/(9 a)) is nearly standard normal (Paulson 1942): the ends are right to 0.02 standard
-    deviations for a, b >= 1, and to 0.07 where nothing was counted.
+    `side` is -1 for the lower end, 1 for the upper. With the distribution's parameters a and b, its
+    variable x and F = b x/(a (1 - x)), the quotient of F^(1/3) (1 - 1/(9 b)) - (1 - 1/(9 a)) and
+    sqrt(F^(2/3)/(9 b) + 1/(9 a)) is nearly standard normal (Paulson 1942): the ends are right to
+    0.02 standard deviations for a, b >= 1, and to 0.07 where nothing was counted.
     """
     spread = (deviation > 0) & (mean > 0) & (mean < 1)
     m, s = np.where(spread, mean, 0.5), np.where(spread, deviation, 0.1)

@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibrafeed.core.mechanics.angles import cosine, sine
-from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, sine
 
 # Share of the parts' size below which lengths count as equal: two corners on a face, or a corner on
 # a corner. Far above rounding, far below what a part is made to.
@@ -66,25 +65,7 @@ class RectangleContact(NamedTuple):
 
 
 class _Face(NamedTuple):
-    """A face of a body, and the other body as seen from it; lengths in m.
-
-    Attributes
-    ----------
-    gap : ndarray
-        Distance of the other body along the outward normal; negative in overlap.
-    n_x, n_y : ndarray
-        Outward normal.
-    x, y : ndarray
-        Centre of the body of the face.
-    distance, half : ndarray
-        Distance of the face from that centre, and half the length of the face.
-    other_x, other_y, c, s : ndarray
-        Centre of the other body, and the unit vector (c, s) along its length.
-    half_length, half_width : ndarray
-        Half lengths of the other body.
-    body : ndarray
-        Number of the body of the face, 1 or 2.
-    """
+    """A face of a body, and the other body as seen from it; lengths in m."""
 
     gap: Array
     n_x: Array
@@ -106,13 +87,6 @@ def _faces(
     body: float, x: Array, y: Array, angle: Array, half_length: Array, half_width: Array,
     other_x: Array, other_y: Array, other_angle: Array, other_length: Array, other_width: Array,
 ) -> tuple[_Face, _Face]:  # fmt: skip
-    """Return the two faces of a rectangle, one for each axis, that look at another rectangle.
-
-    The candidates for their contact, each with gap [m] and normal. `body` is the number of the
-    rectangle, 1 or 2. (x, y), `angle` [rad], `half_length` and `half_width` are its centre, the
-    direction of its length and half its sizes [m]; the `other_` arguments are those of the other,
-    lengths and widths halved, too.
-    """
     c, s = cosine(angle), sine(angle)
     other_c, other_s = cosine(other_angle), sine(other_angle)
     turn = other_angle - angle
@@ -133,7 +107,6 @@ def _faces(
 
 
 def _nearer(face: _Face, other: _Face) -> _Face:
-    """Return, in each cell, the one of two faces with the larger gap."""
     first = face.gap >= other.gap
     return _Face(*(np.where(first, a, b) for a, b in zip(face, other, strict=True)))
 

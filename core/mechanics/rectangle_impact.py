@@ -1,33 +1,19 @@
-"""Impact of two rectangles: contact, inertia in the contact, impulse (theory 5).
+"""Impact of two rectangles: contact, impulse, motion after it, energy, balances (theory 5).
 
 All functions take and return broadcastable float64 arrays, SI units, angles in radians.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from vibrafeed.core.mechanics import impact
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.mechanics.impact import Impulse, only_in_impact
+from vibrafeed.core.mechanics.impact import EdgeAction, Impulse, only_in_impact
 from vibrafeed.core.mechanics.rectangle_contact import Rectangle, RectangleContact
-
-
-class EdgeAction(NamedTuple):
-    """The point of a touching edge where the impulse acts.
-
-    Attributes
-    ----------
-    share : ndarray
-        Its distance from the first end of the edge over the length, 0 to 1.
-    unknown : ndarray of bool
-        Where no single impulse describes the impact of the edge.
-    """
-
-    share: Array
-    unknown: Mask
 
 
 class Arms(NamedTuple):
@@ -62,28 +48,16 @@ class BodyVelocities(NamedTuple):
 # --- the bodies
 
 
-def rectangle_1(
-    *, position_x_1: Array, position_y_1: Array, angle_1: Array, length_1: Array, width_1: Array
+def rectangle(
+    *, position_x: Array, position_y: Array, angle: Array, length: Array, width: Array
 ) -> Rectangle:
-    """Return the place and shape of body 1."""
-    return Rectangle(position_x_1, position_y_1, angle_1, length_1, width_1)
+    """Return the place and shape of a body."""
+    return Rectangle(position_x, position_y, angle, length, width)
 
 
-def rectangle_2(
-    *, position_x_2: Array, position_y_2: Array, angle_2: Array, length_2: Array, width_2: Array
-) -> Rectangle:
-    """Return the place and shape of body 2."""
-    return Rectangle(position_x_2, position_y_2, angle_2, length_2, width_2)
-
-
-def inertia_1(*, mass_1: Array, length_1: Array, width_1: Array) -> Array:
-    """Return the moment of inertia of body 1, m (a^2 + h^2)/12 [kg m2]."""
-    return mass_1 * (length_1 * length_1 + width_1 * width_1) / 12
-
-
-def inertia_2(*, mass_2: Array, length_2: Array, width_2: Array) -> Array:
-    """Return the moment of inertia of body 2, m (a^2 + h^2)/12 [kg m2]."""
-    return mass_2 * (length_2 * length_2 + width_2 * width_2) / 12
+def inertia(*, mass: Array, length: Array, width: Array) -> Array:
+    """Return the moment of inertia of a body, m (a^2 + h^2)/12 [kg m2]."""
+    return mass * (length * length + width * width) / 12
 
 
 def rectangle_masses(
@@ -118,11 +92,6 @@ def _closing(
     body_2: Rectangle,
     motion: BodyVelocities,
 ) -> Array:
-    """Return the velocity of body 1 relative to body 2 at a point, along a direction [m s-1].
-
-    The point is (x, y) [m], the direction the unit vector (n_x, n_y), `motion` the velocities of
-    both bodies.
-    """
     u = motion
     slip_x = (u.velocity_x_1 - u.spin_1 * (y - body_1.y)) - (
         u.velocity_x_2 - u.spin_2 * (y - body_2.y)
@@ -144,15 +113,9 @@ def edge_action_without_friction(
 ) -> EdgeAction:
     """Return the point of a touching edge at which the resultant of the impulses at its ends acts.
 
-    Two rectangles meet along an edge without friction. The impulses L at its ends are solved
-    together: L >= 0, G L + (1 + eps) u >= 0, at each end one of both 0, with the Delassus numbers G
-    and approach velocities u (theory 1.4). The normals are parallel, so that the resultant alone
-    gives the impact.
-
-    `rectangle_contact` has the normal and the ends of the edge [m], `rectangle_masses` masses and
-    moments of inertia [kg, kg m2], `planar_motion` velocities and spins before the impact [m s-1,
-    rad s-1]. The result is the point's share of the way from the first end to the second [1], and a
-    mask of edges of which an end approaches again, which the law does not solve.
+    The impulses L at both ends of the edge are solved together: L >= 0, G L + (1 + eps) u >= 0, at
+    each end one of both 0 (theory 1.4). The normals are parallel, so that the resultant alone gives
+    the impact.
     """
     at = rectangle_contact
     u_1, u_2 = (
@@ -167,7 +130,7 @@ def edge_action_without_friction(
     first_1, second_1, first_2, second_2 = arms
     mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
     free = 1 / mass_1 + 1 / mass_2
-    both = impact.on_edge(
+    action = impact.on_edge(
         G_11=free + first_1 * first_1 / inertia_1 + first_2 * first_2 / inertia_2,
         G_12=free + first_1 * second_1 / inertia_1 + first_2 * second_2 / inertia_2,
         G_22=free + second_1 * second_1 / inertia_1 + second_2 * second_2 / inertia_2,
@@ -175,10 +138,7 @@ def edge_action_without_friction(
         u_2=u_2,
         restitution=restitution,
     )
-    total = both.first + both.second
-    idle = np.where(u_2 < u_1, 1.0, 0.0)
-    share = np.where(total > 0, both.second / np.where(total > 0, total, 1.0), idle)
-    return EdgeAction(share, at.edge & both.again)
+    return EdgeAction(action.share, at.edge & action.unknown)
 
 
 def edge_action_with_friction(
@@ -190,11 +150,8 @@ def edge_action_with_friction(
 ) -> EdgeAction:
     """Return the end of a touching edge that approaches faster, where the impulse then acts.
 
-    With friction an impact at one end of the edge is solved, one at both ends at once is not. The
-    result is the point's share of the way from the first end to the second, 0 or 1, and the mask
-    `unknown` of edges that approach at all (regime `simultaneous`). `rectangle_contact` has normal
-    and ends of the edge [m], `planar_motion` velocities and spins before the impact [m s-1, rad
-    s-1].
+    An impact at one end of the edge is solved, one at both ends at once is not: edges that approach
+    at all are `unknown`.
     """
     at = rectangle_contact
     u_1, u_2 = (
@@ -204,16 +161,13 @@ def edge_action_with_friction(
     return EdgeAction(np.where(u_2 < u_1, 1.0, 0.0), at.edge & (np.minimum(u_1, u_2) < 0))
 
 
-def contact_x(*, rectangle_contact: RectangleContact, edge_action: EdgeAction) -> Array:
-    """Return the point where the impulse acts, x [m]."""
+def contact_point(
+    axis: int, *, rectangle_contact: RectangleContact, edge_action: EdgeAction
+) -> Array:
+    """Return the point where the impulse acts, x (`axis` 0) or y (1) [m]."""
     at = rectangle_contact
-    return at.first_x + edge_action.share * (at.second_x - at.first_x)
-
-
-def contact_y(*, rectangle_contact: RectangleContact, edge_action: EdgeAction) -> Array:
-    """Return the point where the impulse acts, y [m]."""
-    at = rectangle_contact
-    return at.first_y + edge_action.share * (at.second_y - at.first_y)
+    first, second = ((at.first_x, at.second_x), (at.first_y, at.second_y))[axis]
+    return first + edge_action.share * (second - first)
 
 
 def contact_arms(
@@ -227,9 +181,8 @@ def contact_arms(
 ) -> Arms:
     """Return the lever arms of the contact about both centres, rho x n and rho x t [m].
 
-    rho x n and rho x t of each body: rho leads from its centre to the contact (`contact_x`,
-    `contact_y`) [m], n is the unit normal and t = (-n_y, n_x) the tangent. By them impulses turn
-    the bodies.
+    rho leads from a body's centre to the contact, n is the unit normal and t = (-n_y, n_x) the
+    tangent.
     """
     x_1, y_1 = contact_x - rectangle_1.x, contact_y - rectangle_1.y
     x_2, y_2 = contact_x - rectangle_2.x, contact_y - rectangle_2.y
@@ -247,7 +200,7 @@ def contact_arms(
 def delassus_normal(*, contact_arms: Arms, rectangle_masses: RectangleMasses) -> Array:
     """Return the Delassus number 1/m1 + 1/m2 + (rho1 x n)^2/I1 + (rho2 x n)^2/I2 [kg-1].
 
-    It is the normal velocity of the contact per normal impulse; rho x n is the arm of the normal.
+    The normal velocity of the contact per normal impulse.
     """
     mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
     of_1, of_2 = contact_arms.normal_1, contact_arms.normal_2
@@ -257,10 +210,7 @@ def delassus_normal(*, contact_arms: Arms, rectangle_masses: RectangleMasses) ->
 def delassus_coupling(*, contact_arms: Arms, rectangle_masses: RectangleMasses) -> Array:
     """Return the Delassus number (rho1 x n)(rho1 x t)/I1 + (rho2 x n)(rho2 x t)/I2 [kg-1].
 
-    G_NT = (rho1 x n)(rho1 x t)/I1 + (rho2 x n)(rho2 x t)/I2: the relative tangential velocity per
-    normal impulse, and the reverse. `contact_arms` holds the levers rho x n and rho x t of normal
-    and tangent about the centres of both bodies [m], `rectangle_masses` their moments of inertia
-    I1, I2 [kg m2].
+    The relative tangential velocity per normal impulse, and the reverse.
     """
     arms, masses = contact_arms, rectangle_masses
     return (
@@ -272,8 +222,7 @@ def delassus_coupling(*, contact_arms: Arms, rectangle_masses: RectangleMasses) 
 def delassus_tangential(*, contact_arms: Arms, rectangle_masses: RectangleMasses) -> Array:
     """Return the Delassus number 1/m1 + 1/m2 + (rho1 x t)^2/I1 + (rho2 x t)^2/I2 [kg-1].
 
-    It is the tangential velocity of the contact per tangential impulse; rho x t is the arm of the
-    tangent.
+    The tangential velocity of the contact per tangential impulse.
     """
     mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
     of_1, of_2 = contact_arms.tangential_1, contact_arms.tangential_2
@@ -289,9 +238,7 @@ def approach_normal(
 ) -> Array:
     """Return the relative normal velocity of two bodies at their contact before an impact [m s-1].
 
-    n.(v1 + w1 x rho1 - v2 - w2 x rho2), negative in approach: velocity v and spin w of each body
-    (`planar_motion`), rho from its centre to the contact, whose levers about the normal are in
-    `contact_arms` [m], and the unit normal n (`normal_x`, `normal_y`), from body 2 to body 1.
+    n.(v1 + w1 x rho1 - v2 - w2 x rho2), negative in approach.
     """
     u = planar_motion
     drift_x, drift_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2
@@ -308,9 +255,7 @@ def approach_tangential(
 ) -> Array:
     """Return the tangential velocity of the contact points before an impact [m s-1].
 
-    Of body 1 relative to body 2, t.(v1 + w1 x rho1 - v2 - w2 x rho2): velocity v and spin w of each
-    body, rho from its centre to the contact (`contact_arms`), and the tangent t = (-n_y, n_x) to
-    the normal n.
+    t.(v1 + w1 x rho1 - v2 - w2 x rho2).
     """
     u = planar_motion
     drift_x, drift_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2
@@ -324,7 +269,7 @@ def approach_tangential(
 def is_apart(*, rectangle_contact: RectangleContact, contact_tolerance: Array) -> Mask:
     """True where the gap exceeds the tolerance, or the nearest corner lies beside the face.
 
-    The tolerance is a share of the bodies' size [1].
+    The tolerance is a share of the bodies' size.
     """
     at = rectangle_contact
     return (at.gap > contact_tolerance * at.size) | (at.beside & (at.gap >= 0))
@@ -336,12 +281,12 @@ def overlaps(*, rectangle_contact: RectangleContact, contact_tolerance: Array) -
     return (at.gap < -contact_tolerance * at.size) | (at.beside & (at.gap < 0))
 
 
-def is_corner_on_corner(*, rectangle_contact: RectangleContact) -> Mask:
+def lacks_single_point(*, rectangle_contact: RectangleContact) -> Mask:
     """True where a corner meets a corner: the normal is not unique."""
     return rectangle_contact.at_corner
 
 
-def is_edge_on_edge(*, edge_action: EdgeAction) -> Mask:
+def lacks_single_impulse(*, edge_action: EdgeAction) -> Mask:
     """True where an edge meets an edge and no single impulse tells the result."""
     return edge_action.unknown
 
@@ -362,12 +307,6 @@ def _only_at_one_contact(
     tolerance: Array,
     edge_action: EdgeAction,
 ) -> Impulse:
-    """Return an impulse with 0 where two bodies are apart and NaN where the law does not hold.
-
-    It does not hold where they overlap by more than `tolerance` (a share of their size), touch
-    corner on corner, or edge on edge in a way that no single impulse describes
-    (`edge_action.unknown`). `at` is the record of their contact, with gap and kind.
-    """
     nothing = is_apart(rectangle_contact=at, contact_tolerance=tolerance)
     unknown = overlaps(rectangle_contact=at, contact_tolerance=tolerance)
     unknown = unknown | ((at.at_corner | edge_action.unknown) & ~nothing)
@@ -389,15 +328,15 @@ def frictionless_impulse(
 ) -> Impulse:
     """Return Newton's impulse without friction, L_N = -(1 + eps) u_N/G_NN, on body 1 [N s].
 
-    eps is the restitution, u_N the approach velocity, G_NN the Delassus number. 0 where the bodies
-    are apart, NaN where they overlap or the impact has no single impulse.
+    0 where the bodies are apart, NaN where they overlap or the impact has no single impulse.
     """
     normal = impact.frictionless(G_NN=delassus_normal, u_N=approach_normal, restitution=restitution)
     impulse = Impulse(normal, np.zeros_like(normal), np.zeros(normal.shape, dtype=np.bool_))
     return _only_at_one_contact(impulse, rectangle_contact, contact_tolerance, edge_action)
 
 
-def pfeiffer_glocker_impulse(
+def impulse_with_friction(
+    law: Callable[..., Impulse],
     *,
     rectangle_contact: RectangleContact,
     contact_tolerance: Array,
@@ -410,13 +349,11 @@ def pfeiffer_glocker_impulse(
     friction: Array,
     restitution: Array,
 ) -> Impulse:
-    """Return the impulse of compression and expansion with friction on body 1 [N s].
+    """Return the impulse on body 1 by a `law` of impact with friction [N s].
 
-    The law of Pfeiffer and Glocker; the restitution is Poisson's: expansion over compression of the
-    normal impulse. 0 where the bodies are apart, NaN where they overlap or the impact has no single
-    impulse.
+    0 where the bodies are apart, NaN where they overlap or the impact has no single impulse.
     """
-    impulse = impact.pfeiffer_glocker(
+    impulse = law(
         G_NN=delassus_normal,
         G_NT=delassus_coupling,
         G_TT=delassus_tangential,
@@ -428,34 +365,101 @@ def pfeiffer_glocker_impulse(
     return _only_at_one_contact(impulse, rectangle_contact, contact_tolerance, edge_action)
 
 
-def moreau_impulse(
+# --- after the impact
+
+
+def motion_after(
     *,
-    rectangle_contact: RectangleContact,
-    contact_tolerance: Array,
-    edge_action: EdgeAction,
-    delassus_normal: Array,
-    delassus_coupling: Array,
-    delassus_tangential: Array,
+    planar_impulse: Impulse,
+    contact_arms: Arms,
+    normal_x: Array,
+    normal_y: Array,
+    planar_motion: BodyVelocities,
+    rectangle_masses: RectangleMasses,
+) -> BodyVelocities:
+    """Return the velocities and spins of both bodies after an impact [m s-1, rad s-1].
+
+    v + L/m and w + (rho x L)/I for body 1, with a minus for body 2; L is the impulse on body 1.
+    """
+    L_N, L_T, arms = planar_impulse.normal, planar_impulse.tangential, contact_arms
+    L_x, L_y = normal_x * L_N - normal_y * L_T, normal_y * L_N + normal_x * L_T
+    u, (mass_1, inertia_1, mass_2, inertia_2) = planar_motion, rectangle_masses
+    return BodyVelocities(
+        u.velocity_x_1 + L_x / mass_1,
+        u.velocity_y_1 + L_y / mass_1,
+        u.spin_1 + (arms.normal_1 * L_N + arms.tangential_1 * L_T) / inertia_1,
+        u.velocity_x_2 - L_x / mass_2,
+        u.velocity_y_2 - L_y / mass_2,
+        u.spin_2 - (arms.normal_2 * L_N + arms.tangential_2 * L_T) / inertia_2,
+    )
+
+
+def energy_before(*, planar_motion: BodyVelocities, rectangle_masses: RectangleMasses) -> Array:
+    """Return the kinetic energy of both bodies before the impact [J]."""
+    u, (mass_1, inertia_1, mass_2, inertia_2) = planar_motion, rectangle_masses
+    return (
+        mass_1 * (u.velocity_x_1 * u.velocity_x_1 + u.velocity_y_1 * u.velocity_y_1)
+        + inertia_1 * u.spin_1 * u.spin_1
+        + mass_2 * (u.velocity_x_2 * u.velocity_x_2 + u.velocity_y_2 * u.velocity_y_2)
+        + inertia_2 * u.spin_2 * u.spin_2
+    ) / 2
+
+
+def energy_lost(
+    *,
+    impulse_normal: Array,
+    impulse_tangential: Array,
     approach_normal: Array,
     approach_tangential: Array,
-    friction: Array,
-    restitution: Array,
-) -> Impulse:
-    """Return the impulse on body 1 in an impact with friction, by Moreau's law [N s].
+    separation_normal: Array,
+    separation_tangential: Array,
+) -> Array:
+    """Return the kinetic energy that the impact loses, -L.(u + u')/2 [J].
 
-    One restitution holds in both directions, normal and tangential. The Delassus numbers
-    `delassus_*` are velocities per impulse [kg-1], the `approach_*` relative velocities before [m
-    s-1]. Normal and tangential impulse are 0 where the bodies are apart by more than
-    `contact_tolerance` (a share of their size), NaN where they overlap or the impact of an edge
-    (`edge_action`) has no single impulse.
+    L is the impulse on body 1, u and u' the relative velocity at the contact before and after.
     """
-    impulse = impact.moreau(
-        G_NN=delassus_normal,
-        G_NT=delassus_coupling,
-        G_TT=delassus_tangential,
-        u_N=approach_normal,
-        u_T=approach_tangential,
-        friction=friction,
-        restitution=restitution,
+    return (
+        -(
+            impulse_normal * (approach_normal + separation_normal)
+            + impulse_tangential * (approach_tangential + separation_tangential)
+        )
+        / 2
     )
-    return _only_at_one_contact(impulse, rectangle_contact, contact_tolerance, edge_action)
+
+
+def momentum_residual(
+    axis: int,
+    *,
+    planar_motion: BodyVelocities,
+    planar_motion_after: BodyVelocities,
+    rectangle_masses: RectangleMasses,
+) -> Array:
+    """Return the change of the total linear momentum, x (`axis` 0) or y (1) [N s]."""
+    before, after, masses = planar_motion, planar_motion_after, rectangle_masses
+    change_1 = after[axis] - before[axis]
+    change_2 = after[axis + 3] - before[axis + 3]
+    return masses.mass_1 * change_1 + masses.mass_2 * change_2
+
+
+def angular_momentum_residual(
+    *,
+    rectangle_1: Rectangle,
+    rectangle_2: Rectangle,
+    planar_motion: BodyVelocities,
+    planar_motion_after: BodyVelocities,
+    rectangle_masses: RectangleMasses,
+) -> Array:
+    """Return the change of the total angular momentum about the origin by the impact [kg m2 s-1].
+
+    Without an outer impulse it is 0 but for rounding: a check of the solution.
+    """
+    body_1, body_2, masses = rectangle_1, rectangle_2, rectangle_masses
+    change = BodyVelocities(
+        *(u - v for u, v in zip(planar_motion_after, planar_motion, strict=True))
+    )
+    return (
+        masses.mass_1 * (body_1.x * change.velocity_y_1 - body_1.y * change.velocity_x_1)
+        + masses.inertia_1 * change.spin_1
+        + masses.mass_2 * (body_2.x * change.velocity_y_2 - body_2.y * change.velocity_x_2)
+        + masses.inertia_2 * change.spin_2
+    )

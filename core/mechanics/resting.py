@@ -11,31 +11,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibrafeed.core.mechanics.angles import cosine, sine
-from vibrafeed.core.mechanics.arrays import Array, Mask, hypot
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, hypot, sine
 
 
 def share_of_faces(along: Array, across: Array, apart: Array) -> Array:
     """Return the share of parts that come to rest on either of two opposite faces of a box [1].
 
-    (2/pi) atan(a b/(c sqrt(a^2 + b^2 + c^2))) for faces of a (`along`) by b (`across`) that are c
-    (`apart`) from each other [m]: the solid angle under which the centre sees them. The three
-    shares of a box add up to 1.
+    (2/pi) atan(a b/(c sqrt(a^2 + b^2 + c^2))) for faces of a by b that are c apart: the solid angle
+    under which the centre sees them. The three shares of a box add up to 1.
     """
     through = hypot(hypot(along, across), apart)
     # Each factor is at most 1 or a length over another: no product of lengths underflows.
     return 2 / np.pi * np.arctan2((along / through) * (across / through), apart / through)
-
-
-def share_of_mantle(length: Array, diameter: Array) -> Array:
-    """Return the share of cylinders that come to rest on their side, l/sqrt(l^2 + d^2) [1]."""
-    return length / hypot(length, diameter)
-
-
-def share_of_ends(length: Array, diameter: Array) -> Array:
-    """Return the share of cylinders that come to rest on either end, 1 - l/sqrt(l^2 + d^2) [1]."""
-    through = hypot(length, diameter)
-    return (diameter / through) * (diameter / (through + length))
 
 
 Shares = tuple[Array, ...]
@@ -45,8 +32,8 @@ Shares = tuple[Array, ...]
 def box_shares(*, length: Array, width: Array, height: Array) -> Shares:
     """Return the shares of let-down boxes that rest flat, on their side, and on their end [1].
 
-    In any orientation (theory 16.1). Flat is the face `length` by `width`, on its side
-    `length` by `height`, on its end `width` by `height` [m].
+    Flat is the face `length` by `width`, on its side `length` by `height`, on its end `width` by
+    `height` (theory 16.1).
     """
     return (
         share_of_faces(length, width, height),
@@ -61,8 +48,12 @@ def box_centres(*, length: Array, width: Array, height: Array) -> Shares:
 
 
 def cylinder_shares(*, length: Array, diameter: Array) -> Shares:
-    """Return the shares of let-down cylinders that rest on their side, and on either end [1]."""
-    return share_of_mantle(length, diameter), share_of_ends(length, diameter)
+    """Return the shares of let-down cylinders that rest on their side, and on either end [1].
+
+    l/sqrt(l^2 + d^2) and 1 - l/sqrt(l^2 + d^2): length l, diameter d.
+    """
+    through = hypot(length, diameter)
+    return length / through, (diameter / through) * (diameter / (through + length))
 
 
 def cylinder_centres(*, length: Array, diameter: Array) -> Shares:
@@ -73,9 +64,8 @@ def cylinder_centres(*, length: Array, diameter: Array) -> Shares:
 def prism_shares(*, sides: Array, length: Array, diameter: Array) -> Shares:
     """Return the shares of let-down prisms that rest on a side, and on either end [1].
 
-    In any orientation (theory 16.1). Of n `sides`, `length` L and `diameter` d of the
-    circle through the corners, with k = L/sqrt(L^2 + d^2): both ends together have (n/pi) (pi/n -
-    atan(k tan(pi/n))), the sides the rest.
+    With n sides, length L, diameter d of the circle through the corners, k = L/sqrt(L^2 + d^2):
+    both ends together have (n/pi) (pi/n - atan(k tan(pi/n))) (theory 16.1).
     """
     through = hypot(length, diameter)
     k = length / through
@@ -96,16 +86,11 @@ def prism_centres(*, sides: Array, length: Array, diameter: Array) -> Shares:
 def cone_centre(*, diameter: Array, small_diameter: Array, height: Array) -> Array:
     """Return the height of a truncated cone's centre above the end of `diameter` [m].
 
-    H (R1^2 + 2 R1 R2 + 3 R2^2)/(4 (R1^2 + R1 R2 + R2^2)): height H, radii R1 of this end and R2 of
-    the other.
+    H (R1^2 + 2 R1 R2 + 3 R2^2)/(4 (R1^2 + R1 R2 + R2^2)): height H, radii R1 of this end, R2 of the
+    other.
     """
     r = small_diameter / diameter
     return height * (1 + r * (2 + 3 * r)) / (4 * (1 + r * (1 + r)))
-
-
-def turned_centre(*, centre_of_mass: Array) -> Array:
-    """Return the height of a turned part's centre above the end of `diameter`, as measured [m]."""
-    return centre_of_mass
 
 
 def side_foot(
@@ -113,10 +98,9 @@ def side_foot(
 ) -> Array:
     """Return the foot of the centre of mass on a part's side, over the length of the side [1].
 
-    For a truncated cone: (z_c H + R1 (R1 - R2))/L_g^2, counted from the end of `diameter`: R1 and
-    R2 are the radii of both ends, H the `height`, z_c (`mass_height`) that of the centre, L_g =
-    hypot(R1 - R2, H) the length of the side [m]. The part lies on its side only where this is
-    between 0 and 1.
+    (z_c H + R1 (R1 - R2))/L_g^2 from the end of `diameter`: radii R1, R2 of the ends, height z_c of
+    the centre, length L_g of the side. The part lies on its side only where this is between 0 and
+    1.
     """
     apart = (diameter - small_diameter) / 2
     generator = hypot(apart, height)
@@ -137,8 +121,7 @@ def has_centre_outside(*, height: Array, mass_height: Array) -> Mask:
 def end_share(centre: Array, radius: Array) -> Array:
     """Return the share of parts that come to rest on an end, (1 - z/sqrt(z^2 + r^2))/2 [1].
 
-    z (`centre`) is the height of the centre of mass above this end, r (`radius`) that of the end
-    [m]: the solid angle under which the centre sees it.
+    z is the height of the centre above this end, r its radius: the solid angle.
     """
     through = hypot(centre, radius)
     return (radius / through) * (radius / (through + centre)) / 2
@@ -150,11 +133,9 @@ def turned_shares(
 ) -> Shares:  # fmt: skip
     """Return the shares of let-down turned parts that rest upright, on the side, and inverted [1].
 
-    In any orientation (theory 16.1). Upright a part stands on the end of `diameter`,
-    inverted on that of `small_diameter`; `height` and `mass_height` are its length and the height
-    of its centre of mass, all [m]. `side_foot` is the foot of the centre on the side over its
-    length [1]: outside 0 to 1 the side is unstable, and its share goes to the end that the part
-    rolls onto, beyond 1 the small one.
+    Upright a part stands on the end of `diameter`, inverted on that of `small_diameter`. Where the
+    foot of the centre is outside of the side, its share goes to the end that the part rolls onto,
+    beyond 1 the small one (theory 16.1).
     """
     low, high = mass_height, height - mass_height
     upright, inverted = end_share(low, diameter / 2), end_share(high, small_diameter / 2)
@@ -181,19 +162,15 @@ def turned_centres(
 
 
 def _depth(centre: Array, reach: Array) -> Array:
-    """Return R - h for a corner at the distance R = hypot(h, reach) from the centre [m].
-
-    h (`centre`) is the height of the centre, `reach` the distance of the corner from the centre's
-    foot [m]: reach^2/(R + h), without the difference of what is nearly equal.
-    """
+    # R - h for a corner at the distance R = hypot(h, reach) from the centre [m].
     return reach * (reach / (hypot(centre, reach) + centre))
 
 
 def box_depths(*, length: Array, width: Array, height: Array) -> Shares:
     """Return the depths of a box in each aspect: flat, on its side, on its end [m].
 
-    The depth of an aspect is R - h: the height h of the centre below its distance R from the
-    farthest corner, the highest that it can be above the floor.
+    R - h: the height h of the centre below its distance R from the farthest corner, the highest
+    that it can be above the floor.
     """
     return (
         _depth(height / 2, hypot(length, width) / 2),
@@ -274,29 +251,14 @@ FAR = 10.0
 # --- how parts stand: half base along the push, height of the centre, gyration
 
 
-def box_base(*, length: Array) -> Array:
-    """Return half the length of a box, which is pushed along it [m]."""
-    return length / 2
-
-
-def box_centre(*, height: Array) -> Array:
-    """Return half the height of a box [m]."""
-    return height / 2
+def half(*, size: Array) -> Array:
+    """Return half of a size [m]."""
+    return size / 2
 
 
 def box_gyration(*, length: Array, height: Array) -> Array:
     """Return the radius of gyration of a box about its width, sqrt((l^2 + h^2)/12) [m]."""
     return np.sqrt(np.square(hypot(length, height)) / 12)
-
-
-def round_base(*, diameter: Array) -> Array:
-    """Return the radius of a round end [m]."""
-    return diameter / 2
-
-
-def end_centre(*, length: Array) -> Array:
-    """Return half the length of a part that stands on its end [m]."""
-    return length / 2
 
 
 def cylinder_gyration(*, length: Array, diameter: Array) -> Array:
@@ -312,8 +274,7 @@ def prism_base(*, sides: Array, diameter: Array) -> Array:
 def prism_gyration(*, sides: Array, length: Array, diameter: Array) -> Array:
     """Return the radius of gyration of a prism about a line across it [m].
 
-    k^2 = R^2 (2 + cos(2 pi/n))/12 + L^2/12, with n sides, length L and the radius R of the circle
-    through the corners.
+    k^2 = R^2 (2 + cos(2 pi/n))/12 + L^2/12, R the radius of the circle through the corners.
     """
     across = np.square(diameter / 2) * (2 + cosine(2 * np.pi / sides))
     return np.sqrt((across + np.square(length)) / 12)
@@ -324,10 +285,9 @@ def cone_gyration(
 ) -> Array:
     """Return the radius of gyration of a truncated cone about a line across its axis [m].
 
-    The line passes through the centre of mass; the radius says how easily the standing cone
-    topples. k^2 = 3 R1^2 (1 + r + r^2 + r^3 + r^4)/(20 q) + H^2 (1 + 3 r + 6 r^2)/(10 q) - z_c^2
-    with r = R2/R1 and q = 1 + r + r^2: radii R1 and R2 of the ends, halves of `diameter` and
-    `small_diameter`, `height` H, centre of mass z_c above the end of R1 (`mass_height`), all [m].
+    k^2 = 3 R1^2 (1 + r + r^2 + r^3 + r^4)/(20 q) + H^2 (1 + 3 r + 6 r^2)/(10 q) - z_c^2 with r =
+    R2/R1, q = 1 + r + r^2: radii R1 and R2 of the ends, height H, centre of mass z_c above the end
+    of R1.
     """
     r = small_diameter / diameter
     q = 1 + r * (1 + r)
@@ -335,16 +295,6 @@ def cone_gyration(
     along = (1 + r * (3 + 6 * r)) / (10 * q)
     z = mass_height / height
     return hypot(diameter * np.sqrt(turning), height * np.sqrt(along - z * z))
-
-
-def turned_gyration(*, radius_of_gyration: Array) -> Array:
-    """Return the radius of gyration of a turned part, as measured [m]."""
-    return radius_of_gyration
-
-
-def upright_centre(*, mass_height: Array) -> Array:
-    """Return the height of the centre of a part that stands on the end of `diameter` [m]."""
-    return mass_height
 
 
 # --- when it topples
@@ -386,10 +336,9 @@ def topple_speed(
 ) -> Array:  # fmt: skip
     """Return the speed from which a part topples if its foot is stopped at once [m s-1].
 
-    V = sqrt(2 g R (1 - cos alpha_c) (k^2 + R^2))/z_c, cos alpha_c = z_c/R, with the height z_c of
-    the centre, its distance R from the edge and the radius of gyration k: the angular momentum
+    V = sqrt(2 g R (1 - cos alpha_c) (k^2 + R^2))/z_c, cos alpha_c = z_c/R: the angular momentum
     about the edge is kept, and lifts the centre above the edge. R - z_c is written as b^2/(R +
-    z_c), b being half the base.
+    z_c), b half the base.
     """
     lift = 2 * gravity / (edge_distance + standing_centre)
     turning = hypot(gyration, edge_distance)
@@ -399,10 +348,8 @@ def topple_speed(
 def pulse_angle(*, rocking_rate: Array, frequency: Array) -> Array:
     """Return the phase of a half-sine pulse at which a part begins to rock that just topples [rad].
 
-    It gives the least acceleration of a pulse of circular frequency w (`frequency` in Hz) that
-    topples a standing part with `rocking_rate` p [rad s-1]: with q = p/w the root psi of q (exp(-q
-    (pi - psi)) + cos psi) = sin psi, by Newton's method on psi = phi + asin(sin(phi) exp(-q (pi -
-    psi))), phi = atan(q) (theory 16.2).
+    With q = p/w the root psi of q (exp(-q (pi - psi)) + cos psi) = sin psi, by Newton's method on
+    psi = phi + asin(sin(phi) exp(-q (pi - psi))), phi = atan(q) (theory 16.2).
     """
     q = rocking_rate / (2 * np.pi * frequency)
     phi = np.arctan(q)
@@ -434,10 +381,9 @@ def push_over_load(
 ) -> Array:
     """Return the largest push along the track over the load on the floor in a period, |D|/n [1].
 
-    A part at rest begins to rock, or to slide, only if this exceeds its limit. With s = sin(w t), P
-    = A w^2 and w = 2 pi f, D = P cos(beta) s - g sin(gamma) over n = g cos(gamma) - P sin(beta) s
-    is monotonic in s, so that the ends s = -1 and 1 count. Infinite where the part leaves the
-    floor. Arguments in Hz, m, rad, rad and m s-2.
+    A part at rest begins to rock, or to slide, only if this exceeds its limit. With s = sin(w t), D
+    = P cos(beta) s - g sin(gamma) over n = g cos(gamma) - P sin(beta) s is monotonic in s, so that
+    the ends s = -1 and 1 count. Infinite where the part leaves the floor.
     """
     drive = np.square(2 * np.pi * frequency) * amplitude
     along, normal = drive * cosine(beta), drive * sine(beta)
@@ -453,9 +399,8 @@ def rocking_margin(
 ) -> Array:
     """Return the floor's push beyond that which rocks a part, min(mu_s, |D|/n) - b/z_c [1].
 
-    It is over the load: push |D|/n in a period (`push_over_load`), half base b and height z_c of
-    the centre. Where it is not above 0, the part never rocks, however long the shaking lasts. A
-    part that begins to rock need not topple.
+    Where it is not above 0, the part never rocks, however long the shaking lasts. A part that
+    begins to rock need not topple.
     """
     return np.minimum(friction_static, push_over_load) - rocking_friction
 

@@ -9,8 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibrafeed.core.mechanics.arrays import Array, Mask, hypot, ratio
-from vibrafeed.core.mechanics.elementwise import Elementwise
+from vibrafeed.core.mechanics.arrays import Array, Elementwise, Mask, hypot, ratio
 
 # Newton's steps: a solid cylinder has its root to the last bit after five, over all inputs that the
 # tests try; what turns more easily needs more. A loop over arrays stops as soon as no root moves; a
@@ -24,8 +23,8 @@ SOLID = 2.0
 def printed_angular_acceleration(*, drive_across: Array, diameter: Array) -> Array:
     """Return the angular acceleration as printed in (3.36), 4 P cos(beta) sin(alpha)/d [rad s-2].
 
-    P cos(beta) sin(alpha) is `drive_across`, d the diameter. The source divides the drive's moment
-    about the contact line by the inertia about the centre: three times the right value.
+    The source divides the drive's moment about the contact line by the inertia about the centre:
+    three times the right value.
     """
     return 4 * drive_across / diameter
 
@@ -33,8 +32,7 @@ def printed_angular_acceleration(*, drive_across: Array, diameter: Array) -> Arr
 def rolling_angular_acceleration(*, drive_across: Array, diameter: Array) -> Array:
     """Return the angular acceleration of rolling, 4 P cos(beta) sin(alpha)/(3 d), (4.19) [rad s-2].
 
-    P cos(beta) sin(alpha) is `drive_across`, d the diameter: the drive's moment about the contact
-    line over the inertia about that line.
+    The drive's moment about the contact line over the inertia about that line.
     """
     return 4 * drive_across / (3 * diameter)
 
@@ -49,7 +47,7 @@ def is_rolling(
     """True where the contact line does not slip: hypot(D_x, D_y/3) <= mu_s n, n > 0.
 
     D_x and D_y are drive and gravity along the axis and across it, n the floor's force, all per
-    mass [m s-2].
+    mass.
     """
     held = hypot(in_plane_drive_x, in_plane_drive_y / 3) <= friction_static * floor_acceleration
     return held & (floor_acceleration > 0)
@@ -77,9 +75,8 @@ def roll_root(
 ) -> Array:
     """Return the root z of D_x^2/(z+q)^2 + D_y^2/(z+3q)^2 = 1, the acceleration of slip [m s-2].
 
-    It is the root z of D_x^2/(z+q)^2 + D_y^2/(z+3q)^2 = 1, q = mu_k n, with drive and gravity D_x
-    along the axis and D_y across it, and the floor's force n (`floor_acceleration`), all per mass
-    [m s-2].
+    q = mu_k n, with drive and gravity D_x along the axis and D_y across it, and the floor's force
+    n, all per mass.
     """
     return slip_root(
         in_plane_drive_x, in_plane_drive_y, SOLID, friction_static, friction_kinetic,
@@ -94,9 +91,8 @@ def slip_root(
     """Return the acceleration z with which a round part's contact slips; 0 where it rolls [m s-2].
 
     From rest. z > 0 solves D_a^2/(z+q)^2 + D_c^2/(z+(1+kap)q)^2 = 1, q = mu_k n, with the push D_a
-    along the axis (`along`), D_c across it (`across`), the floor's force n (`floor_acceleration`),
-    all per mass [m s-2], and the rolling factor kap = m r^2/I. After lift-off q = 0 and z = |D|.
-    Accelerations across the axis and spin follow from z.
+    along the axis, D_c across it, the floor's force n, all per mass, and kap = m r^2/I. After
+    lift-off q = 0 and z = |D|.
     """
     held = 1 + rolling_factor
     Dx, Dy = np.abs(along), np.abs(across)
@@ -116,9 +112,8 @@ def slip_root(
 def slip_share(x: Array, y: Array, s: Array, held: Array | float) -> Array:
     """Return the root z >= 0 of h(z) = x^2/(z+s)^2 + y^2/(z+held s)^2 = 1, for slips [1].
 
-    It gives the acceleration of slip over the push on a cylinder or ball. x and y are the shares of
-    the push along and across the axis, x^2 + y^2 = 1, s kinetic friction times load over the push,
-    `held` is 1 + m r^2/I.
+    x and y are the shares of the push along and across the axis, x^2 + y^2 = 1, s kinetic friction
+    times load over the push, `held` is 1 + m r^2/I.
 
     1/sqrt(h) is concave and nearly linear in z: its chords to infinity, and those of each term
     alone, lie below the root, and Newton's method climbs from there without safeguard (the secular
@@ -146,10 +141,8 @@ def across_axis(
 ) -> Array:  # fmt: skip
     """Return the acceleration of a round part across its axis, rolling or slipping [m s-2].
 
-    D_c (z + kap q)/(z + (1 + kap) q), D_c = `push` being drive and gravity across the axis [m s-2],
-    z = `roll_root` the acceleration with which the contact slips [m s-2], kap = m r^2/I and q =
-    mu_k n, with the floor's force n per mass [m s-2]. Where z = 0 the part rolls with D_c kap/(1 +
-    kap), kap/(1 + kap) being `rolling_share`.
+    D_c (z + kap q)/(z + (1 + kap) q), D_c = `push` across the axis, z = `roll_root`, kap = m r^2/I,
+    q = mu_k n. Where z = 0 the part rolls with D_c kap/(1 + kap).
     """
     q = friction_kinetic * floor_acceleration
     more = roll_root + (1 + rolling_factor) * q
@@ -166,8 +159,7 @@ def slipping_acceleration_x(
 ) -> Array:
     """Return the acceleration of a cylinder along its axis, D_x z/(z+q) [m s-2].
 
-    z is `roll_root` and q = mu_k n, with the floor's force n per mass; 0 where it rolls without
-    slip.
+    z is `roll_root` and q = mu_k n; 0 where it rolls without slip.
     """
     q = friction_kinetic * floor_acceleration
     return in_plane_drive_x * ratio(roll_root, roll_root + q, 0.0)
@@ -182,8 +174,7 @@ def slipping_acceleration_y(
 ) -> Array:
     """Return the acceleration of a cylinder in rolling direction, D_y (z+2q)/(z+3q) [m s-2].
 
-    z is `roll_root` and q = mu_k n, with the floor's force n per mass; where it rolls (z = 0) it is
-    2 D_y/3.
+    z is `roll_root` and q = mu_k n; where it rolls (z = 0) it is 2 D_y/3.
     """
     return across_axis(
         in_plane_drive_y, roll_root, SOLID, 2.0 / 3.0, friction_kinetic, floor_acceleration
@@ -200,8 +191,7 @@ def slipping_angular_acceleration(
 ) -> Array:
     """Return the angular acceleration of a cylinder about its axis, 4 q D_y/((z+3q) d) [rad s-2].
 
-    z is `roll_root` and q = mu_k n, with the floor's force n per mass; where it rolls (z = 0) it is
-    4 D_y/(3 d), in flight 0.
+    z is `roll_root` and q = mu_k n; where it rolls (z = 0) it is 4 D_y/(3 d), in flight 0.
     """
     q = friction_kinetic * floor_acceleration
     e_y = ratio(in_plane_drive_y, roll_root + 3 * q, 0.0)
@@ -305,8 +295,8 @@ class RollingContact(NamedTuple):
     def unbounded_slip(self) -> Mask:
         """True where gravity is more than static friction can turn into rolling.
 
-        |sin(gamma)| > ((1 + kap) mu_s - kap c) n + w, for c up to mu_s: rolling down takes the
-        friction (|sin(gamma)| - w + kap c n)/(1 + kap). With a larger c the part does not turn.
+        |sin(gamma)| > ((1 + kap) mu_s - kap c) n + w, for c up to mu_s. With a larger c the part
+        does not turn.
         """
         turning = self.factor * np.maximum(self.static - self.resistance, 0.0)
         return np.asarray(self.pull > (self.static + turning) * self.load + self.drag)
@@ -329,11 +319,10 @@ class RollingContact(NamedTuple):
     def traction(self) -> tuple[Array, Array]:
         """Bounds of the friction that rolling takes: the largest in a period, at least and at most.
 
-        Both are friction over load times (1 + kap) [1], kap = m r^2/I. Where (1 + kap) mu_s reaches
-        the second the part always rolls; where (1 + kap) times the larger of mu_s and c is below
-        the first it slips at times. D is the push, w the wall's friction, c n the rolling
-        resistance: the quotient (D -+ w +- kap c n)/n grows or falls steadily with the sine of the
-        drive, so that its ends count. Infinite where the part leaves the floor.
+        Friction over load times (1 + kap). Where (1 + kap) mu_s reaches the second the part always
+        rolls; where (1 + kap) times the larger of mu_s and c is below the first it slips at times.
+        The quotient (D -+ w +- kap c n)/n grows or falls steadily with the sine of the drive, so
+        that its ends count. Infinite where the part leaves the floor.
         """
         least, most = np.zeros(()), np.zeros(())
         for sign in (1.0, -1.0):

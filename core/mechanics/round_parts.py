@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from vibrafeed.core.mechanics import rolling
-from vibrafeed.core.mechanics.angles import cosine, sine
-from vibrafeed.core.mechanics.arrays import Array, Mask, hypot, ratio
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, hypot, ratio, sine
+from vibrafeed.core.mechanics.floor import over_load
 from vibrafeed.core.mechanics.screws import Wrench, vector
 
 # --- how much of a part turns
@@ -20,7 +20,7 @@ from vibrafeed.core.mechanics.screws import Wrench, vector
 def tube_factor(*, diameter: Array, inner_diameter: Array) -> Array:
     """Return the rolling factor m r^2/I of a tube about its axis, 2/(1 + q^2), q = d_i/d [1].
 
-    d and d_i are outer and inner diameter; 2 for a solid cylinder or disc, 1 for a hoop.
+    2 for a solid cylinder or disc, 1 for a hoop.
     """
     q = inner_diameter / diameter
     return 2 / (1 + q * q)
@@ -29,7 +29,7 @@ def tube_factor(*, diameter: Array, inner_diameter: Array) -> Array:
 def ball_factor(*, diameter: Array, inner_diameter: Array) -> Array:
     """Return the rolling factor m r^2/I of a hollow ball, (5/2) (1 - q^3)/(1 - q^5), q = d_i/d [1].
 
-    d and d_i are outer and inner diameter; 5/2 for a solid ball, 3/2 for a thin shell.
+    5/2 for a solid ball, 3/2 for a thin shell.
     """
     q = inner_diameter / diameter
     # 1 - q is a factor of both: without it a thin shell loses no digit.
@@ -50,23 +50,12 @@ def rolling_share(*, rolling_factor: Array) -> Array:
 def least_friction(push: Array, rolling_factor: Array, floor_acceleration: Array) -> Array:
     """Return the least static friction with which a part rolls, |D|/((1 + kap) n) [1].
 
-    D is the push in the floor, n the floor's force, both per mass [m s-2], kap = m r^2/I; infinite
-    in flight.
+    D is the push in the floor, n the floor's force, both per mass, kap = m r^2/I; infinite in
+    flight.
     """
     pressed = floor_acceleration > 0
     needed = np.abs(push) / ((1 + rolling_factor) * np.where(pressed, floor_acceleration, 1.0))
     return np.where(pressed, needed, np.inf)
-
-
-def ball_friction(
-    *, in_plane_drive: Array, rolling_factor: Array, floor_acceleration: Array
-) -> Array:
-    """Return the least static friction with which a ball rolls, |D|/((1 + kap) n) [1].
-
-    |D| is the size of drive and gravity in the floor, n the floor's force, both per mass, kap = m
-    r^2/I; infinite in flight.
-    """
-    return least_friction(in_plane_drive, rolling_factor, floor_acceleration)
 
 
 def rolls(*, required_friction: Array, friction_static: Array) -> Mask:
@@ -80,21 +69,10 @@ def ball_fraction(
 ) -> Array:  # fmt: skip
     """Return the acceleration of a ball's centre over the push D in the floor, |a|/|D| [1].
 
-    kap/(1 + kap) where it rolls, 1 - mu_k n/|D| where it slips, 1 in flight: kap = m r^2/I, n the
-    floor's force per mass.
+    kap/(1 + kap) where it rolls, 1 - mu_k n/|D| where it slips, 1 in flight.
     """
     slips = 1.0 - friction_kinetic * ratio(floor_acceleration, in_plane_drive, 0.0)
     return np.where(required_friction <= friction_static, rolling_share, slips)
-
-
-def fraction_x(*, in_plane_drive_x: Array, moved_fraction: Array) -> Array:
-    """Return the acceleration of the centre along x [m s-2]."""
-    return in_plane_drive_x * moved_fraction
-
-
-def fraction_y(*, in_plane_drive_y: Array, moved_fraction: Array) -> Array:
-    """Return the acceleration of the centre along y [m s-2]."""
-    return in_plane_drive_y * moved_fraction
 
 
 def ball_spin(
@@ -104,10 +82,8 @@ def ball_spin(
 ) -> Array:  # fmt: skip
     """Return the angular acceleration of a ball, |a|/r where it rolls [rad s-2].
 
-    |a|/r where it rolls, with the acceleration |a| = share D of its centre (`rolling_share` of the
-    push D, `in_plane_drive` [m s-2]) and the radius r, half the `diameter` [m]; kap mu_k n/r where
-    it slips, with kap = m r^2/I (`rolling_factor`) and the floor's force n per mass [m s-2]; 0 in
-    flight. It rolls if `required_friction` is within static friction (theory 18.1).
+    |a| = D kap/(1 + kap) is the acceleration of its centre; kap mu_k n/r where it slips, 0 in
+    flight (theory 18.1).
     """
     slipping = rolling_factor * friction_kinetic * floor_acceleration
     rolling_rim = rolling_share * in_plane_drive
@@ -119,18 +95,12 @@ def ball_spin(
 
 
 def push_across_axis(*, in_plane_drive_x: Array, in_plane_drive_y: Array, axis_yaw: Array) -> Array:
-    """Return drive and gravity in rolling direction, D_x sin(theta) + D_y cos(theta) [m s-2].
-
-    theta (`axis_yaw`) is the angle of the part's axis from x.
-    """
+    """Return drive and gravity in rolling direction, D_x sin(theta) + D_y cos(theta) [m s-2]."""
     return in_plane_drive_x * sine(axis_yaw) + in_plane_drive_y * cosine(axis_yaw)
 
 
 def push_along_axis(*, in_plane_drive_x: Array, in_plane_drive_y: Array, axis_yaw: Array) -> Array:
-    """Return drive and gravity along the axis, D_x cos(theta) - D_y sin(theta) [m s-2].
-
-    theta (`axis_yaw`) is the angle of the part's axis from x.
-    """
+    """Return drive and gravity along the axis, D_x cos(theta) - D_y sin(theta) [m s-2]."""
     return in_plane_drive_x * cosine(axis_yaw) - in_plane_drive_y * sine(axis_yaw)
 
 
@@ -140,12 +110,11 @@ def roller_friction(
 ) -> Array:  # fmt: skip
     """Return the least static friction with which a roller rolls, hypot(D_s, D_e/(1+kap))/n [1].
 
-    D_s and D_e are the push along and across the axis, n the floor's force, all per mass, kap = m
-    r^2/I; infinite in flight.
+    D_s and D_e are the push along and across the axis, n the floor's force, all per mass; infinite
+    in flight.
     """
-    pressed = floor_acceleration > 0
     needed = hypot(push_along_axis, push_across_axis / (1 + rolling_factor))
-    return np.where(pressed, needed / np.where(pressed, floor_acceleration, 1.0), np.inf)
+    return over_load(needed, floor_acceleration, np.inf)
 
 
 def roller_root(
@@ -154,9 +123,8 @@ def roller_root(
 ) -> Array:  # fmt: skip
     """Return the root z of D_s^2/(z+q)^2 + D_e^2/(z+(1+kap)q)^2 = 1, q = mu_k n [m s-2].
 
-    The root of D_s^2/(z+q)^2 + D_e^2/(z+(1+kap)q)^2 = 1, q = mu_k n: D_s and D_e are the push along
-    and across the axis, n is the floor's force, all per mass [m s-2], and kap = m r^2/I is the
-    `rolling_factor` (theory 18.1).
+    D_s and D_e are the push along and across the axis, n the floor's force, all per mass, kap = m
+    r^2/I (theory 18.1).
     """
     return rolling.slip_root(
         push_along_axis, push_across_axis, rolling_factor, friction_static, friction_kinetic,
@@ -169,8 +137,7 @@ def axial_acceleration(
 ) -> Array:
     """Return the acceleration of a roller along its axis, D_s z/(z + q) [m s-2].
 
-    D_s is the push along the axis, z `roll_root` and q = mu_k n, with the floor's force n per mass;
-    0 where it rolls.
+    D_s is the push along the axis, q = mu_k n; 0 where it rolls.
     """
     q = friction_kinetic * floor_acceleration
     return push_along_axis * ratio(roll_root, roll_root + q, 0.0)
@@ -182,9 +149,7 @@ def rolling_acceleration(
 ) -> Array:  # fmt: skip
     """Return the acceleration across a roller's axis, D_e (z + kap q)/(z + (1 + kap) q) [m s-2].
 
-    D_e is the push across the axis [m s-2], z `roll_root`, kap = m r^2/I (`rolling_factor`) and q =
-    mu_k n, with the floor's force n per mass (`floor_acceleration`) [m s-2]. Where it rolls (z = 0)
-    it is D_e kap/(1 + kap).
+    D_e is the push across the axis, q = mu_k n. Where it rolls (z = 0) it is D_e kap/(1 + kap).
     """
     return rolling.across_axis(
         push_across_axis, roll_root, rolling_factor, rolling_share, friction_kinetic,
@@ -195,7 +160,7 @@ def rolling_acceleration(
 def roller_x(*, rolling_acceleration: Array, axial_acceleration: Array, axis_yaw: Array) -> Array:
     """Return the acceleration along x, a_e sin(theta) + a_s cos(theta) [m s-2].
 
-    a_e and a_s are those across and along the part's axis, theta (`axis_yaw`) its angle from x.
+    a_e and a_s are those across and along the part's axis.
     """
     return rolling_acceleration * sine(axis_yaw) + axial_acceleration * cosine(axis_yaw)
 
@@ -203,7 +168,7 @@ def roller_x(*, rolling_acceleration: Array, axial_acceleration: Array, axis_yaw
 def roller_y(*, rolling_acceleration: Array, axial_acceleration: Array, axis_yaw: Array) -> Array:
     """Return the acceleration along y, a_e cos(theta) - a_s sin(theta) [m s-2].
 
-    a_e and a_s are those across and along the part's axis, theta (`axis_yaw`) its angle from x.
+    a_e and a_s are those across and along the part's axis.
     """
     return rolling_acceleration * cosine(axis_yaw) - axial_acceleration * sine(axis_yaw)
 
@@ -214,10 +179,8 @@ def roller_spin(
 ) -> Array:  # fmt: skip
     """Return the angular acceleration of a roller about its axis, a_e/r where it rolls [rad s-2].
 
-    share D_e/r where it rolls, kap q D_e/((z + (1 + kap) q) r) where it slips, 0 in flight. D_e is
-    `push_across_axis` [m s-2], share `rolling_share` of it that the roller follows [1], z the
-    acceleration of slip `roll_root` [m s-2], kap = m r^2/I the `rolling_factor`, q = mu_k n with
-    the floor's force n per mass [m s-2], r half the `diameter` [m] (theory 18.1).
+    kap q D_e/((z + (1 + kap) q) r) where it slips, q = mu_k n, z `roll_root`; 0 in flight (theory
+    18.1).
     """
     q = friction_kinetic * floor_acceleration
     slipping = (
@@ -240,8 +203,7 @@ def centre_radius(
 ) -> Array:
     """Return the radius of a truncated cone at its centre of mass, R1 - z_c (R1 - R2)/H [m].
 
-    R1 and R2 are the radii of its ends, H its height and z_c (`mass_height`) that of the centre
-    above the end of `diameter`.
+    R1 and R2 are the radii of its ends, z_c the height of the centre above the end of R1.
     """
     return (diameter - (diameter - small_diameter) * (mass_height / height)) / 2
 
@@ -249,8 +211,7 @@ def centre_radius(
 def axial_gyration(*, diameter: Array, small_diameter: Array) -> Array:
     """Return the radius of gyration of a truncated cone about its axis [m].
 
-    k^2 = 3 R1^2 (1 + r + r^2 + r^3 + r^4)/(10 (1 + r + r^2)), r = R2/R1, of the radii R1 and R2 of
-    its ends.
+    k^2 = 3 R1^2 (1 + r + r^2 + r^3 + r^4)/(10 (1 + r + r^2)), r = R2/R1 of the radii of its ends.
     """
     r = small_diameter / diameter
     turning = 3 * (1 + r * (1 + r * (1 + r * (1 + r)))) / (10 * (1 + r * (1 + r)))
@@ -263,9 +224,9 @@ def cone_factor(
     """Return the share of a push that accelerates a rolling cone, F = (l sin a)^2/I_g [1].
 
     l is the distance of the centre of mass from the apex, a the half angle, I_g the moment of
-    inertia per mass about the line on which the cone touches. With the radius rho = l tan(a) at the
-    centre it is rho^2/(rho^2 + I_ax + I_t tan(a)^2), I_ax along the axis (`axial_gyration`
-    squared), I_t across it (`gyration` squared). 2/3 for a solid cylinder.
+    inertia per mass about the line on which the cone touches. With rho = l tan(a) it is
+    rho^2/(rho^2 + I_ax + I_t tan(a)^2), I_ax along the axis, I_t across it. 2/3 for a solid
+    cylinder.
     """
     turning = hypot(axial_gyration, gyration * np.tan(cone_half_angle))
     through = hypot(centre_radius, turning)
@@ -273,10 +234,7 @@ def cone_factor(
 
 
 def cone_acceleration(*, push_across_axis: Array, cone_factor: Array) -> Array:
-    """Return the acceleration of a rolling cone's centre, F D_t [m s-2].
-
-    F is `cone_factor`, D_t the push across the line on which the cone touches.
-    """
+    """Return the acceleration of a rolling cone's centre, F D_t [m s-2]."""
     return cone_factor * push_across_axis
 
 
@@ -285,8 +243,8 @@ def cone_turning(
 ) -> Array:
     """Return the turning about the vertical through a cone's apex, a_t/(l cos a) [rad s-2].
 
-    a_t is the acceleration of the centre of the rolling cone, l its distance from the apex and a
-    the half angle; 0 for a cylinder, whose apex is far.
+    l is the distance of the centre from the apex, a the half angle; 0 for a cylinder, whose apex is
+    far.
     """
     apart = centre_radius * cosine(cone_half_angle)  # l cos(a) = rho cos(a)/tan(a)
     return rolling_acceleration * np.tan(cone_half_angle) / apart
@@ -298,12 +256,11 @@ def cone_friction(
 ) -> Array:  # fmt: skip
     """Return the least static friction with which a cone rolls, hypot(D_g, (1 - F) D_t)/n [1].
 
-    D_g and D_t are the push along and across the line on which it touches, n the floor's force, all
-    per mass, F `cone_factor`. It is that of the floor's resultant; infinite in flight.
+    D_g and D_t are the push along and across the line on which it touches, F `cone_factor`. It is
+    that of the floor's resultant; infinite in flight.
     """
-    pressed = floor_acceleration > 0
     needed = hypot(push_along_axis, push_across_axis * (1 - cone_factor))
-    return np.where(pressed, needed / np.where(pressed, floor_acceleration, 1.0), np.inf)
+    return over_load(needed, floor_acceleration, np.inf)
 
 
 # --- A disc, coin or ring on its edge, its face against the wall of a track (theory 18.1).
@@ -319,16 +276,11 @@ def leaves_wall(*, wall_balance: Array) -> Mask:
     return wall_balance < 0
 
 
-def wall_as_floor(*, friction_kinetic: Array) -> Array:
-    """Return the floor's kinetic friction, for a wall of the same material [1]."""
-    return friction_kinetic
-
-
 def net_push(*, in_plane_drive_x: Array, wall_friction: Array, wall_acceleration: Array) -> Array:
     """Return the drive along x less the wall's friction, sgn(D) max(0, |D| - mu_w s) [m s-2].
 
-    D is drive and gravity along x per mass, mu_w the wall's friction, s the wall's force per mass
-    (`wall_acceleration`). 0 where the wall's friction holds the disc.
+    D is drive and gravity along x, s the wall's force, both per mass, mu_w the wall's friction. 0
+    where that holds the disc.
     """
     left = np.maximum(np.abs(in_plane_drive_x) - wall_friction * wall_acceleration, 0.0)
     return np.where(in_plane_drive_x < 0, -left, left)
@@ -339,24 +291,13 @@ def is_held(*, net_push: Array) -> Mask:
     return net_push == 0
 
 
-def disc_friction(*, net_push: Array, rolling_factor: Array, floor_acceleration: Array) -> Array:
-    """Return the least static friction with which the disc rolls, |D - w|/((1 + kap) n) [1].
-
-    D - w is the net push along x (drive less wall friction, per mass), kap = m r^2/I the rolling
-    factor and n the floor's force per mass; infinite in flight.
-    """
-    return least_friction(net_push, rolling_factor, floor_acceleration)
-
-
 def disc_acceleration(
     *, net_push: Array, required_friction: Array, friction_static: Array, friction_kinetic: Array,
     rolling_share: Array, floor_acceleration: Array,
 ) -> Array:  # fmt: skip
     """Return the acceleration along x, kap/(1 + kap) of the net push if the disc rolls [m s-2].
 
-    The net push D - w is drive less wall friction per mass, kap/(1 + kap) is `rolling_share`. Where
-    the edge slips on the floor, it is the net push less mu_k n in size, n being the floor's force
-    per mass.
+    Where the edge slips on the floor, it is the net push less mu_k n in size.
     """
     slipping = np.maximum(np.abs(net_push) - friction_kinetic * floor_acceleration, 0.0)
     slipping = np.where(net_push < 0, -slipping, slipping)
@@ -369,10 +310,7 @@ def disc_floor_friction(
 ) -> Array:  # fmt: skip
     """Return the friction force of the floor that turns a disc on its edge, positive along -x [N].
 
-    m (D - w)/(1 + kap) where it rolls, else mu_k m n, at most the push itself: `net_push` D - w is
-    the push along less the wall's friction [m s-2], kap = m r^2/I the `rolling_factor`, n the
-    floor's force per mass [m s-2], m the mass [kg]. It rolls if `required_friction` is within
-    static friction.
+    m (D - w)/(1 + kap) where it rolls, else mu_k m n, at most the push itself.
     """
     slipping = np.minimum(np.abs(net_push), friction_kinetic * floor_acceleration)
     slipping = np.where(net_push < 0, -slipping, slipping)
@@ -383,10 +321,7 @@ def disc_floor_friction(
 def disc_spin(
     *, rolling_friction: Array, mass: Array, rolling_factor: Array, diameter: Array
 ) -> Array:
-    """Return the angular acceleration of the disc about its axis, kap F/(m r) [rad s-2].
-
-    F is the floor's friction force [N], kap = m r^2/I the rolling factor and r the radius.
-    """
+    """Return the angular acceleration of the disc about its axis, kap F/(m r) [rad s-2]."""
     return rolling_factor * rolling_friction / (mass * diameter / 2)
 
 
@@ -395,8 +330,7 @@ def wall_drag(
 ) -> Array:
     """Return the wall's friction force on the disc, positive along -x [N].
 
-    m mu_w s against the drive D (per mass), or m D where friction holds the disc; s is the wall's
-    force per mass (`wall_acceleration`).
+    m mu_w s against the drive D, or m D where friction holds the disc.
     """
     held = np.minimum(np.abs(in_plane_drive_x), wall_friction * wall_acceleration)
     return mass * np.where(in_plane_drive_x < 0, -held, held)
@@ -405,7 +339,7 @@ def wall_drag(
 def disc_floor_wrench(*, floor_force: Array, rolling_friction: Array, diameter: Array) -> Wrench:
     """Return the wrench of the floor about the disc's centre [N, N m].
 
-    Axes n (up), eta (along x), sigma (off the wall): the force (N, -F, 0) of floor force and
+    In the axes n (up), eta (along x), sigma (off the wall): the force (N, -F, 0) of floor force and
     friction, and the moment r F about sigma.
     """
     zero = np.zeros(())
@@ -418,8 +352,7 @@ def disc_force_wrench(
 ) -> Wrench:
     """Return the wrench of drive, gravity, floor and wall about the disc's centre [N, N m].
 
-    Axes n (up), eta (along x), sigma (off the wall): the force m a along eta and the moment r F
-    about sigma, F being the floor's friction.
+    In the axes of `disc_floor_wrench`: the force m a along eta and the moment r F about sigma.
     """
     zero = np.zeros(())
     force = vector(zero, mass * acceleration_x, zero)

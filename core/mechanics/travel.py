@@ -9,23 +9,18 @@ All functions take and return broadcastable float64 arrays, SI units.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
-from vibrafeed.core.mechanics.angles import cosine
-from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
-from vibrafeed.core.mechanics.elementwise import (
+from vibrafeed.core.mechanics.arrays import (
     LOGARITHMIC,
+    Array,
+    Mask,
     arc_quotient,
     arc_series,
-    arctan_quotient,
+    cosine,
     expm1_quotient,
-    log1p_quotient,
-    sin_quotient,
-    sinh_quotient,
-    tan_quotient,
-    tanh_quotient,
+    over_itself,
+    ratio,
 )
 
 # Above this phase the hyperbolic functions are replaced by their exponential forms.
@@ -37,16 +32,12 @@ SHORT_WAY = 0.15
 
 
 def _rate(K: Array, friction: Array, radius: Array) -> Array:
-    """Return the rate sqrt(mu |K|/R) with which the speed tends to its limit [s-1].
-
-    K is the acceleration at zero speed, mu the kinetic friction, R the bowl's radius. It is a
-    product of roots, since mu |K| may underflow.
-    """
+    # A product of roots, since mu |K| may underflow.
     return np.sqrt(friction / radius) * np.sqrt(np.abs(K))
 
 
 def _damping(friction: Array, radius: Array, distance: Array) -> Array:
-    """Return the exponent by which wall friction damps the squared speed, s = 2 mu x/R [1]."""
+    # Exponent by which wall friction damps the squared speed, s = 2 mu x/R [1].
     return 2 * friction * (distance / radius)
 
 
@@ -60,10 +51,8 @@ def transport_velocity(
 ) -> Array:
     """Return the speed after a distance x, (3.18) with a starting speed v0 [m s-1].
 
-    The drive is taken to stay at its peak; no mean over a period. v^2 = v0^2 exp(-s) + 2 K x
-    phi(s), with s = 2 mu x/R, phi(s) = (1 - exp(-s))/s, the starting speed v0 (`speed` [m s-1]),
-    the acceleration K at zero speed [m s-2], the friction coefficient mu and the bowl's radius R
-    [m]. 0 where the part does not start, or stops before.
+    v^2 = v0^2 exp(-s) + 2 K x phi(s), with s = 2 mu x/R, phi(s) = (1 - exp(-s))/s; 0 where the part
+    does not start, or stops before.
     """
     carried, gained = _speeds(starting_acceleration, friction_kinetic, radius, distance, speed)
     from_rest, grows = carried == 0, starting_acceleration > 0  # from rest one root is enough
@@ -72,11 +61,9 @@ def transport_velocity(
 
 
 def _joined(carried: Array, gained: Array, grows: Mask) -> Array:
-    """Return sqrt(c^2 + g^2) where it grows, else sqrt(c^2 - g^2), or 0 for c < g [m s-1].
-
-    c `carried` and g `gained`. One root for both, of 1 + r^2 or (1 - r)(1 + r), r the ratio of the
-    less to the greater: no overflow, and no cancellation of squares near the stop.
-    """
+    # sqrt(c^2 + g^2) where it grows, else sqrt(c^2 - g^2), or 0 for c < g. One root for both, of
+    # 1 + r^2 or (1 - r)(1 + r), r the ratio of the less to the greater: no overflow, and no
+    # cancellation of squares near the stop.
     is_less = gained < carried
     most, least = np.where(is_less, carried, gained), np.where(is_less, gained, carried)
     scale = np.where(most > 0, most, 1.0)
@@ -88,11 +75,7 @@ def _joined(carried: Array, gained: Array, grows: Mask) -> Array:
 def _speeds(
     K: Array, friction: Array, radius: Array, distance: Array, speed: Array
 ) -> tuple[Array, Array]:
-    """Return the contributions of starting speed and |K| to the later speed [m s-1].
-
-    v0 exp(-s/2) and sqrt(2 |K| x phi(s)), with s = 2 mu x/R and phi(s) = (1 - exp(-s))/s; K is the
-    acceleration at zero speed, v0 `speed`.
-    """
+    # v0 exp(-s/2) and sqrt(2 |K| x phi(s)), what starting speed and |K| give the later speed.
     s = _damping(friction, radius, distance)
     gained = np.sqrt(2 * np.abs(K) * expm1_quotient(s)) * np.sqrt(distance)
     return speed * np.exp(-s / 2), gained
@@ -122,12 +105,9 @@ def travel_time(
 ) -> Array:
     """Return the time in which a part covers a distance x [s]; infinite if it does not get there.
 
-    Under the drive at its peak, with friction mu, radius R of the bowl's wall [m], the acceleration
-    K at zero speed [m s-2], and the speeds v0 at the start (`speed`) and v at the end
-    (`transport_velocity`) [m s-1]. With s = 2 mu x/R, phi(s) = (1 - exp(-s))/s, k^2 = mu |K|/R and
-    q = 2 x phi(s)/(v + v0 exp(-s)), the time is atanh(k q)/k for K > 0, atan(k q)/k for K < 0, q
-    for K = 0. It is also twice the same of p = x phi(s/2)/(v + v0 exp(-s/2)), which is a series for
-    s up to `SHORT_WAY`.
+    With s = 2 mu x/R, phi(s) = (1 - exp(-s))/s, k^2 = mu |K|/R and q = 2 x phi(s)/(v + v0 exp(-s)),
+    v the speed at the end, it is atanh(k q)/k for K > 0, atan(k q)/k for K < 0, q for K = 0; also
+    twice the same of p = x phi(s/2)/(v + v0 exp(-s/2)), which is a series for s up to `SHORT_WAY`.
     """
     K, v, v0 = starting_acceleration, transport_velocity, speed
     s = _damping(friction_kinetic, radius, distance)
@@ -141,12 +121,8 @@ def travel_time(
 def _short_time(
     K: Array, v: Array, v0: Array, s: Array, friction: Array, radius: Array, distance: Array
 ) -> Array:
-    """Return the time to cover a distance with little damping s; infinite if never covered [s].
-
-    s is at most `SHORT_WAY`; the arguments are those of `travel_time`. Half of the arc has the
-    tangent k p, p = x phi(s/2)/(v + v0 exp(-s/2)), and the time is 2 p times the `arc_series` of
-    (mu/R) K p^2. From rest K cancels, and that is tanh(s/4).
-    """
+    # Half of the arc has the tangent k p, p = x phi(s/2)/(v + v0 exp(-s/2)), and the time is 2 p
+    # times the `arc_series` of (mu/R) K p^2. From rest K cancels, and that is tanh(s/4).
     decay = np.exp(-s / 2)
     p, arrives = _quotient(distance * expm1_quotient(s / 2), v, v + v0 * decay, distance)
     from_rest = -np.expm1(-s / 2) / (1 + decay)
@@ -157,11 +133,8 @@ def _short_time(
 def _long_time(
     K: Array, v: Array, v0: Array, s: Array, friction: Array, radius: Array, distance: Array
 ) -> Array:
-    """Return the time to cover a distance with any damping s; infinite if never covered [s].
-
-    The arguments are those of `travel_time`: q times the `arc_quotient` of (mu/R) K q^2, whose root
-    is exp(-s/2) (v + v0)/(v + v0 exp(-s)). From rest K cancels, and (mu/R) K q^2 = 1 - exp(-s).
-    """
+    # q times the `arc_quotient` of (mu/R) K q^2, whose root is exp(-s/2) (v + v0)/(v + v0 exp(-s)).
+    # From rest K cancels, and (mu/R) K q^2 = 1 - exp(-s).
     from_rest, goes = v0 == 0, distance > 0
     way = 2 * distance * expm1_quotient(s)
     q, arrives = _quotient(way, v, v + v0 * np.exp(-s), distance)
@@ -176,11 +149,6 @@ def _long_time(
 
 
 def _quotient(way: Array, speed: Array, pace: Array, distance: Array) -> tuple[Array, Mask]:
-    """Return `way` over `pace` [s], 0 where the part does not get there; and where it does.
-
-    It does not if its `speed` at the end [m s-1] is 0, or the time is beyond the floats. No
-    `distance` [m] takes no time.
-    """
     goes = distance > 0
     with np.errstate(over="ignore", divide="ignore"):
         q = np.where(goes, way, 0.0) / np.where(goes, np.where(speed > 0, pace, 0.0), 1.0)
@@ -199,9 +167,8 @@ def mean_velocity(
 ) -> Array:
     """Return the distance over the travel time [m s-1]; 0 where the part does not get there.
 
-    The drive is taken to stay at its peak. Where the part gets there, but in a time beyond the
-    range of floats, the mean is computed from the speeds at start and end (`speed`,
-    `transport_velocity` [m s-1]), kinetic friction [1] and the bowl's radius [m] instead.
+    Where the part gets there, but in a time beyond the range of floats, the mean is computed from
+    the speeds at start and end instead.
     """
     s = _damping(friction_kinetic, radius, distance)
     creeping = (transport_velocity + speed * np.exp(-s)) / (2 * expm1_quotient(s))
@@ -210,10 +177,7 @@ def mean_velocity(
 
 
 def _speed_ratio(K: Array, friction: Array, radius: Array, speed: Array) -> Array:
-    """Return the starting speed over sqrt(|K| R/mu), where the part brakes (K < 0); else 0 [1].
-
-    K is the acceleration at zero speed, mu the friction, R the bowl's radius.
-    """
+    # Starting speed over sqrt(|K| R/mu), where the part brakes (K < 0); else 0 [1].
     root = np.sqrt(np.where(K < 0, -K, 1.0))
     return np.where(K < 0, speed * np.sqrt(friction / radius) / root, 0.0)
 
@@ -223,10 +187,8 @@ def stopping_distance(
 ) -> Array:
     """Return the stopping distance, R/(2 mu) log1p(mu v0^2/(|K| R)); infinite without stop [m].
 
-    Under the drive at its peak: R/(2 mu) log1p(y^2), y = v0 sqrt(mu/(|K| R)), with starting speed
-    v0 (`speed` [m s-1]), acceleration K at zero speed [m s-2] (K < 0 brakes), friction mu and
-    radius R of the bowl's wall [m]. For y below 1 it is written as v0^2/(2 |K|) log1p(y^2)/y^2,
-    else the logarithm is taken of y: v0/|K| may be too large for a float where the distance is not.
+    With y = v0 sqrt(mu/(|K| R)); for y below 1 it is written as v0^2/(2 |K|) log1p(y^2)/y^2, else
+    the logarithm is taken of y: v0/|K| may be too large for a float where the distance is not.
     """
     K = starting_acceleration
     y = _speed_ratio(K, friction_kinetic, radius, speed)
@@ -234,7 +196,7 @@ def stopping_distance(
     slow = (K < 0) & ~fast
     root = np.where(slow, speed, 0.0) / np.sqrt(np.where(slow, -K, 1.0))
     with np.errstate(over="ignore"):  # beyond the floats it is infinite
-        near = root * root / 2 * log1p_quotient(np.square(np.where(fast, 0.0, y)))
+        near = root * root / 2 * over_itself(np.log1p, np.square(np.where(fast, 0.0, y)))
     large = np.where(fast, y, 1.0)
     scale = ratio(np.where(fast, radius, 0.0), friction_kinetic, 0.0)
     far = scale * (np.log(large) + np.log1p(np.square(1 / large)) / 2)
@@ -247,10 +209,8 @@ def stopping_time(
 ) -> Array:
     """Return the stopping time, sqrt(R/(|K| mu)) atan(v0 sqrt(mu/(|K| R))); infinite if none [s].
 
-    Under the drive at its peak, with starting speed v0 (`speed` [m s-1]), acceleration K at zero
-    speed (`starting_acceleration` [m s-2], K < 0 brakes), friction mu and radius R of the bowl's
-    wall [m]: sqrt(R/(|K| mu)) atan(y), y = v0 sqrt(mu/(|K| R)). Below y = 1 it is written as v0/|K|
-    atan(y)/y, which holds for mu = 0, too.
+    Below y = v0 sqrt(mu/(|K| R)) = 1 it is written as v0/|K| atan(y)/y, which holds for mu = 0,
+    too.
     """
     K = starting_acceleration
     y = _speed_ratio(K, friction_kinetic, radius, speed)
@@ -260,7 +220,7 @@ def stopping_time(
         free = np.where(slow, speed, 0.0) / np.where(slow, -K, 1.0)
         angle = np.where(fast, np.arctan(y), 0.0)
         far = ratio(angle, _rate(K, friction_kinetic, radius), np.inf)
-    near = free * arctan_quotient(np.where(fast, 0.0, y))
+    near = free * over_itself(np.arctan, np.where(fast, 0.0, y))
     at_rest = (K == 0) & (speed == 0)
     return np.where(K < 0, np.where(fast, far, near), np.where(at_rest, 0.0, np.inf))
 
@@ -276,16 +236,13 @@ def velocity_at_time(
 ) -> Array:
     """Return the speed at a time t, (v0 + K t T)/(1 + mu v0 t T/R) [m s-1]; 0 after the stop.
 
-    Under the drive at its peak: (v0 + K t T)/(1 + mu v0 t T/R), T = tanh(u)/u for K > 0, tan(u)/u
-    for K < 0, u = t sqrt(mu |K|/R), with starting speed v0 (`speed` [m s-1]), acceleration K at
-    zero speed [m s-2], friction mu and radius R of the bowl's wall [m]. `stopping_time` [s] is that
-    of the same motion.
+    T = tanh(u)/u for K > 0, tan(u)/u for K < 0, u = t sqrt(mu |K|/R).
     """
     K, v0 = starting_acceleration, speed
     moving = (time < stopping_time) | (time == 0)
     t = np.where(moving, time, 0.0)
     u = t * _rate(K, friction_kinetic, radius)
-    tT = t * np.where(K > 0, tanh_quotient(u), tan_quotient(np.where(K > 0, 0.0, u)))
+    tT = t * np.where(K > 0, over_itself(np.tanh, u), over_itself(np.tan, np.where(K > 0, 0.0, u)))
     velocity = (v0 + K * tT) / (1.0 + friction_kinetic * (tT / radius) * v0)
     return np.where(moving, np.maximum(0.0, velocity), 0.0)
 
@@ -302,11 +259,9 @@ def distance_at_time(
 ) -> Array:
     """Return the distance that a part has covered at a time t [m]; that of its stop afterwards.
 
-    Under the drive at its peak. exp(mu x/R) is cosh u + y0 sinh u (K > 0) or cos u + y0 sin u (K <
-    0), with u = t sqrt(mu |K|/R) and y0 = v0/sqrt(|K| R/mu): starting speed v0 (`speed` [m s-1]),
-    acceleration K at zero speed [m s-2], friction mu, radius R of the bowl's wall [m]. It is
-    written as one log1p whose argument has mu/R as a factor, so that R/mu cancels. `stopping_time`
-    [s] and `stopping_distance` [m] are those of the same motion.
+    exp(mu x/R) is cosh u + y0 sinh u (K > 0) or cos u + y0 sin u (K < 0), u = t sqrt(mu |K|/R), y0
+    = v0/sqrt(|K| R/mu). It is written as one log1p whose argument has mu/R as a factor, so that
+    R/mu cancels.
     """
     K, v0 = starting_acceleration, speed
     moving = (time < stopping_time) | (time == 0)
@@ -318,12 +273,12 @@ def distance_at_time(
     # Arguments outside a branch are replaced: no overflow, no warning.
     small_forward = np.where(forward & ~large, u, 0.0)
     braking = np.where(forward, 0.0, u)
-    from_speed = v0 * t * sin_quotient(braking) * sinh_quotient(small_forward)
-    half = sin_quotient(braking / 2) * sinh_quotient(small_forward / 2)
+    from_speed = v0 * t * over_itself(np.sin, braking) * over_itself(np.sinh, small_forward)
+    half = over_itself(np.sin, braking / 2) * over_itself(np.sinh, small_forward / 2)
     from_drive = K * t * t / 2 * half * half
     straight = from_speed + from_drive
     z = np.where(large, 0.0, straight * (friction_kinetic / radius))
-    near = straight * log1p_quotient(z)
+    near = straight * over_itself(np.log1p, z)
     y0 = ratio(k * v0, np.abs(K), 0.0)
     far_phase = np.where(large, u, 1.0)
     settled = np.log1p((np.where(large, y0, 1.0) - 1.0) * (-np.expm1(-2 * far_phase)) / 2)
@@ -345,17 +300,16 @@ def distance_bound(
 ) -> Array:
     """Return the distance after which a part from rest would be faster than the track [m].
 
-    Beyond it the velocity law (3.18) describes nothing real. x_max = -R/(2 mu) log1p(-mu v_b^2/(K
-    R)): there the law reaches `velocity_bound` v_b [m s-1], with the acceleration K at zero speed
-    [m s-2], friction mu and radius R of the bowl's wall [m]. Infinite where the terminal velocity
-    is below v_b, or the part does not start.
+    Beyond it the law (3.18) describes nothing real: x_max = -R/(2 mu) log1p(-mu v_b^2/(K R)), with
+    the largest speed v_b of the track. Infinite where the terminal velocity is below v_b, or the
+    part does not start.
     """
     K = starting_acceleration
     starts = K > 0
     free = np.square(velocity_bound) / (2 * np.where(starts, K, 1.0))
     z = 2 * free * friction_kinetic / radius
     reached = starts & (z < 1)
-    return np.where(reached, free * log1p_quotient(-np.where(reached, z, 0.0)), np.inf)
+    return np.where(reached, free * over_itself(np.log1p, -np.where(reached, z, 0.0)), np.inf)
 
 
 def does_not_start(*, starting_acceleration: Array, speed: Array) -> Mask:
@@ -385,32 +339,9 @@ def stops_before_time(*, stopping_time: Array, time: Array) -> Mask:
     return stopping_time <= time
 
 
-def speed_exceeds_track(*, transport_velocity: Array, velocity_bound: Array) -> Mask:
-    """True where v(x) exceeds the largest speed of the track, which friction cannot do."""
-    return transport_velocity > velocity_bound
-
-
-def mean_exceeds_track(*, mean_velocity: Array, velocity_bound: Array) -> Mask:
-    """True where x/t(x) exceeds the largest speed of the track, which friction cannot do."""
-    return mean_velocity > velocity_bound
-
-
-def speed_at_time_exceeds_track(*, velocity_at_time: Array, velocity_bound: Array) -> Mask:
-    """True where v(t) exceeds the largest speed of the track, which friction cannot do."""
-    return velocity_at_time > velocity_bound
-
-
-def terminal_exceeds_track(*, terminal_velocity: Array, velocity_bound: Array) -> Mask:
-    """True where v_inf exceeds the largest speed of the track, which friction cannot do."""
-    return terminal_velocity > velocity_bound
-
-
-EXCEEDS_TRACK_SPEED: dict[str, Callable[..., Mask]] = {
-    "transport_velocity": speed_exceeds_track,
-    "mean_velocity": mean_exceeds_track,
-    "velocity_at_time": speed_at_time_exceeds_track,
-    "terminal_velocity": terminal_exceeds_track,
-}
+def exceeds_track(velocity: str, **values: Array) -> Mask:
+    """True where a velocity exceeds the largest speed of the track, which friction cannot do."""
+    return values[velocity] > values["velocity_bound"]
 
 
 def grows_without_bound(*, starting_acceleration: Array, friction_kinetic: Array) -> Mask:
@@ -418,16 +349,6 @@ def grows_without_bound(*, starting_acceleration: Array, friction_kinetic: Array
     return (starting_acceleration > 0) & (friction_kinetic == 0)
 
 
-def never_stops(*, stopping_distance: Array) -> Mask:
-    """True where the part never stops."""
-    return np.isinf(stopping_distance)
-
-
-def never_arrives(*, travel_time: Array) -> Mask:
-    """True where the part takes longer to cover the distance than a float holds."""
-    return np.isinf(travel_time)
-
-
-def never_reaches_track_speed(*, distance_bound: Array) -> Mask:
-    """True where (3.18) never reaches the largest speed of the track."""
-    return np.isinf(distance_bound)
+def is_endless(quantity: str, **values: Array) -> Mask:
+    """True where a quantity is infinite."""
+    return np.isinf(values[quantity])

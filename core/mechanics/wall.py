@@ -64,11 +64,6 @@ def curved_acceleration_x(
     return starting_acceleration - friction_kinetic * centripetal_acceleration
 
 
-def curved_acceleration_y(*, centripetal_acceleration: Array) -> Array:
-    """Return the acceleration v^2/R of a part that follows the wall [m s-2]."""
-    return centripetal_acceleration
-
-
 def derived_wall_balance(
     *, centripetal_acceleration: Array, gravity_across: Array, drive_across: Array
 ) -> Array:
@@ -237,12 +232,9 @@ def held_pressure_offset_x(
 ) -> Array:
     """Return the offset of the floor's resultant along x that balances friction's moment [m].
 
-    The part, of the given `height` b [m] and at the wall, tips where it exceeds half the length.
-    The wall's force acts at mid-height. mu_k b/2 towards the motion in sliding, at the `speed` [m
-    s-1] or from rest. In stick, floor and wall are taken to share the drive in proportion to their
-    normal forces, which the balance leaves open. NaN in flight. `in_plane_drive_x` is drive and
-    gravity along x, `floor_acceleration` and `wall_acceleration` the normal forces, all per mass [m
-    s-2].
+    The part at the wall tips where it exceeds half the length. The wall's force acts at mid-height.
+    mu_k b/2 towards the motion in sliding. In stick, floor and wall are taken to share the drive in
+    proportion to their normal forces, which the balance leaves open. NaN in flight.
     """
     load = floor_acceleration + wall_acceleration
     stuck = is_held(
@@ -269,8 +261,7 @@ def is_held(
 ) -> Mask:
     """True where friction of floor and wall holds a part at rest: |D_x| <= mu_s (n + s).
 
-    D_x is drive and gravity along x, n and s are the forces of floor and wall, all per mass [m
-    s-2]; it holds for speed 0 only.
+    It holds for speed 0 only.
     """
     load = floor_acceleration + wall_acceleration
     return (speed == 0) & (np.abs(in_plane_drive_x) <= friction_static * load) & (load > 0)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.errors import Problem
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.mechanics.bowl_drive_unit import (
+from vibrafeed.core.mechanics.drive_unit import (
     Stretches,
     bounds,
     picked,
@@ -28,9 +28,8 @@ from vibrafeed.core.mechanics.bowl_drive_unit import (
 from vibrafeed.core.motion.feeding import parts_per_minute
 from vibrafeed.core.plan.equations import run
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.quantities.drive_unit import OF_STRETCHES
-from vibrafeed.core.scenes.graph import between
-from vibrafeed.core.scenes.scene import Condition, Equation, fields
+from vibrafeed.core.quantities.drives import OF_STRETCHES
+from vibrafeed.core.scenes.scene import Condition, Equation, between, fields
 from vibrafeed.core.study.simulate_study import SETTINGS
 
 SOURCE = "theory 15.6"

@@ -13,17 +13,15 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from vibrafeed.core.errors import Problem
-from vibrafeed.core.mechanics import bowl_drive_unit, drive_unit
-from vibrafeed.core.mechanics.angles import cosine, sine
-from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics import drive_unit
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, sine
 from vibrafeed.core.motion import bowl_track
 from vibrafeed.core.motion.bowl_track import Track, track_of
 from vibrafeed.core.motion.drives import SINE, Shape, under_wave
 from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.part_load import Load, PartLoad, part_load
 from vibrafeed.core.motion.waves import Wave
-from vibrafeed.core.quantities.drive import DRIVE
-from vibrafeed.core.quantities.drive_unit import DRIVE_UNIT
+from vibrafeed.core.quantities.drives import DRIVE, DRIVE_UNIT
 from vibrafeed.core.scenes import SCENES, Condition, Equation, Scene
 from vibrafeed.core.scenes.scene import fields
 
@@ -179,7 +177,7 @@ def loaded_inertia(
     *, moving_inertia: Array, load_mass: Array, part_load: Load, load_radius: Array
 ) -> Array:
     """Return the inertia with the load and the effective mass of travelling parts [kg m2]."""
-    return bowl_drive_unit.loaded_inertia(
+    return drive_unit.loaded_inertia(
         moving_inertia=moving_inertia, load_mass=load_mass + part_load.mass, load_radius=load_radius
     )
 

@@ -15,13 +15,12 @@ from typing import Any, Protocol
 import numpy as np
 
 from vibrafeed.core.errors import Problem
-from vibrafeed.core.mechanics.angles import cosine, sine
-from vibrafeed.core.mechanics.arrays import Array, ratio
+from vibrafeed.core.mechanics.arrays import Array, cosine, ratio, sine
 from vibrafeed.core.motion import limits, waves
 from vibrafeed.core.motion.groups import Groups
 from vibrafeed.core.motion.result import STATUS, Motion
 from vibrafeed.core.motion.waves import TURN, Wave
-from vibrafeed.core.quantities.drive import AXES, DRIVE
+from vibrafeed.core.quantities.drives import AXES, DRIVE
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.scenes.scene import Equation
 from vibrafeed.core.watch import Watch

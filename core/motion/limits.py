@@ -14,7 +14,7 @@ from vibrafeed.core.mechanics.arrays import Array, ratio
 from vibrafeed.core.motion import waves
 from vibrafeed.core.motion.groups import Contacts, Groups, in_plane
 from vibrafeed.core.motion.waves import Wave
-from vibrafeed.core.quantities.drive import AXES, WHERE
+from vibrafeed.core.quantities.drives import AXES, WHERE
 from vibrafeed.core.scenes.scene import Equation, arguments_of
 
 

@@ -20,8 +20,7 @@ from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.motion.groups import Contacts, Groups
 from vibrafeed.core.motion.methods.events import EVENTS, energy_by_events, motion_by_events
 from vibrafeed.core.plan.equations import run
-from vibrafeed.core.scenes.graph import between
-from vibrafeed.core.scenes.scene import Equation
+from vibrafeed.core.scenes.scene import Equation, between
 
 SETTINGS: dict[str, Any] = dict(EVENTS.defaults)
 """Settings of the method `events`, by which the parts' motion is followed, whatever the study's own

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from vibrafeed.core.errors import Problem
-from vibrafeed.core.mechanics.angles import cosine
-from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, ratio
 from vibrafeed.core.motion import limits, scales
 from vibrafeed.core.motion.drive_units import ChosenUnit
 from vibrafeed.core.motion.drives import driven, shape_of

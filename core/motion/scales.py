@@ -10,9 +10,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from vibrafeed.core.mechanics.angles import cosine, sine
-from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
-from vibrafeed.core.mechanics.vibration import throw
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, ratio, sine
+from vibrafeed.core.mechanics.floor import throw
 from vibrafeed.core.motion.result import Energy, Motion
 from vibrafeed.core.scenes.scene import Condition, Equation
 

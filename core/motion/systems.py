@@ -14,7 +14,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from vibrafeed.core.mechanics import soft_contact, vibration
+from vibrafeed.core.mechanics import floor
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.motion import feeding, groups, limits, scales
 from vibrafeed.core.motion.feeding import RESOLVED
@@ -35,6 +35,7 @@ from vibrafeed.core.scenes.scene import (
     Scene,
     fields,
 )
+from vibrafeed.core.scenes.soft_contact import impact_damping
 
 
 def _is_stuck(*, motion: Motion) -> Mask:
@@ -134,7 +135,7 @@ LEAVES_THE_WALL = Condition("wall_lost", _leaves_the_wall, ANY_RESULT)
 """Condition of a track: the part leaves it sideways; the results hold on an endless floor."""
 
 PLANAR_SCALES = (
-    Equation("vibration_acceleration", vibration.vibration_acceleration, "theory 0.2"),
+    Equation("vibration_acceleration", floor.vibration_acceleration, "theory 0.2"),
     Equation("drive_number", scales.drive_number, "theory 13.10"),
     Equation("drive_number_along", scales.drive_number_along, "theory 13.2"),
     Equation("drive_number_normal", scales.drive_number_normal, "theory 13.2"),
@@ -258,7 +259,7 @@ def with_falling_restitution(system: Scene, parameters: Collection[str]) -> Scen
     `parameters` are the names of the study's parameters; those that the law does not allow are
     refused.
     """
-    law = Equation("impact_damping", soft_contact.impact_damping, "theory 18.3")
+    law = Equation("impact_damping", impact_damping, "theory 18.3")
 
     def changed(known: tuple[Equation, ...]) -> tuple[Equation, ...]:
         others = [

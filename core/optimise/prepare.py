@@ -29,7 +29,7 @@ from vibrafeed.core.plan.plan import choose_scene
 from vibrafeed.core.plan.prepared import Chosen, locate_problem, plan_study
 from vibrafeed.core.quantities import FLAGS, QUANTITIES
 from vibrafeed.core.scenes import SCENES, Scene
-from vibrafeed.core.scenes.graph import behind
+from vibrafeed.core.scenes.scene import behind
 from vibrafeed.core.study.distributions import Distribution, nominal, tolerance
 from vibrafeed.core.study.drive import only_the_plain_sine
 from vibrafeed.core.study.optimise_study import ANGLES, Limited, OptimiseStudy, Pareto

@@ -24,7 +24,7 @@ from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.plan import Plan, plan_scene
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.flags import DERIVATIVE_STATUSES
-from vibrafeed.core.scenes.aliases import CONSTRAINTS
+from vibrafeed.core.scenes import CONSTRAINTS
 from vibrafeed.core.watch import Watch
 
 STEPS = 2.0 ** -np.array([16, 12, 8, 20, 24, 28, 32])

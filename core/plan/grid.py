@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.mechanics.angles import radians
+from vibrafeed.core.mechanics.arrays import radians
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.study.values import Fixed, Points, Span, Values
 

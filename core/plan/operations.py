@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from vibrafeed.core.mechanics.elementwise import (
+from vibrafeed.core.mechanics.arrays import (
     arc_quotient,
     arc_series,
     binade,
@@ -31,7 +31,7 @@ class Operation:
     ----------
     function : callable
         The function: one of numpy's elementwise functions or of
-        `vibrafeed.core.mechanics.elementwise`, or `numpy.where`.
+        `vibrafeed.core.mechanics.arrays`, or `numpy.where`.
     loop : str
         The expression in a compiled loop, of the arguments; exact or rounded once, so that its bits
         are numpy's. Empty: numpy computes it between two loops; a loop takes the steps of an

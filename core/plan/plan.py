@@ -9,12 +9,22 @@ from functools import cached_property
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.plan.verdicts import Verdict, verdicts_of
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
-from vibrafeed.core.quantities.drive import DRIVE
+from vibrafeed.core.quantities.drives import DRIVE
 from vibrafeed.core.quantities.flags import REGIME
 from vibrafeed.core.quantities.motion import FEEDING, RESULTS
-from vibrafeed.core.scenes import ALIASES, SCENES, Condition, Equation, Scene
-from vibrafeed.core.scenes.aliases import ALTERNATIVES, BESIDE, NEEDS, NOT_OF_SHAPE, WRITTEN_AS
-from vibrafeed.core.scenes.graph import behind
+from vibrafeed.core.scenes import (
+    ALIASES,
+    ALTERNATIVES,
+    BESIDE,
+    NEEDS,
+    NOT_OF_SHAPE,
+    SCENES,
+    WRITTEN_AS,
+    Condition,
+    Equation,
+    Scene,
+)
+from vibrafeed.core.scenes.scene import behind
 from vibrafeed.core.suggestions import Suggestions, by_synonym, suggestion
 
 

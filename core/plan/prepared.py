@@ -16,8 +16,7 @@ from vibrafeed.core.plan.plan import Plan, plan_scene
 from vibrafeed.core.plan.price import Price, in_words, price
 from vibrafeed.core.plan.shares import Shares
 from vibrafeed.core.quantities import FLAGS, QUANTITIES
-from vibrafeed.core.scenes import Scene
-from vibrafeed.core.scenes.aliases import CONSTRAINTS
+from vibrafeed.core.scenes import CONSTRAINTS, Scene
 from vibrafeed.core.study.grid_study import PARAMETERS, Study
 from vibrafeed.core.study.values import Values
 from vibrafeed.core.suggestions import SEARCHED, intended

@@ -22,7 +22,7 @@ from vibrafeed.core.plots.style import Style
 from vibrafeed.core.plots.text import long_name, number, shown_in, units_of, words
 from vibrafeed.core.quantities import FLAGS, QUANTITIES, REGIMES
 from vibrafeed.core.quantities.flags import is_regime
-from vibrafeed.core.quantities.optimum import OF_THE_SEARCH
+from vibrafeed.core.quantities.motion import OF_THE_SEARCH
 from vibrafeed.core.study.shown import ShownUnits
 
 PAGE = 8.27, 11.69  # inches, A4

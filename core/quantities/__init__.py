@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from vibrafeed.core.quantities.drive import DRIVE
-from vibrafeed.core.quantities.drive_unit import BOWL_TRACK, DRIVE_UNIT
+from vibrafeed.core.quantities.drives import BOWL_TRACK, DRIVE, DRIVE_UNIT
 from vibrafeed.core.quantities.flags import (
     MOTION_MODES,
     MOTION_STATUSES,
@@ -19,8 +18,7 @@ from vibrafeed.core.quantities.flags import (
     Flag,
 )
 from vibrafeed.core.quantities.impacts import IMPACTS, ISOLATED
-from vibrafeed.core.quantities.motion import DIRECTIONS, MOTION
-from vibrafeed.core.quantities.optimum import OPTIMUM
+from vibrafeed.core.quantities.motion import DIRECTIONS, MOTION, OPTIMUM
 from vibrafeed.core.quantities.orienting import ORIENTING, RESTING
 from vibrafeed.core.quantities.quantity import WORD_OF, WORDS, Quantity, by_letters, letter_of
 from vibrafeed.core.quantities.round_parts import ROLLING, ROUND_PARTS

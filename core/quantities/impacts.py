@@ -158,20 +158,13 @@ ISOLATED: dict[str, Quantity] = {
 
 
 def _quantities_of_body(body: str) -> dict[str, Quantity]:
-    """Return the declarations of all quantities of one of two colliding bodies, ``"1"`` or ``"2"``.
-
-    They are position, angles, velocity, spin, sizes and mass, and what the impact changes.
-    """
-
     def quantity(unit: str, symbol: str, label: str, description: str, example: str) -> Quantity:
-        """Return a quantity of the body."""
         return Quantity(
             unit, f"{symbol}{body}", f"{label}, body {body}", description.format(body),
             parameter=True, examples=(example,),
         )  # fmt: skip
 
     def size(unit: str, symbol: str, label: str, description: str, example: str) -> Quantity:
-        """Return a size of the body, above 0."""
         return Quantity(
             unit, f"{symbol}{body}", f"{label}, body {body}", description.format(body), 0.0,
             strict=True, parameter=True, examples=(example,),

@@ -1,8 +1,8 @@
-"""Motion in time: scales, settings, results."""
+"""Motion in time: scales, settings, results; and what a search for the best values tells."""
 
 from __future__ import annotations
 
-from vibrafeed.core.quantities.flags import MOTION_STATUSES, Flag
+from vibrafeed.core.quantities.flags import MOTION_STATUSES, OPTIMUM_STATUSES, Flag
 from vibrafeed.core.quantities.quantity import Quantity, acceleration, flag, number, velocity
 
 DIRECTIONS: dict[str, Flag] = {
@@ -267,3 +267,38 @@ TRAJECTORY: dict[str, Quantity] = {
 }  # fmt: skip
 
 MOTION = {**SCALES, **SETTINGS, **RESULTS, **FEEDING, **TUMBLING, **TRAJECTORY}
+
+
+OPTIMUM: dict[str, Quantity] = {
+    "front": number(
+        "", "Place on the front",
+        "0 at the largest output, 1 at the least absolute value of the other one.",
+    ),
+    "objective": number("", "Objective", "Value of the objective at the optimum."),
+    "objective_error": number(
+        "", "Error of the objective",
+        "Uncertainty of the objective: the larger of the error that the method states of the "
+        "mean velocity, and of the scatter that chance leaves where rounding decides.",
+    ),
+    "objective_left_out": number(
+        "", "Share left out of the objective",
+        "Points of the uncertain parameters at which the objective has no value.",
+    ),
+    "optimum_status": flag(
+        "Status of the optimum", "Status of the optimum: how the search ended.", OPTIMUM_STATUSES
+    ),
+    "optimum_gap": number(
+        "", "Gap of the optimum",
+        "Objective of the closed form, or of points all over the bounds, less the one found, as a "
+        "share of the outputs' scale.",
+    ),
+    "evaluations": number("", "Evaluations", "Points at which the outputs were computed."),
+    "front_points": number(
+        "", "Distinct points of the front",
+        "1 where there is no trade-off: one choice is best in both outputs.",
+    ),
+    "knee": number("", "Knee of the front", "The point farthest from the chord of the front."),
+}  # fmt: skip
+
+OF_THE_SEARCH = ("objective_error", "optimum_gap", "evaluations")
+"""Outputs that tell how an optimum was found, in place of what it is."""

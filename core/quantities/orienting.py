@@ -15,11 +15,6 @@ ASPECTS = {
 
 
 def _resting_shares() -> dict[str, Quantity]:
-    """Return the declarations of the shares in which parts rest, by name.
-
-    For each aspect, the way in which a part lies, there are the shares of let-down and of thrown
-    parts, between which the truth lies, and that by the counts of a drop test.
-    """
     quantities = {}
     for name, (words, where) in ASPECTS.items():
         plain = where.replace("`", "")
@@ -147,15 +142,9 @@ PAIRS = {10 * i + j: f"{i} to {j}" for i in range(1, 4) for j in range(1, 4) if 
 
 
 def _device(position: int) -> dict[str, Quantity]:
-    """Return the declarations of what the device at a place of an orienting line may have, by name.
-
-    A device lets parts pass by how they lie, or turns them. `position` is its place in the line,
-    from 1.
-    """
     at = f", place {position}"
 
     def size(symbol: str, label: str, says: str, example: str) -> Quantity:
-        """Return a length of the device."""
         return length(f"{symbol}{position}", label + at, says, example)
 
     return {
@@ -207,10 +196,6 @@ DEVICES = tuple(_device(1))
 
 
 def _shares() -> dict[str, Quantity]:
-    """Return the declarations of the shares of parts that pass and that leave a line, by name.
-
-    There is one of each for every aspect, the way in which a part lies.
-    """
     quantities = {}
     for name, (words, _) in ASPECTS.items():
         quantities[f"passing_share_{name}"] = number(

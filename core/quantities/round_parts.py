@@ -14,12 +14,6 @@ from vibrafeed.core.quantities.quantity import (
 
 
 def _screw(name: str, label: str, what: str) -> dict[str, Quantity]:
-    """Return the declarations of a wrench's pitch and of a point of its axis, by name.
-
-    A wrench is a force along an axis with a moment along it; the point is given by the components n
-    (normal), eta (rolling) and sigma (axial). `name` begins the names of the quantities, `label`
-    their labels, and `what` says which forces it sums up.
-    """
     pitch = Quantity(
         "m", "p", f"{label}, pitch", f"Moment along the wrench axis over force, of {what}."
     )

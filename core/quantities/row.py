@@ -14,56 +14,7 @@ def _of_part(n: int) -> str:
     return f"part {n} of a row" + (", the rearmost" if n == 1 else "")
 
 
-def _friction(n: int) -> Quantity:
-    """Return the declaration of a parameter: the friction of part `n` of a row, from 1.
-
-    A part may have a friction coefficient of its own; parts count from the rear of the row.
-    """
-    return Quantity(
-        "1", f"mu_{n}", f"Friction, part {n}",
-        f"Coefficient of friction between the track and {_of_part(n)}.", 0.0, parameter=True,
-        examples=("0.3",), usual=(1e-3, 2.0),
-    )  # fmt: skip
-
-
-def _mass(n: int) -> Quantity:
-    """Return the declaration of a parameter: the mass of part `n` of a row [kg], from 1.
-
-    A part may have a mass of its own; parts count from the rear of the row.
-    """
-    return Quantity(
-        "kg", f"m_{n}", f"Mass, part {n}", f"Mass of {_of_part(n)}.", 0.0, strict=True,
-        parameter=True, examples=("4 g",), usual=(1e-7, 10.0),
-    )  # fmt: skip
-
-
-def _gap(n: int) -> Quantity:
-    """Return the declaration of a parameter: the gap in front of part `n` at the start, in metres.
-
-    The part is one of a row; parts are numbered from 1, from the rear of the row to its front.
-    """
-    return Quantity(
-        "m", f"g_{n}", f"Gap, part {n}", f"Gap in front of {_of_part(n)}, at the start.", 0.0,
-        parameter=True, examples=("1 mm",),
-    )  # fmt: skip
-
-
-def _position(n: int) -> Quantity:
-    """Return the declaration of the position of part `n` of a row over time, in metres.
-
-    It is the centre of the part on the track, from the start of the rearmost; parts count from 1.
-    """
-    return Quantity(
-        "m", f"x_{n}", f"Position, part {n}",
-        f"Centre of {_of_part(n)} on the track, from the start of the rearmost.",
-    )  # fmt: skip
-
-
 def _platoon(n: int) -> dict[str, Quantity]:
-    """Return the declarations of size and velocity of platoon `n` of a row, by name.
-
-    A platoon is parts that stay together; platoons count from 1, the rearmost.
-    """
     which = f"platoon {n}" + (", the rearmost" if n == 1 else "")
     return {
         f"platoon_size_{n}": Quantity(
@@ -80,11 +31,6 @@ def _platoon(n: int) -> dict[str, Quantity]:
 
 
 def _stop_gap(symbol: str, label: str, says: str) -> Quantity:
-    """Return the declaration of a parameter: the gap from the front part of a row to a stop [m].
-
-    `symbol` is its sign in formulas, `label` its name on axes of pictures, and `says` describes the
-    stop, as in "that stands still".
-    """
     return Quantity(
         "m", symbol, label, f"Gap between the front part and a stop {says}, at the start.", 0.0,
         parameter=True, examples=("0 mm",),
@@ -92,11 +38,6 @@ def _stop_gap(symbol: str, label: str, says: str) -> Quantity:
 
 
 def _time(symbol: str, label: str, says: str, example: str = "") -> Quantity:
-    """Return the declaration of a time [s], not negative; a parameter if it has an example.
-
-    `symbol` is its sign in formulas, `label` its name on axes of pictures, `says` its description,
-    and `example` shows how a user may write it.
-    """
     return Quantity(
         "s", symbol, label, says, 0.0, parameter=bool(example),
         examples=(example,) if example else (),
@@ -104,11 +45,6 @@ def _time(symbol: str, label: str, says: str, example: str = "") -> Quantity:
 
 
 def _rate(symbol: str, label: str, says: str, *, is_input: bool = False) -> Quantity:
-    """Return the declaration of a quantity that counts parts per minute, in 1/min and not negative.
-
-    `symbol` is its sign in formulas, `label` its name on axes of pictures and `says` its
-    description for documentation. With `is_input` a study may give it as a parameter.
-    """
     return Quantity(
         "min-1", symbol, label, says, 0.0, parameter=is_input,
         examples=("120 1/min",) if is_input else (),
@@ -116,26 +52,49 @@ def _rate(symbol: str, label: str, says: str, *, is_input: bool = False) -> Quan
 
 
 def _acceleration(symbol: str, label: str, says: str) -> Quantity:
-    """Return the quantity of an acceleration above 0, as a parameter."""
     return Quantity(
         "m s-2", symbol, label, says, 0.0, strict=True, parameter=True, examples=("2 m/s^2",)
     )
 
 
-NUMBERS = {"part_friction": _friction, "part_mass": _mass, "part_gap": _gap}
+NUMBERS = ("part_friction", "part_mass", "part_gap")
 """What each part of a row may have of its own, by the stem of its name."""
 
+_PARTS = range(1, MAX_NUMBERED + 1)
 ROW: dict[str, Quantity] = {
     "parts": Quantity(
         "1", "n", "Parts", "Number of parts in the row.", 2.0, float(MAX_PARTS), parameter=True,
         examples=("8",),
     ),
     **{
-        f"{stem}_{n}": of_part(n)
-        for stem, of_part in NUMBERS.items()
-        for n in range(1, MAX_NUMBERED + 1)
+        f"part_friction_{n}": Quantity(
+            "1", f"mu_{n}", f"Friction, part {n}",
+            f"Coefficient of friction between the track and {_of_part(n)}.", 0.0, parameter=True,
+            examples=("0.3",), usual=(1e-3, 2.0),
+        )
+        for n in _PARTS
     },
-    **{f"part_position_{n}": _position(n) for n in range(1, MAX_NUMBERED + 1)},
+    **{
+        f"part_mass_{n}": Quantity(
+            "kg", f"m_{n}", f"Mass, part {n}", f"Mass of {_of_part(n)}.", 0.0, strict=True,
+            parameter=True, examples=("4 g",), usual=(1e-7, 10.0),
+        )
+        for n in _PARTS
+    },
+    **{
+        f"part_gap_{n}": Quantity(
+            "m", f"g_{n}", f"Gap, part {n}", f"Gap in front of {_of_part(n)}, at the start.", 0.0,
+            parameter=True, examples=("1 mm",),
+        )
+        for n in _PARTS
+    },
+    **{
+        f"part_position_{n}": Quantity(
+            "m", f"x_{n}", f"Position, part {n}",
+            f"Centre of {_of_part(n)} on the track, from the start of the rearmost.",
+        )
+        for n in _PARTS
+    },
     "part_restitution": Quantity(
         "1", "e_p", "Restitution between parts",
         "Relative velocity after a collision of two parts over that before.", 0.0, 1.0,
@@ -167,7 +126,7 @@ ROW: dict[str, Quantity] = {
         "N s", "", "Strokes against the stop",
         "Impulse of all strokes against the stop in a period of the drive.",
     ),
-    **{name: one for n in range(1, MAX_NUMBERED + 1) for name, one in _platoon(n).items()},
+    **{name: one for n in _PARTS for name, one in _platoon(n).items()},
     "row": Quantity("1", "", "Row", "The parts of a row, from the rear on.", bundle=True),
     "platoons": Quantity(
         "1", "", "Platoons", "Groups of parts that have left each other for ever.", count=True

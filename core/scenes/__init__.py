@@ -1,5 +1,14 @@
-"""The systems that can be computed, a family a file."""
+"""The systems that can be computed, a family a file; and other ways of giving a parameter."""
 
+import numpy as np
+
+from vibrafeed.core.mechanics.drive_unit import magnet_force, unbalance_force
+from vibrafeed.core.mechanics.floor import (
+    amplitude,
+    amplitude_of_vertical,
+    amplitude_of_vertical_stroke,
+)
+from vibrafeed.core.mechanics.orienting import rate_by_pitch
 from vibrafeed.core.scenes import (
     drive_units,
     isolated,
@@ -11,8 +20,7 @@ from vibrafeed.core.scenes import (
     row_on_plane,
     soft_contact,
 )
-from vibrafeed.core.scenes.aliases import ALIASES
-from vibrafeed.core.scenes.scene import EXACT, Condition, Constraint, Equation, Scene
+from vibrafeed.core.scenes.scene import EXACT, Condition, Constraint, Equation, Scene, fields
 
 SCENES: dict[str, Scene] = {
     "rectangle-isolated": isolated.RECTANGLE_SCENE,
@@ -35,4 +43,89 @@ SCENES: dict[str, Scene] = {
     "row-on-plane": row_on_plane.SCENE,
 }
 
-__all__ = ["ALIASES", "EXACT", "SCENES", "Condition", "Constraint", "Equation", "Scene"]
+VERTICAL = ("vertical_amplitude", "vertical_peak_to_peak")
+
+ALIASES = (
+    Equation("amplitude", amplitude, "theory 0.2"),
+    Equation("amplitude", amplitude_of_vertical, "theory 0.2"),
+    Equation("amplitude", amplitude_of_vertical_stroke, "theory 0.2"),
+    *fields(
+        "friction",
+        "theory 11.2",
+        friction_static=("the static coefficient where one coefficient serves for both [1]",),
+        friction_kinetic=("the kinetic coefficient where one coefficient serves for both [1]",),
+    ),
+    Equation("drive_force", magnet_force, "theory 15.1"),
+    Equation("drive_force", unbalance_force, "theory 15.1"),
+    Equation("arrival_rate", rate_by_pitch, "theory 16.3"),
+)
+"""They serve only where the parameter itself is not given."""
+
+BESIDE = frozenset(("beta",))
+"""Inputs of `ALIASES` that stand for nothing themselves."""
+
+
+def instead_of(name: str) -> tuple[str, ...]:
+    """Return the quantities that a parameter can be given for; none for most parameters."""
+    given_for = (alias.gives for alias in ALIASES if name in alias.inputs)
+    return () if name in BESIDE else tuple(given_for)
+
+
+ALTERNATIVES = (
+    ("friction", ("friction_static", "friction_kinetic")),
+    ("peak_to_peak", ("amplitude",)),
+    *((name, (other,)) for name in VERTICAL for other in ("amplitude", "peak_to_peak")),
+    (VERTICAL[1], (VERTICAL[0],)),
+    ("occupancy", ("part_gap",)),
+    ("hold_down", ("hold_down_force",)),
+)
+"""Parameters that stand for others; a study gives either."""
+
+WRITTEN_AS = {"friction_static": "friction", "friction_kinetic": "friction"}
+"""Which of both ways the error for a missing parameter names."""
+
+NEEDS = {
+    "hold_down_force": ("mass", "the mass of the part that it presses on is missing", '"5 g"'),
+    **dict.fromkeys(VERTICAL, ("beta", "the angle of the drive above the floor is missing", 20)),
+}
+"""Parameters that say nothing without another: that one, what is wrong, and an example of it."""
+
+CONSTRAINTS = tuple(
+    Constraint(
+        ("beta", name),
+        lambda least, largest, *_: 0 < least <= largest < np.pi or -np.pi < least <= largest < 0,
+        f"beta reaches 0 or 180 degrees, where the drive has no vertical part and {name} says "
+        "nothing about its amplitude",
+        f"Keep beta between 0 and 180 degrees, or give amplitude instead of {name}",
+    )
+    for name in VERTICAL
+)
+"""Relations between other ways of giving a parameter and what they need, in every scene."""
+
+NOT_OF_SHAPE = {
+    (shape, "centre_of_mass"): (
+        f"a {shape} has its mass in the middle, so that centre_of_mass is not used",
+        "Remove it. For a part whose mass is off the middle, count a drop test: scene "
+        '"orienting-line" takes drop_count_1, drop_count_2 and so on',
+    )
+    for shape in ("box", "prism")
+}
+"""Of a variant and a parameter that only parts of quite another shape have: what to say of it."""
+
+__all__ = [
+    "ALIASES",
+    "ALTERNATIVES",
+    "BESIDE",
+    "CONSTRAINTS",
+    "EXACT",
+    "NEEDS",
+    "NOT_OF_SHAPE",
+    "SCENES",
+    "VERTICAL",
+    "WRITTEN_AS",
+    "Condition",
+    "Constraint",
+    "Equation",
+    "Scene",
+    "instead_of",
+]

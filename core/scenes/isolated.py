@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
-from vibrafeed.core.mechanics import corner, vibration
+from vibrafeed.core.mechanics import corner, floor
 from vibrafeed.core.mechanics.arrays import Array, hypot
 from vibrafeed.core.mechanics.corner import Direction
-from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
+from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene, under_names
 
 # --- Equations that the scenes of an isolated part share: one corner on a fixed plane.
 
@@ -33,7 +35,7 @@ CORNER = (
     Equation("slip_direction", corner.slip_direction, "theory 2.4"),
     Equation("contact_case", corner.contact_case, "theory 2.3"),
     Equation("floor_acceleration", corner.floor_acceleration, "theory 2.3"),
-    Equation("floor_force", vibration.floor_force, "theory 2.3"),
+    Equation("floor_force", floor.floor_force, "theory 2.3"),
     Equation("friction_force", corner.friction_force, "theory 2.3"),
     Equation("acceleration_along", corner.acceleration_along, "(3.1), (3.25)"),
     Equation("acceleration_upward", corner.acceleration_upward, "(3.1), (3.25)"),
@@ -75,14 +77,21 @@ FORCES = frozenset(
         "regime",
     )
 )
-LIMITS = frozenset(("limiting_friction_right", "limiting_friction_left"))
 CONDITIONS = (
-    Condition("invalid_geometry", corner.another_corner_is_lower, FORCES | LIMITS),
-    Condition("no_solution", corner.has_no_solution, FORCES),
-    Condition("two_solutions", corner.has_two_solutions, FORCES),
-    Condition("separation", corner.separates, FORCES),
-    Condition("stick", corner.is_held, FORCES),
-    Condition("sliding", corner.slides, FORCES, otherwise="sliding"),
+    Condition("invalid_geometry", corner.another_corner_is_lower,
+              FORCES | {"limiting_friction_right", "limiting_friction_left"}),
+    *(
+        Condition(regime, partial(corner.is_case, case), FORCES, otherwise, says=f"True {says}.")
+        for regime, case, otherwise, says in (
+            ("no_solution", corner.NO_SOLUTION, "",
+             "where no force satisfies the contact: Painleve's paradox"),
+            ("two_solutions", corner.TWO_SOLUTIONS, "",
+             "where separation and contact both satisfy the equations, or every force does"),
+            ("separation", corner.SEPARATION, "", "where the corner leaves the plane"),
+            ("stick", corner.STICK, "", "where friction keeps the corner at rest"),
+            ("sliding", corner.SLIDING, "sliding", "where the corner slides, or starts to"),
+        )
+    ),
     Condition(
         "unbounded",
         corner.right_is_unlimited,
@@ -95,7 +104,7 @@ CONDITIONS = (
         frozenset(("limiting_friction_left",)),
         otherwise="contact",
     ),
-)
+)  # fmt: skip
 
 # The two rates are 0, the corner touching and at rest, until a study gives the centre's velocity.
 CORNER_DEFAULTS = {
@@ -117,17 +126,17 @@ VALIDITY = (
 # --- A rectangular part with one lower corner on a fixed plane; section 3.2.1 of the source.
 
 
-def rectangle_corner_angle(*, height: Array, length: Array) -> Array:
+def corner_angle(*, height: Array, length: Array) -> Array:
     """Return the angle of the diagonal in the part, zeta = atan2(b, h) [rad]."""
     return np.arctan2(height, length)
 
 
-def rectangle_corner_direction(*, height: Array, length: Array) -> Direction:
+def corner_direction(*, height: Array, length: Array) -> Direction:
     """Return sine and cosine of zeta."""
     return corner.direction_of(height, length)
 
 
-def rectangle_half_diagonal(*, height: Array, length: Array) -> Array:
+def half_diagonal(*, height: Array, length: Array) -> Array:
     """Return the distance from the centre to the corner, rho = sqrt(b^2 + h^2)/2 [m]."""
     return hypot(height, length) / 2
 
@@ -148,22 +157,8 @@ def rectangle_printed_gap_tangential_acceleration(
 ) -> Array:
     """Return the acceleration of slip as printed in (3.6b), with +mu: 2 mu n too large [m s-2].
 
-    It is that of the touching corner. The source prints +mu, which makes it 2 mu n too large, and
-    knows slip to the right only; to the left its mirror image is taken. It is 0 if the corner
+    The source knows slip to the right only; to the left its mirror image is taken. 0 if the corner
     sticks.
-
-    Parameters
-    ----------
-    contact_case : ndarray
-        Number of what the contact does: separates, sticks, slides.
-    slip_direction : ndarray
-        1 to the right, -1 to the left.
-    floor_acceleration, free_tangential_acceleration : ndarray
-        Normal force per mass, n, and the acceleration of the corner without contact force [m/s2].
-    diagonal_direction : tuple of ndarray
-        Sine and cosine of the angle between the line from corner to centre and the plane.
-    friction_kinetic : ndarray
-        The friction coefficient.
     """
     s, c = diagonal_direction
     sigma_mu = slip_direction * friction_kinetic
@@ -175,13 +170,10 @@ def rectangle_printed_gap_tangential_acceleration(
 
 
 RECTANGLE_BODY = (
-    Equation("corner_angle", rectangle_corner_angle, "(3.2)"),
-    Equation("corner_direction", rectangle_corner_direction, "(3.2)"),
-    Equation("half_diagonal", rectangle_half_diagonal, "(3.2)"),
+    Equation("corner_angle", corner_angle, "(3.2)"),
+    Equation("corner_direction", corner_direction, "(3.2)"),
+    Equation("half_diagonal", half_diagonal, "(3.2)"),
     Equation("inertia_ratio", rectangle_inertia_ratio, "theory 2.1"),
-)
-RECTANGLE_PRINTED = Equation(
-    "gap_tangential_acceleration", rectangle_printed_gap_tangential_acceleration, "(3.6b)", "thesis"
 )
 
 RECTANGLE_SCENE = Scene(
@@ -190,7 +182,16 @@ RECTANGLE_SCENE = Scene(
     source="3.2.1",
     validity=VALIDITY,
     variants={
-        "thesis": (*RECTANGLE_BODY, *CORNER, RECTANGLE_PRINTED),
+        "thesis": (
+            *RECTANGLE_BODY,
+            *CORNER,
+            Equation(
+                "gap_tangential_acceleration",
+                rectangle_printed_gap_tangential_acceleration,
+                "(3.6b)",
+                "thesis",
+            ),
+        ),
         "derived": (*RECTANGLE_BODY, *DERIVED),
     },
     default_variant="derived",
@@ -203,21 +204,6 @@ RECTANGLE_SCENE = Scene(
 # --- A cylindrical part with one point of its rim on a fixed plane; section 3.3.1 of the source.
 #
 # The motion is in the plane that holds the axis, so that the part shows as a rectangle d by h.
-
-
-def cylinder_corner_angle(*, diameter: Array, length: Array) -> Array:
-    """Return the angle of the diagonal in the part, zeta = atan2(d, h) [rad]."""
-    return np.arctan2(diameter, length)
-
-
-def cylinder_corner_direction(*, diameter: Array, length: Array) -> Direction:
-    """Return sine and cosine of zeta."""
-    return corner.direction_of(diameter, length)
-
-
-def cylinder_half_diagonal(*, diameter: Array, length: Array) -> Array:
-    """Return the distance from the centre to the rim, rho = sqrt(d^2 + h^2)/2 [m]."""
-    return hypot(diameter, length) / 2
 
 
 def cylinder_inertia_ratio(*, corner_direction: Direction) -> Array:
@@ -241,22 +227,8 @@ def cylinder_printed_gap_tangential_acceleration(
 ) -> Array:
     """Return the acceleration of slip as printed in (3.33b), with +mu and cos^2 [m s-2].
 
-    It is that of the touching corner. The source prints +mu and cos^2 where -mu and sin^2 are
-    right, and knows slip to the right only; to the left its mirror image is taken. It is 0 if the
-    corner sticks.
-
-    Parameters
-    ----------
-    contact_case : ndarray
-        Number of what the contact does: separates, sticks, slides.
-    slip_direction : ndarray
-        1 to the right, -1 to the left.
-    floor_acceleration, free_tangential_acceleration : ndarray
-        Normal force per mass, and the acceleration of the corner without contact force [m/s2].
-    inertia_ratio, friction_kinetic : ndarray
-        m rho^2/I with the distance rho from corner to centre, and the friction coefficient.
-    diagonal_direction : tuple of ndarray
-        Sine and cosine of the angle of that line to the plane.
+    The source prints +mu and cos^2 where -mu and sin^2 are right, and knows slip to the right only;
+    to the left its mirror image is taken. 0 if the corner sticks.
     """
     s, c = diagonal_direction
     sigma_mu = slip_direction * friction_kinetic
@@ -268,14 +240,20 @@ def cylinder_printed_gap_tangential_acceleration(
 
 
 CYLINDER_BODY = (
-    Equation("corner_angle", cylinder_corner_angle, "(3.28)"),
-    Equation("corner_direction", cylinder_corner_direction, "(3.28)"),
-    Equation("half_diagonal", cylinder_half_diagonal, "(3.28)"),
+    under_names(
+        "corner_angle", corner_angle, "(3.28)",
+        "the angle of the diagonal in the part, zeta = atan2(d, h) [rad]", height="diameter",
+    ),
+    under_names(
+        "corner_direction", corner_direction, "(3.28)", "sine and cosine of zeta",
+        height="diameter",
+    ),
+    under_names(
+        "half_diagonal", half_diagonal, "(3.28)",
+        "the distance from the centre to the rim, rho = sqrt(d^2 + h^2)/2 [m]", height="diameter",
+    ),
     Equation("inertia_ratio", cylinder_inertia_ratio, "theory 6"),
-)
-CYLINDER_PRINTED = Equation(
-    "gap_tangential_acceleration", cylinder_printed_gap_tangential_acceleration, "(3.33b)", "thesis"
-)
+)  # fmt: skip
 
 CYLINDER_SCENE = Scene(
     name="cylinder-isolated",
@@ -283,7 +261,16 @@ CYLINDER_SCENE = Scene(
     source="3.3.1",
     validity=VALIDITY,
     variants={
-        "thesis": (*CYLINDER_BODY, *CORNER, CYLINDER_PRINTED),
+        "thesis": (
+            *CYLINDER_BODY,
+            *CORNER,
+            Equation(
+                "gap_tangential_acceleration",
+                cylinder_printed_gap_tangential_acceleration,
+                "(3.33b)",
+                "thesis",
+            ),
+        ),
         "derived": (*CYLINDER_BODY, *DERIVED),
     },
     default_variant="derived",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from vibrafeed.core.mechanics import friction, rolling, travel, vibration, wall
+from functools import partial
+
+from vibrafeed.core.mechanics import floor, rolling, travel, wall
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
     STATIC_ABOVE_KINETIC,
@@ -10,41 +12,58 @@ from vibrafeed.core.scenes.scene import (
     Constraint,
     Equation,
     Scene,
+    field_of,
+    fields,
+    under_names,
 )
 
 # --- Equations of all scenes of a part on a plane: drive, gravity, and a floor without a wall.
 
 DRIVE = (
-    Equation("vibration_acceleration", vibration.vibration_acceleration, "theory 0.2"),
-    Equation("drive_along", vibration.drive_along, "(3.8)"),
-    Equation("drive_across", vibration.drive_across, "(3.8)"),
-    Equation("drive_normal", vibration.drive_normal, "(3.8)"),
-    Equation("gravity_along", vibration.gravity_along, "(3.11)"),
-    Equation("normal_acceleration", vibration.normal_acceleration, "(3.9), (3.11)"),
-    Equation("throw_number", vibration.throw_number, "theory 13.2"),
-    Equation("in_plane_drive_x", vibration.in_plane_drive_x, "theory 3"),
+    Equation("vibration_acceleration", floor.vibration_acceleration, "theory 0.2"),
+    Equation("drive_along", floor.drive_along, "(3.8)"),
+    Equation("drive_across", floor.drive_across, "(3.8)"),
+    Equation("drive_normal", floor.drive_normal, "(3.8)"),
+    Equation("gravity_along", floor.gravity_along, "(3.11)"),
+    Equation("normal_acceleration", floor.normal_acceleration, "(3.9), (3.11)"),
+    Equation("throw_number", floor.throw_number, "theory 13.2"),
+    Equation("in_plane_drive_x", floor.in_plane_drive_x, "theory 3"),
 )
 
+LEVEL_GRAVITY = field_of(
+    "gravity", (), "gravity_normal", "gravity onto a level floor, g [m s-2]", "(4.17)"
+)
 PLANE = (
     *DRIVE,
-    Equation("gravity_normal", vibration.gravity_normal, "(3.11)"),
-    Equation("in_plane_drive_y", vibration.in_plane_drive_y, "theory 3"),
-    Equation("in_plane_drive", vibration.in_plane_drive, "theory 3.2"),
-    Equation("rotated_acceleration_x", vibration.rotated_acceleration_x, "(3.10), (3.12)"),
-    Equation("rotated_acceleration_y", vibration.rotated_acceleration_y, "(3.10), (3.12)"),
-    Equation("floor_force", vibration.floor_force, "(3.9), (3.11)"),
+    Equation("gravity_normal", floor.gravity_normal, "(3.11)"),
+    *fields(
+        "drive_across",
+        "theory 3",
+        in_plane_drive_y=("drive less gravity along y on a floor without lean, D_y [m s-2]",),
+    ),
+    Equation("in_plane_drive", floor.in_plane_drive, "theory 3.2"),
+    Equation("rotated_acceleration_x", floor.rotated_acceleration_x, "(3.10), (3.12)"),
+    Equation("rotated_acceleration_y", floor.rotated_acceleration_y, "(3.10), (3.12)"),
+    Equation("floor_force", floor.floor_force, "(3.9), (3.11)"),
 )
 
+
+def unchecked_load(source: str, variant: str = "all") -> tuple[Equation, ...]:
+    """Return the equation of a normal force that may pull, as in the source."""
+    says = "the normal force per mass, n0, whatever its sign, as in the source [m s-2]"
+    return fields("normal_acceleration", source, variant, floor_acceleration=(says,))
+
+
 PER_AXIS = (
-    Equation("acceleration_x", friction.per_axis_acceleration_x, "(3.9), (3.11)", "thesis"),
-    Equation("acceleration_y", friction.per_axis_acceleration_y, "(3.9), (3.11)", "thesis"),
-    Equation("acceleration_z", vibration.no_acceleration_z, "(3.9), (3.11)", "thesis"),
-    Equation("floor_acceleration", vibration.unchecked_acceleration, "(3.9), (3.11)", "thesis"),
+    Equation("acceleration_x", floor.per_axis_acceleration_x, "(3.9), (3.11)", "thesis"),
+    Equation("acceleration_y", floor.per_axis_acceleration_y, "(3.9), (3.11)", "thesis"),
+    Equation("acceleration_z", floor.no_acceleration_z, "(3.9), (3.11)", "thesis"),
+    *unchecked_load("(3.9), (3.11)", "thesis"),
 )
 
 UNILATERAL = (
-    Equation("floor_acceleration", vibration.supported_acceleration, "theory 3.2", "physical"),
-    Equation("acceleration_z", vibration.lift_off_acceleration, "theory 3.2", "physical"),
+    Equation("floor_acceleration", floor.supported_acceleration, "theory 3.2", "physical"),
+    Equation("acceleration_z", floor.lift_off_acceleration, "theory 3.2", "physical"),
 )
 
 PLANE_DEFAULTS = {"alpha": 0.0, "gamma": 0.0, "gravity": STANDARD_GRAVITY}
@@ -68,20 +87,11 @@ FLOOR = frozenset(
 
 OFFSETS = frozenset(("pressure_offset_x", "pressure_offset_y"))
 
-RECTANGLE_PHYSICAL = (
-    *PLANE,
-    *UNILATERAL,
-    Equation("sliding_fraction", friction.sliding_fraction, "theory 3.2", "physical"),
-    Equation("acceleration_x", friction.disc_acceleration_x, "theory 3.2", "physical"),
-    Equation("acceleration_y", friction.disc_acceleration_y, "theory 3.2", "physical"),
-    Equation("pressure_offset_x", friction.pressure_offset_x, "theory 4.4", "physical"),
-    Equation("pressure_offset_y", friction.pressure_offset_y, "theory 4.4", "physical"),
-)
 
 FLIGHT = Condition(
-    "flight", vibration.has_left_floor, FLOOR | ACCELERATIONS | OFFSETS, otherwise="contact"
+    "flight", floor.has_left_floor, FLOOR | ACCELERATIONS | OFFSETS, otherwise="contact"
 )
-STICK = Condition("stick", friction.is_stuck, ACCELERATIONS | OFFSETS, otherwise="slip")
+STICK = Condition("stick", floor.is_stuck, ACCELERATIONS | OFFSETS, otherwise="slip")
 
 RECTANGLE_SCENE = Scene(
     name="rectangle-on-plane",
@@ -92,7 +102,30 @@ RECTANGLE_SCENE = Scene(
     variants={
         "thesis": (*PLANE, *PER_AXIS),
         "derived": (*PLANE, *PER_AXIS),
-        "physical": RECTANGLE_PHYSICAL,
+        "physical": (
+            *PLANE,
+            *UNILATERAL,
+            Equation("sliding_fraction", floor.sliding_fraction, "theory 3.2", "physical"),
+            Equation("acceleration_x", floor.disc_acceleration_x, "theory 3.2", "physical"),
+            under_names(
+                "acceleration_y",
+                floor.disc_acceleration_x,
+                "theory 3.2",
+                "the acceleration along y from rest, both axes sharing one friction disc [m s-2]",
+                "physical",
+                in_plane_drive_x="in_plane_drive_y",
+            ),
+            Equation("pressure_offset_x", floor.pressure_offset_x, "theory 4.4", "physical"),
+            under_names(
+                "pressure_offset_y",
+                floor.pressure_offset_x,
+                "theory 4.4",
+                "the offset along y of the floor's resultant that balances friction's moment [m]",
+                "physical",
+                height="height",
+                in_plane_drive_x="in_plane_drive_y",
+            ),
+        ),
     },
     default_variant="physical",
     conditions={
@@ -100,8 +133,8 @@ RECTANGLE_SCENE = Scene(
         "derived": (FLIGHT, STICK),
         "physical": (
             FLIGHT,
-            Condition("tipping", friction.tips_x, frozenset(("pressure_offset_x",))),
-            Condition("tipping", friction.tips_y, frozenset(("pressure_offset_y",))),
+            Condition("tipping", floor.tips_x, frozenset(("pressure_offset_x",))),
+            Condition("tipping", floor.tips_y, frozenset(("pressure_offset_y",))),
             STICK,
         ),
     },
@@ -114,28 +147,8 @@ RECTANGLE_SCENE = Scene(
 
 MOTION = ACCELERATIONS - {"sliding_fraction"} | {"angular_acceleration"}
 
-CYLINDER_THESIS = (
-    *PLANE,
-    *PER_AXIS,
-    Equation("angular_acceleration", rolling.printed_angular_acceleration, "(3.36)", "thesis"),
-)
-CYLINDER_DERIVED = (
-    *PLANE,
-    *PER_AXIS,
-    Equation("angular_acceleration", rolling.rolling_angular_acceleration, "(3.36)", "derived"),
-)
-CYLINDER_PHYSICAL = (
-    *PLANE,
-    *UNILATERAL,
-    Equation("roll_root", rolling.roll_root, "theory 7.3", "physical"),
-    Equation("acceleration_x", rolling.slipping_acceleration_x, "theory 7.3", "physical"),
-    Equation("acceleration_y", rolling.slipping_acceleration_y, "theory 7.3", "physical"),
-    Equation(
-        "angular_acceleration", rolling.slipping_angular_acceleration, "theory 7.3", "physical"
-    ),
-)
 CONDITIONS = (
-    Condition("flight", vibration.has_left_floor, FLOOR | MOTION | {"roll_root"}, "contact"),
+    Condition("flight", floor.has_left_floor, FLOOR | MOTION | {"roll_root"}, "contact"),
     Condition("stick", rolling.is_at_rest, MOTION),
     Condition("roll", rolling.is_rolling, MOTION | {"roll_root"}, otherwise="slip"),
 )
@@ -148,9 +161,33 @@ CYLINDER_SCENE = Scene(
     "resistance and drilling friction are neglected. Closed forms describe the part only while the "
     "throw number is below 1.",
     variants={
-        "thesis": CYLINDER_THESIS,
-        "derived": CYLINDER_DERIVED,
-        "physical": CYLINDER_PHYSICAL,
+        "thesis": (
+            *PLANE,
+            *PER_AXIS,
+            Equation(
+                "angular_acceleration", rolling.printed_angular_acceleration, "(3.36)", "thesis"
+            ),
+        ),
+        "derived": (
+            *PLANE,
+            *PER_AXIS,
+            Equation(
+                "angular_acceleration", rolling.rolling_angular_acceleration, "(3.36)", "derived"
+            ),
+        ),
+        "physical": (
+            *PLANE,
+            *UNILATERAL,
+            Equation("roll_root", rolling.roll_root, "theory 7.3", "physical"),
+            Equation("acceleration_x", rolling.slipping_acceleration_x, "theory 7.3", "physical"),
+            Equation("acceleration_y", rolling.slipping_acceleration_y, "theory 7.3", "physical"),
+            Equation(
+                "angular_acceleration",
+                rolling.slipping_angular_acceleration,
+                "theory 7.3",
+                "physical",
+            ),
+        ),
     },
     default_variant="physical",
     conditions={"thesis": CONDITIONS, "derived": CONDITIONS, "physical": CONDITIONS},
@@ -163,8 +200,8 @@ CYLINDER_SCENE = Scene(
 
 COMMON = (
     *DRIVE,
-    Equation("gravity_normal", vibration.leaning_gravity_normal, "(3.13)"),
-    Equation("gravity_across", vibration.gravity_across, "(3.13)"),
+    Equation("gravity_normal", floor.leaning_gravity_normal, "(3.13)"),
+    Equation("gravity_across", floor.gravity_across, "(3.13)"),
     Equation("centripetal_acceleration", wall.centripetal_acceleration, "(3.14)"),
     Equation("transport_velocity", travel.transport_velocity, "(3.18)"),
     Equation("terminal_velocity", travel.terminal_velocity, "theory 4.5"),
@@ -174,50 +211,35 @@ COMMON = (
     Equation("distance_at_time", travel.distance_at_time, "theory 4.5"),
     Equation("stopping_distance", travel.stopping_distance, "theory 4.5"),
     Equation("stopping_time", travel.stopping_time, "theory 4.5"),
-    Equation("velocity_bound", vibration.velocity_bound, "theory 11.1"),
+    Equation("velocity_bound", floor.velocity_bound, "theory 11.1"),
     Equation("suggested_distance", travel.suggested_distance, "theory 11.1"),
     Equation("distance_bound", travel.distance_bound, "theory 11.1"),
     Equation("chord_cosine", wall.chord_cosine, "(3.13)"),
-    Equation("floor_force", vibration.floor_force, "(3.15b)"),
+    Equation("floor_force", floor.floor_force, "(3.15b)"),
     Equation("wall_force", wall.wall_force, "(3.16)"),
     Equation("wall_force_front", wall.wall_force_front, "(3.16)"),
     Equation("wall_force_rear", wall.wall_force_rear, "(3.16)"),
 )
 TOP_EDGE = (
     Equation("acceleration_x", wall.curved_acceleration_x, "(3.17)"),
-    Equation("acceleration_y", wall.curved_acceleration_y, "(3.14)"),
-    Equation("acceleration_z", vibration.no_acceleration_z, "(3.14)"),
+    *fields(
+        "centripetal_acceleration",
+        "(3.14)",
+        acceleration_y=("the acceleration v^2/R of a part that follows the wall [m s-2]",),
+    ),
+    Equation("acceleration_z", floor.no_acceleration_z, "(3.14)"),
     Equation("wall_acceleration", wall.top_edge_wall_acceleration, "(3.16)"),
     Equation("floor_acceleration", wall.top_edge_floor_acceleration, "(3.15b)"),
     Equation("z_residual", wall.z_residual, "(3.14)"),
-)
-TRACK_THESIS = (
-    *COMMON,
-    *TOP_EDGE,
-    Equation("starting_acceleration", wall.printed_starting_acceleration, "(3.17)", "thesis"),
-    Equation("wall_balance", wall.printed_wall_balance, "(3.16)", "thesis"),
-    Equation("wall_speed", wall.printed_wall_speed, "(3.16)", "thesis"),
 )
 CORRECTED = (
     Equation("starting_acceleration", wall.derived_starting_acceleration, "(3.17)", "derived"),
     Equation("wall_balance", wall.derived_wall_balance, "(3.16)"),
     Equation("wall_speed", wall.derived_wall_speed, "theory 4.3"),
 )
-TRACK_DERIVED = (*COMMON, *TOP_EDGE, *CORRECTED)
-TRACK_PHYSICAL = (
-    *COMMON,
-    *CORRECTED,
-    Equation("acceleration_x", wall.supported_acceleration_x, "theory 4.4", "physical"),
-    Equation("acceleration_y", wall.off_wall_acceleration_y, "theory 4.4", "physical"),
-    Equation("acceleration_z", vibration.lift_off_acceleration, "theory 4.4", "physical"),
-    Equation("wall_acceleration", wall.pushing_wall_acceleration, "theory 4.4", "physical"),
-    Equation("floor_acceleration", vibration.supported_acceleration, "theory 4.4", "physical"),
-    Equation("pressure_offset_x", wall.held_pressure_offset_x, "theory 4.4", "physical"),
-)
 
 WALL_FORCES = frozenset(("wall_acceleration", "wall_force", "wall_force_rear", "wall_force_front"))
 FLOOR_FORCES = frozenset(("floor_acceleration", "floor_force"))
-CORNERS = frozenset(("wall_force_rear", "wall_force_front", "chord_cosine"))
 TRAVEL = frozenset(
     (
         "transport_velocity",
@@ -234,18 +256,25 @@ TRAVEL = frozenset(
 )
 ACCELERATION = frozenset(("acceleration_x", "regime"))
 BOTH = WALL_FORCES | FLOOR_FORCES | TRAVEL | ACCELERATION | {"z_residual", "pressure_offset_x"}
-TRACK_FLOOR = BOTH | {"normal_acceleration", "throw_number", "acceleration_z"}
 WALL = BOTH | {"wall_balance", "acceleration_y"}
 
 CORNERS_FIT = Condition(
-    "invalid_geometry", wall.rear_corner_lifts, CORNERS - {"chord_cosine"}, otherwise="contact"
+    "invalid_geometry",
+    wall.rear_corner_lifts,
+    frozenset(("wall_force_rear", "wall_force_front")),
+    otherwise="contact",
 )
 FITS = Condition(
     "invalid_geometry", wall.is_too_long, frozenset(("chord_cosine",)), otherwise="contact"
 )
 LEFT_FLOOR = (
     Condition("flight_and_wall_lost", wall.has_left_floor_and_wall, BOTH),
-    Condition("flight", vibration.has_left_floor, TRACK_FLOOR, otherwise="contact"),
+    Condition(
+        "flight",
+        floor.has_left_floor,
+        BOTH | {"normal_acceleration", "throw_number", "acceleration_z"},
+        otherwise="contact",
+    ),
 )
 # After flight, but before the wall: a speed of 0 is explained before its validity is doubted.
 REST = (
@@ -262,14 +291,30 @@ REST = (
 LEFT_WALL = Condition("wall_lost", wall.has_left_wall, WALL, otherwise="contact")
 BEYOND = (
     Condition("unbounded", travel.grows_without_bound, frozenset(("terminal_velocity",))),
-    Condition("unbounded", travel.never_stops, frozenset(("stopping_distance", "stopping_time"))),
-    Condition("unbounded", travel.never_arrives, frozenset(("travel_time",))),
-    Condition("unbounded", travel.never_reaches_track_speed, frozenset(("distance_bound",))),
     *(
-        Condition("faster_than_track", function, frozenset((velocity,)))
-        for velocity, function in travel.EXCEEDS_TRACK_SPEED.items()
+        Condition(
+            "unbounded", partial(travel.is_endless, name), frozenset((name, *others)),
+            needs=(name,), says=f"True where {says}.",
+        )
+        for name, others, says in (
+            ("stopping_distance", ("stopping_time",), "the part never stops"),
+            ("travel_time", (), "the part takes longer to cover the distance than a float holds"),
+            ("distance_bound", (), "(3.18) never reaches the largest speed of the track"),
+        )
     ),
-)
+    *(
+        Condition(
+            "faster_than_track", partial(travel.exceeds_track, name), frozenset((name,)),
+            needs=(name, "velocity_bound"),
+            says=f"True where {symbol} exceeds the largest speed of the track, which friction "
+            "cannot do.",
+        )
+        for name, symbol in (
+            ("transport_velocity", "v(x)"), ("mean_velocity", "x/t(x)"),
+            ("velocity_at_time", "v(t)"), ("terminal_velocity", "v_inf"),
+        )
+    ),
+)  # fmt: skip
 PRINTED_CONDITIONS = (
     Condition(
         "invalid_geometry", wall.topples_on_wall, WALL_FORCES | FLOOR_FORCES | {"z_residual"}
@@ -283,16 +328,6 @@ PRINTED_CONDITIONS = (
     Condition("outside_cone", wall.presses_wall, WALL_FORCES | FLOOR_FORCES | {"z_residual"}),
     *BEYOND,
 )
-PHYSICAL_CONDITIONS = (
-    CORNERS_FIT,
-    FITS,
-    *LEFT_FLOOR,
-    *REST,
-    LEFT_WALL,
-    Condition("tipping", friction.tips_x, frozenset(("pressure_offset_x",))),
-    *BEYOND,
-    Condition("stick", wall.is_held, ACCELERATION, otherwise="slip"),
-)
 
 TRACK_SCENE = Scene(
     name="rectangle-on-track",
@@ -303,12 +338,42 @@ TRACK_SCENE = Scene(
     "a period, and the physical variant uses the derived K for them. The part's path radius is "
     "taken as R. The forces of thesis and derived let the wall act at the part's top edge; they "
     "leave z_residual in the vertical balance and lie outside the friction cone.",
-    variants={"thesis": TRACK_THESIS, "derived": TRACK_DERIVED, "physical": TRACK_PHYSICAL},
+    variants={
+        "thesis": (
+            *COMMON,
+            *TOP_EDGE,
+            Equation(
+                "starting_acceleration", wall.printed_starting_acceleration, "(3.17)", "thesis"
+            ),
+            Equation("wall_balance", wall.printed_wall_balance, "(3.16)", "thesis"),
+            Equation("wall_speed", wall.printed_wall_speed, "(3.16)", "thesis"),
+        ),
+        "derived": (*COMMON, *TOP_EDGE, *CORRECTED),
+        "physical": (
+            *COMMON,
+            *CORRECTED,
+            Equation("acceleration_x", wall.supported_acceleration_x, "theory 4.4", "physical"),
+            Equation("acceleration_y", wall.off_wall_acceleration_y, "theory 4.4", "physical"),
+            Equation("acceleration_z", floor.lift_off_acceleration, "theory 4.4", "physical"),
+            Equation("wall_acceleration", wall.pushing_wall_acceleration, "theory 4.4", "physical"),
+            Equation("floor_acceleration", floor.supported_acceleration, "theory 4.4", "physical"),
+            Equation("pressure_offset_x", wall.held_pressure_offset_x, "theory 4.4", "physical"),
+        ),
+    },
     default_variant="physical",
     conditions={
         "thesis": PRINTED_CONDITIONS,
         "derived": PRINTED_CONDITIONS,
-        "physical": PHYSICAL_CONDITIONS,
+        "physical": (
+            CORNERS_FIT,
+            FITS,
+            *LEFT_FLOOR,
+            *REST,
+            LEFT_WALL,
+            Condition("tipping", floor.tips_x, frozenset(("pressure_offset_x",))),
+            *BEYOND,
+            Condition("stick", wall.is_held, ACCELERATION, otherwise="slip"),
+        ),
     },
     defaults={
         "alpha": 0.0,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import Any
@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from vibrafeed.core.mechanics import orienting
-from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.mechanics.orienting import Matrix, PassedShares
 from vibrafeed.core.quantities.orienting import DEVICES, MAX_DEVICES, PAIRS
 from vibrafeed.core.scenes.resting_part import ASPECTS, SHAPES, WORDS, shares_of
@@ -32,6 +32,21 @@ from vibrafeed.core.scenes.scene import (
 
 # --- The devices of a line, by the names of the numbers that a study gives of them.
 
+PASSES: dict[str, Callable[[Array, dict[str, Any], int], list[Mask]]] = {
+    # A part that is no higher than the edge of the wiper.
+    "wiper_height": lambda height, at, _: [one.height <= height for one in at["aspect_sizes"]],
+    # One that is longer than twice the gap: its centre is carried until its front has landed.
+    "gap_length": lambda gap, at, _: [one.along / 2 > gap for one in at["aspect_sizes"]],
+    # One whose centre is above the ledge, (w - a/2) + z tan(delta) > 0: a track that leans by delta
+    # holds the part, of the size a across and with its centre at the height z, on the wall.
+    "ledge_width": lambda width, at, _: [
+        width - one.across / 2 + centre * np.tan(at["delta"]) > 0
+        for one, centre in zip(at["aspect_sizes"], at["centre_heights"], strict=True)
+    ],
+    "passed_aspect": lambda passed, _, aspects: [passed == k for k in range(1, aspects + 1)],
+}
+"""Where parts of each aspect pass a device: by its number, the parameters, and the aspects."""
+
 
 @dataclass(frozen=True)
 class Device:
@@ -42,10 +57,9 @@ class Device:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """The names of the quantities that a device of an orienting line needs, without the shares.
+        """The quantities that it needs: its numbers, and sizes of parts that these are compared to.
 
-        They are its own numbers, such as a wiper's height, with its place in the line behind the
-        name, and sizes of the parts with which these are compared.
+        A number's name ends in the place of the device.
         """
         needs = {
             "wiper_height": ("aspect_sizes",), "gap_length": ("aspect_sizes",),
@@ -62,66 +76,29 @@ class Device:
         """True if the device turns parts."""
         return bool({"turned_share", "turn"} & set(self.numbers))
 
-    def number(self, name: str, parameters: dict[str, Any]) -> Array:
-        """Return a number of the device from the parameters."""
-        value: Array = parameters[f"{name}_{self.place}"]
-        return value
-
     def matrix(self, aspects: int, parameters: dict[str, Any]) -> Matrix:
-        """Return the effect of an orienting device on parts, as a matrix over their aspects.
+        """Return the effect of the device on parts, as a matrix over their `aspects`.
 
-        An aspect is a way in which a part lies. Entry j of row i is the share of the parts that
-        arrive in aspect i and go on in aspect j, an array over cells; the others fall back.
-        `aspects` is the number of aspects, `parameters` has the study's parameters and bundles by
-        name, SI units.
+        Entry j of row i is the share of the parts that arrive in aspect i and go on in aspect j, an
+        array over cells; the others fall back. `parameters` are in SI units.
         """
-        tests = [self._kept(number, aspects, parameters) for number in self.numbers]
-        tests = [kept for kept in tests if kept]
+        own: dict[str, Any] = {name: parameters.get(f"{name}_{self.place}") for name in DEVICES}
+        tests = [
+            PASSES[one](own[one], parameters, aspects) for one in self.numbers if one in PASSES
+        ]
         matrix = orienting.unchanged(aspects)
         for kept in tests:
             matrix = orienting.product(matrix, orienting.test_of(kept))
         if "rail_width" in self.numbers:
-            matrix = orienting.product(matrix, self._rail(parameters))
+            # Upright parts fall between the rails, others go on inverted if their head holds them.
+            width, shank = own["rail_width"], parameters["shank_diameter"]
+            hangs = np.where((shank < width) & (width < parameters["diameter"]), 1.0, 0.0)
+            zero = np.zeros(())
+            rail = [[zero, zero, zero], [zero, zero, hangs], [zero, zero, hangs]]
+            matrix = orienting.product(matrix, rail)
         if self.turns:
-            share, turn = self.number("turned_share", parameters), self.number("turn", parameters)
-            matrix = orienting.turning(matrix, share, turn, failed=bool(tests))
+            matrix = orienting.turning(matrix, own["turned_share"], own["turn"], failed=bool(tests))
         return matrix
-
-    def _kept(self, number: str, aspects: int, parameters: dict[str, Any]) -> list[Array]:
-        """Return the share of each aspect that a test of the device passes; empty if it is none.
-
-        An aspect is a way in which a part lies. `number` is the kind of the device's number, such
-        as `wiper_height`, `aspects` is how many aspects there are, and `parameters` has sizes of
-        parts and devices by name, SI units.
-        """
-        sizes: Sequence[orienting.Aspect] = parameters.get("aspect_sizes", ())
-        if number == "wiper_height":
-            height = self.number(number, parameters)
-            return [orienting.passes_wiper(size, height) for size in sizes]
-        if number == "gap_length":
-            gap = self.number(number, parameters)
-            return [orienting.passes_gap(size, gap) for size in sizes]
-        if number == "passed_aspect":
-            passed = self.number(number, parameters)
-            return [orienting.passes_aspect(k, passed) for k in range(1, aspects + 1)]
-        if number == "ledge_width":
-            width, delta = self.number(number, parameters), parameters["delta"]
-            both = zip(sizes, parameters["centre_heights"], strict=True)
-            return [orienting.passes_ledge(size, centre, width, delta) for size, centre in both]
-        return []
-
-    def _rail(self, parameters: dict[str, Any]) -> Matrix:
-        """Return the effect of two rails on turned parts, as a matrix over their aspects.
-
-        The aspects are upright, on its side, inverted; entry j of row i is the share that goes from
-        i to j. Parts on their side or inverted go on inverted if they hang by their head; all
-        others fall. `parameters` has the width of the rails and the diameters of head and shank, SI
-        units.
-        """
-        width = self.number("rail_width", parameters)
-        hangs = orienting.hangs_on_rail(width, parameters["shank_diameter"], parameters["diameter"])
-        zero = np.zeros(())
-        return [[zero, zero, zero], [zero, zero, hangs], [zero, zero, hangs]]
 
 
 @dataclass(frozen=True)
@@ -152,7 +129,7 @@ class DeviceLine:
     def _passed(self, arriving: str, **values: Any) -> PassedShares:
         matrices = [device.matrix(self.aspects, values) for device in self.devices]
         outlets = [
-            device.number("outlet_capacity", values)
+            values[f"outlet_capacity_{device.place}"]
             if "outlet_capacity" in device.numbers
             else None
             for device in self.devices
@@ -170,23 +147,6 @@ class DeviceLine:
     def _in_order(
         self, matrices: list[Matrix], outlets: list[Array | None], order: Array
     ) -> tuple[list[Matrix], list[Array | None]]:
-        """Return matrices and outlet capacities of the devices, rearranged for each cell.
-
-        Parameters
-        ----------
-        matrices : list of Matrix
-            What each device does to parts: shares over cells, by aspect before and after.
-        outlets : list of ndarray or None
-            The capacities of the outlets [1/s]; None, a device without outlet, counts as infinite.
-        order : ndarray
-            For each cell the number, from 1, of a permutation of the devices, as
-            `orienting.devices_in_order` counts them.
-
-        Returns
-        -------
-        tuple of list
-            The same lists, rearranged; a capacity is None where no device has an outlet.
-        """
         capacities = [np.asarray(np.inf) if one is None else one for one in outlets]
         chosen: list[Matrix] = []
         at: list[Array | None] = []
@@ -203,11 +163,6 @@ class DeviceLine:
 
 
 def _pick(pick: list[Any], values: list[Array]) -> Array:
-    """Return, in each cell, the one of several values whose mask is true there.
-
-    `pick` has a mask for each of the `values`, arrays over cells that broadcast. Where no mask is
-    true it is the first value.
-    """
     picked = values[0]
     for mask, value in zip(pick[1:], values[1:], strict=True):
         picked = np.where(mask, value, picked)
@@ -217,8 +172,7 @@ def _pick(pick: list[Any], values: list[Array]) -> Array:
 def end_of(name: str, function: Function, upper: bool, says: str) -> Equation:
     """Return the equation of the lesser or the larger value at both ends of a line's shares.
 
-    `function` gives the output `name` from a `line`; `upper` is True for the larger one; `says`
-    describes the output in words, with its unit.
+    `function` gives the output `name` from a `line`; `says` describes it, with its unit.
     """
 
     def value(*, line_ends: tuple[PassedShares, PassedShares], **values: Any) -> Array:
@@ -283,21 +237,20 @@ def numbers_of(shape: str) -> tuple[str, ...]:
 def passed_shares_of(shape: str) -> tuple[Equation, ...]:
     """Return the equations for the shares of parts that pass, by aspect, the way in which one lies.
 
-    For each aspect of a `shape` (a key of `ASPECTS`) they give the share by a drop test, the share
-    of the parts arriving in it that passes the line, and the share of all that leaves so.
+    The share by a drop test, that of the parts arriving in the aspect that passes, and that of all
+    that leaves so.
     """
-    rows: list[tuple[str, tuple[Any, ...], str, str]] = []
-    for position, name in enumerate(ASPECTS[shape]):
-        words = WORDS[name]
-        rows += [
-            (f"counted_share_{name}", (position,), "counted_shares",
-             f"the share {words} by a drop test [1]"),
-            (f"passing_share_{name}", ("passing", position), "line",
-             f"the share that passes of those that arrive {words} [1]"),
-            (f"leaving_share_{name}", ("leaving", position), "line",
-             f"the share of all arriving parts that leaves {words} [1]"),
-        ]  # fmt: skip
-    return tuple(field_of(bundle, path, gives, says, LINE) for gives, path, bundle, says in rows)
+    return tuple(
+        field_of(bundle, path, f"{gives}_{name}", says.format(WORDS[name]), LINE)
+        for place, name in enumerate(ASPECTS[shape])
+        for gives, bundle, path, says in (
+            ("counted_share", "counted_shares", (place,), "the share {} by a drop test [1]"),
+            ("passing_share", "line", ("passing", place),
+             "the share that passes of those that arrive {} [1]"),
+            ("leaving_share", "line", ("leaving", place),
+             "the share of all arriving parts that leaves {} [1]"),
+        )
+    )  # fmt: skip
 
 
 def equations(shape: str) -> tuple[Equation, ...]:
@@ -306,18 +259,11 @@ def equations(shape: str) -> tuple[Equation, ...]:
     `shape` is a key of `ASPECTS`.
     """
     counts = tuple(f"drop_count_{k}" for k in range(1, len(ASPECTS[shape]) + 1))
-    count, posterior = (
-        Equation(gives, partial(_of_counts, one), TEST, needs=counts, says=one.__doc__ or "")
-        for gives, one in (
-            ("drop_count", orienting.posterior_count),
-            ("counted_shares", orienting.posterior_shares),
-        )
-    )
     return (
         *shares_of(shape),
         Equation("aspect_sizes", SIZES[shape], LINE),
-        count,
-        posterior,
+        Equation("drop_count", orienting.posterior_count, TEST, needs=counts),
+        Equation("counted_shares", orienting.posterior_shares, TEST, needs=counts),
         *passed_shares_of(shape),
         *RESULTS,
     )
@@ -326,7 +272,7 @@ def equations(shape: str) -> tuple[Equation, ...]:
 def any_line(shape: str) -> tuple[Equation, ...]:
     """Return the equations of an orienting line with devices of all kinds at all places.
 
-    They serve to list the parameters that a study of parts of this shape may give.
+    They serve to list the parameters that a study may give.
     """
     every = tuple(Device(place, numbers_of(shape)) for place in POSITIONS)
     names = (name for device in every for name in device.inputs)
@@ -343,10 +289,6 @@ def any_line(shape: str) -> tuple[Equation, ...]:
     )
 
 
-def _of_counts(function: Callable[[Sequence[Array]], Any], **counts: Array) -> Any:
-    return function([*counts.values()])
-
-
 def _unfitted(**values: Any) -> Any:
     """Return the devices of a line [1]."""
     raise NotImplementedError  # the scene must first be fitted to the devices of a study
@@ -360,17 +302,11 @@ def fit_to_study(scene: Scene, parameters: Collection[str]) -> Scene:
     names = {*parameters}
     numbers = tuple(sorted(name for name in names if _NUMBER.fullmatch(name)))
     tested = any(name.startswith("drop_count_") for name in names)
-    return _fitted(scene.name, numbers, "device_order" in names, tested)
+    return _fitted(numbers, "device_order" in names, tested)
 
 
 @lru_cache(maxsize=64)
-def _fitted(_: str, numbers: tuple[str, ...], ordered: bool, tested: bool) -> Scene:
-    """Return the scene of an orienting line with the devices of a study; cached by its arguments.
-
-    `numbers` are the names of the devices' parameters, which end in the place of a device, such as
-    ``wiper_height_1``; `ordered` is true if the study gives the order of the devices as a number,
-    `tested` if it gives a drop test. The first argument is only part of the cache's key.
-    """
+def _fitted(numbers: tuple[str, ...], ordered: bool, tested: bool) -> Scene:
     devices: dict[int, list[str]] = {}
     for number, place in (match.groups() for match in map(_NUMBER.fullmatch, numbers) if match):
         devices.setdefault(int(place), []).append(number)
@@ -393,12 +329,6 @@ def _fitted(_: str, numbers: tuple[str, ...], ordered: bool, tested: bool) -> Sc
 def _equations_with_devices(
     shape: str, numbers: dict[int, list[str]], ordered: bool, tested: bool
 ) -> tuple[Equation, ...]:
-    """Return the equations of an orienting line for a shape of parts, with the devices of a study.
-
-    `numbers` has for each place of the line, from 1, the names of what the study gives of the
-    device there, such as ``wiper_height``; `ordered` is true if the study gives the order of the
-    devices, `tested` if it gives a drop test, from which the shares and their ends are then taken.
-    """
     known, aspects = numbers_of(shape), len(ASPECTS[shape])
     devices = [
         Device(place, tuple(n for n in known if n in numbers[place])) for place in sorted(numbers)
@@ -420,10 +350,6 @@ def _equations_with_devices(
     )
 
 
-def _turns(least: float, largest: float) -> bool:
-    return least in PAIRS and largest in PAIRS
-
-
 SCENE = Scene(
     name="orienting-line",
     title="A line of devices that orient parts",
@@ -443,7 +369,8 @@ SCENE = Scene(
     constraints=(
         *(
             Constraint(
-                (f"turn_{place}",), _turns, "it names no two aspects", "Give 21, 32, 31, 12, 23, 13"
+                (f"turn_{place}",), lambda *ends: {*ends} <= {*PAIRS}, "it names no two aspects",
+                "Give 21, 32, 31, 12, 23, 13",
             )
             for place in POSITIONS
         ),

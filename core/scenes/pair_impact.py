@@ -1,56 +1,113 @@
-"""Two bodies that collide: rectangles in a plane, cylinders in space."""
+"""Two bodies that collide: rectangles in a plane, cylinders in space.
+
+The variants are laws of impact. Without friction there is one law, Newton's, and it needs no
+friction coefficient: it is the default, so that a study gives friction only together with the law
+that uses it. With friction `pfeiffer_glocker` is the law to take; `moreau` is there to compare.
+What the source prints, (3.24) and (3.44), drives the bodies into each other and is not offered
+(theory 5.4, 8.3).
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from functools import partial
+from types import ModuleType
 
-from vibrafeed.core.mechanics import (
-    cylinder_impact,
-    cylinder_outcome,
-    rectangle_impact,
-    rectangle_outcome,
-)
+from vibrafeed.core.mechanics import cylinder_impact, impact, rectangle_impact
 from vibrafeed.core.mechanics.cylinder_contact import cylinder_contact
 from vibrafeed.core.mechanics.rectangle_contact import rectangle_contact
-from vibrafeed.core.scenes.scene import Condition, Equation, Scene, fields
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.scenes.scene import (
+    Condition,
+    Equation,
+    Function,
+    Scene,
+    arguments_of,
+    field_of,
+    fields,
+    under_names,
+)
+
+Equations = tuple[Equation, ...]
+
+
+def of_body(body: int, gives: str, function: Function, source: str, says: str) -> Equation:
+    """Return the equation of a quantity of one body, whose parameters end in its number."""
+    names = {name: f"{name}_{body}" for name in arguments_of(function)}
+    return under_names(f"{gives}_{body}", function, source, says.format(body), **names)
+
+
+def conditions(
+    laws: ModuleType, where: Equations, before: Equations, after: Equations
+) -> dict[str, tuple[Condition, ...]]:
+    """Return the conditions of each law for an impact of two bodies of a shape.
+
+    `laws` has the functions; `where` gives the place of contact, `before` what closes there, and
+    `after` what the impact leaves.
+    """
+    position, closing, left = (
+        frozenset(one.gives for one in some if not QUANTITIES[one.gives].bundle)
+        for some in (where, before, after)
+    )
+    left = left - {"energy_before"} | {"regime"}
+    closing |= left
+    common = (
+        Condition("apart", laws.is_apart, position | closing, otherwise="contact"),
+        Condition("overlap", laws.overlaps, position | closing),
+        Condition("simultaneous", laws.lacks_single_point, position | closing),
+        Condition("simultaneous", laws.lacks_single_impulse, left),
+        Condition("no_impact", laws.does_not_approach, closing, otherwise="impact"),
+    )
+    stick = Condition("impact_stick", laws.ends_in_stick, left, otherwise="impact_slip")
+    with_friction = (*common, stick)
+    return {"frictionless": common, "pfeiffer_glocker": with_friction, "moreau": with_friction}
+
+
+PFEIFFER_GLOCKER = "Return the impulse of compression and expansion with friction on body 1 [N s]."
 
 # --- Impact of two rectangular parts on the floor plane; section 3.2.5 of the source.
-#
-# The variants are laws of impact. Without friction there is one law, Newton's, and it needs no
-# friction coefficient: it is the default, so that a study gives friction only together with the law
-# that uses it. With friction `pfeiffer_glocker` is the law to take; `moreau` is there to compare.
-# What the source prints, (3.24), drives the bodies into each other and is not offered (theory 5.4).
 
-RECTANGLE_CONTACT_STATE = (
-    Equation("rectangle_1", rectangle_impact.rectangle_1, "theory 5.1"),
-    Equation("rectangle_2", rectangle_impact.rectangle_2, "theory 5.1"),
-    Equation("rectangle_contact", rectangle_contact, "theory 5.1"),
-    *fields(
-        "rectangle_contact",
-        "theory 5.1",
-        gap=("gap", "the largest of the four gaps between a face and the other body [m]"),
-        face_body=("face_body", "the body whose face has the largest gap, 1 or 2"),
-        contact_corner=(
-            "corner",
-            "the corner of the other body nearest to that face, 1 to 4, or 0 for an edge",
-        ),
-        normal_x=("normal_x", "the normal from body 2 to body 1, its x component"),
-        normal_y=("normal_y", "the normal from body 2 to body 1, its y component"),
+RECTANGLE_WHERE = fields(
+    "rectangle_contact",
+    "theory 5.1",
+    gap=("gap", "the largest of the four gaps between a face and the other body [m]"),
+    face_body=("face_body", "the body whose face has the largest gap, 1 or 2"),
+    contact_corner=(
+        "corner",
+        "the corner of the other body nearest to that face, 1 to 4, or 0 for an edge",
     ),
-    Equation("inertia_1", rectangle_impact.inertia_1, "theory 5.1"),
-    Equation("inertia_2", rectangle_impact.inertia_2, "theory 5.1"),
+    normal_x=("normal_x", "the normal from body 2 to body 1, its x component"),
+    normal_y=("normal_y", "the normal from body 2 to body 1, its y component"),
+)
+RECTANGLE_STATE = (
+    *(
+        of_body(body, "rectangle", rectangle_impact.rectangle, "theory 5.1",
+                "the place and shape of body {}")
+        for body in (1, 2)
+    ),
+    Equation("rectangle_contact", rectangle_contact, "theory 5.1"),
+    *RECTANGLE_WHERE,
+    *(
+        of_body(body, "inertia", rectangle_impact.inertia, "theory 5.1",
+                "the moment of inertia of body {}, m (a^2 + h^2)/12 [kg m2]")
+        for body in (1, 2)
+    ),
     Equation("rectangle_masses", rectangle_impact.rectangle_masses, "theory 5.1"),
     Equation("planar_motion", rectangle_impact.planar_motion, "theory 5.1"),
-)
-RECTANGLE_REST = (
-    Equation("contact_x", rectangle_impact.contact_x, "theory 5.1"),
-    Equation("contact_y", rectangle_impact.contact_y, "theory 5.1"),
+)  # fmt: skip
+RECTANGLE_BEFORE = (
+    *(
+        Equation(f"contact_{axis}", partial(rectangle_impact.contact_point, place), "theory 5.1",
+                 says=f"Return the point where the impulse acts, {axis} [m].")
+        for place, axis in enumerate("xy")
+    ),
     Equation("contact_arms", rectangle_impact.contact_arms, "theory 5.1"),
     Equation("delassus_normal", rectangle_impact.delassus_normal, "theory 5.1"),
     Equation("delassus_coupling", rectangle_impact.delassus_coupling, "theory 5.1"),
     Equation("delassus_tangential", rectangle_impact.delassus_tangential, "theory 5.1"),
     Equation("approach_normal", rectangle_impact.approach_normal, "theory 5.1"),
     Equation("approach_tangential", rectangle_impact.approach_tangential, "theory 5.1"),
+)  # fmt: skip
+RECTANGLE_AFTER = (
     *fields(
         "planar_impulse",
         "theory 5.2, theory 5.3",
@@ -64,7 +121,7 @@ RECTANGLE_REST = (
             "the tangential impulse on body 1, along t = (-n_y, n_x) [N s]",
         ),
     ),
-    Equation("planar_motion_after", rectangle_outcome.motion_after, "theory 5.2"),
+    Equation("planar_motion_after", rectangle_impact.motion_after, "theory 5.2"),
     *fields(
         "planar_motion_after",
         "theory 5.2",
@@ -75,104 +132,31 @@ RECTANGLE_REST = (
         velocity_y_2_after=("velocity_y_2", "the velocity of body 2 after the impact, y [m s-1]"),
         spin_2_after=("spin_2", "the angular velocity of body 2 after the impact [rad s-1]"),
     ),
-    Equation("separation_normal", rectangle_outcome.separation_normal, "theory 5.2"),
-    Equation("separation_tangential", rectangle_outcome.separation_tangential, "theory 5.3"),
-    Equation("energy_before", rectangle_outcome.energy_before, "theory 5.3"),
-    Equation("energy_lost", rectangle_outcome.energy_lost, "theory 5.3"),
-    Equation("momentum_residual_x", rectangle_outcome.momentum_residual_x, "theory 5.3"),
-    Equation("momentum_residual_y", rectangle_outcome.momentum_residual_y, "theory 5.3"),
+    under_names(
+        "separation_normal", rectangle_impact.approach_normal, "theory 5.2",
+        "the normal velocity at the contact after the impact, positive if it opens [m s-1]",
+        planar_motion="planar_motion_after",
+    ),
+    under_names(
+        "separation_tangential", rectangle_impact.approach_tangential, "theory 5.3",
+        "the tangential velocity at the contact after the impact, 0 if it sticks [m s-1]",
+        planar_motion="planar_motion_after",
+    ),
+    Equation("energy_before", rectangle_impact.energy_before, "theory 5.3"),
+    Equation("energy_lost", rectangle_impact.energy_lost, "theory 5.3"),
+    *(
+        Equation(
+            f"momentum_residual_{axis}", partial(rectangle_impact.momentum_residual, place),
+            "theory 5.3",
+            says=f"Return the change of the total linear momentum by the impact, {axis}: 0 up to "
+            "rounding [N s].",
+        )
+        for place, axis in enumerate("xy")
+    ),
     Equation(
-        "angular_momentum_residual", rectangle_outcome.angular_momentum_residual, "theory 5.3"
+        "angular_momentum_residual", rectangle_impact.angular_momentum_residual, "theory 5.3"
     ),
-)
-WITH_FRICTION = Equation("edge_action", rectangle_impact.edge_action_with_friction, "theory 5.1")
-RECTANGLE_FRICTIONLESS = (
-    *RECTANGLE_CONTACT_STATE,
-    Equation(
-        "edge_action", rectangle_impact.edge_action_without_friction, "theory 1.4", "frictionless"
-    ),
-    Equation("planar_impulse", rectangle_impact.frictionless_impulse, "theory 5.2", "frictionless"),
-    *RECTANGLE_REST,
-)
-RECTANGLE_PFEIFFER_GLOCKER = (
-    *RECTANGLE_CONTACT_STATE,
-    WITH_FRICTION,
-    Equation(
-        "planar_impulse",
-        rectangle_impact.pfeiffer_glocker_impulse,
-        "theory 5.3",
-        "pfeiffer_glocker",
-    ),
-    *RECTANGLE_REST,
-)
-RECTANGLE_MOREAU = (
-    *RECTANGLE_CONTACT_STATE,
-    WITH_FRICTION,
-    Equation("planar_impulse", rectangle_impact.moreau_impulse, "theory 5.3", "moreau"),
-    *RECTANGLE_REST,
-)
-
-RECTANGLE_WHERE = frozenset(("gap", "face_body", "contact_corner", "normal_x", "normal_y"))
-RECTANGLE_BEFORE = frozenset(
-    (
-        "contact_x",
-        "contact_y",
-        "delassus_normal",
-        "delassus_coupling",
-        "delassus_tangential",
-        "approach_normal",
-        "approach_tangential",
-    )
-)
-RECTANGLE_AFTER = frozenset(
-    (
-        "impulse_normal",
-        "impulse_tangential",
-        "velocity_x_1_after",
-        "velocity_y_1_after",
-        "spin_1_after",
-        "velocity_x_2_after",
-        "velocity_y_2_after",
-        "spin_2_after",
-        "separation_normal",
-        "separation_tangential",
-        "energy_lost",
-        "momentum_residual_x",
-        "momentum_residual_y",
-        "angular_momentum_residual",
-        "regime",
-    )
-)
-RECTANGLE_CONDITIONS = (
-    Condition(
-        "apart",
-        rectangle_impact.is_apart,
-        RECTANGLE_WHERE | RECTANGLE_BEFORE | RECTANGLE_AFTER,
-        otherwise="contact",
-    ),
-    Condition(
-        "overlap", rectangle_impact.overlaps, RECTANGLE_WHERE | RECTANGLE_BEFORE | RECTANGLE_AFTER
-    ),
-    Condition(
-        "simultaneous",
-        rectangle_impact.is_corner_on_corner,
-        RECTANGLE_WHERE | RECTANGLE_BEFORE | RECTANGLE_AFTER,
-    ),
-    Condition("simultaneous", rectangle_impact.is_edge_on_edge, RECTANGLE_AFTER),
-    Condition(
-        "no_impact",
-        rectangle_impact.does_not_approach,
-        RECTANGLE_BEFORE | RECTANGLE_AFTER,
-        otherwise="impact",
-    ),
-)
-RECTANGLE_FRICTION_CONDITIONS = (
-    *RECTANGLE_CONDITIONS,
-    Condition(
-        "impact_stick", rectangle_impact.ends_in_stick, RECTANGLE_AFTER, otherwise="impact_slip"
-    ),
-)
-
+)  # fmt: skip
 RECTANGLE_SCENE = Scene(
     name="rectangle-pair-impact",
     title="Impact of two rectangular parts on the floor plane",
@@ -181,16 +165,50 @@ RECTANGLE_SCENE = Scene(
     "An edge on an edge is solved without friction only. The bodies have to touch as placed, to "
     "within the contact tolerance; nothing moves them there.",
     variants={
-        "frictionless": RECTANGLE_FRICTIONLESS,
-        "pfeiffer_glocker": RECTANGLE_PFEIFFER_GLOCKER,
-        "moreau": RECTANGLE_MOREAU,
+        "frictionless": (
+            *RECTANGLE_STATE,
+            Equation(
+                "edge_action",
+                rectangle_impact.edge_action_without_friction,
+                "theory 1.4",
+                "frictionless",
+            ),
+            Equation(
+                "planar_impulse",
+                rectangle_impact.frictionless_impulse,
+                "theory 5.2",
+                "frictionless",
+            ),
+            *RECTANGLE_BEFORE,
+            *RECTANGLE_AFTER,
+        ),
+        **{
+            name: (
+                *RECTANGLE_STATE,
+                Equation("edge_action", rectangle_impact.edge_action_with_friction, "theory 5.1"),
+                Equation(
+                    "planar_impulse",
+                    partial(rectangle_impact.impulse_with_friction, law),
+                    "theory 5.3",
+                    name,
+                    says=says,
+                ),
+                *RECTANGLE_BEFORE,
+                *RECTANGLE_AFTER,
+            )
+            for name, law, says in (
+                ("pfeiffer_glocker", impact.pfeiffer_glocker, PFEIFFER_GLOCKER),
+                (
+                    "moreau",
+                    impact.moreau,
+                    "Return the impulse on body 1 in an impact with "
+                    "friction, by Moreau's law [N s].",
+                ),
+            )
+        },
     },
     default_variant="frictionless",
-    conditions={
-        "frictionless": RECTANGLE_CONDITIONS,
-        "pfeiffer_glocker": RECTANGLE_FRICTION_CONDITIONS,
-        "moreau": RECTANGLE_FRICTION_CONDITIONS,
-    },
+    conditions=conditions(rectangle_impact, RECTANGLE_WHERE, RECTANGLE_BEFORE, RECTANGLE_AFTER),
     defaults={
         "contact_tolerance": 1e-9,
         "position_x_2": 0.0,
@@ -209,46 +227,32 @@ RECTANGLE_SCENE = Scene(
 
 
 # --- Impact of two cylindrical parts; section 3.3.4 of the source.
-#
-# The variants are laws of impact, as for rectangles: `frictionless`, the default, needs no friction
-# coefficient; `pfeiffer_glocker` is the law to take with friction, `moreau` is there to compare.
-# What the source prints, (3.44), drives the bodies into each other and is not offered (theory 8.3).
 
-# What the impact leaves of both bodies, with the way to it.
-VELOCITIES: dict[str, Any] = {
-    f"{field}_{axis}_{body}_after": (
-        f"{field}_{body}",
-        place,
-        f"the {name} of body {body} after the impact, {axis} [{unit}]",
-    )
-    for body in (1, 2)
-    for field, name, unit in (
-        ("velocity", "velocity", "m s-1"),
-        ("spin", "angular velocity", "rad s-1"),
-    )
-    for place, axis in enumerate("xyz")
-}
-CYLINDER_CONTACT_STATE = (
-    Equation("cylinder_1", cylinder_impact.cylinder_1, "theory 8.1"),
-    Equation("cylinder_2", cylinder_impact.cylinder_2, "theory 8.1"),
+CYLINDER_WHERE = fields(
+    "cylinder_contact",
+    "theory 8.2",
+    gap=("gap", "the gap; a lower bound of it where rims have entered each other [m]"),
+    contact_form=("form", "the form of contact, 1 to 5, or 0"),
+    face_body=(
+        "face_body",
+        "the body whose face or side is met, 1 or 2; 0 if both, or if contact_form is 0",
+    ),
+    normal_x=("normal", 0, "the normal from body 2 to body 1, its x component"),
+    normal_y=("normal", 1, "the normal from body 2 to body 1, its y component"),
+    normal_z=("normal", 2, "the normal from body 2 to body 1, its z component"),
+)
+CYLINDER_STATE = (
+    *(
+        of_body(body, "cylinder", cylinder_impact.cylinder, "theory 8.1",
+                "centre, unit axis, radius and half length of body {} from its parameters")
+        for body in (1, 2)
+    ),
     Equation("cylinder_masses", cylinder_impact.cylinder_masses, "theory 8.1"),
     Equation("spatial_motion", cylinder_impact.spatial_motion, "theory 8.1"),
     Equation("cylinder_contact", cylinder_contact, "theory 8.2"),
-    *fields(
-        "cylinder_contact",
-        "theory 8.2",
-        gap=("gap", "the gap; a lower bound of it where rims have entered each other [m]"),
-        contact_form=("form", "the form of contact, 1 to 5, or 0"),
-        face_body=(
-            "face_body",
-            "the body whose face or side is met, 1 or 2; 0 if both, or if contact_form is 0",
-        ),
-        normal_x=("normal", 0, "the normal from body 2 to body 1, its x component"),
-        normal_y=("normal", 1, "the normal from body 2 to body 1, its y component"),
-        normal_z=("normal", 2, "the normal from body 2 to body 1, its z component"),
-    ),
-)
-CYLINDER_REST = (
+    *CYLINDER_WHERE,
+)  # fmt: skip
+CYLINDER_BEFORE = (
     *fields(
         "contact_frame",
         "theory 8.1",
@@ -274,140 +278,51 @@ CYLINDER_REST = (
             "the velocity n.(v1 + w1 x rho1 - v2 - w2 x rho2) before the impact [m s-1]",
         ),
     ),
-    Equation("sliding_before", cylinder_outcome.sliding_before, "theory 8.1"),
+    Equation("sliding_before", cylinder_impact.sliding_before, "theory 8.1"),
+)
+CYLINDER_AFTER = (
     *fields(
         "spatial_impulse",
         "theory 8.1",
         impulse_normal=("normal", "the normal impulse on body 1 [N s]"),
     ),
-    Equation("impulse_friction", cylinder_outcome.impulse_friction, "theory 8.1"),
-    Equation("impulse_x", cylinder_outcome.impulse_x, "theory 8.1"),
-    Equation("impulse_y", cylinder_outcome.impulse_y, "theory 8.1"),
-    Equation("impulse_z", cylinder_outcome.impulse_z, "theory 8.1"),
+    Equation("impulse_friction", cylinder_impact.impulse_friction, "theory 8.1"),
+    *(
+        Equation(f"impulse_{axis}", partial(cylinder_impact.impulse_component, place), "theory 8.1",
+                 says=f"Return the impulse on body 1, {axis} [N s].")
+        for place, axis in enumerate("xyz")
+    ),
     Equation("spatial_motion_after", cylinder_impact.spatial_motion_after, "theory 8.1"),
-    *fields(
-        "spatial_motion_after",
-        "theory 8.1",
-        **VELOCITIES,
+    *(
+        field_of(
+            "spatial_motion_after", (f"{field}_{body}", place), f"{field}_{axis}_{body}_after",
+            f"the {name} of body {body} after the impact, {axis} [{unit}]", "theory 8.1",
+        )
+        for body in (1, 2)
+        for field, name, unit in (
+            ("velocity", "velocity", "m s-1"),
+            ("spin", "angular velocity", "rad s-1"),
+        )
+        for place, axis in enumerate("xyz")
     ),
-    Equation("separation_normal", cylinder_outcome.separation_normal, "theory 8.1"),
-    Equation("sliding_after", cylinder_outcome.sliding_after, "theory 8.1"),
-    Equation("energy_before", cylinder_outcome.energy_before, "theory 8.1"),
-    Equation("energy_lost", cylinder_outcome.energy_lost, "theory 8.1"),
-    Equation("momentum_residual_x", cylinder_outcome.momentum_residual_x, "theory 8.1"),
-    Equation("momentum_residual_y", cylinder_outcome.momentum_residual_y, "theory 8.1"),
-    Equation("momentum_residual_z", cylinder_outcome.momentum_residual_z, "theory 8.1"),
-    Equation(
-        "angular_momentum_residual_x", cylinder_outcome.angular_momentum_residual_x, "theory 8.1"
+    Equation("separation_normal", cylinder_impact.separation_normal, "theory 8.1"),
+    Equation("sliding_after", cylinder_impact.sliding_after, "theory 8.1"),
+    Equation("energy_before", cylinder_impact.energy_before, "theory 8.1"),
+    Equation("energy_lost", cylinder_impact.energy_lost, "theory 8.1"),
+    *(
+        Equation(
+            f"{gives}_{axis}", partial(function, place), "theory 8.1",
+            says=f"Return the change of {says.format(axis)}.",
+        )
+        for gives, function, says in (
+            ("momentum_residual", cylinder_impact.momentum_residual,
+             "the total momentum along {} by an impact: 0 up to rounding [N s]"),
+            ("angular_momentum_residual", cylinder_impact.angular_momentum_residual,
+             "the angular momentum about the origin by the impact, {} [kg m2 s-1]"),
+        )
+        for place, axis in enumerate("xyz")
     ),
-    Equation(
-        "angular_momentum_residual_y", cylinder_outcome.angular_momentum_residual_y, "theory 8.1"
-    ),
-    Equation(
-        "angular_momentum_residual_z", cylinder_outcome.angular_momentum_residual_z, "theory 8.1"
-    ),
-)
-CYLINDER_FRICTIONLESS = (
-    *CYLINDER_CONTACT_STATE,
-    Equation(
-        "contact_frame",
-        cylinder_impact.frame_without_friction,
-        "theory 1.4, theory 8.2",
-        "frictionless",
-    ),
-    Equation("spatial_impulse", cylinder_impact.frictionless_impulse, "theory 8.1", "frictionless"),
-    *CYLINDER_REST,
-)
-CYLINDER_PFEIFFER_GLOCKER = (
-    *CYLINDER_CONTACT_STATE,
-    Equation("contact_frame", cylinder_impact.frame_with_friction, "theory 8.2"),
-    Equation(
-        "spatial_impulse",
-        cylinder_impact.pfeiffer_glocker_impulse,
-        "theory 8.1",
-        "pfeiffer_glocker",
-    ),
-    *CYLINDER_REST,
-)
-CYLINDER_MOREAU = (
-    *CYLINDER_CONTACT_STATE,
-    Equation("contact_frame", cylinder_impact.frame_with_friction, "theory 8.2"),
-    Equation("spatial_impulse", cylinder_impact.moreau_impulse, "theory 8.1", "moreau"),
-    *CYLINDER_REST,
-)
-
-CYLINDER_WHERE = frozenset(("gap", "contact_form", "face_body", "normal_x", "normal_y", "normal_z"))
-CYLINDER_BEFORE = frozenset(
-    (
-        "contact_x",
-        "contact_y",
-        "contact_z",
-        "delassus_normal",
-        "approach_normal",
-        "sliding_before",
-    )
-)
-CYLINDER_AFTER = frozenset(
-    (
-        "impulse_normal",
-        "impulse_friction",
-        "impulse_x",
-        "impulse_y",
-        "impulse_z",
-        "velocity_x_1_after",
-        "velocity_y_1_after",
-        "velocity_z_1_after",
-        "spin_x_1_after",
-        "spin_y_1_after",
-        "spin_z_1_after",
-        "velocity_x_2_after",
-        "velocity_y_2_after",
-        "velocity_z_2_after",
-        "spin_x_2_after",
-        "spin_y_2_after",
-        "spin_z_2_after",
-        "separation_normal",
-        "sliding_after",
-        "energy_lost",
-        "momentum_residual_x",
-        "momentum_residual_y",
-        "momentum_residual_z",
-        "angular_momentum_residual_x",
-        "angular_momentum_residual_y",
-        "angular_momentum_residual_z",
-        "regime",
-    )
-)
-CYLINDER_CONDITIONS = (
-    Condition(
-        "apart",
-        cylinder_impact.is_apart,
-        CYLINDER_WHERE | CYLINDER_BEFORE | CYLINDER_AFTER,
-        otherwise="contact",
-    ),
-    Condition(
-        "overlap", cylinder_impact.overlaps, CYLINDER_WHERE | CYLINDER_BEFORE | CYLINDER_AFTER
-    ),
-    Condition(
-        "simultaneous",
-        cylinder_impact.is_no_single_point,
-        CYLINDER_WHERE | CYLINDER_BEFORE | CYLINDER_AFTER,
-    ),
-    Condition("simultaneous", cylinder_impact.is_line, CYLINDER_AFTER),
-    Condition(
-        "no_impact",
-        cylinder_impact.does_not_approach,
-        CYLINDER_BEFORE | CYLINDER_AFTER,
-        otherwise="impact",
-    ),
-)
-CYLINDER_FRICTION_CONDITIONS = (
-    *CYLINDER_CONDITIONS,
-    Condition(
-        "impact_stick", cylinder_impact.ends_in_stick, CYLINDER_AFTER, otherwise="impact_slip"
-    ),
-)
-
+)  # fmt: skip
 CYLINDER_SCENE = Scene(
     name="cylinder-pair-impact",
     title="Impact of two cylindrical parts",
@@ -416,16 +331,50 @@ CYLINDER_SCENE = Scene(
     "Lines of contact are solved without friction only; face on face and rim on rim are not. The "
     "bodies have to touch as placed, to within the contact tolerance; nothing moves them there.",
     variants={
-        "frictionless": CYLINDER_FRICTIONLESS,
-        "pfeiffer_glocker": CYLINDER_PFEIFFER_GLOCKER,
-        "moreau": CYLINDER_MOREAU,
+        "frictionless": (
+            *CYLINDER_STATE,
+            Equation(
+                "contact_frame",
+                cylinder_impact.frame_without_friction,
+                "theory 1.4, theory 8.2",
+                "frictionless",
+            ),
+            Equation(
+                "spatial_impulse",
+                cylinder_impact.frictionless_impulse,
+                "theory 8.1",
+                "frictionless",
+            ),
+            *CYLINDER_BEFORE,
+            *CYLINDER_AFTER,
+        ),
+        **{
+            name: (
+                *CYLINDER_STATE,
+                Equation("contact_frame", cylinder_impact.frame_with_friction, "theory 8.2"),
+                Equation(
+                    "spatial_impulse",
+                    partial(cylinder_impact.impulse_with_friction, law),
+                    "theory 8.1",
+                    name,
+                    says=says,
+                ),
+                *CYLINDER_BEFORE,
+                *CYLINDER_AFTER,
+            )
+            for name, law, says in (
+                ("pfeiffer_glocker", impact.pfeiffer_glocker_in_space, PFEIFFER_GLOCKER),
+                (
+                    "moreau",
+                    impact.moreau_in_space,
+                    "Return the impulse on body 1 in an impact of "
+                    "two cylinders, by Moreau's law [N s].",
+                ),
+            )
+        },
     },
     default_variant="frictionless",
-    conditions={
-        "frictionless": CYLINDER_CONDITIONS,
-        "pfeiffer_glocker": CYLINDER_FRICTION_CONDITIONS,
-        "moreau": CYLINDER_FRICTION_CONDITIONS,
-    },
+    conditions=conditions(cylinder_impact, CYLINDER_WHERE, CYLINDER_BEFORE, CYLINDER_AFTER),
     defaults={
         "contact_tolerance": 1e-9,
         "position_x_2": 0.0,

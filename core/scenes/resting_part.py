@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from vibrafeed.core.mechanics import resting
-from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene, field_of
+from vibrafeed.core.scenes.scene import (
+    STANDARD_GRAVITY,
+    Condition,
+    Equation,
+    Scene,
+    field_of,
+    under_names,
+)
 
 # --- The shapes of parts that come to rest: their shares, and heights and depths of their centre.
 #
@@ -42,11 +49,19 @@ SHAPES: dict[str, tuple[Equation, ...]] = {
         Equation("depths", resting.prism_depths, SOURCE),
     ),
     "truncated_cone": (Equation("mass_height", resting.cone_centre, SOURCE), *_TURNED),
-    "turned": (Equation("mass_height", resting.turned_centre, SOURCE), *_TURNED),
+    "turned": (
+        field_of(
+            "centre_of_mass",
+            (),
+            "mass_height",
+            "the height of a turned part's centre above the end of `diameter`, as measured [m]",
+            SOURCE,
+        ),
+        *_TURNED,
+    ),
 }
 """What the shares of each shape follow from."""
 
-THROWN = Equation("thrown_shares", resting.thrown_shares, SOURCE)
 SHARES = {
     "let_down_share": ("let_down_shares", "the share of let-down parts that rest"),
     "thrown_share": ("thrown_shares", "the share of thrown parts that rest"),
@@ -69,7 +84,7 @@ def shares_of(shape: str) -> tuple[Equation, ...]:
     """
     return (
         *SHAPES[shape],
-        THROWN,
+        Equation("thrown_shares", resting.thrown_shares, SOURCE),
         *(
             field_of(bundle, (place,), f"{kind}_{name}", f"{says} {WORDS[name]} [1]", SOURCE)
             for place, name in enumerate(ASPECTS[shape])
@@ -93,13 +108,36 @@ def lying(shape: str, outputs: frozenset[str]) -> tuple[Condition, ...]:
 
 
 SECTION = "theory 16.2"
-_ROUND = (Equation("standing_base", resting.round_base, SECTION),)
-_ON_END = (Equation("standing_centre", resting.end_centre, SECTION),)
-_UPRIGHT = (*_ROUND, Equation("standing_centre", resting.upright_centre, SECTION))
+_ROUND = (
+    under_names(
+        "standing_base", resting.half, SECTION, "the radius of a round end [m]", size="diameter"
+    ),
+)
+_ON_END = (
+    under_names(
+        "standing_centre",
+        resting.half,
+        SECTION,
+        "half the length of a part that stands on its end [m]",
+        size="length",
+    ),
+)
+_UPRIGHT = (
+    *_ROUND,
+    field_of(
+        "mass_height",
+        (),
+        "standing_centre",
+        "the height of the centre of a part that stands on the end of `diameter` [m]",
+        SECTION,
+    ),
+)
 POSES: dict[str, tuple[Equation, ...]] = {
     "box": (
-        Equation("standing_base", resting.box_base, SECTION),
-        Equation("standing_centre", resting.box_centre, SECTION),
+        under_names("standing_base", resting.half, SECTION,
+                    "half the length of a box, which is pushed along it [m]", size="length"),
+        under_names("standing_centre", resting.half, SECTION, "half the height of a box [m]",
+                    size="height"),
         Equation("gyration", resting.box_gyration, SECTION),
         Equation("long_side_share", resting.long_side_share, SOURCE),
     ),
@@ -112,26 +150,11 @@ POSES: dict[str, tuple[Equation, ...]] = {
         Equation("gyration", resting.prism_gyration, SECTION),
     ),
     "truncated_cone": (*_UPRIGHT, Equation("gyration", resting.cone_gyration, SECTION)),
-    "turned": (*_UPRIGHT, Equation("gyration", resting.turned_gyration, SECTION)),
+    "turned": (*_UPRIGHT, field_of("radius_of_gyration", (), "gyration",
+                                    "the radius of gyration of a turned part, as measured [m]",
+                                    SECTION)),
 }  # fmt: skip
 """How each shape stands: a box on its face of length by width, the others on an end."""
-
-TOPPLING = (
-    Equation("edge_distance", resting.edge_distance, SECTION),
-    Equation("topple_slope", resting.topple_slope, SECTION),
-    Equation("rocking_friction", resting.rocking_friction, SECTION),
-    Equation("rocking_rate", resting.rocking_rate, SECTION),
-    Equation("topple_speed", resting.topple_speed, SECTION),
-    Equation("pulse_angle", resting.pulse_angle, SECTION),
-    Equation("topple_acceleration", resting.topple_acceleration, SECTION),
-    Equation("topple_margin", resting.topple_margin, SECTION),
-    Equation("push_over_load", resting.push_over_load, SECTION),
-    Equation("rocking_margin", resting.rocking_margin, SECTION),
-)
-STANDS = (
-    Condition("stands", resting.never_rocks, frozenset(("rocking_margin",)), "may_topple"),
-    Condition("may_topple", resting.may_topple, frozenset(("topple_margin",)), "stands"),
-)
 
 
 def equations(shape: str) -> tuple[Equation, ...]:
@@ -140,13 +163,30 @@ def equations(shape: str) -> tuple[Equation, ...]:
     They give the shares that rest in each aspect (way of lying), and what topples the part.
     `shape` is a key of `ASPECTS`.
     """
-    return (*shares_of(shape), *POSES[shape], *TOPPLING)
+    return (
+        *shares_of(shape),
+        *POSES[shape],
+        Equation("edge_distance", resting.edge_distance, SECTION),
+        Equation("topple_slope", resting.topple_slope, SECTION),
+        Equation("rocking_friction", resting.rocking_friction, SECTION),
+        Equation("rocking_rate", resting.rocking_rate, SECTION),
+        Equation("topple_speed", resting.topple_speed, SECTION),
+        Equation("pulse_angle", resting.pulse_angle, SECTION),
+        Equation("topple_acceleration", resting.topple_acceleration, SECTION),
+        Equation("topple_margin", resting.topple_margin, SECTION),
+        Equation("push_over_load", resting.push_over_load, SECTION),
+        Equation("rocking_margin", resting.rocking_margin, SECTION),
+    )
 
 
 def conditions(shape: str) -> tuple[Condition, ...]:
     """Return the conditions of a shape at rest."""
     shares = frozenset(f"{kind}_{name}" for kind in SHARES for name in ASPECTS[shape])
-    return (*lying(shape, shares), *STANDS)
+    return (
+        *lying(shape, shares),
+        Condition("stands", resting.never_rocks, frozenset(("rocking_margin",)), "may_topple"),
+        Condition("may_topple", resting.may_topple, frozenset(("topple_margin",)), "stands"),
+    )
 
 
 SCENE = Scene(

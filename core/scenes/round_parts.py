@@ -2,48 +2,41 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from vibrafeed.core.mechanics import resting, round_parts, vibration, wall, yawing
+from vibrafeed.core.mechanics import floor, resting, round_parts, screws, wall
 from vibrafeed.core.scenes.on_floor import (
     ACCELERATIONS,
     DRIVE,
     FLOOR,
+    LEVEL_GRAVITY,
     PLANE,
     PLANE_DEFAULTS,
     UNILATERAL,
+    unchecked_load,
 )
-from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene, fields
+from vibrafeed.core.scenes.scene import (
+    STANDARD_GRAVITY,
+    Condition,
+    Equation,
+    Scene,
+    fields,
+    under_names,
+)
 
 # --- A roller, tube, ring or hoop that lies on a plane, its axis in any direction, from rest.
 
-ROLLER_SOURCE = "theory 18.1"
+SOURCE = "theory 18.1"
 ROLLER_AXIS = (
-    Equation("push_across_axis", round_parts.push_across_axis, ROLLER_SOURCE),
-    Equation("push_along_axis", round_parts.push_along_axis, ROLLER_SOURCE),
-)
-ROLLER_PHYSICAL = (
-    *PLANE,
-    *UNILATERAL,
-    *ROLLER_AXIS,
-    Equation("rolling_factor", round_parts.tube_factor, ROLLER_SOURCE),
-    Equation("rolling_share", round_parts.rolling_share, ROLLER_SOURCE),
-    Equation("required_friction", round_parts.roller_friction, ROLLER_SOURCE),
-    Equation("roll_root", round_parts.roller_root, ROLLER_SOURCE),
-    Equation("axial_acceleration", round_parts.axial_acceleration, ROLLER_SOURCE),
-    Equation("rolling_acceleration", round_parts.rolling_acceleration, ROLLER_SOURCE),
-    Equation("acceleration_x", round_parts.roller_x, ROLLER_SOURCE),
-    Equation("acceleration_y", round_parts.roller_y, ROLLER_SOURCE),
-    Equation("angular_acceleration", round_parts.roller_spin, ROLLER_SOURCE),
+    Equation("push_across_axis", round_parts.push_across_axis, SOURCE),
+    Equation("push_along_axis", round_parts.push_along_axis, SOURCE),
 )
 ROLLER_MOTION = (ACCELERATIONS - {"sliding_fraction"}) | {
     "axial_acceleration", "rolling_acceleration", "angular_acceleration", "required_friction",
     "roll_root",
 }  # fmt: skip
-ROLLER_CONDITIONS = (
-    Condition("flight", vibration.has_left_floor, FLOOR | ROLLER_MOTION, otherwise="contact"),
-    Condition("roll", round_parts.rolls, ROLLER_MOTION, otherwise="slip"),
-)
 
 ROLLER_SCENE = Scene(
     name="roller-on-plane",
@@ -53,37 +46,44 @@ ROLLER_SCENE = Scene(
     "lies across the track unless axis_yaw turns it: 0 is along the track, as of "
     "cylinder-on-plane. Rolling resistance and drilling friction are neglected. Closed forms "
     "describe the part only while the throw number is below 1.",
-    variants={"physical": ROLLER_PHYSICAL},
+    variants={
+        "physical": (
+            *PLANE,
+            *UNILATERAL,
+            *ROLLER_AXIS,
+            Equation("rolling_factor", round_parts.tube_factor, SOURCE),
+            Equation("rolling_share", round_parts.rolling_share, SOURCE),
+            Equation("required_friction", round_parts.roller_friction, SOURCE),
+            Equation("roll_root", round_parts.roller_root, SOURCE),
+            Equation("axial_acceleration", round_parts.axial_acceleration, SOURCE),
+            Equation("rolling_acceleration", round_parts.rolling_acceleration, SOURCE),
+            Equation("acceleration_x", round_parts.roller_x, SOURCE),
+            Equation("acceleration_y", round_parts.roller_y, SOURCE),
+            Equation("angular_acceleration", round_parts.roller_spin, SOURCE),
+        )
+    },
     default_variant="physical",
-    conditions={"physical": ROLLER_CONDITIONS},
+    conditions={
+        "physical": (
+            Condition("flight", floor.has_left_floor, FLOOR | ROLLER_MOTION, otherwise="contact"),
+            Condition("roll", round_parts.rolls, ROLLER_MOTION, otherwise="slip"),
+        )
+    },
     defaults={
-        **PLANE_DEFAULTS, "yaw": 0.0, "axis_yaw": np.pi / 2, "inner_diameter": 0.0,
+        **PLANE_DEFAULTS,
+        "yaw": 0.0,
+        "axis_yaw": np.pi / 2,
+        "inner_diameter": 0.0,
         "rolling_factor": 2.0,
     },
-)  # fmt: skip
+)
 
 
 # --- A ball or a shell on a horizontal or inclined plane, from rest.
 
-SPHERE_SOURCE = "theory 18.1"
-SPHERE_PHYSICAL = (
-    *PLANE,
-    *UNILATERAL,
-    Equation("rolling_factor", round_parts.ball_factor, SPHERE_SOURCE),
-    Equation("rolling_share", round_parts.rolling_share, SPHERE_SOURCE),
-    Equation("required_friction", round_parts.ball_friction, SPHERE_SOURCE),
-    Equation("moved_fraction", round_parts.ball_fraction, SPHERE_SOURCE),
-    Equation("acceleration_x", round_parts.fraction_x, SPHERE_SOURCE),
-    Equation("acceleration_y", round_parts.fraction_y, SPHERE_SOURCE),
-    Equation("angular_acceleration", round_parts.ball_spin, SPHERE_SOURCE),
-)
 SPHERE_MOTION = (ACCELERATIONS - {"sliding_fraction"}) | {
     "moved_fraction", "angular_acceleration", "required_friction",
 }  # fmt: skip
-SPHERE_CONDITIONS = (
-    Condition("flight", vibration.has_left_floor, FLOOR | SPHERE_MOTION, otherwise="contact"),
-    Condition("roll", round_parts.rolls, SPHERE_MOTION, otherwise="slip"),
-)
 
 SPHERE_SCENE = Scene(
     name="sphere-on-plane",
@@ -92,39 +92,50 @@ SPHERE_SCENE = Scene(
     validity="A snapshot at the drive's peak for a ball at rest relative to the track, on a floor "
     "without a wall. Rolling resistance is neglected: simulate it for that. Closed forms describe "
     "the ball only while the throw number is below 1.",
-    variants={"physical": SPHERE_PHYSICAL},
+    variants={
+        "physical": (
+            *PLANE,
+            *UNILATERAL,
+            Equation("rolling_factor", round_parts.ball_factor, SOURCE),
+            Equation("rolling_share", round_parts.rolling_share, SOURCE),
+            under_names(
+                "required_friction",
+                round_parts.least_friction,
+                SOURCE,
+                "the least static friction with which a ball rolls, |D|/((1 + kap) n) [1]",
+                push="in_plane_drive",
+            ),
+            Equation("moved_fraction", round_parts.ball_fraction, SOURCE),
+            *(
+                under_names(
+                    f"acceleration_{axis}",
+                    floor.disc_acceleration_x,
+                    SOURCE,
+                    f"the acceleration of the centre along {axis} [m s-2]",
+                    in_plane_drive_x=f"in_plane_drive_{axis}",
+                    sliding_fraction="moved_fraction",
+                )
+                for axis in "xy"
+            ),
+            Equation("angular_acceleration", round_parts.ball_spin, SOURCE),
+        )
+    },
     default_variant="physical",
-    conditions={"physical": SPHERE_CONDITIONS},
+    conditions={
+        "physical": (
+            Condition("flight", floor.has_left_floor, FLOOR | SPHERE_MOTION, otherwise="contact"),
+            Condition("roll", round_parts.rolls, SPHERE_MOTION, otherwise="slip"),
+        )
+    },
     defaults={**PLANE_DEFAULTS, "yaw": 0.0, "inner_diameter": 0.0, "rolling_factor": 2.5},
 )
 
 
 # --- A truncated cone on its side, which rolls about the vertical through its apex, from rest.
 
-CONE_PHYSICAL = (
-    *(e for e in PLANE if not e.gives.startswith("rotated")),
-    *UNILATERAL,
-    *ROLLER_AXIS,
-    Equation("mass_height", resting.cone_centre, "theory 16.1"),
-    Equation("side_foot", resting.side_foot, "theory 16.1"),
-    Equation("gyration", resting.cone_gyration, "theory 16.2"),
-    Equation("axial_gyration", round_parts.axial_gyration, ROLLER_SOURCE),
-    Equation("cone_half_angle", round_parts.cone_half_angle, ROLLER_SOURCE),
-    Equation("centre_radius", round_parts.centre_radius, ROLLER_SOURCE),
-    Equation("cone_factor", round_parts.cone_factor, ROLLER_SOURCE),
-    Equation("rolling_acceleration", round_parts.cone_acceleration, ROLLER_SOURCE),
-    Equation("turning_acceleration", round_parts.cone_turning, ROLLER_SOURCE),
-    Equation("required_friction", round_parts.cone_friction, ROLLER_SOURCE),
-)
-SHAPE = frozenset(("cone_factor",))
 CONE_MOTION = frozenset(
     ("rolling_acceleration", "turning_acceleration", "required_friction", "regime")
 )  # fmt: skip
-CONE_CONDITIONS = (
-    Condition("flight", vibration.has_left_floor, FLOOR | CONE_MOTION, otherwise="contact"),
-    Condition("unstable_side", resting.is_side_unstable, SHAPE | CONE_MOTION, otherwise="contact"),
-    Condition("roll", round_parts.rolls, CONE_MOTION, otherwise="slip"),
-)
 
 CONE_SCENE = Scene(
     name="cone-on-plane",
@@ -134,15 +145,50 @@ CONE_SCENE = Scene(
     "about the vertical through its apex. Its line of contact lies across the track unless "
     "axis_yaw turns it. Where it slips the values are those that pure rolling would ask for; the "
     "friction that it needs is that of the resultant. Rolling resistance is neglected.",
-    variants={"physical": CONE_PHYSICAL},
+    variants={
+        "physical": (
+            *(e for e in PLANE if not e.gives.startswith("rotated")),
+            *UNILATERAL,
+            *ROLLER_AXIS,
+            Equation("mass_height", resting.cone_centre, "theory 16.1"),
+            Equation("side_foot", resting.side_foot, "theory 16.1"),
+            Equation("gyration", resting.cone_gyration, "theory 16.2"),
+            Equation("axial_gyration", round_parts.axial_gyration, SOURCE),
+            Equation("cone_half_angle", round_parts.cone_half_angle, SOURCE),
+            Equation("centre_radius", round_parts.centre_radius, SOURCE),
+            Equation("cone_factor", round_parts.cone_factor, SOURCE),
+            Equation("rolling_acceleration", round_parts.cone_acceleration, SOURCE),
+            Equation("turning_acceleration", round_parts.cone_turning, SOURCE),
+            Equation("required_friction", round_parts.cone_friction, SOURCE),
+        )
+    },
     default_variant="physical",
-    conditions={"physical": CONE_CONDITIONS},
+    conditions={
+        "physical": (
+            Condition("flight", floor.has_left_floor, FLOOR | CONE_MOTION, otherwise="contact"),
+            Condition(
+                "unstable_side",
+                resting.is_side_unstable,
+                frozenset(("cone_factor",)) | CONE_MOTION,
+                otherwise="contact",
+            ),
+            Condition("roll", round_parts.rolls, CONE_MOTION, otherwise="slip"),
+        )
+    },
     defaults={**PLANE_DEFAULTS, "axis_yaw": np.pi / 2},
 )
 
 
 # --- A cylinder that rolls and yaws on a level plane, by screw theory; chapter 4 of the source.
 
+REDUCTIONS = tuple(
+    under_names(
+        f"{force}_reduction", screws.reduction, "(4.1) to (4.7)",
+        f"pitch F.M/F^2 and axis F x M/F^2 of {whose} wrench, force F and moment M",
+        wrench=f"{force}_wrench",
+    )
+    for force, whose in (("floor", "the floor's"), ("force", "all forces'"))
+)  # fmt: skip
 AXES = (
     *fields(
         "floor_reduction",
@@ -199,60 +245,30 @@ AXES = (
 """Pitch and axis of the wrenches of floor and forces."""
 
 COMMON = (
-    Equation("vibration_acceleration", vibration.vibration_acceleration, "theory 0.2"),
-    Equation("drive_normal", vibration.drive_normal, "(4.13)"),
-    Equation("rolling_drive", yawing.rolling_drive, "(4.13), theory 9.2"),
-    Equation("axial_drive", yawing.axial_drive, "(4.13), theory 9.2"),
-    Equation("gravity_normal", yawing.level_gravity, "(4.17)"),
-    Equation("normal_acceleration", vibration.normal_acceleration, "(4.17)"),
-    Equation("throw_number", vibration.throw_number, "theory 13.2"),
-    Equation("floor_acceleration", vibration.unchecked_acceleration, "(4.17)"),
-    Equation("floor_force", vibration.floor_force, "(4.17)"),
-    Equation("axial_friction_acceleration", yawing.axial_friction_acceleration, "(4.16)"),
-    Equation("rolling_friction", yawing.rolling_friction, "(4.15)"),
-    Equation("axial_friction", yawing.axial_friction, "(4.16)"),
-    Equation("spin_acceleration", yawing.spin_acceleration, "(4.19)"),
-    Equation("yaw_acceleration", yawing.yaw_acceleration, "(4.18), theory 9.3"),
-    Equation("printed_yaw_rate", yawing.printed_yaw_rate, "(4.20), theory 9.4"),
-    Equation("pressure_offset_axial", yawing.pressure_offset_axial, "theory 9.3"),
-    Equation("required_friction", yawing.required_friction, "theory 9.3"),
-    Equation("cone_margin", yawing.cone_margin, "theory 9.3"),
-    Equation("floor_wrench", yawing.floor_wrench, "theory 9.3"),
-    Equation("force_wrench", yawing.force_wrench, "(4.12), (4.13), theory 9.3"),
+    Equation("vibration_acceleration", floor.vibration_acceleration, "theory 0.2"),
+    Equation("drive_normal", floor.drive_normal, "(4.13)"),
+    Equation("rolling_drive", screws.rolling_drive, "(4.13), theory 9.2"),
+    Equation("axial_drive", screws.axial_drive, "(4.13), theory 9.2"),
+    LEVEL_GRAVITY,
+    Equation("normal_acceleration", floor.normal_acceleration, "(4.17)"),
+    Equation("throw_number", floor.throw_number, "theory 13.2"),
+    *unchecked_load("(4.17)"),
+    Equation("floor_force", floor.floor_force, "(4.17)"),
+    Equation("axial_friction_acceleration", screws.axial_friction_acceleration, "(4.16)"),
+    Equation("rolling_friction", screws.rolling_friction, "(4.15)"),
+    Equation("axial_friction", screws.axial_friction, "(4.16)"),
+    Equation("spin_acceleration", screws.spin_acceleration, "(4.19)"),
+    Equation("yaw_acceleration", screws.yaw_acceleration, "(4.18), theory 9.3"),
+    Equation("printed_yaw_rate", screws.printed_yaw_rate, "(4.20), theory 9.4"),
+    Equation("pressure_offset_axial", screws.pressure_offset_axial, "theory 9.3"),
+    Equation("required_friction", screws.required_friction, "theory 9.3"),
+    Equation("cone_margin", screws.cone_margin, "theory 9.3"),
+    Equation("floor_wrench", screws.floor_wrench, "theory 9.3"),
+    Equation("force_wrench", screws.force_wrench, "(4.12), (4.13), theory 9.3"),
     *AXES,
 )
-THESIS = (
-    *COMMON,
-    Equation(
-        "floor_reduction",
-        yawing.printed_floor_reduction,
-        "(4.1) to (4.7)",
-        "thesis",
-    ),
-    Equation(
-        "force_reduction",
-        yawing.printed_force_reduction,
-        "(4.1) to (4.7)",
-        "thesis",
-    ),
-)
-DERIVED = (
-    *COMMON,
-    Equation(
-        "floor_reduction",
-        yawing.floor_reduction,
-        "(4.1) to (4.7)",
-        "derived",
-    ),
-    Equation(
-        "force_reduction",
-        yawing.force_reduction,
-        "(4.1) to (4.7)",
-        "derived",
-    ),
-)
 
-FLOOR = frozenset(("normal_acceleration", "throw_number", "floor_acceleration", "floor_force"))
+LOADS = frozenset(("normal_acceleration", "throw_number", "floor_acceleration", "floor_force"))
 ROLLING_AXIS = ("pitch", "axis_normal", "axis_rolling", "axis_axial")
 FORCE_AXIS = frozenset(f"force_{name}" for name in ROLLING_AXIS)
 ROLLING = FORCE_AXIS | {
@@ -269,14 +285,14 @@ ROLLING = FORCE_AXIS | {
 ROLLING_CONDITIONS = (
     Condition(
         "flight",
-        vibration.has_left_floor,
-        FLOOR | ROLLING | {"required_friction", "printed_yaw_rate"},
+        floor.has_left_floor,
+        LOADS | ROLLING | {"required_friction", "printed_yaw_rate"},
         "contact",
     ),
-    Condition("tipping", yawing.tips_along_axis, ROLLING | {"required_friction"}),
-    Condition("singular", yawing.has_no_printed_yaw_rate, frozenset(("printed_yaw_rate",))),
-    Condition("singular", yawing.has_no_force_axis, FORCE_AXIS),
-    Condition("slip", yawing.slips, ROLLING, otherwise="roll"),
+    Condition("tipping", screws.tips_along_axis, ROLLING | {"required_friction"}),
+    Condition("singular", screws.has_no_printed_yaw_rate, frozenset(("printed_yaw_rate",))),
+    Condition("singular", screws.has_no_force_axis, FORCE_AXIS),
+    Condition("slip", screws.slips, ROLLING, otherwise="roll"),
 )
 
 ROLLING_SCENE = Scene(
@@ -287,7 +303,29 @@ ROLLING_SCENE = Scene(
     "yaw rates. Outside the friction cone (slip), beyond the cylinder's ends (tipping) and after "
     "lift-off the values are those that pure rolling would ask for. The yaw of the axis is counted "
     "from +x towards -y. Friction acts at mid-length; its moment about the vertical is an input.",
-    variants={"thesis": THESIS, "derived": DERIVED},
+    variants={
+        "thesis": (
+            *COMMON,
+            *(
+                under_names(
+                    f"{force}_reduction",
+                    screws.printed_reduction,
+                    "(4.1) to (4.7)",
+                    f"pitch and axis of {whose} with the sign of (4.3), (4.5), (4.6)",
+                    "thesis",
+                    wrench=f"{force}_wrench",
+                )
+                for force, whose in (
+                    ("floor", "the floor's wrench"),
+                    ("force", "the force system"),
+                )
+            ),
+        ),
+        "derived": (
+            *COMMON,
+            *(replace(one, variant="derived") for one in REDUCTIONS),
+        ),
+    },
     default_variant="derived",
     conditions={"thesis": ROLLING_CONDITIONS, "derived": ROLLING_CONDITIONS},
     defaults={
@@ -304,40 +342,6 @@ ROLLING_SCENE = Scene(
 
 # --- A disc, coin or ring that stands on its edge in the track, its face against the wall.
 
-DISC_SOURCE = "theory 18.1"
-DISC_PHYSICAL = (
-    *DRIVE,
-    *UNILATERAL,
-    Equation("gravity_normal", vibration.leaning_gravity_normal, "theory 0.4"),
-    Equation("gravity_across", vibration.gravity_across, "theory 0.4"),
-    Equation("floor_force", vibration.floor_force, DISC_SOURCE),
-    Equation("centripetal_acceleration", wall.centripetal_acceleration, "theory 4.1"),
-    Equation("wall_balance", wall.derived_wall_balance, "theory 4.1"),
-    Equation("wall_acceleration", wall.pushing_wall_acceleration, "theory 4.1"),
-    Equation("wall_force", wall.wall_force, "theory 4.1"),
-    Equation("wall_friction", round_parts.wall_as_floor, DISC_SOURCE),
-    Equation("net_push", round_parts.net_push, DISC_SOURCE),
-    Equation("rolling_factor", round_parts.tube_factor, DISC_SOURCE),
-    Equation("rolling_share", round_parts.rolling_share, DISC_SOURCE),
-    Equation("required_friction", round_parts.disc_friction, DISC_SOURCE),
-    Equation("acceleration_x", round_parts.disc_acceleration, DISC_SOURCE),
-    Equation("angular_acceleration", round_parts.disc_spin, DISC_SOURCE),
-    Equation("rolling_friction", round_parts.disc_floor_friction, DISC_SOURCE),
-    Equation("wall_drag", round_parts.wall_drag, DISC_SOURCE),
-    Equation("floor_wrench", round_parts.disc_floor_wrench, DISC_SOURCE),
-    Equation("force_wrench", round_parts.disc_force_wrench, DISC_SOURCE),
-    Equation(
-        "floor_reduction",
-        yawing.floor_reduction,
-        "(4.1) to (4.7)",
-    ),
-    Equation(
-        "force_reduction",
-        yawing.force_reduction,
-        "(4.1) to (4.7)",
-    ),
-    *AXES,
-)
 WALL = frozenset(("wall_acceleration", "wall_force", "wall_drag", "net_push"))
 DISC_MOTION = frozenset(
     (
@@ -345,13 +349,6 @@ DISC_MOTION = frozenset(
         *(one.gives for one in AXES), "regime",
     )
 )  # fmt: skip
-DISC_CONDITIONS = (
-    Condition("flight", vibration.has_left_floor, FLOOR | DISC_MOTION, otherwise="contact"),
-    Condition("wall_lost", round_parts.leaves_wall, WALL | DISC_MOTION, otherwise="contact"),
-    Condition("singular", yawing.has_no_force_axis, FORCE_AXIS),
-    Condition("stick", round_parts.is_held, DISC_MOTION),
-    Condition("roll", round_parts.rolls, DISC_MOTION, otherwise="slip"),
-)
 
 DISC_SCENE = Scene(
     name="disc-on-edge",
@@ -360,9 +357,56 @@ DISC_SCENE = Scene(
     validity="A snapshot at the drive's peak for a disc at rest relative to the track. The wall's "
     "force passes through the centre: what would turn the face along the wall is left out, and so "
     "is rolling resistance. A coin that lies flat is a block: rectangle-on-plane.",
-    variants={"physical": DISC_PHYSICAL},
+    variants={
+        "physical": (
+            *DRIVE,
+            *UNILATERAL,
+            Equation("gravity_normal", floor.leaning_gravity_normal, "theory 0.4"),
+            Equation("gravity_across", floor.gravity_across, "theory 0.4"),
+            Equation("floor_force", floor.floor_force, SOURCE),
+            Equation("centripetal_acceleration", wall.centripetal_acceleration, "theory 4.1"),
+            Equation("wall_balance", wall.derived_wall_balance, "theory 4.1"),
+            Equation("wall_acceleration", wall.pushing_wall_acceleration, "theory 4.1"),
+            Equation("wall_force", wall.wall_force, "theory 4.1"),
+            *fields(
+                "friction_kinetic",
+                SOURCE,
+                wall_friction=(
+                    "the floor's kinetic friction, for a wall of the same material [1]",
+                ),
+            ),
+            Equation("net_push", round_parts.net_push, SOURCE),
+            Equation("rolling_factor", round_parts.tube_factor, SOURCE),
+            Equation("rolling_share", round_parts.rolling_share, SOURCE),
+            under_names(
+                "required_friction",
+                round_parts.least_friction,
+                SOURCE,
+                "the least static friction with which the disc rolls, |D - w|/((1 + kap) n) [1]",
+                push="net_push",
+            ),
+            Equation("acceleration_x", round_parts.disc_acceleration, SOURCE),
+            Equation("angular_acceleration", round_parts.disc_spin, SOURCE),
+            Equation("rolling_friction", round_parts.disc_floor_friction, SOURCE),
+            Equation("wall_drag", round_parts.wall_drag, SOURCE),
+            Equation("floor_wrench", round_parts.disc_floor_wrench, SOURCE),
+            Equation("force_wrench", round_parts.disc_force_wrench, SOURCE),
+            *REDUCTIONS,
+            *AXES,
+        )
+    },
     default_variant="physical",
-    conditions={"physical": DISC_CONDITIONS},
+    conditions={
+        "physical": (
+            Condition("flight", floor.has_left_floor, LOADS | DISC_MOTION, otherwise="contact"),
+            Condition(
+                "wall_lost", round_parts.leaves_wall, WALL | DISC_MOTION, otherwise="contact"
+            ),
+            Condition("singular", screws.has_no_force_axis, FORCE_AXIS),
+            Condition("stick", round_parts.is_held, DISC_MOTION),
+            Condition("roll", round_parts.rolls, DISC_MOTION, otherwise="slip"),
+        )
+    },
     defaults={
         "alpha": 0.0,
         "gamma": 0.0,

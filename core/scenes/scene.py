@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from types import MappingProxyType
@@ -12,7 +12,6 @@ from typing import Any
 
 from vibrafeed.core.errors import SceneError
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
-from vibrafeed.core.scenes.graph import CycleError, behind
 
 Function = Callable[..., Any]
 
@@ -96,12 +95,30 @@ def field_of(
     bundle : str
         The quantity that it needs, such as ``"motion"``.
     path : tuple
-        The way to the field: names of fields, and places in tuples or arrays.
+        The way to the field: names of fields, and places in tuples or arrays; none for a quantity
+        that is another.
     gives, says, source, variant : str
         As in `Equation`; `says` as one says after "Return".
     """
     function = partial(_taken, bundle, path)
     return Equation(gives, function, source, variant, needs=(bundle,), says=f"Return {says}.")
+
+
+def _with_names(function: Function, names: Mapping[str, str], **values: Any) -> Any:
+    return function(**{own: values[name] for own, name in names.items()})
+
+
+def under_names(
+    gives: str, function: Function, source: str, says: str, variant: str = "all", **names: str
+) -> Equation:
+    """Return an equation whose arguments have the `names` of other quantities.
+
+    One function serves several bodies or instants so. Inputs are in the order of `names`, then of
+    the function; `says` is as one says after "Return".
+    """
+    names |= {own: own for own in arguments_of(function) if own not in names}
+    named, needs = partial(_with_names, function, names), tuple(names.values())
+    return Equation(gives, named, source, variant, needs, f"Return {says}.")
 
 
 def fields(bundle: str, source: str, variant: str = "all", **rows: Any) -> tuple[Equation, ...]:
@@ -133,22 +150,26 @@ class Condition:
         The regime of the cells for which no condition holds, once this one has been tried. The
         last condition tried has the last word, but ``contact`` gives way to anything that says
         more. Empty: it says nothing about them.
+    needs, says : optional
+        As of an `Equation`.
     """
 
     regime: str
     function: Function
     outputs: frozenset[str]
     otherwise: str = ""
+    needs: tuple[str, ...] | None = None
+    says: str = ""
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
         """The names of the quantities that the condition needs."""
-        return arguments_of(self.function)
+        return arguments_of(self.function) if self.needs is None else self.needs
 
     @property
     def summary(self) -> str:
-        """A sentence on where the condition holds, from its function's docstring."""
-        return _summary(inspect.getdoc(self.function))
+        """A sentence on where the condition holds, from its description."""
+        return _summary(self.says or inspect.getdoc(self.function))
 
 
 STANDARD_GRAVITY = 9.80665
@@ -273,10 +294,6 @@ class Scene:
         return found.pop() if len(found) == 1 else variant
 
     def _check(self, variant: str) -> None:
-        """Raise `SceneError` if quantities of a variant are ambiguous, undeclared or cyclic.
-
-        It guards against mistakes in the declaration of a scene.
-        """
         where = f"{self.name} ({variant})"
         for names, wrong in self._misplaced_names(variant):
             if names:
@@ -288,12 +305,6 @@ class Scene:
             raise SceneError(f"{where}: {error}") from None
 
     def _misplaced_names(self, variant: str) -> Iterator[tuple[set[str], str]]:
-        """Yield names that equations and conditions of a variant use wrongly, with the reason.
-
-        Each reason is a text with ``{}`` for the names; the set of names is empty where all is
-        well. Found are quantities that two equations give, names that are not declared, inputs that
-        nothing gives, and outputs that a condition names but no variant gives.
-        """
         equations, conditions = self.variants[variant], self.conditions[variant]
         gives = [equation.gives for equation in equations]
         yield {name for name in gives if gives.count(name) > 1}, "two equations give {}"
@@ -308,3 +319,55 @@ class Scene:
         strange = {name for condition in conditions for name in condition.outputs}
         strange -= {name for one in self.variants for name in self.outputs(one)}
         yield strange, "conditions name {}, which no variant gives"
+
+
+class CycleError(ValueError):
+    """A quantity needs itself."""
+
+
+def behind(
+    wanted: Iterable[str],
+    producer: Callable[[str], Equation | None],
+    enters: Callable[[Equation], bool] = lambda equation: True,
+) -> Mapping[str, Equation | None]:
+    """Return the wanted quantities and all that they depend on, in order of computation.
+
+    Each has the equation that `producer` returns for its name, or None if it has to be given from
+    outside. The inputs of equations that `enters` refuses are not looked at.
+
+    Raises
+    ------
+    CycleError
+        If a quantity needs itself.
+    """
+    met: dict[str, Equation | None] = {}
+
+    def visit(name: str, path: tuple[str, ...]) -> None:
+        if name in path:
+            raise CycleError(" needs ".join((*path, name)))
+        if name in met:
+            return
+        step = producer(name)
+        if step is not None and enters(step):
+            for needed in step.inputs:
+                visit(needed, (*path, name))
+        met[name] = step
+
+    for name in wanted:
+        visit(name, ())
+    return met
+
+
+def between(
+    steps: Collection[Equation], sources: Collection[str], targets: Collection[str]
+) -> tuple[Equation, ...]:
+    """Return the equations that lead from some quantities to others, in order of computation.
+
+    They are those that change if one of the `sources` changes, as far as the `targets` need them.
+    """
+    changes, way = {*sources}, []
+    for one in behind(targets, {one.gives: one for one in steps}.get).values():
+        if one is not None and one.gives not in sources and changes & {*one.inputs}:
+            changes.add(one.gives)
+            way.append(one)
+    return tuple(way)

@@ -14,8 +14,7 @@ from many_digits import mp, mpf
 from night import count
 from vibrafeed.core.plan.plan import scene_parameters
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.scenes import SCENES
-from vibrafeed.core.scenes.aliases import instead_of
+from vibrafeed.core.scenes import SCENES, instead_of
 
 RANDOM, EXTREME = count(120, 2000), count(40, 300)
 TUNED = 8  # points for each threshold, three in a row

@@ -76,11 +76,6 @@ def _slip(m: Any, x: Any, y: Any, s: Any, held: Any) -> Any:
     return z
 
 
-def _over_itself(name: str) -> Callable[..., Any]:
-    """Return the function f(x)/x with the limit 1 at 0, f by its name in mpmath."""
-    return lambda m, x: m.one if x == 0 else getattr(m, name)(x) / x
-
-
 DIGITS_OF: dict[str, Callable[..., Any]] = {
     "add": lambda m, x, y: x + y,
     "subtract": lambda m, x, y: x - y,
@@ -101,13 +96,6 @@ DIGITS_OF: dict[str, Callable[..., Any]] = {
     "arc_quotient": _arc,
     "arc_series": lambda m, w: _arc(m, w, m.sqrt(1 - w)),
     "slip_share": _slip,
-    "expm1_quotient": lambda m, x: m.one if x == 0 else -m.expm1(-x) / x,
-    "log1p_quotient": _over_itself("log1p"),
-    "sin_quotient": _over_itself("sin"),
-    "sinh_quotient": _over_itself("sinh"),
-    "tan_quotient": _over_itself("tan"),
-    "tanh_quotient": _over_itself("tanh"),
-    "arctan_quotient": _over_itself("atan"),
     "sin": lambda m, x: m.sin(x),
     "cos": lambda m, x: m.cos(x),
     "tan": lambda m, x: m.tan(x),
@@ -344,7 +332,7 @@ def sensitivities(
 def _columns(cells: Mapping[str, Array]) -> tuple[dict[str, Any], int]:
     """Return the cells as columns of 50-digit numbers, and their length.
 
-    A parameter is the float that it is, but for multiples of 90 degrees (`mechanics.angles`).
+    A parameter is the float that it is, but for multiples of 90 degrees (`mechanics.arrays`).
     """
     columns = {name: _AS_NUMBER(np.atleast_1d(values)) for name, values in cells.items()}
     size = max((column.size for column in columns.values()), default=1)

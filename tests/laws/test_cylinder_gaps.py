@@ -13,9 +13,8 @@ import pytest
 from night import count
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
-from vibrafeed.core.mechanics.cylinder_contact import cylinder_contact
+from vibrafeed.core.mechanics.cylinder_contact import Cylinder, cylinder_contact
 from vibrafeed.core.mechanics.cylinder_impact import is_apart
-from vibrafeed.core.mechanics.cylinders import Cylinder
 from vibrafeed.core.quantities import REGIMES
 
 PAIRS = count(day=100, night=200)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from vibrafeed.core.mechanics import friction, rolling, travel, vibration, wall
+from vibrafeed.core.mechanics import floor, rolling, travel, wall
 
 RANDOM = np.random.default_rng(3)
 POINTS = 200
@@ -62,19 +62,19 @@ def gravity_components() -> dict[str, np.ndarray]:
     angles = {"gravity": AT[g], "gamma": AT[gamma]}
     leaning = {**angles, "delta": AT[delta]}
     return {
-        "along": vibration.gravity_along(**angles),
-        "normal": vibration.gravity_normal(**angles),
-        "leaning_normal": vibration.leaning_gravity_normal(**leaning),
-        "across": vibration.gravity_across(**leaning),
+        "along": floor.gravity_along(**angles),
+        "normal": floor.gravity_normal(**angles),
+        "leaning_normal": floor.leaning_gravity_normal(**leaning),
+        "across": floor.gravity_across(**leaning),
     }
 
 
 def drive() -> dict[str, np.ndarray]:
     both = {"vibration_acceleration": AT[P], "beta": AT[beta]}
     return {
-        "along": vibration.drive_along(**both, alpha=AT[alpha]),
-        "across": vibration.drive_across(**both, alpha=AT[alpha]),
-        "normal": vibration.drive_normal(**both),
+        "along": floor.drive_along(**both, alpha=AT[alpha]),
+        "across": floor.drive_across(**both, alpha=AT[alpha]),
+        "normal": floor.drive_normal(**both),
     }
 
 
@@ -100,16 +100,16 @@ def test_a_block_on_the_plane_3_9_to_3_12(gravity_components):
         dict=True,
     )[0]
     push = drive()
-    n0 = vibration.normal_acceleration(
+    n0 = floor.normal_acceleration(
         gravity_normal=gravity_components["normal"], drive_normal=push["normal"]
     )
     agree(n0, solved[normal], 200)
-    got_x = friction.per_axis_acceleration_x(
+    got_x = floor.per_axis_acceleration_x(
         in_plane_drive_x=push["along"] - gravity_components["along"],
         friction_kinetic=AT[mu],
         normal_acceleration=n0,
     )
-    got_y = friction.per_axis_acceleration_y(
+    got_y = floor.per_axis_acceleration_y(
         in_plane_drive_y=push["across"], friction_kinetic=AT[mu], normal_acceleration=n0
     )
     agree(got_x, solved[ax], 200)
@@ -119,8 +119,8 @@ def test_a_block_on_the_plane_3_9_to_3_12(gravity_components):
     axis_y = sp.Matrix([-sp.sin(theta), sp.cos(theta)])
     plane = sp.Matrix([solved[ax], solved[ay]])
     turned = {"acceleration_x": got_x, "acceleration_y": got_y, "yaw": AT[theta]}
-    agree(vibration.rotated_acceleration_x(**turned), plane.dot(axis_x), 200)
-    agree(vibration.rotated_acceleration_y(**turned), plane.dot(axis_y), 200)
+    agree(floor.rotated_acceleration_x(**turned), plane.dot(axis_x), 200)
+    agree(floor.rotated_acceleration_y(**turned), plane.dot(axis_y), 200)
 
 
 def track_solution(lean: sp.Expr) -> dict[sp.Symbol, sp.Expr]:

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from vibrafeed.core.mechanics import yawing
-from vibrafeed.core.mechanics.screws import Wrench
+from vibrafeed.core.mechanics import screws
+from vibrafeed.core.mechanics.screws import reduce_screw
 
 RANDOM = np.random.default_rng(4)
 POINTS = 200
@@ -73,17 +73,17 @@ def test_the_rolling_cylinder_4_12_to_4_19(balances):
         "beta": AT[beta],
         "axis_yaw": AT[theta],
     }
-    eta, sigma = yawing.rolling_drive(**push), yawing.axial_drive(**push)
+    eta, sigma = screws.rolling_drive(**push), screws.axial_drive(**push)
     motion = {"diameter": diameter, "spin_rate": AT[spin], "yaw_rate": AT[turn]}
-    along = yawing.axial_friction_acceleration(axial_drive=sigma, **motion)
+    along = screws.axial_friction_acceleration(axial_drive=sigma, **motion)
     normal = AT[g] - AT[P] * np.sin(AT[beta])
     got = {
         "N": AT[m] * normal,
-        "eta": yawing.rolling_friction(mass=AT[m], rolling_drive=eta),
-        "sigma": yawing.axial_friction(mass=AT[m], axial_friction_acceleration=along),
-        "e": yawing.pressure_offset_axial(axial_drive=sigma, normal_acceleration=normal, **motion),
-        "spin2": yawing.spin_acceleration(rolling_drive=eta, diameter=diameter),
-        "yaw2": yawing.yaw_acceleration(
+        "eta": screws.rolling_friction(mass=AT[m], rolling_drive=eta),
+        "sigma": screws.axial_friction(mass=AT[m], axial_friction_acceleration=along),
+        "e": screws.pressure_offset_axial(axial_drive=sigma, normal_acceleration=normal, **motion),
+        "spin2": screws.spin_acceleration(rolling_drive=eta, diameter=diameter),
+        "yaw2": screws.yaw_acceleration(
             mass=AT[m], diameter=diameter, length=length, drilling_moment=AT[drilling]
         ),
     }
@@ -105,7 +105,7 @@ def test_the_printed_yaw_rate_asks_for_no_offset_4_20(balances):
     rate = sp.diff(printed, theta) * printed + sp.diff(printed, spin) * (2 * D_eta / (3 * r))
     stated = -sp.Rational(4, 9) * P**2 * sp.cos(beta) ** 2 * sp.sin(2 * (alpha + theta))
     assert sp.simplify(rate - stated / (r * spin) ** 2) == 0
-    got = yawing.printed_yaw_rate(
+    got = screws.printed_yaw_rate(
         axial_drive=numbers(D_sigma), diameter=2 * AT[r], spin_rate=AT[spin]
     )
     np.testing.assert_allclose(got, numbers(printed), rtol=1e-13)
@@ -128,7 +128,7 @@ def test_the_reduction_of_a_wrench_4_1_to_4_7():
     assert sp.simplify(right.cross(force) + pitch * force - moment) == sp.zeros(3, 1)
     assert sp.simplify(printed.cross(force) + pitch * force - moment) != sp.zeros(3, 1)
     F, M = RANDOM.normal(size=(2, POINTS, 3))
-    reduction = Wrench(F, M).reduced()
+    reduction = reduce_screw(F, M)
     function = sp.lambdify([*force, *moment], [pitch, *right], "numpy")
     expected = np.stack(function(*F.T, *M.T))
     # |F| is above 0.03 here, so that the sums of products are divided by 1e-3 at the least

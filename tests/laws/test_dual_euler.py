@@ -2,20 +2,18 @@
 
 import numpy as np
 
-from vibrafeed.core.mechanics.screws import (
+from screws import (
     MomentumScrew,
     Twist,
     Wrench,
     body_to_reference,
-    cross,
-    dot,
     dual_euler,
     inertia_about,
     momentum_screw,
     newton_euler,
     power,
-    vector,
 )
+from vibrafeed.core.mechanics.screws import dot, vector
 from vibrafeed.core.plan.plan import make_plan
 
 RANDOM = np.random.default_rng(214)
@@ -97,9 +95,9 @@ def test_dual_euler_is_the_sum_over_point_masses():
     force, moment, inertia = np.zeros((POINTS, 3)), np.zeros((POINTS, 3)), np.zeros((POINTS, 3, 3))
     for k in range(5):
         r, m = places[:, k], masses[:, k]
-        a = vdot + cross(w, v) + cross(wdot, r) + cross(w, cross(w, r))
+        a = vdot + np.cross(w, v) + np.cross(wdot, r) + np.cross(w, np.cross(w, r))
         force += m[:, None] * a
-        moment += cross(r, m[:, None] * a)
+        moment += np.cross(r, m[:, None] * a)
         inertia += inertia_about(mass=m, central_inertia=np.zeros((3, 3)), offset=r)
     total = masses.sum(-1)
     centre = np.einsum("pk,pki->pi", masses, places) / total[:, None]
@@ -226,11 +224,11 @@ def test_the_rolling_cylinder_solves_newton_euler_in_resting_axes():
     A[:, :3, :3] = np.eye(3)
     for column, direction in ((6, n), (7, -eta), (8, -sigma)):
         A[:, :3, column] = -direction
-        A[:, 3:6, column] = -cross(arm, direction) / r[:, None]
+        A[:, 3:6, column] = -np.cross(arm, direction) / r[:, None]
     b[:, :3] = drive
     A[:, 3:6, 3:6] = inertia / (m * r * r)[:, None, None]
     A[:, 3:6, 9] = -eta
-    gyroscopic = ROLLING["drilling_moment"][:, None] * n - cross(w, H)
+    gyroscopic = ROLLING["drilling_moment"][:, None] * n - np.cross(w, H)
     b[:, 3:6] = gyroscopic / (m * r)[:, None]
     # V = r (w.sigma) eta, differentiated: eta turns with yaw towards sigma.
     A[:, 6:9, :3] = np.eye(3)
@@ -272,7 +270,7 @@ def test_the_force_system_of_a_rolling_cylinder_is_the_rate_of_momentum_about_an
     ).moved_to(point)
     axes = Twist(vector(yaw, none, none), vector(none, r * spin, none)).moved_to(point)
     required = dual_euler(momentum=momentum, momentum_rate=rate, twist=axes)
-    expected = at["force_wrench"].moved_to(point)
+    expected = Wrench(at["force_wrench"].force, at["force_wrench"].moment).moved_to(point)
     norm = np.linalg.norm
     force, moment = norm(expected.force, axis=-1), norm(expected.moment, axis=-1)
     kinetic = m * (r * spin) ** 2  # V x m V, nothing but its rounding
@@ -282,7 +280,7 @@ def test_the_force_system_of_a_rolling_cylinder_is_the_rate_of_momentum_about_an
     applied = vector(
         at["drive_normal"] - at["gravity_normal"], at["rolling_drive"], at["axial_drive"]
     )
-    total = at["floor_wrench"] + Wrench(m[:, None] * applied, np.zeros(3))
+    total = Wrench(m[:, None] * applied, np.zeros(3)) + at["floor_wrench"]
     size = m * (norm(applied, axis=-1) + np.abs(r * spin * yaw))
     assert largest_error(total.force, at["force_wrench"].force, size) < 1e-15
     np.testing.assert_array_equal(total.moment, at["force_wrench"].moment)

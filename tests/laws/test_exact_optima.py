@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from vibrafeed.core.mechanics import friction, rolling, wall
+from vibrafeed.core.mechanics import floor, rolling, wall
 from vibrafeed.core.optimise.families.cylinder_physical import cylinder_physical_fastest
 from vibrafeed.core.optimise.families.plane_physical import plane_physical_fastest
 from vibrafeed.core.optimise.families.plane_thesis import (
@@ -75,8 +75,8 @@ def printed(given, alpha, beta):
     x, y, n0, column = drive(given, alpha, beta)
     with_floor = {"friction_kinetic": column["friction_kinetic"], "normal_acceleration": n0}
     return (
-        friction.per_axis_acceleration_x(in_plane_drive_x=x, **with_floor),
-        friction.per_axis_acceleration_y(in_plane_drive_y=y, **with_floor),
+        floor.per_axis_acceleration_x(in_plane_drive_x=x, **with_floor),
+        floor.per_axis_acceleration_y(in_plane_drive_y=y, **with_floor),
         n0,
     )
 
@@ -84,7 +84,7 @@ def printed(given, alpha, beta):
 def block(given, alpha, beta):
     """Return a_x of the friction disc, -inf without forward sliding on the floor."""
     x, y, n0, column = drive(given, alpha, beta)
-    left = friction.sliding_fraction(
+    left = floor.sliding_fraction(
         in_plane_drive=np.hypot(x, y),
         friction_static=column["friction_static"],
         friction_kinetic=column["friction_kinetic"],

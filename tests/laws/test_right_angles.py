@@ -11,14 +11,13 @@ import pytest
 from precise import CONTEXT, exact_values
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
-from vibrafeed.core.mechanics.angles import cosine, radians, sine
-from vibrafeed.core.mechanics.vibration import vibration_acceleration
+from vibrafeed.core.mechanics.arrays import cosine, radians, sine
+from vibrafeed.core.mechanics.floor import vibration_acceleration
 from vibrafeed.core.motion import scales
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import make_plan, scene_parameters
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
-from vibrafeed.core.scenes import SCENES
-from vibrafeed.core.scenes.aliases import instead_of
+from vibrafeed.core.scenes import SCENES, instead_of
 
 TURNS = range(-8, 9)
 COSINES, SINES = (1.0, 0.0, -1.0, 0.0), (0.0, 1.0, 0.0, -1.0)

@@ -23,8 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibrafeed.core.mechanics.angles import cosine, sine
-from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, sine
 from vibrafeed.core.motion import compiled
 from vibrafeed.core.motion.cells import run_cells
 from vibrafeed.core.motion.course import TrajectoryRequest, TrajectoryValues
@@ -59,9 +58,9 @@ class TumblingRectangle(NamedTuple):
         """
         h, b = (np.asarray(side, dtype=float) for side in self)
         return Body(
-            isolated.rectangle_half_diagonal(height=b, length=h),
+            isolated.half_diagonal(height=b, length=h),
             isolated.rectangle_inertia_ratio(),
-            isolated.rectangle_corner_angle(height=b, length=h),
+            isolated.corner_angle(height=b, length=h),
             np.ones(()),
         )
 
@@ -82,11 +81,11 @@ class TumblingCylinder(NamedTuple):
         simulated (theory 6); the fourth number, 1, says that it has corners.
         """
         h, d = (np.asarray(side, dtype=float) for side in self)
-        direction = isolated.cylinder_corner_direction(diameter=d, length=h)
+        direction = isolated.corner_direction(height=d, length=h)
         return Body(
-            isolated.cylinder_half_diagonal(diameter=d, length=h),
+            isolated.half_diagonal(height=d, length=h),
             isolated.cylinder_inertia_ratio(corner_direction=direction),
-            isolated.cylinder_corner_angle(diameter=d, length=h),
+            isolated.corner_angle(height=d, length=h),
             np.ones(()),
         )
 

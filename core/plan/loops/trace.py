@@ -16,7 +16,7 @@ import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from vibrafeed.core.errors import VibrafeedError
-from vibrafeed.core.mechanics.elementwise import Elementwise
+from vibrafeed.core.mechanics.arrays import Elementwise
 from vibrafeed.core.plan.equations import regimes_of, run
 from vibrafeed.core.plan.operations import IN_LOOPS
 from vibrafeed.core.plan.plan import Plan

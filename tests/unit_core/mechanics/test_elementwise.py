@@ -6,7 +6,7 @@ import numpy as np
 
 from precise import CONTEXT, DIGITS_OF
 from vibrafeed.core.compiled import compiled_source
-from vibrafeed.core.mechanics.elementwise import arc_quotient, arc_series, binade, exponent
+from vibrafeed.core.mechanics.arrays import arc_quotient, arc_series, binade, exponent
 from vibrafeed.core.mechanics.rolling import slip_share
 
 RANDOM = np.random.default_rng(36)

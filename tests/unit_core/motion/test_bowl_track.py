@@ -9,7 +9,7 @@ from scipy.integrate import quad
 import vibrafeed
 from night import NIGHT, count
 from vibrafeed.core.errors import StudyError
-from vibrafeed.core.mechanics.bowl_drive_unit import Stretches, radius_at
+from vibrafeed.core.mechanics.drive_unit import Stretches, radius_at
 from vibrafeed.core.motion.bowl_track import (
     AlongTrack,
     is_unknown,

@@ -12,7 +12,6 @@ from night import NIGHT
 from vibrafeed.core.compiled import compiled
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.mechanics import soft_contact
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
 from vibrafeed.core.motion.kernels.inputs import Floats
 from vibrafeed.core.motion.kernels.planar.plane_laws import Restitution, impulse, rebound
@@ -20,6 +19,7 @@ from vibrafeed.core.motion.methods.events import motion_by_events, planar_motion
 from vibrafeed.core.motion.result import STATUS, Motion
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.quantities.flags import DERIVATIVE_STATUSES
+from vibrafeed.core.scenes import soft_contact
 
 TURN = 2 * np.pi
 EXACTLY = {"tolerance": 1e-12, "max_periods": 1000.0}

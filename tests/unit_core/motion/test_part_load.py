@@ -11,8 +11,8 @@ from scipy.optimize import fsolve
 import vibrafeed
 from night import NIGHT, count
 from vibrafeed.core.errors import StudyError
-from vibrafeed.core.mechanics import linear_drive_unit
 from vibrafeed.core.quantities import MOTION_STATUSES, REGIMES
+from vibrafeed.core.scenes import drive_units
 
 UNIT = {
     "moving_mass": 10, "base_mass": 30, "damping_ratio": 0.02, "frequency": 50,
@@ -323,7 +323,7 @@ def test_of_several_amplitudes_both_are_agreements():
         )  # fmt: skip
         w, m_r = 2 * np.pi * 50, 10 * 30 / 40
         k = (2 * np.pi * 50.5) ** 2 * m_r
-        again = linear_drive_unit.stroke_response(
+        again = drive_units.stroke_response(
             drive_force=36.0, circular_frequency=w, spring_stiffness=k,
             damping=2 * 0.01 * np.sqrt(k * m_r), foot_stiffness=0.0, foot_damping=0.0,
             loaded_mass=10 + 2 * float(felt.effective_mass_ratio),
@@ -359,7 +359,7 @@ def excess_over_amplitude(unit, amplitude):
     w, m_p = 2 * np.pi * 50, unit["conveyed_mass"]
     m_r = unit["moving_mass"] * unit["base_mass"] / (unit["moving_mass"] + unit["base_mass"])
     k = (2 * np.pi * unit["ring_down_frequency"]) ** 2 * m_r
-    response = linear_drive_unit.stroke_response(
+    response = drive_units.stroke_response(
         drive_force=unit["drive_force"], circular_frequency=w, spring_stiffness=k,
         damping=2 * unit["damping_ratio"] * np.sqrt(k * m_r), foot_stiffness=0.0,
         foot_damping=0.0, base_mass=unit["base_mass"],

@@ -11,7 +11,7 @@ import pytest
 
 import vibrafeed.core.plan
 from precise import DIGITS_OF, Number, Precise
-from vibrafeed.core.mechanics.elementwise import (
+from vibrafeed.core.mechanics.arrays import (
     arc_quotient,
     arc_series,
     binade,

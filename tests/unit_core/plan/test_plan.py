@@ -19,8 +19,8 @@ from vibrafeed.core.motion.drives import shape_of
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.plan.plan import make_plan, scene_parameters
 from vibrafeed.core.quantities import FAMILIES, QUANTITIES, REGIMES, WORDS
-from vibrafeed.core.quantities.drive import DRIVE as NUMBERS_OF_DRIVES
-from vibrafeed.core.quantities.drive_unit import MAX_STRETCHES
+from vibrafeed.core.quantities.drives import DRIVE as NUMBERS_OF_DRIVES
+from vibrafeed.core.quantities.drives import MAX_STRETCHES
 from vibrafeed.core.quantities.row import MAX_NUMBERED
 from vibrafeed.core.quantities.row import NUMBERS as OF_PARTS
 from vibrafeed.core.scenes import ALIASES, SCENES, Condition, Equation

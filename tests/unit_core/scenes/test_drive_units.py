@@ -16,8 +16,9 @@ from scipy.optimize import brentq
 import vibrafeed
 from night import count
 from vibrafeed.core.errors import StudyError
-from vibrafeed.core.mechanics import bowl_drive_unit, drive_unit, linear_drive_unit
+from vibrafeed.core.mechanics import drive_unit
 from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.scenes import drive_units
 
 LINEAR = {
     "scene": "linear-drive-unit", "moving_mass": 10, "base_mass": 30, "damping_ratio": 0.02,
@@ -149,7 +150,7 @@ def units(seed: int) -> dict[str, np.ndarray]:
 
 def test_strokes_solve_the_linear_system_and_power_is_that_of_the_dampers():
     unit = units(37)
-    real, imag, x1, x2 = linear_drive_unit.stroke_response(**unit)
+    real, imag, x1, x2 = drive_units.stroke_response(**unit)
     w, c, c_f = unit["circular_frequency"], unit["damping"], unit["foot_damping"]
     z = unit["spring_stiffness"] + 1j * w * c
     feet = unit["foot_stiffness"] + 1j * w * c_f
@@ -210,14 +211,14 @@ def turning_by_definition(F, w, k, c, m1, m2, i1, i2, along, upward, th):
 
 
 def of_linear(F, w, k, c, k_f, c_f, m1, c_l, m2):
-    return linear_drive_unit.stroke_response(
+    return drive_units.stroke_response(
         drive_force=F, circular_frequency=w, spring_stiffness=k, damping=c, foot_stiffness=k_f,
         foot_damping=c_f, loaded_mass=m1, load_damping=c_l, base_mass=m2,
     )  # fmt: skip
 
 
 def of_bowl(F, w, k, c, m1, m2, i1, i2, c_l, r_l, r_s, th):
-    return bowl_drive_unit.bowl_response(
+    return drive_unit.bowl_response(
         drive_force=F, circular_frequency=w, spring_stiffness=k, damping=c, loaded_mass=m1,
         base_mass=m2, loaded_inertia=i1, base_inertia=i2, load_damping=c_l, load_radius=r_l,
         spring_radius=r_s, spring_angle=th,
@@ -225,11 +226,11 @@ def of_bowl(F, w, k, c, m1, m2, i1, i2, c_l, r_l, r_s, th):
 
 
 def of_turning(F, w, k, c, m1, m2, i1, i2, along, upward, th):
-    mass = linear_drive_unit.turning_mass(
-        loaded_mass=m1, base_mass=m2, moving_inertia=i1, base_inertia=i2, offset_along=along,
+    mass = drive_units.turning_mass(
+        moving_mass=m1, base_mass=m2, moving_inertia=i1, base_inertia=i2, offset_along=along,
         offset_upward=upward, spring_angle=th,
     )  # fmt: skip
-    return linear_drive_unit.turning_response(
+    return drive_units.turning_response(
         drive_force=F, circular_frequency=w, spring_stiffness=k, damping=c, turning_mass=mass
     )
 
@@ -292,9 +293,9 @@ def test_both_natural_frequencies_are_those_of_the_matrices():
     matrix[:, 0, 1] = matrix[:, 1, 0] = -k / np.sqrt(m1 * m2)
     low, high = np.linalg.eigvalsh(matrix).T
     given = {name: unit[name] for name in names}
-    top = linear_drive_unit.natural_frequency(**given)
+    top = drive_units.natural_frequency(**given)
     assert (2 * np.pi * top) ** 2 == pytest.approx(high, rel=ROUNDING)
-    bottom = (2 * np.pi * linear_drive_unit.foot_frequency(**given)) ** 2
+    bottom = (2 * np.pi * drive_units.foot_frequency(**given)) ** 2
     # An eigenvalue of a symmetric matrix is known to the rounding of the largest.
     assert (np.abs(bottom - low) <= ROUNDING * high).all()
 

@@ -376,8 +376,13 @@ def test_cylinders_on_a_floor_are_the_planar_problem():
 
 def test_the_proven_gap_is_the_largest_separation_of_any_direction():
     """Random pairs near each other, against the best of many directions, refined around it."""
-    from vibrafeed.core.mechanics import cylinders
-    from vibrafeed.core.mechanics.cylinder_contact import Cylinder, cylinder_contact, separation
+    from vibrafeed.core.mechanics.cylinder_contact import (
+        Cylinder,
+        cylinder_contact,
+        direction,
+        separation,
+        where,
+    )
 
     random = np.random.default_rng(82)
     n = 400
@@ -393,9 +398,9 @@ def test_the_proven_gap_is_the_largest_separation_of_any_direction():
     best, most = tuple(random.normal(size=(3, n))), np.full(n, -np.inf)
     for spread in (*[3.0] * 400, *np.geomspace(1, 1e-5, 1500)):
         tried = tuple(np.array(best) + spread * random.normal(size=(3, n)))
-        tried = cylinders.direction(tried, best)
+        tried = direction(tried, best)
         value = separation(one, two, tried)
-        best, most = cylinders.where(value > most, tried, best), np.maximum(most, value)
+        best, most = where(value > most, tried, best), np.maximum(most, value)
     # The directions tried come near the largest separation from below.
     proven = (at.form > 0) & (at.gap >= 0)
     assert proven.sum() > 100

@@ -15,8 +15,7 @@ from vibrafeed.core.mechanics import resting
 from vibrafeed.core.plan.loops.trace import traced
 from vibrafeed.core.plan.plan import make_plan, scene_parameters
 from vibrafeed.core.quantities import REGIMES
-from vibrafeed.core.scenes import SCENES
-from vibrafeed.core.scenes.aliases import instead_of
+from vibrafeed.core.scenes import SCENES, instead_of
 from vibrafeed.core.scenes.resting_part import ASPECTS
 
 ROUNDING = 1e-14

@@ -13,8 +13,7 @@ from vibrafeed.core.mechanics import resting, rolling, round_parts
 from vibrafeed.core.plan.loops.trace import traced
 from vibrafeed.core.plan.plan import make_plan, scene_parameters
 from vibrafeed.core.quantities import REGIMES
-from vibrafeed.core.scenes import SCENES
-from vibrafeed.core.scenes.aliases import instead_of
+from vibrafeed.core.scenes import SCENES, instead_of
 
 ROUNDING = 1e-14
 DRIVE = {"frequency": 50.0, "beta": 15.0, "alpha": 20.0, "gamma": 3.0}

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import vibrafeed
-from vibrafeed.core.mechanics.row import HELD_FROM
 from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.scenes.row_on_plane import HELD_FROM
 
 G = 9.80665
 

@@ -9,10 +9,10 @@ from scipy.integrate import solve_ivp
 from scipy.special import gamma
 
 import vibrafeed
-from vibrafeed.core.mechanics import soft_contact
 from vibrafeed.core.plan.loops.trace import traced
 from vibrafeed.core.plan.plan import make_plan
 from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.scenes import soft_contact
 
 
 def sweep(*outputs, **given):

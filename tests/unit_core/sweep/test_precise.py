@@ -22,8 +22,7 @@ from vibrafeed.core.intake import prepare_content, read_content
 from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.grid import random_positions
 from vibrafeed.core.plan.plan import make_plan, scene_parameters
-from vibrafeed.core.scenes import SCENES
-from vibrafeed.core.scenes.aliases import instead_of
+from vibrafeed.core.scenes import SCENES, instead_of
 
 ROOT = Path(__file__).parents[3]
 # Next to lift-off the normal acceleration is a difference of nearly equal numbers.

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from vibrafeed.core.mechanics import soft_contact
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.methods.reference.laws import SPIN, UX, UY, UZ, Mode, ReferenceLaws, Y, Z
 from vibrafeed.core.motion.methods.reference.polynomials import (
@@ -20,6 +19,7 @@ from vibrafeed.core.motion.methods.reference.polynomials import (
     values,
 )
 from vibrafeed.core.motion.methods.reference.stretch import USUAL, Care, Stretch, solve
+from vibrafeed.core.scenes import soft_contact
 from vibrafeed.core.watch import Watch
 
 STOPPED = 1e-13

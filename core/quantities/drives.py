@@ -1,60 +1,93 @@
-"""Drive units, and the track of a bowl on one."""
+"""Drives that are no plain sine, drive units, and the track of a bowl on one."""
 
 from __future__ import annotations
 
 from vibrafeed.core.quantities.quantity import Quantity, angle, friction, length, number, velocity
 
+# --- Drives that are no plain sine: harmonics on every axis, and steps of acceleration.
+
+
+AXES = ("along", "across", "normal")
+"""Of the track: +x in transport direction, +y off the wall, +z off the floor."""
+
+MAX_ORDERS = 10
+"""Harmonics of an axis."""
+
+MAX_STEPS = 12
+"""Pieces of constant acceleration in a period."""
+
+WHERE = {"along": "along the track", "across": "across the track", "normal": "off the floor"}
+
+
+def _times(order: int) -> str:
+    return "the drive frequency" if order == 1 else f"{order} times the drive frequency"
+
+
+_WAYS = [(letter, axis, WHERE[axis]) for letter, axis in zip("xyz", AXES, strict=True)]
+_ORDERS, _STEPS = range(1, MAX_ORDERS + 1), range(1, MAX_STEPS + 1)
+DRIVE: dict[str, Quantity] = {
+    "drive_factor": Quantity(
+        "1", "q", "Factor of the drive",
+        "Factor by which every amplitude or acceleration of the drive is multiplied.", 0.0,
+        parameter=True, examples=("1.2",),
+    ),
+    **{
+        f"amplitude_{axis}_{n}": Quantity(
+            "m", f"A{letter}{n}", f"Amplitude {axis}, order {n}",
+            f"Amplitude of the track's motion {where} at {_times(n)}, zero to peak.", 0.0,
+            parameter=True, examples=("0.1 mm",), usual=(1e-9, 0.025),
+        )
+        for letter, axis, where in _WAYS for n in _ORDERS
+    },
+    **{
+        f"phase_{axis}_{n}": angle(
+            f"phi{letter}{n}", f"Phase {axis}, order {n}",
+            f"Lead of the track's motion {where} at {_times(n)}: the displacement is "
+            f"A sin({n if n > 1 else ''} w t + phi).", 720.0, "90 deg",
+        )
+        for letter, axis, where in _WAYS for n in _ORDERS
+    },
+    **{
+        f"acceleration_{axis}_{n}": Quantity(
+            "m s-2", f"a{letter}{n}", f"Acceleration {axis}, step {n}",
+            f"Acceleration of the track {where} during step {n} of a period.",
+            parameter=True, examples=("4 m/s^2",),
+        )
+        for letter, axis, where in _WAYS for n in _STEPS
+    },
+    **{
+        f"duration_{n}": Quantity(
+            "1", f"T{n}", f"Duration of step {n}",
+            f"Relative duration of step {n}; the durations of all steps divide the period.", 0.0,
+            parameter=True, examples=("0.25",),
+        )
+        for n in _STEPS
+    },
+    "wave": Quantity("1", "", "Wave", "The push of the drive on a part, per weight.", bundle=True),
+    **{
+        f"{stem}_{axis}": Quantity(
+            unit, symbol.format(letter), f"{label} {axis}", says.format(where)
+        )
+        for letter, axis, where in _WAYS
+        for stem, unit, symbol, label, says in (
+            ("largest_acceleration", "m s-2", "max |a_{}|", "Largest acceleration",
+             "Largest acceleration of the track {} over a period."),
+            ("stroke", "m", "s_{}", "Stroke", "How far the track moves {}, peak to peak."),
+            ("largest_jerk", "m s-3", "max |j_{}|", "Largest jerk",
+             "Largest jerk of the track {}; infinite where its acceleration jumps."),
+        )
+    },
+}  # fmt: skip
+
+
+# --- Drive units, and the track of a bowl on one.
+
+
 MAX_STRETCHES = 6
 """Stretches of a track: the inner turns, a lined part, a steeper one, the exit, and two more."""
 
 
-def _turns(n: int) -> Quantity:
-    """Return the declaration of a parameter: the turns of stretch `n` of a bowl's track.
-
-    A stretch is a piece of the track with one climb and one lining; stretches count from 1.
-    """
-    return Quantity(
-        "1", f"n_{n}", f"Turns, stretch {n}", f"Turns of stretch {n} of the track.", 0.0,
-        strict=True, parameter=True, examples=("1.5",), usual=(1e-3, 20.0),
-    )  # fmt: skip
-
-
-def _radius(n: int) -> Quantity:
-    return length(
-        f"R_{n}", f"Radius, end of stretch {n}", f"Radius at the end of stretch {n}.", "150 mm"
-    )
-
-
-def _climb(n: int) -> Quantity:
-    """Return the declaration of a parameter: the climb of stretch `n` of a bowl's track [degree].
-
-    A stretch is a piece of the track with one climb and one lining; stretches count from 1.
-    """
-    return angle(
-        f"gamma_{n}", f"Climb, stretch {n}",
-        f"Climb of stretch {n}; that of the stretch before unless given.", 80.0, "3 deg",
-        (-15.0, 15.0),
-    )  # fmt: skip
-
-
-def _friction(n: int) -> Quantity:
-    """Return the declaration of a parameter: the friction on stretch `n` of a bowl's track, from 1.
-
-    A stretch is a piece of the track with one climb and one lining.
-    """
-    return friction(
-        f"mu_{n}",
-        f"Friction, stretch {n}",
-        f"Coefficient of friction on stretch {n}; that of the stretch before unless given.",
-    )
-
-
-OF_STRETCHES = {
-    "stretch_turns": _turns,
-    "stretch_radius": _radius,
-    "stretch_climb": _climb,
-    "stretch_friction": _friction,
-}
+OF_STRETCHES = ("stretch_turns", "stretch_radius", "stretch_climb", "stretch_friction")
 """What each stretch of a track has, by the stem of its name."""
 
 
@@ -62,6 +95,7 @@ def _fraction(label: str, says: str, example: str) -> Quantity:
     return Quantity("1", "x", label, says, 0.0, 1.0, parameter=True, examples=(example,))
 
 
+_STRETCHES = range(1, MAX_STRETCHES + 1)
 BOWL_TRACK: dict[str, Quantity] = {
     "track_fraction": _fraction(
         "Share of the track",
@@ -70,9 +104,32 @@ BOWL_TRACK: dict[str, Quantity] = {
     "start_radius": length("R_0", "Radius at the start", "Radius at which the track starts.",
                            "100 mm"),
     **{
-        f"{stem}_{n}": of_stretch(n)
-        for stem, of_stretch in OF_STRETCHES.items()
-        for n in range(1, MAX_STRETCHES + 1)
+        f"stretch_turns_{n}": Quantity(
+            "1", f"n_{n}", f"Turns, stretch {n}", f"Turns of stretch {n} of the track.", 0.0,
+            strict=True, parameter=True, examples=("1.5",), usual=(1e-3, 20.0),
+        )
+        for n in _STRETCHES
+    },
+    **{
+        f"stretch_radius_{n}": length(
+            f"R_{n}", f"Radius, end of stretch {n}", f"Radius at the end of stretch {n}.", "150 mm"
+        )
+        for n in _STRETCHES
+    },
+    **{
+        f"stretch_climb_{n}": angle(
+            f"gamma_{n}", f"Climb, stretch {n}",
+            f"Climb of stretch {n}; that of the stretch before unless given.", 80.0, "3 deg",
+            (-15.0, 15.0),
+        )
+        for n in _STRETCHES
+    },
+    **{
+        f"stretch_friction_{n}": friction(
+            f"mu_{n}", f"Friction, stretch {n}",
+            f"Coefficient of friction on stretch {n}; that of the stretch before unless given.",
+        )
+        for n in _STRETCHES
     },
     "load_radius": length(
         "R_l", "Radius of the load",
@@ -122,7 +179,6 @@ BOWL_TRACK: dict[str, Quantity] = {
 def _input(
     unit: str, symbol: str, label: str, says: str, example: str, *, strict: bool
 ) -> Quantity:
-    """Return the quantity of an input that is at least 0; with `strict` above 0."""
     return Quantity(
         unit, symbol, label, says, 0.0, strict=strict, parameter=True, examples=(example,)
     )

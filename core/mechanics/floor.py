@@ -1,4 +1,4 @@
-"""Drive and gravity in track axes (theory 0; (3.8), (3.13) of the source).
+"""A part on a floor: drive, gravity and Coulomb friction in track axes (theory 0, 1.5).
 
 Axes: x along the track in transport direction, z normal to the floor, y = z cross x, off the wall.
 All functions take and return broadcastable float64 arrays, SI units, angles in radians.
@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibrafeed.core.mechanics.angles import cosine, sine
-from vibrafeed.core.mechanics.arrays import Array, Mask, compensated_sum, hypot, ratio
+from vibrafeed.core.mechanics.arrays import Array, Mask, compensated_sum, cosine, hypot, ratio, sine
 
 # Between them a square is a float with all its digits.
 FAR_BELOW, FAR_ABOVE = 1e-150, 1e150
@@ -104,11 +103,6 @@ def in_plane_drive_x(*, drive_along: Array, gravity_along: Array) -> Array:
     return drive_along - gravity_along
 
 
-def in_plane_drive_y(*, drive_across: Array) -> Array:
-    """Return drive less gravity along y on a floor without lean, D_y [m s-2]."""
-    return drive_across
-
-
 def in_plane_drive(*, in_plane_drive_x: Array, in_plane_drive_y: Array) -> Array:
     """Return the magnitude |D| of drive less gravity in the floor plane [m s-2]."""
     return hypot(in_plane_drive_x, in_plane_drive_y)
@@ -149,11 +143,103 @@ def floor_force(*, mass: Array, floor_acceleration: Array) -> Array:
     return mass * floor_acceleration
 
 
-def unchecked_acceleration(*, normal_acceleration: Array) -> Array:
-    """Return the normal force per mass, n0, whatever its sign, as in the source [m s-2]."""
-    return normal_acceleration
-
-
 def no_acceleration_z() -> Array:
     """Return the value 0: the source assumes that the part stays on the floor [m s-2]."""
     return np.zeros(())
+
+
+# --- Friction: per axis as the source prints it, and as one disc (theory 1.5).
+
+
+def per_axis_acceleration_x(
+    *, in_plane_drive_x: Array, friction_kinetic: Array, normal_acceleration: Array
+) -> Array:
+    """Return the acceleration along x as printed, D_x - mu n0, (3.9), (3.11), (3.36) [m s-2].
+
+    The source lets friction act along -x whatever the sliding direction, and does not check n0:
+    after lift-off (n0 < 0) this friction drives the part.
+    """
+    return in_plane_drive_x - friction_kinetic * normal_acceleration
+
+
+def per_axis_acceleration_y(
+    *, in_plane_drive_y: Array, friction_kinetic: Array, normal_acceleration: Array
+) -> Array:
+    """Return the acceleration along y as printed, D_y - mu n0, (3.9), (3.11), (3.36) [m s-2].
+
+    Friction acts along -y even where nothing pushes sideways; see `per_axis_acceleration_x`.
+    """
+    return in_plane_drive_y - friction_kinetic * normal_acceleration
+
+
+def is_stuck(*, in_plane_drive: Array, friction_static: Array, floor_acceleration: Array) -> Mask:
+    """True where static friction holds a part at rest: |D| <= mu_s n, n > 0."""
+    return (in_plane_drive <= friction_static * floor_acceleration) & (floor_acceleration > 0)
+
+
+def sliding_fraction(
+    *,
+    in_plane_drive: Array,
+    friction_static: Array,
+    friction_kinetic: Array,
+    floor_acceleration: Array,
+) -> Array:
+    """Return the share of the drive that accelerates: stick 0, slip 1 - mu_k n/|D|, flight 1 [1].
+
+    From rest: friction opposes the impending sliding velocity, which is along D.
+    """
+    stuck = is_stuck(
+        in_plane_drive=in_plane_drive,
+        friction_static=friction_static,
+        floor_acceleration=floor_acceleration,
+    )
+    resisting = np.where(stuck, 0.0, friction_kinetic * floor_acceleration)
+    return np.where(stuck, 0.0, 1.0 - ratio(resisting, in_plane_drive, 0.0))
+
+
+def disc_acceleration_x(*, in_plane_drive_x: Array, sliding_fraction: Array) -> Array:
+    """Return the acceleration along x from rest, both axes sharing one friction disc [m s-2]."""
+    return in_plane_drive_x * sliding_fraction
+
+
+def pressure_offset_x(
+    *,
+    height: Array,
+    in_plane_drive_x: Array,
+    in_plane_drive: Array,
+    friction_static: Array,
+    friction_kinetic: Array,
+    floor_acceleration: Array,
+) -> Array:
+    """Return the offset along x of the floor's resultant that balances friction's moment [m].
+
+    A part of the height b tips where it exceeds half the length. Friction acts b/2 below the
+    centre, so that the offset is b/2 times friction along x over the normal force; NaN in flight.
+    """
+    stuck = is_stuck(
+        in_plane_drive=in_plane_drive,
+        friction_static=friction_static,
+        floor_acceleration=floor_acceleration,
+    )
+    held = ratio(
+        np.where(stuck, in_plane_drive_x, 0.0), np.where(stuck, floor_acceleration, 1.0), 0.0
+    )
+    sliding = friction_kinetic * ratio(in_plane_drive_x, in_plane_drive, 0.0)
+    share = np.where(floor_acceleration > 0, np.where(stuck, held, sliding), np.nan)
+    return height / 2 * share
+
+
+def tips_x(*, pressure_offset_x: Array, length: Array) -> Mask:
+    """True where the floor resultant leaves the base along x: the part tips."""
+    return np.abs(pressure_offset_x) > length / 2
+
+
+def tips_y(*, pressure_offset_y: Array, width: Array) -> Mask:
+    """True where the floor resultant leaves the base along y: the part tips."""
+    return np.abs(pressure_offset_y) > width / 2
+
+
+def over_load(value: Array, load: Array, otherwise: float) -> Array:
+    """Return a value over the floor's force, both per mass, and `otherwise` in flight."""
+    pressed = load > 0
+    return np.where(pressed, value / np.where(pressed, load, 1.0), otherwise)
