@@ -15,10 +15,8 @@ from typing import Any, Final
 
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.intake.keywords import KEYS
-from vibrafeed.core.intake.observed import read_rows
-from vibrafeed.core.intake.posteriors import with_posteriors
-from vibrafeed.core.intake.sections import SECTIONS, in_letters
-from vibrafeed.core.measured.read import decoded
+from vibrafeed.core.intake.sections import SECTIONS, in_letters, read_rows, with_posteriors
+from vibrafeed.core.measured.csv_table import decoded
 
 SERVICE: Final = "http://127.0.0.1:8000"
 LONGEST_ARGUMENT: Final = 100_000  # bytes; Linux takes 131,072 in one argument of a command
@@ -66,12 +64,16 @@ def to_curl(content: Mapping[str, Any], service: str = SERVICE) -> str:
     """
     body, address = _request(content, service)
     if len(body) > LONGEST_ARGUMENT:
-        message = f"it has {len(body):,} bytes, more than a command line holds"
-        fix = (
-            "Write it to a file with `vibrafeed convert STUDY --to json`, and send that: "
-            f"curl --data-binary @FILE {address}"
+        raise StudyError(
+            [
+                Problem(
+                    "study",
+                    f"it has {len(body):,} bytes, more than a command line holds",
+                    "Write it to a file with `vibrafeed convert STUDY --to json`, and send that: "
+                    f"curl --data-binary @FILE {address}",
+                )
+            ]
         )
-        raise StudyError([Problem("study", message, fix)])
     words = ["-H", "Content-Type: application/json", "--data-raw", body, address]
     return "curl " + " ".join(map(shlex.quote, words)) + "\n"
 
@@ -89,7 +91,6 @@ def to_powershell(content: Mapping[str, Any], service: str = SERVICE) -> str:
 
 
 def _request(content: Mapping[str, Any], service: str) -> tuple[str, str]:
-    """Return the body of a request that carries out a study, in ASCII, and its address."""
     body = json.dumps(content, separators=(",", ":"))
     return body, f"{service.rstrip('/')}/processes/{content['kind']}/execution"
 
@@ -160,29 +161,20 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
         try:
             data = decoded(file.read_bytes())
         except (OSError, ValueError) as error:
-            message = f"{file} cannot be read: {error}"
-            raise StudyError([Problem("drive.file", message, "Name a CSV")]) from None
+            raise StudyError(
+                [Problem("drive.file", f"{file} cannot be read: {error}", "Name a CSV")]
+            ) from None
         rest = {name: value for name, value in drive.items() if name != "file"}
         return {**content, "drive": {**rest, "data": data}}
     return {**content, "drive": {**drive, "file": _path_from(file, form, folder)}}
 
 
 def _observations(content: Mapping[str, Any], form: str, folder: Path) -> Any:
-    """Return the file of observations of a study that is moved to another form, or its rows.
-
-    The rows for a request, since a service reads no files; else the path as `_path_from` gives it.
-    `content` is the study, `form` the form.
-    """
     file = Path(content["observations"])
     return read_rows(file) if form in REQUESTS else _path_from(file, form, folder)
 
 
 def _path_from(file: Path, form: str, folder: Path) -> str:
-    """Return the path of a file for a study in another form, with / between its folders.
-
-    A program gets it as it is, a study in `folder` the one from there; on another drive of Windows
-    it is the absolute one.
-    """
     if form == "python":
         return file.as_posix()
     try:
@@ -192,10 +184,6 @@ def _path_from(file: Path, form: str, folder: Path) -> str:
 
 
 def _depth(value: object) -> int:
-    """Return the depth of tables in a value of a study: 0 for none, 1 for a table, 2 for several.
-
-    A list of tables has 2. A sort key: in TOML plain values must come before tables.
-    """
     if isinstance(value, Mapping):
         return 1
     in_tables = isinstance(value, list) and any(isinstance(one, Mapping) for one in value)
@@ -203,10 +191,6 @@ def _depth(value: object) -> int:
 
 
 def _in_line(tomlkit: Any, value: Any) -> Any:
-    """Return a value of a study as an item of TOML that stands on one line.
-
-    A mapping becomes an inline table. `tomlkit` is the module, imported by the caller.
-    """
     if not isinstance(value, Mapping):
         return tomlkit.item(_writable(tomlkit, value))
     table = tomlkit.inline_table()
@@ -215,11 +199,6 @@ def _in_line(tomlkit: Any, value: Any) -> Any:
 
 
 def _writable(tomlkit: Any, value: Any) -> Any:
-    """Return a value of a study as tomlkit can write it: without None, and with arrays as text.
-
-    An array is handed over as text, because tomlkit takes time that grows with the square of the
-    length for one that it puts together itself. `tomlkit` is the module, imported by the caller.
-    """
     if isinstance(value, Mapping):
         return {n: _writable(tomlkit, part) for n, part in value.items() if part is not None}
     if not isinstance(value, list):
@@ -230,10 +209,6 @@ def _writable(tomlkit: Any, value: Any) -> Any:
 
 
 def _literal(value: Any, column: int) -> str:
-    """Return the Python literal of a value, wrapped, for a study written as a program.
-
-    Its first line is to stand at `column`; further lines are indented to there.
-    """
     if isinstance(value, str):
         return repr(value)
     text = pprint.pformat(value, width=max(WIDTH - column, 40), sort_dicts=False)

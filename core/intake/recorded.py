@@ -13,10 +13,16 @@ from pydantic import ValidationError
 
 from vibrafeed.core import measured
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.intake.messages import problems_of
-from vibrafeed.core.intake.section import Content, Resolved, Section, Stranger, advice_on_path
+from vibrafeed.core.intake.section import (
+    Content,
+    Resolved,
+    Section,
+    Stranger,
+    advice_on_path,
+    problems_of,
+)
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.study.drive import (
+from vibrafeed.core.study.recorded_drive import (
     MeasuredDrive,
     RecordedDrive,
     names_recording,
@@ -69,8 +75,11 @@ def with_drive(content: Content, files: bool) -> Resolved:
 
 def unknown_key(stranger: Stranger) -> Problem:
     """Return the problem of an unknown key of a drive."""
-    fix = stranger.suggest(stranger.name, RecordedDrive.model_fields)
-    return Problem(stranger.place, f"'{stranger.name}' is not a key of the section drive", fix)
+    return Problem(
+        stranger.place,
+        f"'{stranger.name}' is not a key of the section drive",
+        stranger.suggest(stranger.name, RecordedDrive.model_fields),
+    )
 
 
 def no_section(stranger: Stranger) -> Problem:
@@ -80,10 +89,6 @@ def no_section(stranger: Stranger) -> Problem:
 
 
 def _read(drive: Mapping[str, Any]) -> RecordedDrive:
-    """Return the validated description of a recording, from the section `drive` of a study.
-
-    `drive` holds its keys and values; `StudyError` is raised with every problem.
-    """
     try:
         return RecordedDrive.model_validate(drive)
     except ValidationError as error:
@@ -135,16 +140,10 @@ def channel_questions(fit: measured.Fit | None) -> list[str]:
 
 
 def _parameter_sections(content: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the sections of a study that give parameters."""
     return [one for key in VALUE_SECTIONS if isinstance(one := content.get(key), Mapping)]
 
 
 def _slopes(content: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
-    """Return the least and largest angles [rad] by which a study says that its track rises.
-
-    They are named by axis, along and across; what is not said, or wrongly, is left out. A track
-    may lean to either side.
-    """
     slopes = {}
     for axis, name in SLOPES.items():
         given = (one for one in _parameter_sections(content) if name in one)
@@ -162,12 +161,6 @@ def _slopes(content: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
 def _measured_drive(
     drive: Mapping[str, Any], slopes: Mapping[str, tuple[float, float]], files: bool
 ) -> tuple[MeasuredDrive, measured.Fit]:
-    """Return the record of a measured drive that the study keeps, and the fit to its recording.
-
-    `drive` is the section of the study, which holds the recording or names its file, `slopes` are
-    the angles of the study's track; `files` is True if files of this machine may be read. Raises
-    `StudyError` with every problem.
-    """
     fields = _read(drive)
     source = _source(fields, files)
     path = "drive.file" if isinstance(source, Path) else "drive.data"
@@ -178,19 +171,22 @@ def _measured_drive(
     except StudyError as error:
         raise StudyError(_placed(problem, path) for problem in error.problems) from None
     except (OSError, ValueError) as error:  # a NUL in its name is the second
-        message = f"it cannot be read: {getattr(error, 'strerror', None) or error}"
-        fix = "Name a CSV file by its path from the folder of the study"
-        raise StudyError([Problem(path, message, advice_on_path(source, fix))]) from None
+        raise StudyError(
+            [
+                Problem(
+                    path,
+                    f"it cannot be read: {getattr(error, 'strerror', None) or error}",
+                    advice_on_path(
+                        source, "Name a CSV file by its path from the folder of the study"
+                    ),
+                )
+            ]
+        ) from None
     name = source.name if isinstance(source, Path) else SENT
     return _record_of(fit, name, digest), fit
 
 
 def _record_of(fit: measured.Fit, name: str, digest: str) -> MeasuredDrive:
-    """Return the record that a study keeps of the fit of a recording: rounded numbers and source.
-
-    `name` is that of the recording and `digest` its SHA-256, in hexadecimal digits; the numbers are
-    the parameters of the fitted drive, with shares of the residual and the error of the clock.
-    """
     shares: dict[Any, float] = dict(zip(fit.axes, map(_rounded_number, fit.left_over), strict=True))
     return MeasuredDrive(
         name=name,
@@ -202,24 +198,22 @@ def _record_of(fit: measured.Fit, name: str, digest: str) -> MeasuredDrive:
 
 
 def _rounded_number(value: float) -> float:
-    """Return a number rounded to the digits that a record keeps."""
     return float(f"{value:.{DIGITS}g}")
 
 
 def _source(drive: RecordedDrive, files: bool) -> str | Path:
-    """Return the text or the path of a recording that a drive names.
-
-    `files` is True if files of this machine may be read, as by the command line, but not the
-    service. Raises `StudyError` if there is not exactly one of text and path, or if the path may
-    not be read.
-    """
     if (drive.file is None) == (drive.data is None):
-        message = (
-            "the drive names no recording"
-            if drive.file is None
-            else "the drive gives both file and data"
+        raise StudyError(
+            [
+                Problem(
+                    "drive",
+                    "the drive names no recording"
+                    if drive.file is None
+                    else "the drive gives both file and data",
+                    _which(files),
+                )
+            ]
         )
-        raise StudyError([Problem("drive", message, _which(files))])
     if drive.data is not None:
         return drive.data
     if not files:
@@ -237,17 +231,11 @@ def _source(drive: RecordedDrive, files: bool) -> str | Path:
 
 
 def _which(files: bool) -> str:
-    """Return the advice on how to name a recording."""
     text = "data = the text of the recording's CSV"
     return f"Give file = the name of the recording, or {text}" if files else f"Give {text}"
 
 
 def _table(source: str | Path, path: str, files: bool) -> measured.RecordingTable:
-    """Return the table of a recording; raise `StudyError` if it is too long for a request.
-
-    `source` is the CSV text or its path, `path` the key in the study for messages. `files` is False
-    for a request from the network, whose recordings have a limit of rows.
-    """
     # Most lines are rows: what has far too many is not read.
     lines = source.count("\n") if isinstance(source, str) else 0
     if not files and lines > 2 * MAX_ROWS_SENT:
@@ -259,22 +247,19 @@ def _table(source: str | Path, path: str, files: bool) -> measured.RecordingTabl
 
 
 def _too_long(path: str, count: int, what: str) -> Problem:
-    """Return the problem of a recording that is too long for a request."""
-    message = f"the recording has {count:,} {what}, the limit over HTTP is {MAX_ROWS_SENT:,}"
-    return Problem(path, message, "Shorten the recording: one second of motion is enough")
+    return Problem(
+        path,
+        f"the recording has {count:,} {what}, the limit over HTTP is {MAX_ROWS_SENT:,}",
+        "Shorten the recording: one second of motion is enough",
+    )
 
 
 def _recording(drive: RecordedDrive) -> measured.Recording:
-    """Return the settings of a recording, without its source."""
     asked = drive.model_dump(exclude_none=True, exclude={"file", "data"})
     return measured.Recording(**asked)
 
 
 def _digest(source: str | Path) -> str:
-    """Return the SHA-256 of a recording, in hexadecimal digits, by which a study knows it again.
-
-    `source` is the text itself or the path of its file.
-    """
     if isinstance(source, str):
         return hashlib.sha256(source.encode("utf-8", "surrogatepass")).hexdigest()
     with source.open("rb") as file:
@@ -282,7 +267,6 @@ def _digest(source: str | Path) -> str:
 
 
 def _placed(problem: Problem, path: str) -> Problem:
-    """Return a problem of a recording with the path of its key in the study, as `drive.file`."""
     if problem.place == "recording":
         return Problem(path, problem.message, problem.fix)
     return problem if problem.place.startswith("drive.") else problem.below("drive")

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.measured.read import RecordingColumn, RecordingTable, read_table
+from vibrafeed.core.measured.csv_table import RecordingColumn, RecordingTable, read_table
 from vibrafeed.core.measured.times import read_times
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.quantities.quantity import angle
@@ -61,23 +61,18 @@ def clipping_problems(
         runs = stops - starts >= RUN
         if runs.any() or _crests_differ(toward, held):
             first = lines[starts[runs][0] if runs.any() else starts[0]]
-            message = (
-                f"column '{name}' is clipped: {held.sum()} samples hold its {word} value "
-                f"{values[starts[0]]:g}, first in line {first}"
+            problems.append(
+                Problem(
+                    path,
+                    f"column '{name}' is clipped: {held.sum()} samples hold its {word} value "
+                    f"{values[starts[0]]:g}, first in line {first}",
+                    "Record again with a wider range of the sensor",
+                )
             )
-            fix = "Record again with a wider range of the sensor"
-            problems.append(Problem(path, message, fix))
     return problems
 
 
 def _crests_differ(values: NDArray[np.float64], held: NDArray[np.bool_]) -> bool:
-    """True if samples of the highest value belong to crests of different heights: they are clipped.
-
-    `values` are the samples of a channel, `held` is True at those that have the highest value. A
-    crest is the parabola through a sample and its neighbours. Rounding moves its height by no more
-    than a step or two; a period may have two crests, so that the widest gap between heights does
-    not count.
-    """
     crests = np.flatnonzero(held[1:-1]) + 1
     if crests.size < VISITS:
         return False
@@ -138,13 +133,12 @@ def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] 
         )
         return None
     if np.linalg.det(matrix) < 0:
-        fix = 'Reverse one channel with a minus sign: sensor = ["ax", "-ay", "az"]'
         problems.append(
             Problem(
                 "mounting",
                 "the mounting of the sensor is a matrix that mirrors the axes; it has to "
                 "be a rotation",
-                fix,
+                'Reverse one channel with a minus sign: sensor = ["ax", "-ay", "az"]',
             )
         )
         return None
@@ -152,11 +146,6 @@ def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] 
 
 
 def _rotation_of_angles(parts: list[object], problems: list[Problem]) -> NDArray[np.float64] | None:
-    """Return the 3 by 3 matrix that turns a sensor's axes by yaw, pitch and roll.
-
-    `parts` are these three angles as a study gives them: numbers in degrees, or texts with a unit.
-    None if one is invalid, which is added to `problems`.
-    """
     angles = []
     for (name, quantity), raw in zip(ANGLES.items(), parts, strict=True):
         raw = raw.item() if isinstance(raw, np.generic) else raw
@@ -324,40 +313,41 @@ class _Channel(NamedTuple):
 
 
 def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, str]]:
-    """Return path in the study and name of each column of accelerations that a recording names.
-
-    A path is such as `along` or `sensor.x`, as problems tell it. Problems, such as two ways of
-    naming the columns at once, are added to `problems`.
-    """
     own = [(axis, name) for axis in AXES if (name := getattr(recording, axis)) is not None]
     sensor = recording.sensor
     if sensor is None:
         if not own:
-            fix = "Name the columns: along = ..., normal = ..., or sensor = three columns"
-            problems.append(Problem("along", "the drive names no column of accelerations", fix))
+            problems.append(
+                Problem(
+                    "along",
+                    "the drive names no column of accelerations",
+                    "Name the columns: along = ..., normal = ..., or sensor = three columns",
+                )
+            )
         elif recording.mounting is not None:
-            fix = "Give sensor = three columns, instead of a column for each axis"
             problems.append(
                 Problem(
                     "mounting",
                     "the mounting is that of a sensor of three columns, which are not given",
-                    fix,
+                    "Give sensor = three columns, instead of a column for each axis",
                 )
             )
         return own
     if own:
-        fix = "Give either sensor = three columns, or a column for each axis"
         problems.append(
             Problem(
                 "sensor",
                 f"the drive names the columns of a sensor, and single ones ({own[0][0]})",
-                fix,
+                "Give either sensor = three columns, or a column for each axis",
             )
         )
     if isinstance(sensor, str) or len(sensor) != 3:
-        fix = 'Name the columns of x, y and z: sensor = ["ax", "ay", "az"]'
         problems.append(
-            Problem("sensor", "sensor does not name three columns of the recording", fix)
+            Problem(
+                "sensor",
+                "sensor does not name three columns of the recording",
+                'Name the columns of x, y and z: sensor = ["ax", "ay", "az"]',
+            )
         )
         return []
     return [(f"sensor.{axis}", name) for axis, name in zip("xyz", sensor, strict=True)]
@@ -366,12 +356,6 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
 def _channel(
     table: RecordingTable, path: str, name: str, unit: str | None, problems: list[Problem]
 ) -> _Channel | None:
-    """Return one channel of a recording: its values in m s-2, and the recorder's smallest step.
-
-    None if the column is missing or has no valid unit; that and clipping are added to `problems`.
-    `name` is that of the column in `table`, with a minus sign in front to reverse it; `path` is its
-    place in the study, for messages; `unit` holds where the header says none.
-    """
     sign = -1.0 if name.startswith("-") and name not in table.columns else 1.0
     column = table.column(name if sign > 0 else name[1:].strip(), path, problems)
     if column is None:
@@ -391,12 +375,6 @@ def _channel(
 def _factor(
     path: str, name: str, column: RecordingColumn, unit: str | None, problems: list[Problem]
 ) -> float | None:
-    """Return the factor from the unit of a recorded channel to m s-2; None if it is unknown.
-
-    The header may give a unit (`column.unit`), and the user another (`unit`); if both do, they must
-    agree, unless that of the header is no unit at all. Problems are added to `problems`; `path` and
-    `name` are the place in the study and the column, for messages.
-    """
     listed = ", ".join(UNITS)
     factors = []
     for text, key in ((column.unit, path), (unit, "unit")):
@@ -405,22 +383,27 @@ def _factor(
         except UnitError as error:
             if key == path and unit and isinstance(error, UnknownUnitError):
                 continue
-            message = f"'{str(text)[:40]}' is not a unit of acceleration"
-            problems.append(Problem(key, message, f"Known: {listed}"))
+            problems.append(
+                Problem(
+                    key, f"'{str(text)[:40]}' is not a unit of acceleration", f"Known: {listed}"
+                )
+            )
             return None
     if not factors:
-        fix = f"Give unit = one of {listed}, or write the unit in the header: '{name} [g]'"
         problems.append(
-            Problem("unit", f"the unit of the recording's column '{name}' is not given", fix)
+            Problem(
+                "unit",
+                f"the unit of the recording's column '{name}' is not given",
+                f"Give unit = one of {listed}, or write the unit in the header: '{name} [g]'",
+            )
         )
         return None
     if len(set(factors)) > 1:
-        message = (
-            f"column '{name}' has two units: {column.unit} in its header, {unit} in the key unit"
-        )
         problems.append(
             Problem(
-                "unit", message, "Leave out the key unit, or correct the header of the recording"
+                "unit",
+                f"column '{name}' has two units: {column.unit} in its header, {unit} in the key unit",
+                "Leave out the key unit, or correct the header of the recording",
             )
         )
         return None
@@ -428,10 +411,6 @@ def _factor(
 
 
 def _number(name: str, raw: float | str | None, problems: list[Problem]) -> float | None:
-    """Return a frequency in Hz as a study gives it, a number or a text with a unit.
-
-    None if `raw` is None, or if it is invalid, which is added to `problems`; `name` is its key.
-    """
     if raw is None:
         return None
     try:
@@ -442,13 +421,14 @@ def _number(name: str, raw: float | str | None, problems: list[Problem]) -> floa
 
 
 def _check_orders(harmonics: object, problems: list[Problem]) -> None:
-    """Add a problem to `problems` if the number of harmonics that a study asks for is invalid.
-
-    `harmonics` must be a whole number from 1 to `MAX_ORDERS`, or None to let the recording decide.
-    """
     if harmonics is None:
         return
     whole = isinstance(harmonics, int) and not isinstance(harmonics, bool)
     if not whole or harmonics not in range(1, MAX_ORDERS + 1):
-        fix = f"Give a whole number from 1 to {MAX_ORDERS}, or leave it out"
-        problems.append(Problem("harmonics", f"{str(harmonics)[:40]} orders cannot be fitted", fix))
+        problems.append(
+            Problem(
+                "harmonics",
+                f"{str(harmonics)[:40]} orders cannot be fitted",
+                f"Give a whole number from 1 to {MAX_ORDERS}, or leave it out",
+            )
+        )

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.errors import Problem
-from vibrafeed.core.measured.read import RecordingTable
+from vibrafeed.core.measured.csv_table import RecordingTable
 from vibrafeed.core.quantities import Quantity
 from vibrafeed.core.study.units import UnitError, problem, read_number, unit_factor
 
@@ -63,12 +63,11 @@ def read_times(
     """
     if rate is not None:
         if time is not None:
-            fix = "Give only the one that the recorder measures more accurately"
             problems.append(
                 Problem(
                     "rate",
                     "the recording has both a sampling rate (rate) and a time column (time)",
-                    fix,
+                    "Give only the one that the recorder measures more accurately",
                 )
             )
             return None
@@ -79,19 +78,24 @@ def read_times(
             return None
     name = time or _column_of_times(table)
     if name is None:
-        fix = "Give rate = the samples per second, or time = the name of the column of times"
         problems.append(
-            Problem("rate", "the recording has neither a sampling rate nor a column of times", fix)
+            Problem(
+                "rate",
+                "the recording has neither a sampling rate nor a column of times",
+                "Give rate = the samples per second, or time = the name of the column of times",
+            )
         )
         return None
     if name in table.columns and table.columns[name].faulty == len(table.lines):
         fault = table.columns[name].faults[0]
-        fix = "Give rate = the samples per second, or write seconds, or times such as 12:30:05.002"
-        message = (
-            f"the cells of column '{name}' are not numbers and not times after ISO 8601, such as "
-            f"{fault.text[:40]!r} in line {fault.line}"
+        problems.append(
+            Problem(
+                "time",
+                f"the cells of column '{name}' are not numbers and not times after ISO 8601, such as "
+                f"{fault.text[:40]!r} in line {fault.line}",
+                "Give rate = the samples per second, or write seconds, or times such as 12:30:05.002",
+            )
         )
-        problems.append(Problem("time", message, fix))
         return None
     column = table.column(name, "time", problems)
     if column is None:
@@ -99,13 +103,12 @@ def read_times(
     unit = column.unit or unit_in_name(name)
     factor = _seconds(unit)
     if factor is None:
-        fix = "Write s, ms, us or min in the header, or give the rate (rate) and leave time out"
         problems.append(
             Problem(
                 "time",
                 f"the recording's time column has the unit '{column.unit[:40]}', which is "
                 f"not a unit of time",
-                fix,
+                "Write s, ms, us or min in the header, or give the rate (rate) and leave time out",
             )
         )
         return None
@@ -123,11 +126,6 @@ def unit_in_name(name: str) -> str:
 
 
 def _stem_and_unit(name: str) -> tuple[str, str]:
-    """Return a column's name in small letters without the unit of time at its end, and that unit.
-
-    The unit is a word of its own (``t_us``, ``Time ms``, ``t/s``, ``timestampMs``), or follows a
-    usual name (``timems``). It is empty if there is none.
-    """
     plain = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).casefold()
     plain = re.sub(r"[\s.,:/\-_]+", "_", plain).strip("_")
     for unit, words in ENDINGS.items():
@@ -141,7 +139,6 @@ def _stem_and_unit(name: str) -> tuple[str, str]:
 
 
 def _column_of_times(table: RecordingTable) -> str | None:
-    """Return the column of times: one with a usual name, or the only one with a unit of time."""
     for name in table.columns:
         if _stem_and_unit(name)[0] in USUAL_NAMES:
             return name
@@ -151,10 +148,6 @@ def _column_of_times(table: RecordingTable) -> str | None:
 
 
 def _seconds(unit: str) -> float | None:
-    """Return the factor from the unit of a column of times to seconds; None if it has none.
-
-    No unit means seconds. No recorder of vibrations counts hours.
-    """
     try:
         factor = float(unit_factor("time", SECONDS, unit or SECONDS.unit))
     except UnitError:
@@ -163,11 +156,6 @@ def _seconds(unit: str) -> float | None:
 
 
 def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> Problem | None:
-    """Return the problem of times that do not increase, or miss many samples; None without one.
-
-    `name` is the column of the recording, `times` are its values [s], `lines` their lines in the
-    file, for the message.
-    """
     steps = np.diff(times)
     if not steps.size:
         return None
@@ -196,18 +184,11 @@ def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> 
 
 
 def _lost(steps: NDArray[np.float64]) -> float:
-    """Return the share of samples that are lost or late, from the steps between their times [s]."""
     away = np.abs(steps / np.median(steps) - 1.0)
     return float(away[away > UNEVEN].sum()) / steps.size
 
 
 def _even_if_rounded(times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return exactly even times of samples, if `times` are even up to their own rounding.
-
-    Else `times` [s] as they are. Recorders print times with few digits; the unit of the last digit
-    is the smallest difference between the steps that occur, and times within a share of it from a
-    straight line count as even.
-    """
     place = np.arange(times.size, dtype=np.float64)
     slope, start = np.polyfit(place, times, 1) if times.size > 1 else (0.0, 0.0)
     even = start + slope * place

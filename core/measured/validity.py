@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.measured.fundamental import (
+from vibrafeed.core.measured.harmonics import (
     LEAST_PERIODS,
     MAX_LEFT,
     NYQUIST_SHARE,
+    Noise,
+    Samples,
+    Solution,
     orders_below,
+    solve_least_squares,
     stands_out,
     strongest_line,
 )
-from vibrafeed.core.measured.gravity import gravity_problems
-from vibrafeed.core.measured.harmonics import Samples, Solution, solve_least_squares
-from vibrafeed.core.measured.noise import Noise
-from vibrafeed.core.measured.recording import FREQUENCY, LEAST_SAMPLES, Signal
+from vibrafeed.core.measured.recording import (
+    AXES,
+    FREQUENCY,
+    LEAST_SAMPLES,
+    STANDARD_GRAVITY,
+    Signal,
+)
 from vibrafeed.core.study.unusual import likely_unit_of_times
 
 STEPS = 1e-9, 1e3
@@ -54,16 +63,23 @@ def check_before(signal: Signal) -> None:
             )
         )
     if count < LEAST_SAMPLES:
-        fix = f"Record {LEAST_SAMPLES} at least, over {LEAST_PERIODS} periods or more"
-        raise StudyError([*problems, Problem("recording", f"it has {count} samples", fix)])
+        raise StudyError(
+            [
+                *problems,
+                Problem(
+                    "recording",
+                    f"it has {count} samples",
+                    f"Record {LEAST_SAMPLES} at least, over {LEAST_PERIODS} periods or more",
+                ),
+            ]
+        )
     problems += _out_of_range(signal)
     if not np.ptp(signal.accelerations, axis=1).any():
-        fix = "Check that the sensor was connected"
         problems.append(
             Problem(
                 "recording",
                 "all channels of the recording are constant: the sensor recorded no motion",
-                fix,
+                "Check that the sensor was connected",
             )
         )
     duration = float(np.ptp(signal.times)) * count / (count - 1)
@@ -90,35 +106,27 @@ def check_before(signal: Signal) -> None:
 
 
 def _out_of_range(signal: Signal) -> list[Problem]:
-    """Return the problems of a recording whose sampling step or values no recorder gives.
-
-    Its cause is usually a wrong unit. `signal` holds the times [s] and the accelerations [m s-2],
-    shape (axes, samples); the mean step must lie within `STEPS` and the largest range of an axis
-    within `ACCELERATIONS`. Empty if both do; values that are not finite are left to other checks.
-    """
     problems = []
     with np.errstate(over="ignore"):
         step = float(np.ptp(signal.times)) / (signal.times.size - 1)
         size = float(np.ptp(signal.accelerations, axis=1).max())
     least, most = STEPS
     if np.isfinite(signal.times).all() and not least <= step <= most:
-        fix = "Give rate = the samples per second, or the unit of the column of times"
         problems.append(
             Problem(
                 "recording",
                 f"the recording has a sample every {step:.3g} s, which no recorder does",
-                fix,
+                "Give rate = the samples per second, or the unit of the column of times",
             )
         )
     least, most = ACCELERATIONS
     if np.isfinite(signal.accelerations).all() and size and not least <= size <= most:
-        fix = "Give the unit of the acceleration columns, or record again"
         problems.append(
             Problem(
                 "recording",
                 f"the accelerations of the recording range over {size:.3g} m s-2, which no "
                 "feeder does",
-                fix,
+                "Give the unit of the acceleration columns, or record again",
             )
         )
     return problems
@@ -134,13 +142,17 @@ def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:
     wanted = signal.harmonics or 1
     rate = samples.size / samples.duration
     if len(able) < wanted:
-        message = (
-            f"order {wanted} of {frequency:.4g} Hz needs "
-            f"{wanted * frequency / NYQUIST_SHARE:,.0f} samples a second, the recording has "
-            f"{rate:,.0f}"
+        raise StudyError(
+            [
+                Problem(
+                    "harmonics",
+                    f"order {wanted} of {frequency:.4g} Hz needs "
+                    f"{wanted * frequency / NYQUIST_SHARE:,.0f} samples a second, the recording has "
+                    f"{rate:,.0f}",
+                    f"Ask for {len(able)} at most, or record faster" if able else "Record faster",
+                )
+            ]
         )
-        fix = f"Ask for {len(able)} at most, or record faster" if able else "Record faster"
-        raise StudyError([Problem("harmonics", message, fix)])
     if frequency * samples.duration < LEAST_PERIODS:
         raise StudyError([_too_short("recording", frequency, samples.duration)])
 
@@ -184,11 +196,6 @@ def check_fit(
 
 
 def _too_short(key: str, frequency: float, duration: float) -> Problem:
-    """Return the problem of a recording that holds too few periods of a frequency.
-
-    `key` is the place in the study that the problem names, `frequency` in Hz, `duration` that of
-    the recording in s; the advice says how long to record.
-    """
     another = ", or give frequency, if it is another" if key == "recording" else ""
     return Problem(
         key,
@@ -198,12 +205,6 @@ def _too_short(key: str, frequency: float, duration: float) -> Problem:
 
 
 def _not_periodic(samples: Samples, solution: Solution, left: float, periodic: float) -> Problem:
-    """Return the problem of a recording whose signal is not periodic enough for a fit.
-
-    `solution` is the fit of the `samples`, `left` and `periodic` are the rms of its residual and of
-    its harmonics [m s-2]. If the strongest line of the residual has too few periods, that is the
-    problem instead.
-    """
     line = strongest_line(samples._replace(values=solution.residual))
     if stands_out(line, samples.size) and line.frequency * samples.duration < LEAST_PERIODS:
         return _too_short("recording", line.frequency, samples.duration)
@@ -229,12 +230,6 @@ class _Third(NamedTuple):
 def _unsteady(
     signal: Signal, samples: Samples, solution: Solution, noise: Noise, periodic: float
 ) -> list[Problem]:
-    """Return a problem for each axis whose harmonics grow or fade during the recording.
-
-    The first third of the `samples` is compared with the last, beyond what `noise` explains.
-    `signal` names the axes, `solution` is the fit to the whole recording, `periodic` the rms of the
-    harmonics of all axes [m s-2].
-    """
     third = samples.size // 3
     thirds = [
         _of_part(samples, part, solution, noise) for part in (slice(third), slice(-third, None))
@@ -244,22 +239,18 @@ def _unsteady(
         change = last.rms - first.rms
         allowed = CHANGE_ERRORS * np.sqrt(first.variance + last.variance)
         if abs(change) > max(MAX_CHANGE * periodic, float(allowed)):
-            message = (
-                f"the drive is not steady: its rms {axis} is {first.rms:.4g} m/s2 in the first "
-                f"third, {last.rms:.4g} in the last"
+            problems.append(
+                Problem(
+                    "recording",
+                    f"the drive is not steady: its rms {axis} is {first.rms:.4g} m/s2 in the first "
+                    f"third, {last.rms:.4g} in the last",
+                    "Record when it has settled, or cut out a piece in which it is steady",
+                )
             )
-            fix = "Record when it has settled, or cut out a piece in which it is steady"
-            problems.append(Problem("recording", message, fix))
     return problems
 
 
 def _of_part(samples: Samples, part: slice, solution: Solution, noise: Noise) -> list[_Third]:
-    """Return, for each axis, the rms of the harmonics in a part of the samples, and its variance.
-
-    For comparing thirds of a recording, to see if its drive is steady. `part` is the slice of the
-    `samples`, which are fitted anew with frequency and orders of `solution`; `noise` holds the
-    spectral density of the residual. In m s-2 and its square.
-    """
     times = samples.times[part]
     piece = Samples(times - (times[0] + times[-1]) / 2.0, samples.values[:, part])
     fit = solve_least_squares(
@@ -275,10 +266,6 @@ def _of_part(samples: Samples, part: slice, solution: Solution, noise: Noise) ->
 
 
 def _not_seconds(signal: Signal, frequency: float) -> list[Problem]:
-    """Return the problem of times without a unit, which as seconds give no feeder's frequency [Hz].
-
-    Empty if the unit of the `signal`'s times was stated, or if they may be seconds.
-    """
     usual = FREQUENCY.usual
     if not signal.assumed or usual is None or usual[0] <= frequency <= usual[1]:
         return []
@@ -298,11 +285,6 @@ def _not_seconds(signal: Signal, frequency: float) -> list[Problem]:
 
 
 def _off(line: float | None, frequency: float) -> list[Problem]:
-    """Return a problem if measured and given frequency [Hz] differ by more than clocks do.
-
-    `line` is the given frequency of the drive, None if not given; `frequency` that of the
-    recording.
-    """
     if line is None or abs(frequency / line - 1.0) <= MAX_CLOCK:
         return []
     ratio = max(frequency / line, line / frequency)
@@ -310,5 +292,176 @@ def _off(line: float | None, frequency: float) -> list[Problem]:
     fix = f"Clocks are trusted within {most}: correct the sampling rate (rate) or line_frequency"
     if abs(ratio - round(ratio)) < TWICE:
         fix = "Give as line_frequency what the drive runs at, such as 100 Hz on mains of 50 Hz"
-    message = f"the recording repeats with {frequency:.4g} Hz, the line has {line:g} Hz"
-    return [Problem("line_frequency", message, fix)]
+    return [
+        Problem(
+            "line_frequency",
+            f"the recording repeats with {frequency:.4g} Hz, the line has {line:g} Hz",
+            fix,
+        )
+    ]
+
+
+# --- Gravity in a recording: how the track stands, and whether the channels are what they are named.
+
+
+Slopes = Mapping[str, tuple[float, float]]
+"""Least and largest angle [rad] by which a track may rise along and across."""
+
+SIZE = 0.1  # share of gravity by which a constant acceleration may differ from it
+REMOVED = 0.08  # of gravity: smaller constants are offsets of a sensor that does not show it
+STEEPEST = float(np.radians(20.0))  # slope of a track of which the study says nothing
+MARGIN = float(np.radians(10.0))  # of a stated slope: the sensor's mounting and offset
+SMALL = 0.03  # rms of a drive, over gravity, that is too small to move parts
+CONFUSED = {
+    1.0 / STANDARD_GRAVITY: "it would be 1 g if the values were in g rather than in m s-2",
+    STANDARD_GRAVITY: "it would be 1 g if the values were in m s-2 rather than in g",
+    1000.0: "it would be 1 g if the values were a thousandth (mg, mm s-2)",
+    0.001: "it would be 1 g if the values were a thousand times as large (m s-2 for mm s-2, or "
+    "commas that separate thousands)",
+}
+"""Gravity in a wrong unit, over gravity: what a reader thinks of it."""
+
+
+def gravity_problems(
+    axes: tuple[str, ...], constant: NDArray[np.float64], rms: float, slopes: Slopes
+) -> list[Problem]:
+    """Return the problem of a recording whose constants contradict gravity; empty without one.
+
+    Parameters
+    ----------
+    axes : tuple of str
+        Which of along, across and normal.
+    constant : ndarray, shape (axes,)
+        Mean acceleration of each [m s-2].
+    rms : float
+        Of the harmonics of all axes [m s-2].
+    slopes : mapping of str to tuple
+        Angles of the track that the study states, by axis: along the climb, across the lean.
+    """
+    shown = dict(zip(axes, (constant / STANDARD_GRAVITY).tolist(), strict=True))
+    limits = _limits(slopes)
+    normal = shown.get("normal")
+    if normal is None or abs(normal) < 0.5:
+        for axis in limits:
+            if abs(shown.get(axis, 0.0)) >= 1.0 - SIZE:
+                return [
+                    _contradicts(
+                        axis,
+                        shown,
+                        "gravity belongs to the normal channel",
+                        "Name as normal the column that shows +1 g, as along that of the transport",
+                    )
+                ]
+    if normal is None or abs(normal) <= REMOVED:
+        return _without_gravity(shown, rms, limits)
+    return _size_problems(normal, shown, limits) or _direction_problems(normal, shown, limits)
+
+
+def _limits(slopes: Slopes) -> dict[str, tuple[float, float]]:
+    stated = {axis: slopes.get(axis, (0.0, 0.0)) for axis in AXES[:2]}
+    return {
+        axis: (min(-STEEPEST, least - MARGIN), max(STEEPEST, most + MARGIN))
+        for axis, (least, most) in stated.items()
+    }
+
+
+def _steepest(limits: tuple[float, float]) -> float:
+    return min(max(map(abs, limits)), np.pi / 2.0)
+
+
+def _size_problems(
+    normal: float, shown: Mapping[str, float], limits: Mapping[str, tuple[float, float]]
+) -> list[Problem]:
+    for factor, means in CONFUSED.items():
+        if abs(abs(normal) / factor - 1.0) <= SIZE:
+            return [
+                _contradicts(
+                    "normal",
+                    shown,
+                    means,
+                    "Correct the unit of the accelerations: the key unit, or the headings",
+                )
+            ]
+    lowest = 1.0 - SIZE
+    for axis in [
+        one for one in limits if one not in shown
+    ]:  # what is not recorded may have a share of gravity
+        lowest *= float(np.cos(_steepest(limits[axis])))
+    if lowest <= float(np.linalg.norm(list(shown.values()))) <= 1.0 + SIZE:
+        return []
+    return [
+        _contradicts(
+            "normal",
+            shown,
+            "a sensor at rest shows 1 g, or 0 if it does not measure constant accelerations",
+            "Correct the unit, the scale of the sensor, or the names of the channels",
+        )
+    ]
+
+
+def _direction_problems(
+    normal: float, shown: Mapping[str, float], limits: Mapping[str, tuple[float, float]]
+) -> list[Problem]:
+    if normal < 0.0:
+        return [
+            _contradicts(
+                "normal",
+                shown,
+                "the channel points downwards, and the fitted drive would throw parts downwards",
+                "Turn its sign: a minus sign in front of the column's name, or none if it has one; or "
+                "give the mounting of a sensor that hangs upside down",
+            )
+        ]
+    for axis in filter(shown.__contains__, limits):
+        angle = float(np.arctan2(shown[axis], normal))
+        least, most = limits[axis]
+        if not least <= angle <= most:
+            verb, parameter = ("climb", "gamma") if axis == "along" else ("lean", "delta")
+            return [
+                _contradicts(
+                    axis,
+                    shown,
+                    f"the track would {verb} by {np.degrees(angle):.0f} degrees",
+                    "Correct the names of the channels or the mounting, or give the study's "
+                    f"{parameter}, if the track is so steep",
+                )
+            ]
+    return []
+
+
+def _without_gravity(
+    shown: Mapping[str, float], rms: float, limits: Mapping[str, tuple[float, float]]
+) -> list[Problem]:
+    normal = shown.get("normal")
+    thousandth = normal is not None and abs(abs(normal) / 0.001 - 1.0) <= SIZE
+    if thousandth and rms < SMALL * STANDARD_GRAVITY:
+        return [
+            _contradicts(
+                "normal",
+                shown,
+                CONFUSED[0.001],
+                "Correct the unit of the accelerations, and export without separators of thousands",
+            )
+        ]
+    for axis in filter(shown.__contains__, limits):
+        most = SIZE + (np.sin(_steepest(limits[axis])) if normal is None else 0.0)
+        if abs(shown[axis]) > most:
+            return [
+                _contradicts(
+                    axis,
+                    shown,
+                    "a track at rest shows gravity in the normal channel",
+                    "Correct the names of the channels, the unit, or the mounting",
+                )
+            ]
+    return []
+
+
+def _contradicts(axis: str, shown: Mapping[str, float], means: str, fix: str) -> Problem:
+    others = ", ".join(f"{value:.2f} g {name}" for name, value in shown.items() if name != axis)
+    beside = f" (and {others})" if others else ""
+    return Problem(
+        axis,
+        f"the mean of the recording's {axis} channel is {shown[axis]:.3g} g{beside}: {means}",
+        fix,
+    )

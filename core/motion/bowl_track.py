@@ -31,7 +31,7 @@ from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.drive_unit import OF_STRETCHES
 from vibrafeed.core.scenes.graph import between
 from vibrafeed.core.scenes.scene import Condition, Equation, fields
-from vibrafeed.core.study.simulate_study import SETTINGS
+from vibrafeed.core.study.sweep_and_simulate import SETTINGS
 
 SOURCE = "theory 15.6"
 PARTS = 16

@@ -22,10 +22,17 @@ from pydantic import (
 
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.study.distributions import Normal, read_distribution
-from vibrafeed.core.study.grid_study import PARAMETERS, Frozen, Parameters
-from vibrafeed.core.study.levels import optional, read_level, refusal
-from vibrafeed.core.study.section_names import MAX_RUNS, OBSERVED
-from vibrafeed.core.study.simulate_study import FollowedStudy, MotionSettings
+from vibrafeed.core.study.grid_study import (
+    MAX_RUNS,
+    OBSERVED,
+    PARAMETERS,
+    Frozen,
+    Parameters,
+    optional,
+    read_level,
+    refusal,
+)
+from vibrafeed.core.study.sweep_and_simulate import FollowedStudy, MotionSettings
 from vibrafeed.core.study.units import UnitError, read_number, share_of
 from vibrafeed.core.study.values import Between, Values
 from vibrafeed.core.suggestions import suggestion
@@ -68,8 +75,10 @@ def read_error(output: str, raw: object, value: float) -> float:
     if error is None:
         error = read_level(output, raw)
     if not error > 0:
-        fix = "Give the standard deviation of the measured value, or leave it out"
-        raise UnitError(f"the error {raw} of the measured value is not above 0", fix)
+        raise UnitError(
+            f"the error {raw} of the measured value is not above 0",
+            "Give the standard deviation of the measured value, or leave it out",
+        )
     return error
 
 
@@ -82,11 +91,6 @@ def _observed_schema(name: str) -> dict[str, Any]:
 
 
 def _read_row_error(raw: object, info: ValidationInfo) -> object:
-    """Return the standard deviation of a run's measured value, in the output's unit, or None.
-
-    `raw` is what the user wrote, `info` has the measured value. None without a valid value or
-    error; raises a refusal for a text that is no error.
-    """
     given = {name: info.data.get(name) for name in OBSERVED}
     output, value = next(((n, v) for n, v in given.items() if v is not None), (None, None))
     if raw is None or output is None or value is None:
@@ -98,16 +102,14 @@ def _read_row_error(raw: object, info: ValidationInfo) -> object:
 
 
 def _read_regime(raw: object) -> str | None:
-    """Return an observed regime that a user wrote, in small letters; raise a refusal if unknown.
-
-    Regimes that can be seen are those of `REGIMES_SEEN`, such as "hopping"; None stands for none.
-    """
     if raw is None:
         return None
     text = " ".join(str(raw).replace("_", " ").split()).lower()
     if text not in REGIMES_SEEN:
-        fix = partial(suggestion, text, REGIMES_SEEN)
-        raise refusal(f"{str(raw)[:40]!r} is not a regime that can be observed", fix)
+        raise refusal(
+            f"{str(raw)[:40]!r} is not a regime that can be observed",
+            partial(suggestion, text, REGIMES_SEEN),
+        )
     return text
 
 
@@ -176,13 +178,17 @@ def spread_rows(raw: object) -> object:
         If lists have different lengths, if there are too many runs, or if it is no table.
     """
     if isinstance(raw, str):
-        fix = "Run the study, or load it by vibrafeed.load_study"
-        raise refusal("the file of observations has not been read yet", fix)
+        raise refusal(
+            "the file of observations has not been read yet",
+            "Run the study, or load it by vibrafeed.load_study",
+        )
     if isinstance(raw, Mapping):
         raw = [raw]
     if not isinstance(raw, list | tuple):
-        fix = "Write [[observations]] with the parameters of a run and its conveying_velocity"
-        raise refusal("observations is not a list of runs", fix)
+        raise refusal(
+            "observations is not a list of runs",
+            "Write [[observations]] with the parameters of a run and its conveying_velocity",
+        )
     rows: list[object] = []
     for number, entry in enumerate(raw, 1):
         rows += _rows_of(entry, number) if isinstance(entry, Mapping) else [entry]
@@ -192,20 +198,15 @@ def spread_rows(raw: object) -> object:
 
 
 def _rows_of(entry: Mapping[str, Any], number: int) -> Iterator[dict[str, Any]]:
-    """Yield the runs of one entry of a study's observations: one for each value of its lists.
-
-    Other values are repeated. `number` is that of the entry, for messages. Raises a refusal if
-    lists differ in length.
-    """
     lengths = {name: len(value) for name, value in entry.items() if isinstance(value, list | tuple)}
     if not lengths:
         yield {str(name): value for name, value in entry.items()}
         return
     if len({*lengths.values()}) > 1:
         told = ", ".join(f"{str(name)[:40]} {length}" for name, length in lengths.items())
-        fix = "Give each as many values as there are runs, or one for all of them"
         raise refusal(
-            f"the lists of entry {number} of the observations differ in length: {told}", fix
+            f"the lists of entry {number} of the observations differ in length: {told}",
+            "Give each as many values as there are runs, or one for all of them",
         )
     for k in range(next(iter(lengths.values()))):
         yield {str(n): value[k] if n in lengths else value for n, value in entry.items()}
@@ -250,26 +251,17 @@ def quantity_of(table: str, parameter: str) -> Quantity:
 
 
 def _read_prior(table: str, parameter: str, raw: object) -> Prior:
-    """Return the prior that a user wrote of an unknown: a range or a normal distribution.
-
-    The prior is what is known before a calibration. `table` is "unknowns", "offsets" or "factors",
-    and `parameter` the name in it. Raises `UnitError` for anything else.
-    """
     of = {"offsets": "the offset of ", "factors": "the factor of "}.get(table, "")
     prior = read_distribution(of + parameter, raw, quantity_of(table, parameter))
     if not isinstance(prior, Prior):
-        message = f"what is known of {of}{parameter} is neither a range nor a normal distribution"
         raise UnitError(
-            message, "Write { lower = ..., upper = ... }, or { mean = ..., deviation = ... }"
+            f"what is known of {of}{parameter} is neither a range nor a normal distribution",
+            "Write { lower = ..., upper = ... }, or { mean = ..., deviation = ... }",
         )
     return prior
 
 
 def _table(table: str, doc: str) -> Any:
-    """Return the pydantic model of a table of unknowns, with a field for each parameter.
-
-    `table` is its name, `doc` the description in the schema.
-    """
     fields = {
         name: optional(partial(_read_prior, table, name), lambda: _PRIOR_SCHEMA)
         for name in PARAMETERS
@@ -299,17 +291,12 @@ else:
 
 
 def _read_probability(raw: object) -> object:
-    """Return a probability below 0.5; raise a refusal for anything else.
-
-    It is that of an observed regime being wrong, as a user wrote it.
-    """
     if isinstance(raw, int | float) and not isinstance(raw, bool) and 0 < raw < 0.5:
         return float(raw)
-    fix = "Write a number above 0 and below 0.5, such as 0.01"
     raise refusal(
         f"{reprlib.repr(raw)[:40]} is not a probability between 0 and 0.5 that an observed "
         f"regime is wrong",
-        fix,
+        "Write a number above 0 and below 0.5, such as 0.01",
     )
 
 

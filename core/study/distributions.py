@@ -10,18 +10,22 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
+from pydantic import create_model
 
 from vibrafeed.core.quantities import QUANTITIES, Quantity
+from vibrafeed.core.study.grid_study import PARAMETERS, Frozen, optional
 from vibrafeed.core.study.units import UnitError, read_number, share_of
 from vibrafeed.core.study.values import Between, as_difference, read_between
 from vibrafeed.core.suggestions import suggestion
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
+
 
 OUTSIDE = 0.00135
 """Share beyond either end of the tolerance of a distribution without ends, as three standard
@@ -125,8 +129,10 @@ def read_distribution(name: str, raw: object, quantity: Quantity | None = None) 
     quantity = quantity or QUANTITIES[name]
     keys = frozenset(map(str, raw)) if isinstance(raw, Mapping) else frozenset()
     if keys == {CALIBRATION}:
-        message = f"{name} is to come from a file, and only the command line and Python read files"
-        raise UnitError(message, "Give the lists values and densities instead of calibration")
+        raise UnitError(
+            f"{name} is to come from a file, and only the command line and Python read files",
+            "Give the lists values and densities instead of calibration",
+        )
     is_normal = frozenset(Normal.keys) <= keys <= BOUNDED
     if isinstance(raw, str) and (width := _WIDTH.fullmatch(raw)):
         raise UnitError(*_no_width(width["value"].strip(), width["width"].strip()))
@@ -144,47 +150,34 @@ def read_distribution(name: str, raw: object, quantity: Quantity | None = None) 
 
 
 def _triangular(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Triangular:
-    """Return a triangular distribution from its three keys: lower, most_likely and upper.
-
-    `name` and `quantity` are the parameter and its declaration with a unit, `raw` is what the user
-    wrote. Raises `UnitError` unless the values ascend.
-    """
     lower, likely, upper = (read_number(name, quantity, raw[key]) for key in Triangular.keys)
     if not (lower <= likely <= upper and lower < upper):
-        message = f"{name} has {lower:g}, {likely:g} and {upper:g} as lower, most_likely and upper"
-        raise UnitError(message, "Write lower, most_likely and upper in ascending order")
+        raise UnitError(
+            f"{name} has {lower:g}, {likely:g} and {upper:g} as lower, most_likely and upper",
+            "Write lower, most_likely and upper in ascending order",
+        )
     return Triangular(lower, likely, upper)
 
 
 def _no_width(value: str, width: str) -> tuple[str, str]:
-    """Return message and fix for a value with +-, which could mean two things."""
     message = f"'{value} +- {width}' may mean limits or a standard deviation"
     normal = f'{{ mean = "{value}", deviation = "{width}" }}'
     return message, f"Write {{ lower = ..., upper = ... }} for limits, or {normal} for a deviation"
 
 
 def _no_form(name: str, keys: frozenset[str]) -> tuple[str, str]:
-    """Return message and fix for a distribution whose keys belong to no known kind of distribution.
-
-    `name` is the parameter, `keys` are what the user wrote, such as mean and deviation.
-    """
     forms = [f"{{ {', '.join(f'{key} = ...' for key in form)} }}" for form in FORMS.values()]
     known = {key for form in FORMS.values() for key in form}
     unknown = sorted(keys - known)
     if unknown:
-        fix = suggestion(unknown[0][:40], known)
-        return f"'{unknown[0][:40]}' is not a key of a distribution", fix
+        return f"'{unknown[0][:40]}' is not a key of a distribution", suggestion(
+            unknown[0][:40], known
+        )
     told = f"{', '.join(sorted(keys))} alone make" if keys else "this is"
     return f"{name}: {told} no distribution", f"Write one of {', '.join(forms[:-1])}"
 
 
 def _normal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Normal:
-    """Return a normal distribution from the keys mean, deviation, lower and upper of a study.
-
-    `name` and `quantity` are the parameter and its declaration, `raw` is what the user wrote. The
-    deviation may be a share of the mean, as in ``"5 %"``. Raises `UnitError` if bounds and mean
-    contradict each other.
-    """
     mean = read_number(name, quantity, raw["mean"])
     written = share_of(mean, raw["deviation"], 'deviation = "5 %"')
     written = raw["deviation"] if written is None else written
@@ -193,47 +186,35 @@ def _normal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Normal:
     normal = Normal(mean, size, **ends)
     lower, upper = normal.within(quantity)
     if not lower < upper:
-        message = f"the upper bound of {name} ({upper:g}) is not above the lower one ({lower:g})"
-        raise UnitError(message, "Swap them")
+        raise UnitError(
+            f"the upper bound of {name} ({upper:g}) is not above the lower one ({lower:g})",
+            "Swap them",
+        )
     if not lower <= mean <= upper:
-        message = f"the mean of {name} ({mean:g}) is not between its bounds ({lower:g}, {upper:g})"
-        raise UnitError(message, "Change mean, lower or upper of this distribution")
+        raise UnitError(
+            f"the mean of {name} ({mean:g}) is not between its bounds ({lower:g}, {upper:g})",
+            "Change mean, lower or upper of this distribution",
+        )
     return normal
 
 
 def _lognormal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Lognormal:
-    """Return a lognormal distribution from the keys median and factor of a study.
-
-    Raises `UnitError` unless the median is above 0 and the factor above 1, at most 1000.
-
-    Parameters
-    ----------
-    name : str
-        The parameter, whose value it is.
-    quantity : Quantity
-        Its declaration, with its unit.
-    raw : mapping
-        What the user wrote: ``median``, a number or text with a unit, and ``factor``, a number; two
-        thirds of the values lie between median/factor and median times factor.
-    """
     median, factor = read_number(name, quantity, raw["median"]), raw["factor"]
     if median <= 0:
-        message = f"the median of {name} is {median:g}, and a lognormal value is above 0"
-        raise UnitError(message, "Write a normal distribution, with the keys mean and deviation")
+        raise UnitError(
+            f"the median of {name} is {median:g}, and a lognormal value is above 0",
+            "Write a normal distribution, with the keys mean and deviation",
+        )
     is_number = isinstance(factor, int | float) and not isinstance(factor, bool)
     if not (is_number and 1 < factor <= 1000):
-        message = f"the factor of {name} is {str(factor)[:40]}"
-        raise UnitError(message, "Give a factor above 1, such as 1.2 for 20 % more or less")
+        raise UnitError(
+            f"the factor of {name} is {str(factor)[:40]}",
+            "Give a factor above 1, such as 1.2 for 20 % more or less",
+        )
     return Lognormal(median, float(factor))
 
 
 def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulated:
-    """Return a tabulated distribution from the keys values and densities of a study.
-
-    `name` and `quantity` are the parameter and its declaration with a unit; `raw` is what the user
-    wrote. The density is linear between the values. Raises `UnitError` unless these are two lists
-    of one length, values ascending and densities not all 0.
-    """
     columns = [raw["values"], raw["densities"]]
     if not all(isinstance(value, list | tuple) for value in columns):
         raise UnitError(
@@ -241,9 +222,10 @@ def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulat
         )
     count = len(columns[0])
     if len(columns[1]) != count or not FEWEST_TABULATED <= count <= MAX_TABULATED:
-        message = f"{name} has {count:,} values and {len(columns[1]):,} densities"
-        fix = f"Give {FEWEST_TABULATED} to {MAX_TABULATED:,} values, and a density for each"
-        raise UnitError(message, fix)
+        raise UnitError(
+            f"{name} has {count:,} values and {len(columns[1]):,} densities",
+            f"Give {FEWEST_TABULATED} to {MAX_TABULATED:,} values, and a density for each",
+        )
     values = tuple(read_number(name, quantity, value) for value in columns[0])
     if any(after <= before for before, after in pairwise(values)):
         raise UnitError(
@@ -290,10 +272,6 @@ def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArr
 
 
 def _law(distribution: Normal | Triangular | Lognormal) -> Any:
-    """Return scipy's distribution for one of a study, without bounds of the parameter.
-
-    It has scipy's methods for quantiles and shares.
-    """
     import scipy  # who draws no numbers does not load it
 
     if isinstance(distribution, Normal):
@@ -305,11 +283,6 @@ def _law(distribution: Normal | Triangular | Lognormal) -> Any:
 
 
 def _quantiles_of_table(table: Tabulated, shares: NDArray[Any]) -> NDArray[Any]:
-    """Return quantiles of a density that is linear between listed values.
-
-    `shares` are the shares of the mass below, of any shape. `table` has the values and densities;
-    the result has the shape of `shares`, in the unit of the values.
-    """
     x, density = np.array(table.values), np.array(table.densities)
     width = np.diff(x)
     whole = np.concatenate([[0.0], np.cumsum(width * (density[1:] + density[:-1]) / 2)])
@@ -369,3 +342,52 @@ def deviation(name: str, distribution: Distribution) -> float:
     values = quantiles(name, distribution, shares)
     mean = float(weights @ values)
     return float(np.sqrt(weights @ (values - mean) ** 2))
+
+
+# --- The section `uncertain` of studies: parameters and their distributions.
+
+
+def _uncertain_schema(quantity: Quantity) -> dict[str, Any]:
+    # Short, since there is one for each of many parameters: docs/sensitivity.md says the rest.
+    value: dict[str, Any] = {"type": ["number", "string"]}
+    many = {"type": "array", "items": value, "minItems": 2, "maxItems": MAX_TABULATED}
+    kinds = {"values": many, "densities": many, "factor": {"type": "number"}}
+    return {
+        "title": quantity.label,
+        "type": "object",
+        "properties": {key: kinds.get(key, value) for keys in FORMS.values() for key in keys},
+        "additionalProperties": False,
+        "minProperties": 2,
+    }
+
+
+if TYPE_CHECKING:
+
+    class Uncertain(Frozen):
+        """One optional field a parameter quantity."""
+
+else:
+    Uncertain = create_model(
+        "Uncertain",
+        __base__=Frozen,
+        __doc__="Uncertain parameters and their distributions.",
+        **{
+            name: optional(
+                partial(read_distribution, name), partial(_uncertain_schema, QUANTITIES[name])
+            )
+            for name in PARAMETERS
+        },
+    )
+
+
+def distributions_of(uncertain: Uncertain | None) -> dict[str, Distribution]:
+    """Return the uncertain parameters of a study: names and the distributions of their values.
+
+    `uncertain` is the section of that name in the study, one optional field per parameter. The
+    mapping has only the parameters that the study gives, in the order of all parameters, and is
+    empty if the study has no such section.
+    """
+    if uncertain is None:
+        return {}
+    given = uncertain.model_fields_set
+    return {name: getattr(uncertain, name) for name in PARAMETERS if name in given}

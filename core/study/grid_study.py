@@ -6,34 +6,154 @@ import hashlib
 import html
 import json
 import reprlib
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from pydantic import (
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     PlainValidator,
+    ValidationInfo,
     WithJsonSchema,
     create_model,
 )
+from pydantic_core import PydanticCustomError, core_schema
 
 from vibrafeed.core.quantities import QUANTITIES, WORDS, Quantity
-from vibrafeed.core.study.drive import Drive
-from vibrafeed.core.study.levels import at_most, optional, refusal
+from vibrafeed.core.study.recorded_drive import Drive
 from vibrafeed.core.study.shown import read_shown
-from vibrafeed.core.study.units import UnitError
+from vibrafeed.core.study.units import UnitError, read_number
 from vibrafeed.core.study.values import Values, read_values
+
+# --- Names and sizes in sections of a study, known before the model of its kind is loaded.
+
+
+CRITERIA: Final = ("weighted", "limit", "pareto", "maximise", "minimise")
+"""The kinds of criterion of an optimisation."""
+
+DRIVE_ANGLES: Final = ("alpha", "beta")
+"""The variables of an optimisation that names none."""
+
+OBSERVED: Final = ("conveying_velocity", "feed_rate")
+"""Outputs that may have been measured."""
+
+MAX_RUNS: Final = 1_000
+"""Runs of a study that has observations."""
+
+
+# --- Values of outputs that a study compares with: a number, or text in the output's unit.
+
+
+def refusal(message: str, fix: str | Callable[[], str]) -> PydanticCustomError:
+    """Return the validation error of a wrong value, with a message and a fix.
+
+    `fix` may be a function; pydantic may find many errors, and it is called for the first few
+    alone.
+    """
+    return PydanticCustomError("value", "{message}", {"message": message, "fix": fix})
+
+
+@dataclass(frozen=True)
+class Reader:
+    """A field of a study for pydantic, read by one function.
+
+    pydantic's own validators and serialisers inspect signatures and types, which takes long for
+    hundreds of fields at every start.
+
+    Attributes
+    ----------
+    read : callable
+        Returns the value of what a user wrote; may raise `UnitError`.
+    schema : callable
+        Returns the JSON Schema of what may be written.
+    """
+
+    read: Callable[[object], Any]
+    schema: Callable[[], dict[str, Any]]
+
+    def __get_pydantic_core_schema__(self, source: object, handler: object) -> Any:
+        """Return the functions that read the field, and write it as plain JSON."""
+        del source, handler
+        writes = core_schema.plain_serializer_function_ser_schema(_canonical)
+        return core_schema.no_info_plain_validator_function(self._read, serialization=writes)
+
+    def __get_pydantic_json_schema__(self, schema: object, handler: object) -> dict[str, Any]:
+        """Return the JSON Schema of the field."""
+        del schema, handler
+        return self.schema()
+
+    def _read(self, raw: object) -> Any:
+        try:
+            return self.read(raw)
+        except UnitError as error:
+            raise refusal(error.message, error.fix) from error
+
+
+def optional(read: Callable[[object], Any], schema: Callable[[], dict[str, Any]]) -> Any:
+    """Return type and default of a field that a function reads, and that is None if left out."""
+    return Annotated[Any, Reader(read, schema)], None
+
+
+def _canonical(value: Any) -> Any:
+    return value.canonical() if hasattr(value, "canonical") else value
+
+
+def at_most(count: int) -> BeforeValidator:
+    """Return a pydantic validator that refuses lists of more than `count` entries.
+
+    It runs before pydantic checks each entry, which takes long for a list of millions.
+    """
+
+    def check(raw: object) -> object:
+        if isinstance(raw, list | tuple) and len(raw) > count:
+            raise refusal(f"it has {len(raw):,} entries", f"Give at most {count:,}")
+        return raw
+
+    return BeforeValidator(check)
+
+
+def read_level(name: str, raw: object) -> float:
+    """Return a level of a quantity as a number in its unit, from a number or a text with a unit.
+
+    It may lie outside the bounds of the quantity. Raises `UnitError` if it is no value of that
+    kind. `name` is the quantity, `raw` what the user wrote. A level is a value to compare an output
+    with.
+    """
+    quantity = QUANTITIES[name]
+    # What is compared with a parameter may lie outside the parameter's own bounds.
+    shown = quantity.examples or ("1" if quantity.unit == "1" else f"1 {quantity.unit}",)
+    free = Quantity(
+        quantity.unit, quantity.symbol, quantity.label, quantity.description, examples=shown
+    )
+    return read_number(name, free, raw)
+
+
+def _read_level(raw: object, info: ValidationInfo) -> object:
+    output = info.data.get("against") or info.data.get("output")
+    if raw is None or str(output) not in QUANTITIES:  # an unknown output is told of elsewhere
+        return raw if raw is None or isinstance(raw, int | float) else 0.0
+    try:
+        return read_level(str(output), raw)
+    except UnitError as error:
+        raise refusal(error.message, error.fix) from error
+
+
+_LEVEL_SCHEMA: dict[str, Any] = {
+    "anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]
+}
+Level = Annotated[float, BeforeValidator(_read_level), WithJsonSchema(_LEVEL_SCHEMA)]
+"""A value of the output that an earlier field names."""
+OpenLevel = Annotated[float | None, BeforeValidator(_read_level), WithJsonSchema(_LEVEL_SCHEMA)]
+"""The same, or none."""
 
 PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.parameter)
 
 
 def _tidy(schema: dict[str, Any]) -> None:
-    """Remove from a JSON Schema what repeats for every parameter; add the words for angles.
-
-    Titles that repeat their key go, and the default null of what may be left out. `schema` is
-    changed itself.
-    """
     required, properties = schema.get("required", ()), schema.get("properties", {})
     for name, field in properties.items():
         if field.get("title", "").lower() == name.replace("_", " "):
@@ -58,10 +178,6 @@ class Frozen(BaseModel):
 
 
 def _values_schema(quantity: Quantity) -> dict[str, Any]:
-    """Return the JSON Schema of what a user may write for a parameter: number, text, list or range.
-
-    `quantity` has the bounds and the unit.
-    """
     number: dict[str, Any] = {"type": "number"}
     if quantity.lower > -float("inf"):
         number["exclusiveMinimum" if quantity.strict else "minimum"] = quantity.lower
@@ -116,10 +232,6 @@ MAX_SHOWN = 8  # units that a study may name: looking one up takes long
 
 
 def _read_units(raw: object) -> tuple[str, ...] | None:
-    """Return the texts by which a study names units to show values in; None for the usual.
-
-    Raises a refusal for an unknown unit, or for more than eight.
-    """
     if raw is None:
         return None
     words = (raw,) if isinstance(raw, str) else tuple(raw) if isinstance(raw, list) else raw

@@ -9,18 +9,20 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import Field, create_model
 
 from vibrafeed.core.quantities import QUANTITIES, Quantity
-from vibrafeed.core.study.distributions import Distribution
+from vibrafeed.core.study.distributions import Distribution, Uncertain, distributions_of
 from vibrafeed.core.study.grid_study import (
+    DRIVE_ANGLES,
     MAX_OUTPUTS,
     PARAMETERS,
     DrivenStudy,
     Frozen,
+    Level,
+    OpenLevel,
     OutputName,
     OutputNames,
+    at_most,
+    optional,
 )
-from vibrafeed.core.study.levels import Level, OpenLevel, at_most, optional
-from vibrafeed.core.study.section_names import DRIVE_ANGLES
-from vibrafeed.core.study.uncertain import Uncertain, distributions_of
 from vibrafeed.core.study.values import Between, read_between
 
 
@@ -98,7 +100,6 @@ MAX_CONSTRAINTS = 20
 
 
 def _bounds_schema(quantity: Quantity) -> dict[str, Any]:
-    """Return the JSON Schema of the bounds of a variable, a parameter."""
     end = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
     return {
         "title": quantity.label,

@@ -20,7 +20,7 @@ from pydantic import (
 
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.quantities.flags import is_regime
-from vibrafeed.core.study.levels import Level, at_most, read_level, refusal
+from vibrafeed.core.study.grid_study import Level, at_most, read_level, refusal
 from vibrafeed.core.study.units import UnitError
 from vibrafeed.core.suggestions import suggestion
 
@@ -67,12 +67,6 @@ class ShareCondition:
 
 
 def _read_condition(raw: object) -> ShareCondition:
-    """Return the condition in a text such as ``regime == stick`` or ``throw_number < 1``.
-
-    Raises a refusal for a text that is none. `raw` is what the user wrote. The condition has a
-    name, a comparison and a value in the unit of the output: shares of cells that meet conditions
-    are statistics of a reduction.
-    """
     if isinstance(raw, ShareCondition):
         return raw
     found = _CONDITION.fullmatch(raw) if isinstance(raw, str) else None
@@ -81,8 +75,9 @@ def _read_condition(raw: object) -> ShareCondition:
     name, comparison, value = found.groups()
     if is_regime(name):
         if comparison not in ("==", "!="):
-            fix = f"Write 'regime == {value}' or 'regime != {value}'"
-            raise refusal("regimes have no order", fix)
+            raise refusal(
+                "regimes have no order", f"Write 'regime == {value}' or 'regime != {value}'"
+            )
         if value not in REGIMES:
             raise refusal(f"'{value[:60]}' is not a regime", partial(suggestion, value, REGIMES))
         return ShareCondition(name, comparison, value)
@@ -99,10 +94,6 @@ def _read_condition(raw: object) -> ShareCondition:
 
 
 def _read_statistic(raw: object) -> str:
-    """Return the name of a statistic that a user wrote; raise a refusal for an unknown one.
-
-    The refusal suggests the name that was meant; a median is a quantile here.
-    """
     if raw not in STATISTICS:
         text = str(raw)[:60]
         message = f"'{text}' is not a statistic"
@@ -113,7 +104,6 @@ def _read_statistic(raw: object) -> str:
 
 
 def _read_quantile(raw: object) -> float:
-    """Return a quantile that a user wrote, 0 to 1; raise a refusal for anything else."""
     if isinstance(raw, bool) or not isinstance(raw, int | float) or not 0 <= raw <= 1:
         raise refusal(
             f"{str(raw)[:40]!r} is not a quantile",
@@ -123,10 +113,6 @@ def _read_quantile(raw: object) -> float:
 
 
 def _read_name(raw: object) -> str:
-    """Return the name that a user gives to a share or level; raise a refusal for a wrong one.
-
-    It becomes the name of a variable.
-    """
     if not isinstance(raw, str) or not _NAME.fullmatch(raw):
         raise refusal(
             f"{str(raw)[:60]!r} is not a valid name of a variable of the result",
@@ -136,14 +122,9 @@ def _read_name(raw: object) -> str:
 
 
 def _ordered(order: Iterable[str]) -> Any:
-    """Return a pydantic validator that sorts a list of names by `order` and removes repetitions.
-
-    Studies that ask for the same then have equal texts. Names that are not in `order` come last.
-    """
     place = {name: k for k, name in enumerate(order)}
 
     def sort(names: tuple[str, ...]) -> tuple[str, ...]:
-        """Return the names sorted, each once."""
         return tuple(sorted(dict.fromkeys(names), key=lambda name: place.get(name, len(place))))
 
     return AfterValidator(sort)

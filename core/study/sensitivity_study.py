@@ -7,16 +7,17 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from vibrafeed.core.study.distributions import Distribution
+from vibrafeed.core.study.distributions import Distribution, Uncertain, distributions_of
 from vibrafeed.core.study.grid_study import (
     MAX_OUTPUTS,
     DrivenStudy,
     Frozen,
+    OpenLevel,
     OutputName,
     OutputNames,
+    at_most,
+    refusal,
 )
-from vibrafeed.core.study.levels import OpenLevel, at_most, refusal
-from vibrafeed.core.study.uncertain import Uncertain, distributions_of
 
 FEWEST_SAMPLES, MAX_SAMPLES = 256, 1 << 20
 MAX_DEMANDS = 20
@@ -98,10 +99,6 @@ class SensitivityStudy(DrivenStudy):
     @field_validator("samples")
     @classmethod
     def _power_of_two(cls, value: int) -> int:
-        """Return the number of samples of a study; refuse one that is not a power of two.
-
-        Sobol points fill the box evenly for such numbers only.
-        """
         if value & (value - 1):
             below = 1 << (value.bit_length() - 1)
             raise refusal(
@@ -123,17 +120,11 @@ class SensitivityStudy(DrivenStudy):
     @field_validator("analyses")
     @classmethod
     def _in_order(cls, value: tuple[Analysis, ...]) -> tuple[Analysis, ...]:
-        """Return the entries sorted, each once, so that equal studies agree."""
         return tuple(name for name in ANALYSES if name in value)
 
     @field_validator("quantiles")
     @classmethod
     def _ascending(cls, value: tuple[float, ...]) -> tuple[float, ...]:
-        """Refuse quantiles outside 0 to 1 or out of order.
-
-        `value` are the quantiles that a study asks for, shares of the points below; it is returned
-        if they are right.
-        """
         wrong = [one for one in value if not 0 < one < 1]
         if wrong:
             raise refusal(
@@ -153,7 +144,6 @@ class SensitivityStudy(DrivenStudy):
         return tuple(dict.fromkeys((*self.outputs, *self._demanded())))
 
     def _demanded(self) -> Iterable[str]:
-        """Return the outputs of the demands."""
         return (one.output for one in self.demands if one.output is not None)
 
     def places(self) -> dict[str, str]:

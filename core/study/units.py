@@ -15,7 +15,11 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from vibrafeed.core.errors import Problem
-from vibrafeed.core.study.arrays import apart, as_typed
+
+if TYPE_CHECKING:
+    import pint
+
+    from vibrafeed.core.quantities import Quantity
 
 # --- Words for units that studies are usually written in: one table, read without pint.
 #
@@ -96,11 +100,6 @@ def _read(text: str) -> tuple[Fraction, Dimensions] | None:
     return size, (length, mass, time, current, angle)
 
 
-if TYPE_CHECKING:
-    import pint
-
-    from vibrafeed.core.quantities import Quantity
-
 PERCENT = "%"
 MAX_LETTERS = 200  # characters of a value with its unit
 MAX_UNITS = 10  # units in the values of one list: looking one up takes long
@@ -174,12 +173,6 @@ def read_number(name: str, quantity: Quantity, raw: object) -> float:
 
 
 def _read_value(name: str, quantity: Quantity, raw: object, factors: dict[str, Fraction]) -> float:
-    """Return a number or a text with a unit, as a user wrote it, as a number in a quantity's unit.
-
-    `name` is the parameter, for messages, and `factors` caches the factors of units between the
-    values of a list. Raises `UnitError` for anything else, and for a value beyond the bounds of the
-    quantity.
-    """
     raw = raw if isinstance(raw, int | float | str) else as_typed(raw)
     if isinstance(raw, bool) or not isinstance(raw, (int, float, str)):
         raise UnitError(f"{_shown(raw)} is not a number", _how_to_write(name, quantity))
@@ -236,14 +229,17 @@ def share_of(value: float, raw: object, example: str) -> float | None:
     try:
         return abs(value) * float(text) / 100
     except ValueError:
-        fix = f"Write {example}, or a value with its unit"
-        raise UnitError(f"{raw[:40]!r} is not a percentage", fix) from None
+        raise UnitError(
+            f"{raw[:40]!r} is not a percentage", f"Write {example}, or a value with its unit"
+        ) from None
 
 
 def _check_length(text: str) -> None:
     if len(text) > MAX_LETTERS:
-        message = f"{_shown(text)} has {len(text):,} characters"
-        raise UnitError(message, f"A value has at most {MAX_LETTERS} characters")
+        raise UnitError(
+            f"{_shown(text)} has {len(text):,} characters",
+            f"A value has at most {MAX_LETTERS} characters",
+        )
 
 
 def problem(path: str, error: UnitError) -> Problem:
@@ -252,11 +248,6 @@ def problem(path: str, error: UnitError) -> Problem:
 
 
 def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Fraction]) -> float:
-    """Return the value of a text with a number and perhaps a unit, in a quantity's unit.
-
-    It is rounded once. `name` is the parameter, for messages; `factors` caches the factors of
-    units. Raises `UnitError` for a text that is none.
-    """
     _check_length(text)
     match = _TEXT.fullmatch(text.translate(_SIGNS))
     if match is None:
@@ -319,8 +310,9 @@ def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
         # Gravity itself in g is a slip of the pen for m/s^2.
         return _factor(quantity.unit, " ".join(unit.split()), with_g=quantity.symbol != "g")
     except _AngularError as error:
-        message = f"'{unit}' is an angular velocity, not a frequency"
-        raise UnitError(message, f"Divide the number by 2 pi. {fix}") from error
+        raise UnitError(
+            f"'{unit}' is an angular velocity, not a frequency", f"Divide the number by 2 pi. {fix}"
+        ) from error
     except _OtherKindError as error:
         raise UnitError(f"'{unit}' does not measure {quantity.label.lower()}", fix) from error
     except ValueError as error:
@@ -356,12 +348,6 @@ class _AngularError(Exception):
 
 @functools.lru_cache(512)  # of tables, whose columns repeat theirs
 def _factor(own: str, unit: str, *, with_g: bool) -> Fraction:
-    """Return the exact factor from a text of a unit to the unit `own` of quantities.
-
-    With `with_g` an acceleration may be in ``g``, the standard gravity; else that is the gram.
-    Raises `ValueError` for a text that is no unit, `_OtherKindError` or `_AngularError` for one of
-    another kind.
-    """
     if unit == own or (own == "1" and unit == "-"):
         return Fraction(1)
     if own == "1" and unit == PERCENT:
@@ -385,10 +371,6 @@ def _factor(own: str, unit: str, *, with_g: bool) -> Fraction:
 
 
 def _quantity(text: str) -> pint.Quantity[Fraction]:
-    """Return 1 of a unit in pint's notation; raise `ValueError` if it is none.
-
-    A word with a capital letter, such as "Sec", is read as its small letters if it is none itself.
-    """
     small = _TITLE.sub(lambda first: first[0].lower(), text)
     for tried in dict.fromkeys((text, small)):
         try:
@@ -399,7 +381,6 @@ def _quantity(text: str) -> pint.Quantity[Fraction]:
 
 
 def _plain(unit: str) -> str:
-    """Return a unit with the signs of a keyboard: superscripts as "**2", "·" as "*"."""
     text = _RAISED.sub(lambda power: f"**{power[0].translate(_SUPERSCRIPTS)}", unit)
     text = text.translate(_SIGNS)
     return re.sub(r"^(per\b|/)\s?", "1/", text)
@@ -417,7 +398,6 @@ def _spelled(own: str, unit: str, *, with_g: bool) -> str:
 
 
 def _in_pint(unit: str) -> str:
-    """Return a unit in pint's notation: "kg m2.s-1" as "kg m**2*s**-1"."""
     return _CF_POWER.sub(r"**\1", _CF_PRODUCT.sub("*", unit))
 
 
@@ -429,10 +409,6 @@ def _registry() -> pint.UnitRegistry[Fraction]:
 
 
 def _check_bounds(name: str, quantity: Quantity, number: float) -> None:
-    """Raise `UnitError` if a number is outside the bounds of its quantity.
-
-    `name` is the parameter, for the message, and `number` is in the unit of the quantity.
-    """
     low, high = quantity.lower, quantity.upper
     if number < low or (quantity.strict and number == low):
         least = f"greater than {low:g}" if quantity.strict else f"at least {low:g}"
@@ -442,11 +418,6 @@ def _check_bounds(name: str, quantity: Quantity, number: float) -> None:
 
 
 def _how_to_write(name: str, quantity: Quantity) -> str:
-    """Return a sentence on how to write a value of a quantity in a study, with examples.
-
-    It is the fix in messages about a wrong value. `name` is the parameter, `quantity` its
-    declaration.
-    """
     if quantity.unit == "1":
         return f"Write {name} = {(*quantity.examples, '1')[0]} (a plain number)"
     examples = quantity.examples or (f"1 {quantity.unit}",)
@@ -455,13 +426,115 @@ def _how_to_write(name: str, quantity: Quantity) -> str:
 
 
 def _shown(raw: object) -> str:
-    """Return a value as shown in messages, cut to 60 characters.
-
-    `raw` is what a user wrote, of any type.
-    """
     if isinstance(raw, bool):
         return str(raw).lower()  # as TOML and JSON have it
     if isinstance(raw, int) and abs(raw) > sys.float_info.max:  # Python may refuse to write it
         return "a number larger than 1.8e308"
     text = reprlib.repr(raw) if isinstance(raw, list | tuple | dict) else repr(raw)
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+# --- Arrays and quantities of other libraries, taken apart: numbers, units and dimensions.
+
+
+UNITS = ("units", "unit")  # attributes of labelled arrays; CF has the first
+PACKED = ("scale_factor", "add_offset")  # attributes of arrays whose numbers are not decoded
+_PLAIN_NUMBER = re.compile(r"\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*")
+_NAMELESS = re.compile(r"dim_\d+")
+
+
+def apart(value: Any) -> tuple[Any, str]:
+    """Return the numbers of an array or quantity, and the unit that it carries, if any.
+
+    Parameters
+    ----------
+    value : object
+        A data array of xarray with the attribute `units` or a quantity of pint inside, a column of
+        pandas, an array of numpy, a quantity of pint, astropy or unyt; or anything else, which is
+        returned as it is.
+
+    Returns
+    -------
+    numbers : object
+        An array or scalar of numpy where the value was one, or had a method `to_numpy`.
+    unit : str
+        In words that `vibrafeed.core.study.units` reads; empty where the value carries none.
+    """
+    unit = ""
+    if hasattr(value, "to_numpy"):
+        unit = _labelled_unit(value)
+        inside = getattr(value, "data", None)  # before to_numpy, which would lose the unit
+        value = inside if _unit_of(inside) is not None else value.to_numpy()
+    if (own := _unit_of(value)) is not None:
+        unit = _unit_text(own)
+        value = value.magnitude if hasattr(value, "magnitude") else value.value
+    kind = getattr(getattr(value, "dtype", None), "kind", "")
+    if kind == "m":
+        return value.astype("m8[ns]").astype(float) / 1e9, "s"
+    if kind == "M":  # else a list of it holds plain numbers
+        return value.astype(str), ""
+    return value, unit
+
+
+def as_typed(value: Any) -> Any:
+    """Return a scalar of another library as a number, or as text with the unit that it carries.
+
+    Anything else is returned as it is.
+    """
+    number, unit = apart(value)
+    if getattr(number, "ndim", None) == 0:
+        number = number.item()
+    return with_own_unit(number, unit)
+
+
+def with_own_unit(number: Any, unit: str) -> Any:
+    """Return a number, or the text of one, with its unit as text; as it is if the unit is empty."""
+    if isinstance(number, str) and _PLAIN_NUMBER.fullmatch(number):
+        return f"{number} {unit}".strip()
+    return f"{number!r} {unit}" if unit and isinstance(number, int | float) else number
+
+
+def dimension_of(value: Any) -> str:
+    """Return the name of the dimension of a labelled array; empty without one.
+
+    It is that of a data array of xarray, or the name of the index of a pandas column.
+    """
+    dims = getattr(value, "dims", None)
+    if isinstance(dims, tuple) and len(dims) == 1:
+        return "" if _NAMELESS.fullmatch(str(dims[0])) else str(dims[0])
+    return str(getattr(getattr(value, "index", None), "name", None) or "")
+
+
+def is_packed(value: Any) -> bool:
+    """True for a labelled array whose numbers have to be decoded: xarray read it without."""
+    attributes = getattr(value, "attrs", None)
+    return isinstance(attributes, dict) and any(name in attributes for name in PACKED)
+
+
+def _labelled_unit(value: Any) -> str:
+    written = getattr(value, "attrs", None) or {}
+    attributes = {str(name).casefold(): unit for name, unit in written.items()}
+    indexes = getattr(value, "xindexes", None) or {}  # of pint-xarray: coordinates keep it there
+    in_index = [getattr(index, "units", None) or {} for index in indexes.values()]
+    carried = [
+        *(attributes.get(name) for name in UNITS),
+        *(units.get(value.name) for units in in_index if isinstance(units, dict)),
+        getattr(getattr(value, "dtype", None), "units", None),  # of pint-pandas
+    ]
+    return next((text for unit in carried if (text := _unit_text(unit))), "")
+
+
+def _unit_of(value: Any) -> Any:
+    if not (hasattr(value, "magnitude") or hasattr(value, "value")):
+        return None
+    unit = getattr(value, "units", getattr(value, "unit", None))
+    return None if isinstance(unit, str) else unit
+
+
+def _unit_text(unit: Any) -> str:
+    one: Any = 1 * unit if hasattr(unit, "dimensionality") else None
+    if not hasattr(one, "unit_items"):
+        return "" if unit is None else str(unit).strip()
+    powers = dict(one.unit_items()).items()
+    factors = [name if power == 1 else f"{name}**{power:g}" for name, power in powers]
+    return "*".join(factors) or "dimensionless"

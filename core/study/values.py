@@ -107,11 +107,6 @@ def geometrically(
 
 @functools.lru_cache(maxsize=256)
 def _steps(first: float, last: float, size: int) -> tuple[int, int, int]:
-    """Return integers a, b, c such that value k of an evenly spaced axis is exactly (a + b k)/c.
-
-    So the values are those that a user means: 0.1, 0.2, 0.3, without errors that add up. `first`
-    and `last` are the ends, `size` is the number of values.
-    """
     begin = as_typed(first)
     step = (as_typed(last) - begin) / (size - 1)
     common = begin.denominator * step.denominator
@@ -123,10 +118,6 @@ def _steps(first: float, last: float, size: int) -> tuple[int, int, int]:
 def _approximately(
     first: float, last: float, size: int, start: int, stop: int
 ) -> NDArray[np.float64]:
-    """Return the values from `start` to before `stop` of numpy's linspace, bit by bit, shape (n,).
-
-    The whole has `size` values from `first` to `last`; those that are not wanted are not computed.
-    """
     values = np.arange(start, stop, dtype=np.float64)
     step = (last - first) / (size - 1)
     values = values * step if step else values / (size - 1) * (last - first)
@@ -306,11 +297,6 @@ def position_on_axis(
 
 
 def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object, ...]) -> Points:
-    """Return the values of a parameter that a study gives as a list, in the quantity's unit.
-
-    `raw` has numbers or texts with a unit. Raises `UnitError` if there are none, or they neither
-    ascend nor descend. `name` and `quantity` are the parameter and its declaration.
-    """
     if not raw:
         raise UnitError(f"the list of values of {name} is empty", "Give at least one value")
     values = read_numbers(name, quantity, raw)
@@ -327,11 +313,6 @@ def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object
 
 
 def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span:
-    """Return the range of a parameter that a user wrote as a mapping: start, stop, and num or step.
-
-    `name` and `quantity` are the parameter and its declaration with a unit. Raises `UnitError` for
-    other keys, ends that do not ascend, and more than `MAX_POINTS` values.
-    """
     unknown = [key for key in raw if key not in RANGE_KEYS]
     if unknown:
         raise UnitError(
@@ -376,10 +357,6 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
 
 
 def _num(name: str, raw: object) -> int:
-    """Return the number of values of a range that a user wrote; raise `UnitError` unless 2 or more.
-
-    `name` is the parameter.
-    """
     if isinstance(raw, bool) or not isinstance(raw, int) or raw < 2:
         raise UnitError(
             f"num of {name} is {str(raw)[:40]!r}, not a number of values",
@@ -391,12 +368,6 @@ def _num(name: str, raw: object) -> int:
 def _step(
     name: str, quantity: Quantity, start: float, stop: float, raw: object
 ) -> tuple[float, int]:
-    """Return the last value of a range with a step, and the number of its values.
-
-    The last value is `stop` if steps from `start` reach it, else the last one before; `raw` is the
-    step as the user wrote it. Raises `UnitError` if it is no step of the parameter `name`, or
-    larger than the range.
-    """
     # A step is a difference: it may be smaller than a strict lower bound allows a value to be.
     step = read_number(f"step of {name}", as_difference(quantity), raw)
     first, apart = as_typed(start), as_typed(step)

@@ -94,8 +94,9 @@ class MeasuredDrive(BaseModel):
 
 def only_the_plain_sine(fix: str) -> Problem:
     """Return the problem of a measured drive in a study of closed forms; `fix` says the way out."""
-    message = "closed forms support only the plain sine of amplitude, alpha and beta"
-    return Problem("drive", message, fix)
+    return Problem(
+        "drive", "closed forms support only the plain sine of amplitude, alpha and beta", fix
+    )
 
 
 def names_recording(content: object) -> bool:
@@ -105,18 +106,17 @@ def names_recording(content: object) -> bool:
 
 
 def _fitted(raw: object) -> object:
-    """Return the section `drive` of a study if its recording has been fitted; refuse any other.
-
-    Such a drive has the digest of its recording. It is a validator of pydantic: `raw` is what the
-    user wrote or the fitted drive.
-    """
     problem = None
     if isinstance(raw, Mapping) and "sha256" not in raw:
-        fix = "Carry the study out, or load it by vibrafeed.load_study"
-        problem = {"message": "its recording has not been fitted yet", "fix": fix}
+        problem = {
+            "message": "its recording has not been fitted yet",
+            "fix": "Carry the study out, or load it by vibrafeed.load_study",
+        }
     elif not isinstance(raw, Mapping | MeasuredDrive | None):
-        fix = 'Write [drive] with file = "recording.csv" and the columns along and normal'
-        problem = {"message": f"{str(raw)[:40]!r} does not say how to read a recording", "fix": fix}
+        problem = {
+            "message": f"{str(raw)[:40]!r} does not say how to read a recording",
+            "fix": 'Write [drive] with file = "recording.csv" and the columns along and normal',
+        }
     if problem is not None:
         raise PydanticCustomError("value", "{message}", problem)
     return raw
@@ -126,7 +126,6 @@ class _Written:
     """The JSON Schema of a study's `drive`, made when it is asked for."""
 
     def __get_pydantic_json_schema__(self, schema: object, handler: object) -> dict[str, Any]:
-        """Return the schema: a recording, a fitted drive, or null; editors check studies by it."""
         del schema, handler
         source = {"oneOf": [{"required": ["file"]}, {"required": ["data"]}]}
         either = [

@@ -61,17 +61,11 @@ def read_content(path: Path) -> object:
 
 
 def _advice_on_encoding(raw: bytes) -> str:
-    """Return the advice for a study that is not UTF-8, of its bytes: PowerShell 5 writes UTF-16."""
     is_wide = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     return "Save it as UTF-8" + ("; in PowerShell write it with -o FILE, not >" if is_wide else "")
 
 
 def _read_text(text: str, suffix: str, stem: str) -> object:
-    """Return the content of a text, as TOML or JSON according to the suffix of its file.
-
-    Raises `StudyError` if the syntax is invalid. A text that is valid in the other format gets the
-    advice to rename the file, whose name without suffix is `stem`.
-    """
     try:
         return _READERS[suffix](text)
     except StudyError as error:
@@ -81,8 +75,9 @@ def _read_text(text: str, suffix: str, stem: str) -> object:
         except StudyError:
             (problem,) = error.problems
             if problem.place == "body":  # the word of requests
-                fix = SYNTAX if problem.fix == EXPECTED else problem.fix
-                problem = Problem("file", problem.message, fix)
+                problem = Problem(
+                    "file", problem.message, SYNTAX if problem.fix == EXPECTED else problem.fix
+                )
             raise StudyError([problem]) from None
         form = other.removeprefix(".").upper()
         _fail("file", f"this is {form}, and its name ends in {suffix}", f"Name it {stem}{other}")
@@ -137,26 +132,21 @@ def read_json(text: str | bytes) -> object:
 
 
 def _refuse_comma(path: str, text: str, number: int) -> None:
-    """Raise `StudyError` if the line of a text where its syntax breaks has a decimal comma.
-
-    `path` is the place for the message, `number` the line from 1, 0 if it is not known.
-    """
     line = text.split("\n")[number - 1] if number else ""
     comma = _DECIMAL_COMMA.search(line)
     if comma is not None:
         whole, decimals = (part[:20] for part in comma.groups())
-        message = f"line {number}: the number {whole},{decimals} has a decimal comma"
-        _fail(path, message, f"Write {whole}.{decimals}")
+        _fail(
+            path,
+            f"line {number}: the number {whole},{decimals} has a decimal comma",
+            f"Write {whole}.{decimals}",
+        )
 
 
 _READERS: dict[str, Callable[[str], object]] = {".json": read_json, ".toml": read_toml}
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Return the pairs of a JSON object as a dict, for the decoder; refuse repeated keys.
-
-    Raises `ValueError` for a repeated key, and `StudyError` for more than `MAX_KEYS` keys.
-    """
     if len(pairs) > MAX_KEYS:
         begins = f"the object that begins with '{_shown(pairs[0][0])}'"
         _fail("body", f"{begins} has {len(pairs):,} keys", f"Give at most {MAX_KEYS:,}")
@@ -169,17 +159,10 @@ def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _refuse_constant(constant: str) -> NoReturn:
-    """Raise ValueError for NaN and infinities in JSON."""
     raise ValueError(f"{constant} is not a valid number in JSON")
 
 
 def _check_values(content: object, *, texts: bool) -> None:
-    """Raise `StudyError` for values that JSON can hold, but no study.
-
-    These are lists and objects nested deeper than `DEEPEST`, numbers beyond double precision and,
-    if `texts` is True, invalid characters in texts and keys: NUL, and halves of surrogate pairs.
-    `content` is the decoded JSON; the message names the path of the value.
-    """
     level: list[tuple[str, Any]] = [("", [content])]
     for _ in range(DEEPEST + 1):
         below: list[tuple[str, Any]] = []
@@ -202,11 +185,6 @@ def _check_values(content: object, *, texts: bool) -> None:
 
 
 def _check_plain(path: str, values: Sequence[Any], texts: bool) -> None:
-    """Raise `StudyError` if a value is a number beyond double precision, or is invalid text.
-
-    `path` is the place of the values in a study, for the message, such as `parameters.beta`; texts
-    are checked for characters that files cannot hold, only if `texts` is True.
-    """
     kinds = {*map(type, values)}
     if kinds <= {int, float}:
         numbers = values
@@ -220,15 +198,12 @@ def _check_plain(path: str, values: Sequence[Any], texts: bool) -> None:
 
 
 def _is_no_text(text: str) -> bool:
-    """True if a text holds characters that cannot be written to a file."""
     return "\0" in text or (not text.isascii() and _HALVES.search(text) is not None)
 
 
 def _shown(text: str) -> str:
-    """Return the start of a text with printable characters only."""
     return text[:60].encode("utf-8", "backslashreplace").decode("utf-8").replace("\0", "\\0")
 
 
 def _fail(path: str, message: str, fix: str, cause: Exception | None = None) -> NoReturn:
-    """Raise `StudyError` with one problem."""
     raise StudyError([Problem(path, message, fix)]) from cause

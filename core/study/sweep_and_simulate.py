@@ -7,12 +7,60 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import AliasChoices, Field, PlainValidator, WithJsonSchema
+from pydantic import AliasChoices, Field, PlainValidator, WithJsonSchema, field_validator
 from pydantic_core import PydanticCustomError
 
-from vibrafeed.core.study.grid_study import MAX_OUTPUTS, DrivenStudy, Frozen, OutputNames
+from vibrafeed.core.study.grid_study import (
+    MAX_OUTPUTS,
+    DrivenStudy,
+    Frozen,
+    OutputNames,
+    Study,
+    refusal,
+)
 from vibrafeed.core.study.reduction import Reduction
-from vibrafeed.core.study.sensitivities import Sensitivities
+
+# --- The key `sensitivities` of sweeps and simulations: what outputs are derived by.
+
+
+MAX_PARAMETERS = 30
+
+
+def _read_sensitivities(raw: object) -> bool | tuple[str, ...] | None:
+    if raw is None or isinstance(raw, bool):
+        return raw or None
+    names = tuple(raw) if isinstance(raw, list | tuple) else ()
+    if 0 < len(names) <= MAX_PARAMETERS and all(isinstance(name, str) for name in names):
+        return tuple(dict.fromkeys(names))
+    raise refusal(
+        f"{reprlib.repr(raw)[:40]} is neither true nor a list of parameter names",
+        'Write true for all parameters that the study gives, or a list such as ["friction"]',
+    )
+
+
+Sensitivities = Annotated[
+    bool | tuple[str, ...] | None,
+    PlainValidator(_read_sensitivities),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "boolean"},
+                {
+                    "type": "array",
+                    "items": {"type": "string", "maxLength": 100},
+                    "minItems": 1,
+                    "maxItems": MAX_PARAMETERS,
+                },
+                {"type": "null"},
+            ]
+        }
+    ),
+    Field(
+        description="Also give the derivative of each output by these parameters, and its "
+        "elasticity d ln(output)/d ln(parameter): true for all that the study gives, or a list of "
+        "names."
+    ),
+]
 
 MAX_SAMPLES = 100_000
 LATEST = 1e6  # s, latest time of a trajectory: eleven days, to which floats resolve a microsecond
@@ -31,7 +79,6 @@ _TRAJECTORY_SCHEMA = {
 
 
 def _are_times(raw: Sequence[object]) -> bool:
-    """True if values that a user wrote are ascending times from 0 to `LATEST`, in seconds."""
     numbers = [x for x in raw if isinstance(x, int | float) and not isinstance(x, bool)]
     if not 0 < len(raw) <= MAX_SAMPLES or len(numbers) < len(raw):
         return False
@@ -40,10 +87,6 @@ def _are_times(raw: Sequence[object]) -> bool:
 
 
 def _read_trajectory(raw: object) -> int | tuple[float, ...] | None:
-    """Return a trajectory's number of steps, or its times in seconds; None for none.
-
-    Raises a validation error for anything else, or for times that do not rise.
-    """
     whole = isinstance(raw, int) and not isinstance(raw, bool)
     if raw is None or (whole and 2 <= raw <= MAX_SAMPLES):  # type: ignore[operator]
         return raw  # type: ignore[return-value]
@@ -130,3 +173,35 @@ class SimulateStudy(MotionSettings, _Asked):
     reduce: Reduction | None = Field(
         None, description="Statistics over some axes instead of all cells: docs/reduce.md."
     )
+
+
+# --- The study of closed forms over a grid.
+
+
+class SweepStudy(Study):
+    """Closed-form equations of one scene over a grid of parameters."""
+
+    kind: Literal["sweep"] = Field(description="The kind of study.")
+    variant: str | None = Field(
+        None,
+        description="thesis (as printed), derived (errors corrected) or physical; the scene's "
+        "default where left out.",
+        max_length=100,
+    )
+    outputs: OutputNames = Field(
+        description="Names of the outputs.", min_length=1, max_length=MAX_OUTPUTS
+    )
+    sensitivities: Sensitivities = None
+    precision: Literal["double", "single"] | None = Field(
+        None,
+        description="double (64-bit floats, the default) or single: values are computed in double "
+        "and stored in 32 bits, half the bytes, each rounded once more by at most 6e-8 of itself.",
+    )
+    reduce: Reduction | None = Field(
+        None, description="Statistics over some axes instead of all cells: docs/reduce.md."
+    )
+
+    @field_validator("precision")
+    @classmethod
+    def _double_is_nothing(cls, value: str | None) -> str | None:
+        return None if value == "double" else value

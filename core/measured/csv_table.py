@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.measured.marks import ONE_MARK, contradictions
 from vibrafeed.core.suggestions import suggestion
 
 MAX_BYTES = 50_000_000  # bytes of a file, or characters of a text
@@ -92,21 +91,36 @@ class RecordingTable:
         """
         column = self.columns.get(name)
         if column is None:
-            message = f"the recording has no column '{name[:60]}'"
-            problems.append(Problem(path, message, suggestion(name, self.columns), name))
+            problems.append(
+                Problem(
+                    path,
+                    f"the recording has no column '{name[:60]}'",
+                    suggestion(name, self.columns),
+                    name,
+                )
+            )
             return None
         if column.contradiction:
-            fix = ONE_MARK
-            problems.append(Problem(path, column.contradiction, fix, name))
+            problems.append(Problem(path, column.contradiction, ONE_MARK, name))
             return None
         for fault in column.faults:
-            message = f"line {fault.line} of column '{name}' is not a number: {fault.text[:40]!r}"
             problems.append(
-                Problem(path, message, "Correct the line of the recording, or remove it", name)
+                Problem(
+                    path,
+                    f"line {fault.line} of column '{name}' is not a number: {fault.text[:40]!r}",
+                    "Correct the line of the recording, or remove it",
+                    name,
+                )
             )
         if column.faulty > SHOWN:
-            message = f"{column.faulty:,} cells of column '{name}' are not finite numbers"
-            problems.append(Problem(path, message, "Export the recording again", name))
+            problems.append(
+                Problem(
+                    path,
+                    f"{column.faulty:,} cells of column '{name}' are not finite numbers",
+                    "Export the recording again",
+                    name,
+                )
+            )
         return None if column.faulty else column
 
 
@@ -167,11 +181,9 @@ class _Lines(NamedTuple):
     delimiter: str
 
     def is_number(self, cell: str) -> bool:
-        """True if a cell is a number, with a decimal comma where commas do not part cells."""
         return _is_number(cell if self.delimiter == "," else cell.replace(",", "."))
 
     def first_of_body(self) -> int:
-        """Return the index of the first row that has the form of most rows: its numbers."""
         sampled = self.rows[:: -max(len(self.rows) // SAMPLED, 1)]
         forms = Counter(tuple(map(self.is_number, cells)) for _, cells in sampled)
         form = max(forms, key=lambda form: (forms[form], len(form)))
@@ -183,7 +195,6 @@ class _Lines(NamedTuple):
         return 0
 
     def can_name(self, cells: list[str], width: int) -> bool:
-        """True if cells may be the names of so many columns: texts that do not begin as numbers."""
         if len(cells) != width and len(_without_remark(cells)) != width:
             return False
         texts = [cell.strip() for cell in cells if cell.strip()]
@@ -193,11 +204,6 @@ class _Lines(NamedTuple):
 
 
 def _parted(lines: _Lines) -> tuple[list[str], list[str], list[tuple[int, list[str]]]]:
-    """Return the cells of a table's header, those of a row of units, if any, and the body.
-
-    The header is the last row above the numbers that can name their columns; without one, the last
-    such remark; else the first row, whatever it holds.
-    """
     rows = lines.rows
     if not rows:
         return [], [], []
@@ -223,21 +229,15 @@ def _parted(lines: _Lines) -> tuple[list[str], list[str], list[tuple[int, list[s
 
 
 def _without_remark(cells: list[str]) -> list[str]:
-    """Return the headings without a last one that recorders leave out of rows where it is empty."""
     return cells[:-1] if cells[-1].strip().casefold() in REMARKS else cells
 
 
 def _holds_units(cells: Sequence[str]) -> bool:
-    """True if the cells of a row are units of columns, and nothing else."""
     texts = [cell.strip() for cell in cells]
     return all(_UNITS_ONLY.fullmatch(text) or _BARE_UNIT.fullmatch(text) for text in texts)
 
 
 def _check_header(header: list[str]) -> None:
-    """Raise `StudyError` if the first row of a recording does not name its columns.
-
-    `header` holds the cells of that row. Also if it is empty or has too many columns.
-    """
     if not header:
         raise _refused("the recording is empty", "Give a row of names, and rows of numbers below")
     if len(header) > MAX_COLUMNS:
@@ -252,10 +252,6 @@ def _check_header(header: list[str]) -> None:
 
 
 def _text_of(source: str | Path) -> str:
-    """Return the text of a recording, from a text itself or a file, without byte order mark.
-
-    Raises `StudyError` if it is too long, or the file is not text in a known encoding.
-    """
     if isinstance(source, str):
         if len(source) > MAX_BYTES:
             raise _too_long(len(source))
@@ -267,8 +263,9 @@ def _text_of(source: str | Path) -> str:
     try:
         return decoded(raw)
     except ValueError:
-        fix = "Export the recording as CSV, in UTF-8"
-        raise _refused("the file is not a text file", fix) from None
+        raise _refused(
+            "the file is not a text file", "Export the recording as CSV, in UTF-8"
+        ) from None
 
 
 def decoded(raw: bytes) -> str:
@@ -292,10 +289,6 @@ def decoded(raw: bytes) -> str:
 
 
 def _lines(text: str) -> _Lines:
-    """Return the lines of a recording, taken apart, without blank ones.
-
-    `text` is the whole file. A line ``sep=;`` on top, as spreadsheets have it, names the delimiter.
-    """
     rows: list[tuple[int, list[str]]] = []
     remarks: list[tuple[int, list[str]]] = []
     delimiter = ""
@@ -323,11 +316,6 @@ def _lines(text: str) -> _Lines:
 
 
 def _delimiter(line: str, text: str) -> str:
-    """Return the character that parts the cells of a recording: a tab, a semicolon or a comma.
-
-    `line` is its first row and `text` the whole: where the two differ in their number of cells,
-    something else stands on top, and the row in the middle decides.
-    """
     middle = text.rfind("\n", 0, len(text) // 2) + 1
     inner = text[middle : middle + MAX_LETTERS].partition("\n")[0]
     of_first, of_inner = (
@@ -337,10 +325,6 @@ def _delimiter(line: str, text: str) -> str:
 
 
 def _cells(number: int, line: str, delimiter: str) -> list[str]:
-    """Return the cells of a line of a recording, without empty ones at its end.
-
-    `number` is the line's number, for a message; `delimiter` is one character.
-    """
     row = _quoted(number, line, delimiter) if '"' in line else line.split(delimiter)
     while len(row) > 1 and not row[-1].strip():  # a recorder may end its lines with a delimiter
         row.pop()
@@ -348,11 +332,6 @@ def _cells(number: int, line: str, delimiter: str) -> list[str]:
 
 
 def _quoted(number: int, line: str, delimiter: str) -> list[str]:
-    """Return the cells of a line of a recording that contains quotes, by the rules of CSV.
-
-    `number` is the line's number, for the message of the `StudyError` that is raised if it cannot
-    be split; `delimiter` is one character.
-    """
     try:
         return next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
     except csv.Error as error:
@@ -360,10 +339,6 @@ def _quoted(number: int, line: str, delimiter: str) -> list[str]:
 
 
 def _names(header: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return names and units of the columns of a recording from its headings.
-
-    `header` holds a heading a column, such as "ax [m/s2]". Raises an error for a name given twice.
-    """
     names, units = [], []
     for cell in header:
         name, unit = name_and_unit(cell)
@@ -390,10 +365,6 @@ def name_and_unit(heading: str) -> tuple[str, str]:
 
 
 def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str]) -> None:
-    """Raise `StudyError` if rows of a recording differ from the header in their number of cells.
-
-    `body` holds the line number and the cells of each row, `names` the names of the columns.
-    """
     odd = [(line, len(row)) for line, row in body if len(row) != len(names)]
     problems = [
         Problem(
@@ -405,8 +376,13 @@ def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str])
         for line, count in odd[:SHOWN]
     ]
     if len(odd) > SHOWN:
-        fix = "Export it again; where a comma is a decimal comma, separate the cells by semicolons"
-        problems.append(Problem("recording", f"{len(odd):,} lines are not whole", fix))
+        problems.append(
+            Problem(
+                "recording",
+                f"{len(odd):,} lines are not whole",
+                "Export it again; where a comma is a decimal comma, separate the cells by semicolons",
+            )
+        )
     if problems:
         raise StudyError(problems)
 
@@ -414,13 +390,6 @@ def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str])
 def _column(
     texts: Sequence[str], points: Sequence[str], unit: str, lines: NDArray[np.int64]
 ) -> RecordingColumn:
-    """Return one column of a recording: its values, unit, and the cells that are no numbers.
-
-    `texts` are the cells of the column as they were written and `points` those with decimal points,
-    `unit` is that of its heading, `lines` the line number of each cell in the file, for messages.
-    Values that are no finite number count as faults, of which the first `SHOWN` are kept with line
-    and text.
-    """
     try:
         values = np.fromiter(map(float, points), np.float64, len(points))
     except ValueError:
@@ -435,10 +404,6 @@ def _column(
 
 
 def _seconds(texts: Sequence[str]) -> NDArray[np.float64] | None:
-    """Return dates with times, or times of day, after ISO 8601 as seconds from the first.
-
-    None if one is no such text.
-    """
     day = "" if len(texts[0].strip()) > len("00:00:00.000000000") else "2000-01-01T"
     try:
         times = [datetime.fromisoformat(day + text.strip()) for text in texts]
@@ -448,7 +413,6 @@ def _seconds(texts: Sequence[str]) -> NDArray[np.float64] | None:
 
 
 def _is_number(text: str) -> bool:
-    """True if a text is a number as Python reads it, NaN and infinity included."""
     try:
         float(text)
     except ValueError:
@@ -457,13 +421,74 @@ def _is_number(text: str) -> bool:
 
 
 def _refused(message: str, fix: str) -> StudyError:
-    """Return the error of a recording that cannot be read."""
     return StudyError([Problem("recording", message, fix)])
 
 
 def _too_long(size: int) -> StudyError:
-    """Return the error of a recording of `size` bytes, which is more than the limit."""
     return _refused(
         f"the recording has {size / 1e6:,.0f} MB, the limit is {MAX_BYTES / 1e6:.0f} MB",
         "Shorten the recording: one second is enough",
     )
+
+
+# --- Decimal marks of a table's columns: a comma cannot part thousands here and decimals there.
+
+
+ONE_MARK = (
+    "Export it without separators of thousands, and the numbers of a column with equally many "
+    "decimals"
+)
+"""What to do where the marks of a table contradict each other."""
+_WITH_MARK = re.compile(r"[-+]?\d*([.,])\d*(?:[eE][-+]?\d+)?")
+_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}[.,]\d{3}")
+_WHOLE = re.compile(r"[-+]?\d+")
+
+
+def contradictions(columns: Mapping[str, Sequence[str]]) -> dict[str, str]:
+    """Return the contradictions of a table's decimal marks, in words, by the name of a column.
+
+    `columns` holds the cells of each column as they were written. In the cells that are numbers
+    either commas or points are decimal marks. Columns that disagree, or one that has both, part
+    thousands by one of the two; so does a column in which the mark stands before three digits
+    everywhere, never behind a zero, and is missing from whole numbers below a thousand only.
+    """
+    examples = {name: _examples(cells) for name, cells in columns.items()}
+    marked = {mark: [n for n, found in examples.items() if mark in found] for mark in ".,"}
+    faults: dict[str, str] = {}
+    for mark, other in (",.", ".,"):
+        for name in marked[mark]:
+            if marked[other]:
+                beside = next((n for n in marked[other] if n != name), name)
+                faults[name] = (
+                    f"column '{name}' has '{examples[name][mark]}' and column '{beside}' "
+                    f"'{examples[beside][other]}': one of the two marks separates thousands"
+                )
+    for name in {*marked[","], *marked["."]} - faults.keys():
+        short = _thousands(columns[name])
+        if short is not None:
+            seen = next(iter(examples[name].values()))
+            faults[name] = f"column '{name}' has '{seen}' beside '{short}': thousands are separated"
+    return faults
+
+
+def _examples(cells: Sequence[str]) -> dict[str, str]:
+    examples: dict[str, str] = {}
+    for cell in cells:
+        match = _WITH_MARK.fullmatch(cell.strip())
+        if match and match[1] not in examples:
+            examples[match[1]] = cell.strip()
+            if len(examples) > 1:
+                break
+    return examples
+
+
+def _thousands(cells: Sequence[str]) -> str | None:
+    short = None
+    for cell in map(str.strip, cells):
+        if _WHOLE.fullmatch(cell):
+            if len(cell.lstrip("+-")) > 3:
+                return None
+            short = cell
+        elif cell and not _THOUSANDS.fullmatch(cell):
+            return None
+    return short
