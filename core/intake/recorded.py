@@ -22,7 +22,7 @@ from vibrafeed.core.intake.section import (
     problems_of,
 )
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.study.recorded_drive import (
+from vibrafeed.core.study.grid_study import (
     MeasuredDrive,
     RecordedDrive,
     names_recording,

@@ -24,13 +24,16 @@ from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.study.distributions import Normal, read_distribution
 from vibrafeed.core.study.grid_study import (
     MAX_RUNS,
+    NUMBER,
     OBSERVED,
-    PARAMETERS,
     Frozen,
     Parameters,
+    by_parameter,
+    given,
     optional,
     read_level,
     refusal,
+    refusing,
 )
 from vibrafeed.core.study.sweep_and_simulate import FollowedStudy, MotionSettings
 from vibrafeed.core.study.units import UnitError, read_number, share_of
@@ -49,9 +52,7 @@ REGIMES_SEEN = {
 """What may have been seen of a run without measuring its speed."""
 
 _PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.parameter)
-_TEXT = {"type": "string", "maxLength": 200}
-_NUMBER = {"anyOf": [{"type": "number"}, _TEXT]}
-_WRITTEN = {"anyOf": [{"type": "number"}, _TEXT, {"type": "array", "items": _NUMBER}]}
+_WRITTEN = {"anyOf": [*NUMBER["anyOf"], {"type": "array", "items": NUMBER}]}
 
 
 def read_error(output: str, raw: object, value: float) -> float:
@@ -90,15 +91,13 @@ def _observed_schema(name: str) -> dict[str, Any]:
     return {**_WRITTEN, "description": f"What was measured: {QUANTITIES[name].description}"}
 
 
+@refusing
 def _read_row_error(raw: object, info: ValidationInfo) -> object:
     given = {name: info.data.get(name) for name in OBSERVED}
     output, value = next(((n, v) for n, v in given.items() if v is not None), (None, None))
     if raw is None or output is None or value is None:
         return None  # what is wrong with the value is told there
-    try:
-        return read_error(output, raw, value)
-    except UnitError as error:
-        raise refusal(error.message, error.fix) from error
+    return read_error(output, raw, value)
 
 
 def _read_regime(raw: object) -> str | None:
@@ -227,10 +226,9 @@ Prior = Between | Normal
 FEWEST_POINTS, POINTS, MAX_POINTS = 1_000, 20_000, 1_000_000
 """Grid points of the unknowns: fewest, default and most."""
 
-_SINGLE = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
 _PRIOR_SCHEMA = {
     "type": "object",
-    "properties": dict.fromkeys(("lower", "upper", "mean", "deviation"), _SINGLE),
+    "properties": dict.fromkeys(("lower", "upper", "mean", "deviation"), NUMBER),
     "anyOf": [{"required": ["lower", "upper"]}, {"required": ["mean", "deviation"]}],
     "additionalProperties": False,
 }
@@ -261,32 +259,24 @@ def _read_prior(table: str, parameter: str, raw: object) -> Prior:
     return prior
 
 
-def _table(table: str, doc: str) -> Any:
-    fields = {
-        name: optional(partial(_read_prior, table, name), lambda: _PRIOR_SCHEMA)
-        for name in PARAMETERS
-    }
-    return create_model(table.capitalize(), __base__=Frozen, __doc__=doc, **fields)
-
-
 if TYPE_CHECKING:
-
-    class Unknowns(Frozen):
-        """One optional field a parameter quantity."""
-
-    class Offsets(Frozen):
-        """One optional field a parameter quantity."""
-
-    class Factors(Frozen):
-        """One optional field a parameter quantity."""
-
+    Unknowns = Frozen
+    Offsets = Frozen
+    Factors = Frozen
 else:
-    Unknowns = _table("unknowns", "The unknown parameters, each with a range or a distribution.")
-    Offsets = _table(
-        "offsets", "Unknown offsets that are added to parameters, such as the error of an angle."
-    )
-    Factors = _table(
-        "factors", "Unknown factors by which parameters, such as amplitudes, are multiplied."
+    Unknowns, Offsets, Factors = (
+        by_parameter(table.capitalize(), doc, partial(_read_prior, table), lambda _: _PRIOR_SCHEMA)
+        for table, doc in (
+            ("unknowns", "The unknown parameters, each with a range or a distribution."),
+            (
+                "offsets",
+                "Unknown offsets that are added to parameters, such as the error of an angle.",
+            ),
+            (
+                "factors",
+                "Unknown factors by which parameters, such as amplitudes, are multiplied.",
+            ),
+        )
     )
 
 
@@ -360,23 +350,18 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
 
         A prior is what is known of an unknown before the calibration.
         """
-        priors_of: dict[str, Prior] = {}
-        for table in STEMS:
-            given = getattr(self, table)
-            if given is not None:
-                names = [name for name in PARAMETERS if name in given.model_fields_set]
-                priors_of |= {STEMS[table] + name: getattr(given, name) for name in names}
-        return priors_of
+        return {
+            stem + name: prior
+            for table, stem in STEMS.items()
+            for name, prior in given(getattr(self, table)).items()
+        }
 
     def asked_next(self) -> dict[str, Values]:
         """Return the parameters of candidate runs, among which the next one to measure is chosen.
 
         Empty if the study has no candidates.
         """
-        if self.candidates is None:
-            return {}
-        given = self.candidates.model_fields_set
-        return {name: getattr(self.candidates, name) for name in PARAMETERS if name in given}
+        return given(self.candidates)
 
     def places(self) -> dict[str, str]:
         """Return the paths of parameters that stand in measured runs or among the unknowns.
@@ -389,10 +374,8 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
         for run in self.observations:
             origins |= {name: f"observations, {name}" for name in parameters_of(run)}
         for table in STEMS:
-            given = getattr(self, table)
-            for name in PARAMETERS:
-                if given is not None and name in given.model_fields_set:
-                    origins.setdefault(name, f"{table}.{name}")
+            for name in given(getattr(self, table)):
+                origins.setdefault(name, f"{table}.{name}")
         return origins
 
     def content(self) -> dict[str, Any]:

@@ -8,19 +8,17 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from pydantic import create_model
 
 from vibrafeed.core.quantities import QUANTITIES, Quantity
-from vibrafeed.core.study.grid_study import PARAMETERS, Frozen, optional
+from vibrafeed.core.study.grid_study import Frozen, by_parameter
 from vibrafeed.core.study.units import UnitError, read_number, share_of
-from vibrafeed.core.study.values import Between, as_difference, read_between
+from vibrafeed.core.study.values import Between, NamedNumbers, as_difference, read_between
 from vibrafeed.core.suggestions import suggestion
 
 if TYPE_CHECKING:
@@ -37,18 +35,13 @@ FEWEST_TABULATED = 2
 
 
 @dataclass(frozen=True)
-class Normal:
+class Normal(NamedNumbers):
     """A bell around a mean; two thirds lie within a deviation of it. Bounds may cut it."""
 
-    keys: ClassVar = ("mean", "deviation")
     mean: float
     deviation: float
     lower: float | None = None
     upper: float | None = None
-
-    def canonical(self) -> Any:
-        """Return the distribution as plain JSON, in the quantity's unit."""
-        return {name: value for name, value in vars(self).items() if value is not None}
 
     def within(self, quantity: Quantity) -> tuple[float, float]:
         """Return the range of its values: its own bounds, and those of the quantity."""
@@ -58,43 +51,28 @@ class Normal:
 
 
 @dataclass(frozen=True)
-class Triangular:
+class Triangular(NamedNumbers):
     """From a lower to an upper end, most likely in between."""
 
-    keys: ClassVar = ("lower", "most_likely", "upper")
     lower: float
     most_likely: float
     upper: float
 
-    def canonical(self) -> Any:
-        """Return the distribution as plain JSON, in the quantity's unit."""
-        return {"lower": self.lower, "most_likely": self.most_likely, "upper": self.upper}
-
 
 @dataclass(frozen=True)
-class Lognormal:
+class Lognormal(NamedNumbers):
     """A bell on a logarithmic scale: two thirds lie between median / factor and median * factor."""
 
-    keys: ClassVar = ("median", "factor")
     median: float
     factor: float
 
-    def canonical(self) -> Any:
-        """Return the distribution as plain JSON, in the quantity's unit."""
-        return {"median": self.median, "factor": self.factor}
-
 
 @dataclass(frozen=True)
-class Tabulated:
+class Tabulated(NamedNumbers):
     """A density that is linear between listed values, such as what a calibration leaves."""
 
-    keys: ClassVar = ("values", "densities")
     values: tuple[float, ...]
     densities: tuple[float, ...]
-
-    def canonical(self) -> Any:
-        """Return the distribution as plain JSON, in the quantity's unit."""
-        return {"values": list(self.values), "densities": list(self.densities)}
 
 
 Distribution = Between | Normal | Triangular | Lognormal | Tabulated
@@ -102,15 +80,14 @@ Distribution = Between | Normal | Triangular | Lognormal | Tabulated
 
 FORMS: Final[Mapping[str, tuple[str, ...]]] = {
     "uniform": ("lower", "upper"),
-    "normal": Normal.keys,
-    "triangular": Triangular.keys,
-    "lognormal": Lognormal.keys,
-    "tabulated": Tabulated.keys,
+    "normal": ("mean", "deviation"),
+    "triangular": ("lower", "most_likely", "upper"),
+    "lognormal": ("median", "factor"),
+    "tabulated": ("values", "densities"),
 }
 """The keys of each distribution; they tell which it is. A normal one may have bounds besides."""
 _WIDTH: Final = re.compile(r"(?P<value>[^+±]{1,40})(?:\+-|\+/-|±)(?P<width>[^+±]{1,40})")
 """A value with a width, as drawings have it; at most 40 letters each, so that it is said whole."""
-BOUNDED: Final = frozenset(Normal.keys) | frozenset(FORMS["uniform"])
 
 
 def read_distribution(name: str, raw: object, quantity: Quantity | None = None) -> Distribution:
@@ -133,24 +110,40 @@ def read_distribution(name: str, raw: object, quantity: Quantity | None = None) 
             f"{name} is to come from a file, and only the command line and Python read files",
             "Give the lists values and densities instead of calibration",
         )
-    is_normal = frozenset(Normal.keys) <= keys <= BOUNDED
     if isinstance(raw, str) and (width := _WIDTH.fullmatch(raw)):
-        raise UnitError(*_no_width(width["value"].strip(), width["width"].strip()))
-    if not isinstance(raw, Mapping) or not (is_normal or keys in map(frozenset, FORMS.values())):
-        raise UnitError(*_no_form(name, keys))
-    if keys == frozenset(FORMS["uniform"]):
-        return read_between(name, raw, quantity)
-    if is_normal:
-        return _normal(name, quantity, raw)
-    if "median" in keys:
-        return _lognormal(name, quantity, raw)
-    if "values" in keys:
-        return _tabulated(name, quantity, raw)
-    return _triangular(name, quantity, raw)
+        value, size = (text.strip() for text in width.groups())
+        normal = f'{{ mean = "{value}", deviation = "{size}" }}'
+        raise UnitError(
+            f"'{value} +- {size}' may mean limits or a standard deviation",
+            f"Write {{ lower = ..., upper = ... }} for limits, or {normal} for a deviation",
+        )
+    form = "normal" if {"mean", "deviation"} <= keys <= {*Normal.__match_args__} else ""
+    form = next((one for one, own in FORMS.items() if keys == {*own}), form)
+    if not form or not isinstance(raw, Mapping):
+        raise _no_form(name, keys)
+    readers: dict[str, Callable[..., Distribution]] = {
+        "uniform": read_between,
+        "normal": _normal,
+        "triangular": _triangular,
+        "lognormal": _lognormal,
+        "tabulated": _tabulated,
+    }
+    return readers[form](name, raw, quantity)
 
 
-def _triangular(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Triangular:
-    lower, likely, upper = (read_number(name, quantity, raw[key]) for key in Triangular.keys)
+def _no_form(name: str, keys: frozenset[str]) -> UnitError:
+    known = [key for form in FORMS.values() for key in form]
+    unknown = sorted(keys.difference(known))
+    if unknown:
+        shown = unknown[0][:40]
+        return UnitError(f"'{shown}' is not a key of a distribution", suggestion(shown, known))
+    forms = [f"{{ {', '.join(f'{key} = ...' for key in form)} }}" for form in FORMS.values()]
+    told = f"{', '.join(sorted(keys))} alone make" if keys else "this is"
+    return UnitError(f"{name}: {told} no distribution", f"Write one of {', '.join(forms[:-1])}")
+
+
+def _triangular(name: str, raw: Mapping[str, object], quantity: Quantity) -> Triangular:
+    lower, likely, upper = (read_number(name, quantity, raw[key]) for key in FORMS["triangular"])
     if not (lower <= likely <= upper and lower < upper):
         raise UnitError(
             f"{name} has {lower:g}, {likely:g} and {upper:g} as lower, most_likely and upper",
@@ -159,30 +152,12 @@ def _triangular(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Tri
     return Triangular(lower, likely, upper)
 
 
-def _no_width(value: str, width: str) -> tuple[str, str]:
-    message = f"'{value} +- {width}' may mean limits or a standard deviation"
-    normal = f'{{ mean = "{value}", deviation = "{width}" }}'
-    return message, f"Write {{ lower = ..., upper = ... }} for limits, or {normal} for a deviation"
-
-
-def _no_form(name: str, keys: frozenset[str]) -> tuple[str, str]:
-    forms = [f"{{ {', '.join(f'{key} = ...' for key in form)} }}" for form in FORMS.values()]
-    known = {key for form in FORMS.values() for key in form}
-    unknown = sorted(keys - known)
-    if unknown:
-        return f"'{unknown[0][:40]}' is not a key of a distribution", suggestion(
-            unknown[0][:40], known
-        )
-    told = f"{', '.join(sorted(keys))} alone make" if keys else "this is"
-    return f"{name}: {told} no distribution", f"Write one of {', '.join(forms[:-1])}"
-
-
-def _normal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Normal:
+def _normal(name: str, raw: Mapping[str, Any], quantity: Quantity) -> Normal:
     mean = read_number(name, quantity, raw["mean"])
     written = share_of(mean, raw["deviation"], 'deviation = "5 %"')
     written = raw["deviation"] if written is None else written
     size = read_number(f"deviation of {name}", as_difference(quantity), written)
-    ends = {key: read_number(name, quantity, raw[key]) for key in ("lower", "upper") if key in raw}
+    ends = {key: read_number(name, quantity, raw[key]) for key in FORMS["uniform"] if key in raw}
     normal = Normal(mean, size, **ends)
     lower, upper = normal.within(quantity)
     if not lower < upper:
@@ -198,7 +173,7 @@ def _normal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Normal:
     return normal
 
 
-def _lognormal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Lognormal:
+def _lognormal(name: str, raw: Mapping[str, Any], quantity: Quantity) -> Lognormal:
     median, factor = read_number(name, quantity, raw["median"]), raw["factor"]
     if median <= 0:
         raise UnitError(
@@ -214,7 +189,7 @@ def _lognormal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Lognorm
     return Lognormal(median, float(factor))
 
 
-def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulated:
+def _tabulated(name: str, raw: Mapping[str, Any], quantity: Quantity) -> Tabulated:
     columns = [raw["values"], raw["densities"]]
     if not all(isinstance(value, list | tuple) for value in columns):
         raise UnitError(
@@ -362,32 +337,12 @@ def _uncertain_schema(quantity: Quantity) -> dict[str, Any]:
 
 
 if TYPE_CHECKING:
-
-    class Uncertain(Frozen):
-        """One optional field a parameter quantity."""
+    Uncertain = Frozen
 
 else:
-    Uncertain = create_model(
+    Uncertain = by_parameter(
         "Uncertain",
-        __base__=Frozen,
-        __doc__="Uncertain parameters and their distributions.",
-        **{
-            name: optional(
-                partial(read_distribution, name), partial(_uncertain_schema, QUANTITIES[name])
-            )
-            for name in PARAMETERS
-        },
+        "Uncertain parameters and their distributions.",
+        read_distribution,
+        _uncertain_schema,
     )
-
-
-def distributions_of(uncertain: Uncertain | None) -> dict[str, Distribution]:
-    """Return the uncertain parameters of a study: names and the distributions of their values.
-
-    `uncertain` is the section of that name in the study, one optional field per parameter. The
-    mapping has only the parameters that the study gives, in the order of all parameters, and is
-    empty if the study has no such section.
-    """
-    if uncertain is None:
-        return {}
-    given = uncertain.model_fields_set
-    return {name: getattr(uncertain, name) for name in PARAMETERS if name in given}

@@ -6,10 +6,11 @@ import hashlib
 import html
 import json
 import reprlib
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial, wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 from pydantic import (
     BaseModel,
@@ -23,11 +24,139 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError, core_schema
 
+from vibrafeed.core.errors import Problem
 from vibrafeed.core.quantities import QUANTITIES, WORDS, Quantity
-from vibrafeed.core.study.recorded_drive import Drive
 from vibrafeed.core.study.shown import read_shown
 from vibrafeed.core.study.units import UnitError, read_number
 from vibrafeed.core.study.values import Values, read_values
+
+# --- The drive of a study that has been measured: what a user writes of it, and what is kept.
+
+
+TEXT: Final = {"type": "string", "maxLength": 200}
+NUMBER: Final[dict[str, Any]] = {"anyOf": [{"type": "number"}, TEXT]}
+"""JSON Schema of a text with a unit, and of a number or such a text."""
+_TRIPLE = {"type": "array", "minItems": 3, "maxItems": 3}
+_Column = Annotated[str, Field(max_length=200)]
+# As a user writes them: whoever reads the recording reads these, and says what is wrong.
+_Number = Annotated[Any, WithJsonSchema(NUMBER)]
+_Mounting = Annotated[
+    Any,
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {**_TRIPLE, "items": NUMBER},
+                {**_TRIPLE, "items": {**_TRIPLE, "items": {"type": "number"}}},
+            ]
+        }
+    ),
+]
+_Finite = Annotated[float, Field(allow_inf_nan=False)]
+_Share = Annotated[_Finite, Field(ge=0)]
+
+
+class RecordedDrive(BaseModel):
+    """A recording of an accelerometer, whose harmonics become parameters of the study."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    file: Path | None = Field(
+        None, description="Its CSV file, in the study's folder; over HTTP give data instead."
+    )
+    data: str | None = Field(None, description="The text of the CSV.")
+    along: _Column | None = Field(
+        None, description="Column of the acceleration along the track; -ax reverses it."
+    )
+    across: _Column | None = Field(None, description="Across the track, to the left.")
+    normal: _Column | None = Field(None, description="Normal to the track, upwards.")
+    sensor: tuple[_Column, ...] | None = Field(
+        None,
+        description="Instead: columns of the sensor's own axes x, y, z.",
+        min_length=3,
+        max_length=3,
+    )
+    mounting: _Mounting = Field(
+        None, description="Yaw, pitch and roll of the sensor on the track, or its rotation matrix."
+    )
+    unit: _Column | None = Field(
+        None, description="Of the columns, where their headers do not say: g, mg, m s-2, mm s-2."
+    )
+    rate: _Number = Field(None, description="Samples per second, if there is no time column.")
+    time: _Column | None = Field(None, description="Time column; time or t is found automatically.")
+    line_frequency: _Number = Field(
+        None, description="True frequency of the drive; shows the error of the recorder's clock."
+    )
+    frequency: _Number = Field(
+        None,
+        description="Approximate frequency of the motion [Hz]; found automatically by default.",
+    )
+    harmonics: Annotated[Any, WithJsonSchema({"type": "integer", "minimum": 1, "maximum": 10})] = (
+        Field(
+            None,
+            description="Number of harmonic orders to fit; by default as many as the data support.",
+        )
+    )
+
+
+class MeasuredDrive(BaseModel):
+    """The origin of the numbers of a measured drive.
+
+    It stands in the place of the recording once that has been fitted: in the study that a dataset
+    holds, for example.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    name: str = Field(description="Name of the recording's file.", max_length=300)
+    sha256: str = Field(description="SHA-256 of the recording's content.", pattern="^[0-9a-f]{64}$")
+    left_over: dict[Literal["along", "across", "normal"], _Share] = Field(
+        description="Rms residual of the fit for each axis, as a share of the drive's rms."
+    )
+    clock_error: _Finite | None = Field(
+        None, description="Error of the recorder's clock; a slow one has a positive error."
+    )
+    numbers: dict[Annotated[str, Field(max_length=100)], _Finite] = Field(
+        description="The parameters as they were fitted.", max_length=100
+    )
+
+
+def only_the_plain_sine(fix: str) -> Problem:
+    """Return the problem of a measured drive in a study of closed forms; `fix` says the way out."""
+    return Problem(
+        "drive", "closed forms support only the plain sine of amplitude, alpha and beta", fix
+    )
+
+
+def names_recording(content: object) -> bool:
+    """True if a study's content names a recording that has not been fitted."""
+    drive = content.get("drive") if isinstance(content, Mapping) else None
+    return isinstance(drive, Mapping) and "sha256" not in drive
+
+
+def _fitted(raw: object) -> object:
+    if isinstance(raw, Mapping) and "sha256" not in raw:  # the digest of a recording
+        fix = "Carry the study out, or load it by vibrafeed.load_study"
+        raise refusal("its recording has not been fitted yet", fix)
+    if not isinstance(raw, Mapping | MeasuredDrive | None):
+        fix = 'Write [drive] with file = "recording.csv" and the columns along and normal'
+        raise refusal(f"{str(raw)[:40]!r} does not say how to read a recording", fix)
+    return raw
+
+
+class _Written:
+    """The JSON Schema of a study's `drive`, made when it is asked for."""
+
+    def __get_pydantic_json_schema__(self, *_: object) -> dict[str, Any]:
+        source = {"oneOf": [{"required": ["file"]}, {"required": ["data"]}]}
+        either = [
+            RecordedDrive.model_json_schema() | source,
+            MeasuredDrive.model_json_schema(),
+            {"type": "null"},
+        ]
+        return {"anyOf": either, "default": None}
+
+
+Drive = Annotated[MeasuredDrive | None, BeforeValidator(_fitted), _Written()]
 
 # --- Names and sizes in sections of a study, known before the model of its kind is loaded.
 
@@ -57,49 +186,48 @@ def refusal(message: str, fix: str | Callable[[], str]) -> PydanticCustomError:
     return PydanticCustomError("value", "{message}", {"message": message, "fix": fix})
 
 
+def refusing(read: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function whose `UnitError` pydantic tells as a refusal."""
+
+    @wraps(read)
+    def reads(*written: object) -> Any:
+        try:
+            return read(*written)
+        except UnitError as error:
+            raise refusal(error.message, error.fix) from error
+
+    return reads
+
+
 @dataclass(frozen=True)
 class Reader:
     """A field of a study for pydantic, read by one function.
 
     pydantic's own validators and serialisers inspect signatures and types, which takes long for
-    hundreds of fields at every start.
-
-    Attributes
-    ----------
-    read : callable
-        Returns the value of what a user wrote; may raise `UnitError`.
-    schema : callable
-        Returns the JSON Schema of what may be written.
+    hundreds of fields at every start. `read` may raise `UnitError`; `schema` returns the JSON
+    Schema of what may be written.
     """
 
     read: Callable[[object], Any]
     schema: Callable[[], dict[str, Any]]
 
-    def __get_pydantic_core_schema__(self, source: object, handler: object) -> Any:
+    def __get_pydantic_core_schema__(self, *_: object) -> Any:
         """Return the functions that read the field, and write it as plain JSON."""
-        del source, handler
-        writes = core_schema.plain_serializer_function_ser_schema(_canonical)
-        return core_schema.no_info_plain_validator_function(self._read, serialization=writes)
+        return core_schema.no_info_plain_validator_function(
+            refusing(self.read),
+            serialization=core_schema.plain_serializer_function_ser_schema(
+                lambda value: value.canonical() if hasattr(value, "canonical") else value
+            ),
+        )
 
-    def __get_pydantic_json_schema__(self, schema: object, handler: object) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(self, *_: object) -> dict[str, Any]:
         """Return the JSON Schema of the field."""
-        del schema, handler
         return self.schema()
-
-    def _read(self, raw: object) -> Any:
-        try:
-            return self.read(raw)
-        except UnitError as error:
-            raise refusal(error.message, error.fix) from error
 
 
 def optional(read: Callable[[object], Any], schema: Callable[[], dict[str, Any]]) -> Any:
     """Return type and default of a field that a function reads, and that is None if left out."""
     return Annotated[Any, Reader(read, schema)], None
-
-
-def _canonical(value: Any) -> Any:
-    return value.canonical() if hasattr(value, "canonical") else value
 
 
 def at_most(count: int) -> BeforeValidator:
@@ -117,37 +245,29 @@ def at_most(count: int) -> BeforeValidator:
 
 
 def read_level(name: str, raw: object) -> float:
-    """Return a level of a quantity as a number in its unit, from a number or a text with a unit.
+    """Return a value to compare the output `name` with in its unit, from a number or a text.
 
-    It may lie outside the bounds of the quantity. Raises `UnitError` if it is no value of that
-    kind. `name` is the quantity, `raw` what the user wrote. A level is a value to compare an output
-    with.
+    Raises `UnitError` if it is no value of that kind.
     """
     quantity = QUANTITIES[name]
     # What is compared with a parameter may lie outside the parameter's own bounds.
     shown = quantity.examples or ("1" if quantity.unit == "1" else f"1 {quantity.unit}",)
-    free = Quantity(
-        quantity.unit, quantity.symbol, quantity.label, quantity.description, examples=shown
-    )
+    infinite = float("inf")
+    free = replace(quantity, lower=-infinite, upper=infinite, strict=False, examples=shown)
     return read_number(name, free, raw)
 
 
+@refusing
 def _read_level(raw: object, info: ValidationInfo) -> object:
     output = info.data.get("against") or info.data.get("output")
     if raw is None or str(output) not in QUANTITIES:  # an unknown output is told of elsewhere
         return raw if raw is None or isinstance(raw, int | float) else 0.0
-    try:
-        return read_level(str(output), raw)
-    except UnitError as error:
-        raise refusal(error.message, error.fix) from error
+    return read_level(str(output), raw)
 
 
-_LEVEL_SCHEMA: dict[str, Any] = {
-    "anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]
-}
-Level = Annotated[float, BeforeValidator(_read_level), WithJsonSchema(_LEVEL_SCHEMA)]
+Level = Annotated[float, BeforeValidator(_read_level), WithJsonSchema(NUMBER)]
 """A value of the output that an earlier field names."""
-OpenLevel = Annotated[float | None, BeforeValidator(_read_level), WithJsonSchema(_LEVEL_SCHEMA)]
+OpenLevel = Annotated[float | None, BeforeValidator(_read_level), WithJsonSchema(NUMBER)]
 """The same, or none."""
 
 PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.parameter)
@@ -177,13 +297,36 @@ class Frozen(BaseModel):
     )
 
 
+def by_parameter(
+    name: str,
+    doc: str,
+    read: Callable[[str, object], Any],
+    schema: Callable[[Quantity], dict[str, Any]],
+) -> Any:
+    """Return the model of a section that has an optional field for each parameter.
+
+    `read` takes the parameter's name and what a user wrote, `schema` its quantity.
+    """
+    fields = {
+        one: optional(partial(read, one), partial(schema, QUANTITIES[one])) for one in PARAMETERS
+    }
+    # Of the module that asks, where a pickle looks for it.
+    return create_model(name, __base__=Frozen, __module__=schema.__module__, __doc__=doc, **fields)
+
+
+def given(section: Frozen | None) -> dict[str, Any]:
+    """Return the parameters that a section of a study gives, in the order of the declaration."""
+    named = section.model_fields_set if section is not None else ()
+    return {name: getattr(section, name) for name in PARAMETERS if name in named}
+
+
 def _values_schema(quantity: Quantity) -> dict[str, Any]:
     number: dict[str, Any] = {"type": "number"}
     if quantity.lower > -float("inf"):
         number["exclusiveMinimum" if quantity.strict else "minimum"] = quantity.lower
     if quantity.upper < float("inf"):
         number["maximum"] = quantity.upper
-    value = {"anyOf": [number, {"type": "string", "maxLength": 200}]}
+    value = {"anyOf": [number, TEXT]}
     span = {
         "type": "object",
         "properties": {
@@ -212,25 +355,21 @@ def _values_schema(quantity: Quantity) -> dict[str, Any]:
 
 
 if TYPE_CHECKING:
-
-    class Parameters(Frozen):
-        """One optional field a parameter quantity."""
+    Parameters = Frozen
 
 else:
-    Parameters = create_model(
+    Parameters = by_parameter(
         "Parameters",
-        __base__=Frozen,
-        __doc__="Values of the parameters: a number, text with a unit, a list, or a range.",
-        **{
-            name: optional(partial(read_values, name), partial(_values_schema, QUANTITIES[name]))
-            for name in PARAMETERS
-        },
+        "Values of the parameters: a number, text with a unit, a list, or a range.",
+        read_values,
+        _values_schema,
     )
 
 
 MAX_SHOWN = 8  # units that a study may name: looking one up takes long
 
 
+@refusing
 def _read_units(raw: object) -> tuple[str, ...] | None:
     if raw is None:
         return None
@@ -244,10 +383,7 @@ def _read_units(raw: object) -> tuple[str, ...] | None:
             f"{reprlib.repr(raw)[:40]} is neither a unit nor a list of units",
             'Write "si", or a list such as ["m/min"]',
         )
-    try:
-        read_shown(words)
-    except UnitError as error:
-        raise refusal(error.message, error.fix) from error
+    read_shown(words)
     return words
 
 
@@ -297,11 +433,9 @@ class Study(Frozen):
     def values(self) -> dict[str, Values]:
         """Return the parameters that are set, with their values.
 
-        They are in the order of the declaration, whatever the order in which a user writes them:
-        equal studies have equal axes.
+        They are in the order of the declaration: equal studies have equal axes.
         """
-        given = self.parameters.model_fields_set
-        return {name: getattr(self.parameters, name) for name in PARAMETERS if name in given}
+        return given(self.parameters)
 
     def places(self) -> dict[str, str]:
         """Return the paths of parameters that are not under `parameters`."""

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field, create_model
+from pydantic import Field
 
-from vibrafeed.core.quantities import QUANTITIES, Quantity
-from vibrafeed.core.study.distributions import Distribution, Uncertain, distributions_of
+from vibrafeed.core.quantities import Quantity
+from vibrafeed.core.study.distributions import Distribution, Uncertain
 from vibrafeed.core.study.grid_study import (
     DRIVE_ANGLES,
     MAX_OUTPUTS,
-    PARAMETERS,
+    NUMBER,
     DrivenStudy,
     Frozen,
     Level,
@@ -21,7 +20,8 @@ from vibrafeed.core.study.grid_study import (
     OutputName,
     OutputNames,
     at_most,
-    optional,
+    by_parameter,
+    given,
 )
 from vibrafeed.core.study.values import Between, read_between
 
@@ -100,31 +100,25 @@ MAX_CONSTRAINTS = 20
 
 
 def _bounds_schema(quantity: Quantity) -> dict[str, Any]:
-    end = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
     return {
         "title": quantity.label,
         "description": f"Bounds of the {quantity.label.lower()}, both included.",
         "type": "object",
-        "properties": {"lower": end, "upper": end},
+        "properties": {"lower": NUMBER, "upper": NUMBER},
         "required": ["lower", "upper"],
         "additionalProperties": False,
     }
 
 
 if TYPE_CHECKING:
-
-    class Variables(Frozen):
-        """One optional field a parameter quantity."""
+    Variables = Frozen
 
 else:
-    Variables = create_model(
+    Variables = by_parameter(
         "Variables",
-        __base__=Frozen,
-        __doc__="Variables of the optimisation: parameters and their bounds.",
-        **{
-            name: optional(partial(read_between, name), partial(_bounds_schema, QUANTITIES[name]))
-            for name in PARAMETERS
-        },
+        "Variables of the optimisation: parameters and their bounds.",
+        read_between,
+        _bounds_schema,
     )
 
 
@@ -193,14 +187,11 @@ class OptimiseStudy(DrivenStudy):
 
     def intervals(self) -> dict[str, Distribution]:
         """Return the uncertain parameters with their distributions."""
-        return distributions_of(self.uncertain)
+        return given(self.uncertain)
 
     def bounds(self) -> dict[str, Between]:
         """Return the variables of the optimisation with their bounds, in the parameters' order."""
-        if self.variables is None:
-            return {}
-        given = self.variables.model_fields_set
-        return {name: getattr(self.variables, name) for name in PARAMETERS if name in given}
+        return given(self.variables)
 
     def criterion_outputs(self) -> tuple[str, ...]:
         """Return the outputs in the criterion."""

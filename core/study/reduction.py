@@ -20,8 +20,7 @@ from pydantic import (
 
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.quantities.flags import is_regime
-from vibrafeed.core.study.grid_study import Level, at_most, read_level, refusal
-from vibrafeed.core.study.units import UnitError
+from vibrafeed.core.study.grid_study import Level, at_most, read_level, refusal, refusing
 from vibrafeed.core.suggestions import suggestion
 
 STATISTICS = ("max", "min", "mean", "argmax", "argmin")
@@ -66,6 +65,7 @@ class ShareCondition:
         return f"{self.name} {self.comparison} {value}"
 
 
+@refusing
 def _read_condition(raw: object) -> ShareCondition:
     if isinstance(raw, ShareCondition):
         return raw
@@ -87,10 +87,7 @@ def _read_condition(raw: object) -> ShareCondition:
         number: object = float(value)
     except ValueError:
         number = value
-    try:
-        return ShareCondition(name, comparison, read_level(name, number))
-    except UnitError as error:
-        raise refusal(error.message, error.fix) from error
+    return ShareCondition(name, comparison, read_level(name, number))
 
 
 def _read_statistic(raw: object) -> str:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from vibrafeed.core.study.distributions import Distribution, Uncertain, distributions_of
+from vibrafeed.core.study.distributions import Distribution, Uncertain
 from vibrafeed.core.study.grid_study import (
     MAX_OUTPUTS,
     DrivenStudy,
@@ -16,6 +16,7 @@ from vibrafeed.core.study.grid_study import (
     OutputName,
     OutputNames,
     at_most,
+    given,
     refusal,
 )
 
@@ -137,7 +138,7 @@ class SensitivityStudy(DrivenStudy):
 
     def distributions(self) -> dict[str, Distribution]:
         """Return the uncertain parameters with their distributions, in order."""
-        return distributions_of(self.uncertain)
+        return given(self.uncertain)
 
     def asked(self) -> tuple[str, ...]:
         """Return every output that is needed, those of demands last."""

@@ -135,6 +135,15 @@ MAX_POINTS = 100_000_000  # values of one axis: more is a typing error, and woul
 RANGE_KEYS = ("start", "stop", "num", "step", "spacing")
 
 
+class NamedNumbers:
+    """Numbers that a user names: bounds, or what makes a distribution."""
+
+    def canonical(self) -> dict[str, Any]:
+        """Return them as plain JSON, in the quantity's unit."""
+        given = {name: value for name, value in vars(self).items() if value is not None}
+        return {n: [*value] if isinstance(value, tuple) else value for n, value in given.items()}
+
+
 @dataclass(frozen=True)
 class Fixed:
     """One value; it makes no axis."""
@@ -200,15 +209,11 @@ Values = Fixed | Points | Span
 
 
 @dataclass(frozen=True)
-class Between:
+class Between(NamedNumbers):
     """The bounds of what an optimiser may choose, both included."""
 
     lower: float
     upper: float
-
-    def canonical(self) -> Any:
-        """Return the bounds as plain JSON, in the quantity's unit."""
-        return {"lower": self.lower, "upper": self.upper}
 
 
 def read_between(name: str, raw: object, quantity: Quantity | None = None) -> Between:

@@ -15,8 +15,7 @@ from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.optimise.methods import METHODS
 from vibrafeed.core.quantities import QUANTITIES, WORD_OF
-from vibrafeed.core.study.grid_study import CRITERIA, PARAMETERS
-from vibrafeed.core.study.recorded_drive import RecordedDrive
+from vibrafeed.core.study.grid_study import CRITERIA, PARAMETERS, RecordedDrive
 from vibrafeed.core.study.units import UnitError
 from vibrafeed.core.study.unusual import questions
 from vibrafeed.core.study.values import position_on_axis
