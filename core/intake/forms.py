@@ -46,11 +46,6 @@ def to_toml(content: Mapping[str, Any]) -> str:
     return tomlkit.dumps(document)
 
 
-def to_json(content: Mapping[str, Any]) -> str:
-    """Return a study as JSON text."""
-    return json.dumps(content, indent=2, ensure_ascii=False) + "\n"
-
-
 def to_curl(content: Mapping[str, Any], service: str = SERVICE) -> str:
     """Return a curl command, for POSIX shells, that posts a study to a service.
 
@@ -118,7 +113,7 @@ REQUESTS: Final[Mapping[str, Callable[[Mapping[str, Any], str], str]]] = {
 """Commands that post a study to a service, whose address they take."""
 FORMS: Final[Mapping[str, Callable[..., str]]] = {
     "toml": to_toml,
-    "json": to_json,
+    "json": lambda content: json.dumps(content, indent=2, ensure_ascii=False) + "\n",
     **REQUESTS,
     "python": to_python,
 }
@@ -132,27 +127,17 @@ def write_as(form: str, content: Mapping[str, Any], service: str = SERVICE) -> s
 def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[str, Any]:
     """Return a study whose files of recordings and observations are found from its new place.
 
-    It is the one to be written out in another form.
-
-    Parameters
-    ----------
-    content : mapping
-        The study as it was typed, with file names from the current folder.
-    form : str
-        A key of `FORMS`. A file gets names from its own folder, a program from the current one; a
-        request gets the contents of the files, as a service reads no files of others.
-    folder : Path
-        The folder of the new file.
-
-    Raises
-    ------
-    StudyError
-        If a recording that is to be sent cannot be read.
+    `content` is the study as it was typed, with file names from the current folder, `form` a key of
+    `FORMS`: a file gets names from its own `folder`, a program from the current one, a request the
+    contents of the files, as a service reads no files of others. Raises `StudyError` if a recording
+    that is to be sent cannot be read.
     """
     if form in REQUESTS:
         content = with_posteriors(in_letters(content)[0], files=True).content
     if isinstance(content.get("observations"), str):
-        content = {**content, "observations": _observations(content, form, folder)}
+        runs = Path(content["observations"])
+        moved = read_rows(runs) if form in REQUESTS else _path_from(runs, form, folder)
+        content = {**content, "observations": moved}
     drive = content.get("drive")
     if not isinstance(drive, Mapping) or not isinstance(drive.get("file"), str):
         return dict(content)
@@ -167,11 +152,6 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
         rest = {name: value for name, value in drive.items() if name != "file"}
         return {**content, "drive": {**rest, "data": data}}
     return {**content, "drive": {**drive, "file": _path_from(file, form, folder)}}
-
-
-def _observations(content: Mapping[str, Any], form: str, folder: Path) -> Any:
-    file = Path(content["observations"])
-    return read_rows(file) if form in REQUESTS else _path_from(file, form, folder)
 
 
 def _path_from(file: Path, form: str, folder: Path) -> str:

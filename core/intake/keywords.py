@@ -114,18 +114,28 @@ def check_not_paired(written: Mapping[str, Any]) -> None:
     given = {**written, **inner} if isinstance(inner, Mapping) else written
     dims = {letter_of(name): dimension_of(value) for name, value in given.items()}
     along = {name: letter_of(dim) for name, dim in dims.items() if name in PARAMETERS and dim}
+    fix = "Give lists if all combinations are meant, else make one study for each pair"
     problems = [
-        Problem(f"parameters.{second}", f"its array and that of {first} are both along '{dim}', "
-                "which makes pairs of their values, and a study takes all combinations", "Give lists if all combinations are meant, else make one study for each pair")
-        for (first, dim), (second, other) in combinations(along.items(), 2)
-        if dim == other
-    ]  # fmt: skip
-    problems += [
-        Problem(f"parameters.{name}", f"its array is along '{dim}', another parameter",
-                f"Give a list if all combinations with {dim} are meant")
-        for name, dim in along.items()
-        if dim != name and dim in PARAMETERS
-    ]  # fmt: skip
+        *(
+            Problem(
+                f"parameters.{second}",
+                f"its array and that of {first} are both along '{dim}', "
+                "which makes pairs of their values, and a study takes all combinations",
+                fix,
+            )
+            for (first, dim), (second, other) in combinations(along.items(), 2)
+            if dim == other
+        ),
+        *(
+            Problem(
+                f"parameters.{name}",
+                f"its array is along '{dim}', another parameter",
+                f"Give a list if all combinations with {dim} are meant",
+            )
+            for name, dim in along.items()
+            if dim != name and dim in PARAMETERS
+        ),
+    ]
     if problems:
         raise StudyError(problems)
 

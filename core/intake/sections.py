@@ -9,7 +9,7 @@ import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
-from typing import Any, Final, NoReturn
+from typing import Any, Final
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from vibrafeed.core.intake.section import (
     Stranger,
     advice_on_path,
     dotted,
+    no_field,
     no_parameter,
 )
 from vibrafeed.core.measured.csv_table import (
@@ -31,56 +32,15 @@ from vibrafeed.core.measured.csv_table import (
     contradictions,
     decoded,
     name_and_unit,
+    refused,
 )
 from vibrafeed.core.quantities import QUANTITIES, WORDS, by_letters, letter_of
 from vibrafeed.core.study.distributions import CALIBRATION
 from vibrafeed.core.study.grid_study import CRITERIA, DRIVE_ANGLES, MAX_RUNS, OBSERVED, PARAMETERS
 from vibrafeed.core.study.reduction import LevelSet, Reduction
-from vibrafeed.core.study.units import UnitError, unit_factor, with_unit
-
-# --- The cells of a CSV table of a heading and rows, such as that of observations.
-
+from vibrafeed.core.study.units import BARE_NUMBER, UnitError, unit_factor, with_unit
 
 _NUMBER_AND_UNIT = re.compile(r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?)(\s*[^\d\s.,].*)?")
-
-
-def read_cells(path: Path) -> tuple[list[list[str]], list[str]]:
-    """Return the rows of a CSV file as lists of cells, and contradictions of its decimal marks.
-
-    Commas, semicolons or tabs separate the cells; a line ``sep=;`` on top may name the separator.
-    Beside the last two a comma is a decimal comma, and becomes a point. Empty lines and lines that
-    begin with # are left out.
-
-    Raises
-    ------
-    OSError, ValueError
-        If the file cannot be read, or is no text.
-    """
-    text = decoded(path.read_bytes())
-    lines = [line for line in text.splitlines() if line.strip(" ,;\t") and line[0] != "#"]
-    named = SEPARATOR.fullmatch(lines[0].strip()) if lines else None
-    lines = lines[1:] if named else lines
-    delimiter = named[1] if named else max(";\t,", key=lines[0].count) if lines else ","
-    rows = [*csv.reader(io.StringIO("\n".join(lines)), delimiter=delimiter)]
-    if delimiter == "," or not rows:
-        return rows, []
-    columns = dict(zip(rows[0], itertools.zip_longest(*rows[1:], fillvalue=""), strict=False))
-    numbers = {
-        name: [
-            found[1]
-            for cell in dict.fromkeys(cells)
-            if (found := _NUMBER_AND_UNIT.fullmatch(cell.strip()))
-        ]
-        for name, cells in columns.items()
-    }
-    return [[_with_point(cell) for cell in row] for row in rows], [
-        *contradictions(numbers).values()
-    ]
-
-
-def _with_point(cell: str) -> str:
-    found = _NUMBER_AND_UNIT.fullmatch(cell.strip())
-    return found[1].replace(",", ".") + (found[2] or "") if found else cell
 
 
 # --- The section `observations`: rows of a study, or of a CSV or XLSX file with a heading.
@@ -89,30 +49,20 @@ def _with_point(cell: str) -> str:
 SUFFIXES = (".csv", ".xlsx")
 OWN: Final = (*OBSERVED, "error", "regime")
 """Columns that are no parameters."""
-_CELL_NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?")
 HEADING = (
     "Begin it with a line of names and units, such as amplitude [mm], conveying_velocity [mm/s]"
 )
 
 
-def _rows_beside(observations: Any, folder: Path) -> Any:
-    """Return the section `observations`, a file's name in it joined to the study's folder."""
-    return str(folder / observations) if isinstance(observations, str) else observations
-
-
-def with_rows(content: Content, files: bool) -> Resolved:
-    """Return the content of a study with the rows of its file of observations in place of the name.
-
-    `files` is True if files of this machine may be read, which a service does not allow. Rows that
-    stand in the study itself stay. Without a readable file the section is left out, and the result
-    has the problems. The cells are checked later.
-    """
+def _with_rows(content: Content, files: bool) -> Resolved:
     named = content["observations"]
     if not isinstance(named, str):
         return Resolved(content)
     try:
         if not files:
-            _fail("the service reads no files", "Give its rows: a list of objects")
+            raise refused(
+                "observations", "the service reads no files", "Give its rows: a list of objects"
+            )
         return Resolved({**content, "observations": read_rows(Path(named))})
     except StudyError as error:
         rest = {name: value for name, value in content.items() if name != "observations"}
@@ -122,29 +72,29 @@ def with_rows(content: Content, files: bool) -> Resolved:
 def read_rows(path: Path) -> list[dict[str, Any]]:
     """Return the rows of a CSV or XLSX file of observations, each a mapping by column.
 
-    Numbers get the unit in the heading of their column, as texts; empty cells are left out.
-
-    Raises
-    ------
-    StudyError
-        If the file cannot be read, or has no rows.
+    Numbers get the unit in the heading of their column, as texts; empty cells are left out. Raises
+    `StudyError` if the file cannot be read, or has no rows.
     """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        _fail(f"'{path.name}' is not a CSV or XLSX file", "Save the table as CSV")
+        raise refused(
+            "observations", f"'{path.name}' is not a CSV or XLSX file", "Save the table as CSV"
+        )
     try:
         lines = [*islice(_workbook(path) if suffix == ".xlsx" else _csv(path), MAX_RUNS + 2)]
     except (OSError, ValueError) as error:  # a NUL in its name is the second
-        _fail(
+        raise refused(
+            "observations",
             f"{path.name} cannot be read: {getattr(error, 'strerror', None) or error}",
             advice_on_path(path, "Name a CSV or XLSX file in the study's folder"),
-        )
+        ) from error
     if len(lines) < 2:
-        _fail(f"{path.name} has no rows", HEADING)
+        raise refused("observations", f"{path.name} has no rows", HEADING)
     names, units = _headings(lines[0], path)
     for number, line in enumerate(lines[1:], 1):
         if any(str(cell).strip() for cell in line[len(names) :]):
-            _fail(
+            raise refused(
+                "observations",
                 f"row {number} of {path.name} has more cells than the heading",
                 "Where a comma is a decimal comma, separate the cells by semicolons",
             )
@@ -159,41 +109,68 @@ def read_rows(path: Path) -> list[dict[str, Any]]:
 
 
 def _headings(cells: Iterable[Any], path: Path) -> tuple[list[str], list[str]]:
-    names, units = [], []
-    for cell in cells:
-        name, unit = name_and_unit(str(cell))
-        names.append(letter_of(name))
-        units.append(unit)
+    headings = [name_and_unit(str(cell)) for cell in cells]
+    names = [letter_of(name) for name, _ in headings]
     twice = [name for k, name in enumerate(names) if name and name in names[:k]]
     if twice:
-        _fail(f"{path.name} has two columns named {twice[0][:60]}", "Name each column once")
-    if not any(names) or all(_CELL_NUMBER.fullmatch(name) for name in names):
-        _fail(f"{path.name} has no heading", HEADING)
-    return names, units
+        raise refused(
+            "observations",
+            f"{path.name} has two columns named {twice[0][:60]}",
+            "Name each column once",
+        )
+    if not any(names) or all(BARE_NUMBER.fullmatch(name) for name in names):
+        raise refused("observations", f"{path.name} has no heading", HEADING)
+    return names, [unit for _, unit in headings]
 
 
 def _value(cell: Any, unit: str) -> Any:
     if isinstance(cell, int | float) and not isinstance(cell, bool):
         return f"{cell!r} {unit}" if unit else cell
     text = with_unit(str(cell), unit)
-    return float(text) if _CELL_NUMBER.fullmatch(text) and "," not in text else text
+    return float(text) if BARE_NUMBER.fullmatch(text) and "," not in text else text
 
 
 def _csv(path: Path) -> Iterable[list[str]]:
-    rows, faults = read_cells(path)
-    for message in faults:
-        _fail(f"{path.name}: {message}", ONE_MARK)
-    return rows
+    lines = [
+        line
+        for line in decoded(path.read_bytes()).splitlines()
+        if line.strip(" ,;\t") and line[0] != "#"
+    ]
+    named = SEPARATOR.fullmatch(lines[0].strip()) if lines else None
+    lines = lines[1:] if named else lines
+    delimiter = named[1] if named else max(";\t,", key=lines[0].count) if lines else ","
+    rows = [*csv.reader(io.StringIO("\n".join(lines)), delimiter=delimiter)]
+    if delimiter == "," or not rows:
+        return rows
+    columns = dict(zip(rows[0], itertools.zip_longest(*rows[1:], fillvalue=""), strict=False))
+    numbers = {
+        name: [
+            found[1]
+            for cell in dict.fromkeys(cells)
+            if (found := _NUMBER_AND_UNIT.fullmatch(cell.strip()))
+        ]
+        for name, cells in columns.items()
+    }
+    for message in contradictions(numbers).values():
+        raise refused("observations", f"{path.name}: {message}", ONE_MARK)
+    return [[_with_point(cell) for cell in row] for row in rows]
+
+
+def _with_point(cell: str) -> str:
+    # Beside semicolons and tabs a comma is a decimal comma.
+    found = _NUMBER_AND_UNIT.fullmatch(cell.strip())
+    return found[1].replace(",", ".") + (found[2] or "") if found else cell
 
 
 def _workbook(path: Path) -> Iterable[list[Any]]:
     try:
         import openpyxl
     except ImportError:
-        _fail(
+        raise refused(
+            "observations",
             "reading XLSX needs openpyxl, which is not installed",
             f"{installing('openpyxl')}, or save the table as CSV",
-        )
+        ) from None
     try:
         book = openpyxl.load_workbook(path, read_only=True, data_only=True)
     except (OSError, ValueError):
@@ -219,12 +196,7 @@ def _shown_cell(cell: Any) -> Any:
     return cell.value
 
 
-def _fail(message: str, fix: str) -> NoReturn:
-    raise StudyError([Problem("observations", message, fix)])
-
-
-def _columns_given(rows: Any, known: Collection[str]) -> Iterable[str]:
-    del known
+def _columns_given(rows: Any) -> Iterable[str]:
     for row in rows if isinstance(rows, list | tuple) else ():
         if isinstance(row, Mapping):
             yield from (name for name in row if name not in OWN)
@@ -245,17 +217,6 @@ def _unknown_column(stranger: Stranger) -> Problem:
     )
 
 
-OBSERVATIONS: Final = Section(
-    names=_columns_given,
-    outputs=lambda _: OBSERVED[:1],
-    place=_problem_path,
-    unknown=_unknown_column,
-    beside=_rows_beside,
-    resolve=with_rows,
-)
-"""The section `observations`."""
-
-
 # --- The section `uncertain`: from the result of a calibration that a study names to its densities.
 
 
@@ -265,11 +226,6 @@ DENSITY = "density_"
 
 
 def _files_beside(uncertain: Any, folder: Path) -> Any:
-    """Return the section `uncertain` of a study with paths of calibration files from here.
-
-    File names in it are relative to `folder`, that of the study; they become paths from the current
-    folder. Other content stays as it is.
-    """
     if not isinstance(uncertain, dict):
         return uncertain
     return {
@@ -283,9 +239,8 @@ def _files_beside(uncertain: Any, folder: Path) -> Any:
 def with_posteriors(content: Content, files: bool) -> Resolved:
     """Return the content of a study with densities in place of calibration files, and problems.
 
-    An uncertain parameter may name the file of a calibration, whose density of this parameter it
-    takes. One whose file has a problem is left out. `files` is True if files of this machine may be
-    read; without that the content stays as it is, and is refused later.
+    One whose file has a problem is left out. Unless `files` of this machine may be read the content
+    stays as it is, and is refused later.
     """
     uncertain = content.get("uncertain")
     if not files or not isinstance(uncertain, Mapping):
@@ -341,17 +296,7 @@ def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
     return {"values": values[kept].tolist(), "densities": densities[kept].tolist()}
 
 
-UNCERTAIN: Final = Section(
-    names=lambda uncertain, _: uncertain if isinstance(uncertain, Mapping) else (),
-    beside=_files_beside,
-    resolve=with_posteriors,
-    by_parameter=True,
-)
-"""The section `uncertain`."""
-
-
-def _parameter_names(parameters: Any, known: Collection[str]) -> Iterable[str]:
-    del known
+def _parameter_names(parameters: Any, _: Collection[str]) -> Iterable[str]:
     return map(str, parameters) if isinstance(parameters, Mapping) else ()
 
 
@@ -361,38 +306,36 @@ def _open(variables: Any, known: Collection[str]) -> Iterable[str]:
     return (name for name in DRIVE_ANGLES if name in known)
 
 
-def _asked(outputs: Any) -> Iterable[str]:
-    return outputs if isinstance(outputs, list | tuple) else ()
-
-
 def _looked_for(criterion: Any) -> Iterable[str]:
     found = criterion if isinstance(criterion, Mapping) else {}
     names = (found.get("output", "acceleration_x"), found.get("against"))
     return (name for name in names if isinstance(name, str))
 
 
-def _no_key_of_reduce(stranger: Stranger) -> Problem:
-    part = LevelSet if len(stranger.path) > 2 else Reduction
-    return Problem(
-        stranger.place,
-        f"'{stranger.name}' is not a key of the section reduce",
-        stranger.suggest(stranger.name, part.model_fields),
-    )
-
-
 SECTIONS: Final[Mapping[str, Section]] = {
     "parameters": Section(names=_parameter_names, unknown=no_parameter, by_parameter=True),
-    "uncertain": UNCERTAIN,
+    "uncertain": Section(
+        names=_parameter_names, beside=_files_beside, resolve=with_posteriors, by_parameter=True
+    ),
     "variables": Section(names=_open, unknown=no_parameter, by_parameter=True),
     "unknowns": Section(names=_parameter_names, unknown=no_parameter, by_parameter=True),
     "offsets": Section(unknown=no_parameter, by_parameter=True),
     "factors": Section(unknown=no_parameter, by_parameter=True),
     "candidates": Section(unknown=no_parameter, by_parameter=True),
-    "observations": OBSERVATIONS,
+    "observations": Section(
+        names=lambda rows, _: _columns_given(rows),
+        outputs=lambda _: OBSERVED[:1],
+        place=_problem_path,
+        unknown=_unknown_column,
+        beside=lambda rows, folder: str(folder / rows) if isinstance(rows, str) else rows,
+        resolve=_with_rows,
+    ),
     "drive": DRIVE,
     "criterion": Section(outputs=_looked_for, tags=CRITERIA),
-    "outputs": Section(outputs=_asked),
-    "reduce": Section(unknown=_no_key_of_reduce),
+    "outputs": Section(outputs=lambda names: names if isinstance(names, list | tuple) else ()),
+    "reduce": Section(
+        unknown=lambda key: no_field(key, LevelSet if len(key.path) > 2 else Reduction)
+    ),
 }
 """Every section by its key, in the order in which they are read."""
 
@@ -403,8 +346,7 @@ SECTIONS: Final[Mapping[str, Section]] = {
 def in_letters(content: Any) -> tuple[Any, list[Problem]]:
     """Return the content of a study with the letters of angles in place of their words.
 
-    The problems are those of angles that a section gives twice, by word and by letter. `content` is
-    that of a file or request, of which nothing is known; it is not changed itself.
+    The problems are those of angles that a section gives twice, by word and by letter.
     """
     if not isinstance(content, Mapping):
         return content, []
@@ -422,10 +364,7 @@ def in_letters(content: Any) -> tuple[Any, list[Problem]]:
 
 
 def words_in(content: Any) -> dict[str, str]:
-    """Return the words by which a study names angles, by their letters.
-
-    An angle that it names by its letter, too, is left out. `content` is as the user wrote it.
-    """
+    """Return the words by which a study names angles, by letter, without those it names by both."""
     sections = content.items() if isinstance(content, Mapping) else ()
     written = {
         name

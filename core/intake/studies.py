@@ -44,13 +44,13 @@ class Draft:
     Attributes
     ----------
     content : object
-        Content of the file or request; after `resolve` with the numbers of files in it.
+        Of the file or request; after `resolve` with the numbers of files in it.
     problems : list of Problem
-        Problems of the files that the study names.
+        Those of the files that the study names.
     unread : set of str
         Sections whose files could not be read: no further problem of them is reported.
     fit : Fit or None
-        Fit of the recording, if the study names one.
+        Of the recording, if the study names one.
     words : dict of str to str
         The words that the study has for angles, by their letters.
     """
@@ -83,11 +83,7 @@ class Draft:
         return tuple(map(self._in_words, asked))
 
     def resolve(self, *, files: bool) -> Draft:
-        """Return this draft of a study with file names replaced by the numbers in the files.
-
-        `files` is True if files of this machine may be read, which a study from the network may not
-        ask for. Changes the draft, and adds the problems found.
-        """
+        """Put the numbers in files for their names, if they may be read; return this draft."""
         keys = _keys_of(self.kind) if self.kind else SECTIONS
         for key, section in SECTIONS.items():
             there = isinstance(self.content, Mapping) and key in self.content and key in keys
@@ -100,10 +96,9 @@ class Draft:
         return self
 
     def check(self) -> Study:
-        """Return the validated study of this draft, of the model of its kind.
+        """Return the valid study; raise `StudyError` with all problems of values, keys and files.
 
-        Raises `StudyError` with all problems of values, keys and files. Without a known kind, the
-        values are checked by the kind that was probably intended.
+        Without a known kind, the values are checked by the kind that was probably intended.
         """
         if not isinstance(self.content, Mapping):
             raise StudyError(

@@ -28,9 +28,6 @@ NO_STUDIES = {
 }  # what other files are, and what to do instead of running them
 MAX_BRACKETS = 10_000  # objects and lists of one text
 LARGEST = sys.float_info.max
-_AT_LINE = re.compile(r"at line (\d+)")
-_BACKSLASH = re.compile(r'"[^"]*\\')  # in a text in which it means something to TOML
-_DECIMAL_COMMA = re.compile(r"[=:]\s*([-+]?\d+),(\d+)")
 TOO_LARGE = "it is a number larger than 1.8e308", "Fix the value"
 _TOO_LONG = "set_int_max_str_digits"  # in Python's message on an integer of thousands of digits
 _HALVES = re.compile("[\ud800-\udfff]")
@@ -49,7 +46,9 @@ def read_content(path: Path) -> object:
     try:
         text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin it with a mark
     except UnicodeDecodeError as error:
-        _fail("file", "it is not UTF-8 text", _advice_on_encoding(error.object), error)
+        wide = error.object.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))  # PowerShell 5
+        fix = "Save it as UTF-8" + ("; in PowerShell write it with -o FILE, not >" if wide else "")
+        _fail("file", "it is not UTF-8 text", fix, error)
     except OSError as error:
         _fail("file", f"it cannot be read: {error.strerror}", "Name a TOML or JSON study", error)
     content = _read_text(text, ".json" if suffix == ".json" else ".toml", path.stem)
@@ -58,11 +57,6 @@ def read_content(path: Path) -> object:
             if key in content:
                 content[key] = section.beside(content[key], path.parent)
     return content
-
-
-def _advice_on_encoding(raw: bytes) -> str:
-    is_wide = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
-    return "Save it as UTF-8" + ("; in PowerShell write it with -o FILE, not >" if is_wide else "")
 
 
 def _read_text(text: str, suffix: str, stem: str) -> object:
@@ -93,11 +87,11 @@ def read_toml(text: str) -> object:
     except (ValueError, RecursionError) as error:
         if _TOO_LONG in str(error):
             _fail("file", *TOO_LARGE, error)
-        found = _AT_LINE.search(str(error))
+        found = re.search(r"at line (\d+)", str(error))
         number = int(found[1]) if found else 0
         _refuse_comma("file", text, number)
         fix = f'{SYNTAX}: texts, such as "20 deg", stand in quotes'
-        if number and _BACKSLASH.search(text.split("\n")[number - 1]):
+        if number and re.search(r'"[^"]*\\', text.split("\n")[number - 1]):
             fix = "In a path write / for \\, or set the path in '...'"
         _fail("file", f"it is not TOML: {error}", fix, error)
     _check_values(content, texts="\\" in text or not text.isascii())
@@ -133,7 +127,7 @@ def read_json(text: str | bytes) -> object:
 
 def _refuse_comma(path: str, text: str, number: int) -> None:
     line = text.split("\n")[number - 1] if number else ""
-    comma = _DECIMAL_COMMA.search(line)
+    comma = re.search(r"[=:]\s*([-+]?\d+),(\d+)", line)
     if comma is not None:
         whole, decimals = (part[:20] for part in comma.groups())
         _fail(

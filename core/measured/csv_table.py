@@ -10,9 +10,11 @@ import codecs
 import csv
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import partial
 from io import StringIO
 from pathlib import Path
 from typing import NamedTuple
@@ -21,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.study.units import UnitError, problem
 from vibrafeed.core.suggestions import suggestion
 
 MAX_BYTES = 50_000_000  # bytes of a file, or characters of a text
@@ -30,17 +33,16 @@ MAX_LETTERS = 20_000  # characters of a line
 SHOWN = 3  # faults of a column that are listed one by one
 SAMPLED = 50  # rows that show the form of most rows
 MAX_ABOVE = 1_000  # rows and remarks above the table
-REMARKS = ("comment", "comments", "remark", "remarks")
 
 _IN_BRACKETS = re.compile(r"(\[[^\[\]]*\]|[\[(][^\[\]()]*[\])])\Z")
-_UNITS_ONLY = re.compile(r"([\[(][^\[\]]*[\])])?")
-_BARE_UNIT = re.compile(
-    r"-?|[nuµμm]?s(?:ec)?|[mk]?[gG]n?|Gal|[mc]?m[/·* ]?s\S{0,3}[2²]|m?V|[k]?Hz|°C?"
+_UNITS_ONLY = re.compile(
+    r"([\[(][^\[\]]*[\])])?"
+    r"|-?|[nuµμm]?s(?:ec)?|[mk]?[gG]n?|Gal|[mc]?m[/·* ]?s\S{0,3}[2²]|m?V|[k]?Hz|°C?"
 )
 SEPARATOR = re.compile(r'"?sep=(.)"?', re.IGNORECASE)
 """A line on top of a table that names what separates its cells, as spreadsheets have it."""
+_REMARKS = ("comment", "comments", "remark", "remarks")
 _CLOCK = re.compile(r"(?:\d{4}-\d\d-\d\d[T ])?\d\d:\d\d(?::\d\d.*)?")
-_ENCODINGS = ("utf-8-sig", "cp1252")  # the second is what a spreadsheet in Europe writes
 _MINUS = "\u2212"  # the minus sign of word processors and PDF files
 
 
@@ -83,45 +85,54 @@ class RecordingTable:
     columns: Mapping[str, RecordingColumn]
     lines: NDArray[np.int64]
 
-    def column(self, name: str, path: str, problems: list[Problem]) -> RecordingColumn | None:
-        """Return a recording's column by name; None if it is missing or has faulty cells.
+    def column(self, name: str, path: str) -> RecordingColumn:
+        """Return a column by name; raise `StudyError` if it is missing or has faulty cells.
 
-        Its problems are then added to `problems`, with the lines of the first faulty cells. `path`
-        is the place in the study where the column is named, for the messages.
+        `path` is the place in the study where the column is named, for the messages.
         """
         column = self.columns.get(name)
         if column is None:
-            problems.append(
-                Problem(
-                    path,
-                    f"the recording has no column '{name[:60]}'",
-                    suggestion(name, self.columns),
-                    name,
-                )
-            )
-            return None
+            message = f"the recording has no column '{name[:60]}'"
+            raise StudyError([Problem(path, message, suggestion(name, self.columns), name)])
         if column.contradiction:
-            problems.append(Problem(path, column.contradiction, ONE_MARK, name))
-            return None
-        for fault in column.faults:
-            problems.append(
-                Problem(
-                    path,
-                    f"line {fault.line} of column '{name}' is not a number: {fault.text[:40]!r}",
-                    "Correct the line of the recording, or remove it",
-                    name,
-                )
+            raise StudyError([Problem(path, column.contradiction, ONE_MARK, name)])
+        problems = [
+            Problem(
+                path,
+                f"line {fault.line} of column '{name}' is not a number: {fault.text[:40]!r}",
+                "Correct the line of the recording, or remove it",
+                name,
             )
+            for fault in column.faults
+        ]
         if column.faulty > SHOWN:
-            problems.append(
-                Problem(
-                    path,
-                    f"{column.faulty:,} cells of column '{name}' are not finite numbers",
-                    "Export the recording again",
-                    name,
-                )
-            )
-        return None if column.faulty else column
+            message = f"{column.faulty:,} cells of column '{name}' are not finite numbers"
+            problems.append(Problem(path, message, "Export the recording again", name))
+        if problems:
+            raise StudyError(problems)
+        return column
+
+
+@contextmanager
+def gathered(problems: list[Problem], path: str = "") -> Iterator[None]:
+    """Add the problems found within to `problems`, so that what follows is looked at as well.
+
+    `path` is the place in the study of a value that may have a wrong unit.
+    """
+    try:
+        yield
+    except UnitError as error:
+        problems.append(problem(path, error))
+    except StudyError as error:
+        problems += error.problems
+
+
+def refused(place: str, message: str, fix: str) -> StudyError:
+    """Return the error of a recording with one problem."""
+    return StudyError([Problem(place, message, fix)])
+
+
+_refused = partial(refused, "recording")
 
 
 def read_table(source: str | Path) -> RecordingTable:
@@ -171,13 +182,10 @@ def read_table(source: str | Path) -> RecordingTable:
 
 
 class _Lines(NamedTuple):
-    """The lines of a recording, taken apart: number and cells of each row and of each remark.
-
-    Remarks, lines that begin with ``#``, are kept as far as they may hold the names of columns.
-    """
+    """The lines of a recording, taken apart: number and cells of each row and of each remark."""
 
     rows: list[tuple[int, list[str]]]
-    remarks: list[tuple[int, list[str]]]
+    remarks: list[tuple[int, list[str]]]  # those that may hold the names of columns
     delimiter: str
 
     def is_number(self, cell: str) -> bool:
@@ -187,12 +195,12 @@ class _Lines(NamedTuple):
         sampled = self.rows[:: -max(len(self.rows) // SAMPLED, 1)]
         forms = Counter(tuple(map(self.is_number, cells)) for _, cells in sampled)
         form = max(forms, key=lambda form: (forms[form], len(form)))
-        for index, (_, cells) in enumerate(self.rows):
-            if len(cells) == len(form) and all(
-                self.is_number(cell) for cell, held in zip(cells, form, strict=True) if held
-            ):
-                return index
-        return 0
+        return next(
+            index
+            for index, (_, cells) in enumerate(self.rows)
+            if len(cells) == len(form)
+            and all(self.is_number(cell) for cell, held in zip(cells, form, strict=True) if held)
+        )
 
     def can_name(self, cells: list[str], width: int) -> bool:
         if len(cells) != width and len(_without_remark(cells)) != width:
@@ -229,12 +237,11 @@ def _parted(lines: _Lines) -> tuple[list[str], list[str], list[tuple[int, list[s
 
 
 def _without_remark(cells: list[str]) -> list[str]:
-    return cells[:-1] if cells[-1].strip().casefold() in REMARKS else cells
+    return cells[:-1] if cells[-1].strip().casefold() in _REMARKS else cells
 
 
 def _holds_units(cells: Sequence[str]) -> bool:
-    texts = [cell.strip() for cell in cells]
-    return all(_UNITS_ONLY.fullmatch(text) or _BARE_UNIT.fullmatch(text) for text in texts)
+    return all(_UNITS_ONLY.fullmatch(cell.strip()) for cell in cells)
 
 
 def _check_header(header: list[str]) -> None:
@@ -242,7 +249,8 @@ def _check_header(header: list[str]) -> None:
         raise _refused("the recording is empty", "Give a row of names, and rows of numbers below")
     if len(header) > MAX_COLUMNS:
         raise _refused(
-            f"it has {len(header):,} columns", f"Keep the {MAX_COLUMNS} that are used at most"
+            f"it has {len(header):,} columns",
+            f"Keep the {MAX_COLUMNS} that are used at most",
         )
     if all(_is_number(cell) for cell in header):
         raise _refused(
@@ -272,15 +280,12 @@ def decoded(raw: bytes) -> str:
     """Return the text of a table as recorders and spreadsheets write it, with plain minus signs.
 
     Its encoding is UTF-8, with or without a byte order mark, UTF-16 with one, or Windows-1252.
-
-    Raises
-    ------
-    ValueError
-        If it is none of them.
+    Raises `ValueError` if it is none of them.
     """
     is_wide = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     if is_wide or b"\0" not in raw:
-        for encoding in ("utf-16",) if is_wide else _ENCODINGS:
+        # The last is what a spreadsheet in Europe writes.
+        for encoding in ("utf-16",) if is_wide else ("utf-8-sig", "cp1252"):
             try:
                 return raw.decode(encoding).replace(_MINUS, "-")
             except UnicodeDecodeError:
@@ -339,15 +344,12 @@ def _quoted(number: int, line: str, delimiter: str) -> list[str]:
 
 
 def _names(header: Sequence[str]) -> tuple[list[str], list[str]]:
-    names, units = [], []
-    for cell in header:
-        name, unit = name_and_unit(cell)
-        names.append(name)
-        units.append(unit)
+    headings = [name_and_unit(cell) for cell in header]
+    names = [name for name, _ in headings]
     twice = sorted({name for name in names if names.count(name) > 1 and name})
     if twice:
         raise _refused(f"two columns have the name '{twice[0]}'", "Rename one")
-    return names, units
+    return names, [unit for _, unit in headings]
 
 
 def name_and_unit(heading: str) -> tuple[str, str]:
@@ -380,7 +382,8 @@ def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str])
             Problem(
                 "recording",
                 f"{len(odd):,} lines are not whole",
-                "Export it again; where a comma is a decimal comma, separate the cells by semicolons",
+                "Export it again; where a comma is a decimal comma, separate the cells by "
+                "semicolons",
             )
         )
     if problems:
@@ -418,10 +421,6 @@ def _is_number(text: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _refused(message: str, fix: str) -> StudyError:
-    return StudyError([Problem("recording", message, fix)])
 
 
 def _too_long(size: int) -> StudyError:

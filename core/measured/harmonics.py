@@ -184,9 +184,7 @@ class Noise(NamedTuple):
 def noise_of(samples: Samples, solution: Solution, resolution: Array) -> Noise:
     """Return the noise of a fit, at least the rounding of the values.
 
-    As spectral densities near the harmonics, and a weight for each axis. `samples` are the recorded
-    accelerations, `solution` is the fit of harmonics to them, `resolution` the steps of the
-    recorder for each axis [m s-2].
+    `resolution` holds the steps of the recorder for each axis [m s-2].
     """
     count = samples.size
     # Rounding to the recorder's steps, or of numbers: a mounting mixes that of all axes.
@@ -208,18 +206,10 @@ def density_near(
 ) -> Array:
     """Return the spectral density of the noise around a line, shape (axes, axes) [m2 s-4].
 
-    The mean over the nearest bins that no fitted wave touches; off the diagonal for pairs of axes.
-
-    Parameters
-    ----------
-    spectrum : ndarray, shape (axes, bins)
-        Fourier transform of the residual over the root of the number of samples [m s-2].
-    centre : float
-        Place of the line, in bins.
-    fitted : ndarray, shape (k,)
-        Places of the waves that have been fitted, in bins.
-    degree : int
-        Degree of the fitted drift, which reaches up to half as many bins.
+    The mean over the bins nearest to `centre` that no fitted wave touches; off the diagonal for
+    pairs of axes. `spectrum`, shape (axes, bins), is the Fourier transform of the residual over the
+    root of the number of samples [m s-2]; `fitted`, shape (k,), are the places of fitted waves in
+    bins, `degree` that of the fitted drift, which reaches up to half as many bins.
     """
     bins = np.arange(spectrum.shape[1])
     free = (np.abs(bins[:, None] - fitted) > TOUCHED).all(axis=1) & (bins > degree / 2.0)
@@ -390,6 +380,7 @@ def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.in
 
 
 def _without_gaps(samples: Samples) -> Samples:
+    # A spectrum counts samples, not time: behind a gap all phases would be off.
     steps = np.diff(samples.times)
     step = float(np.median(steps))
     if steps.max() <= (1.0 + UNEVEN) * step:
@@ -404,6 +395,7 @@ def stands_out(line: Line, count: int) -> bool:
 
 
 def _lower(samples: Samples, solution: Solution) -> Solution | None:
+    # The strongest line may be a harmonic of the drive: a fit at an integer fraction of it.
     left = samples._replace(values=solution.residual)
     line = strongest_line(left)
     power = (np.abs(solution.waves) ** 2).sum() / 2.0

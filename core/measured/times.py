@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import Problem
-from vibrafeed.core.measured.csv_table import RecordingTable
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.measured.csv_table import RecordingTable, refused
 from vibrafeed.core.quantities import Quantity
 from vibrafeed.core.study.units import UnitError, problem, read_number, unit_factor
 
@@ -35,94 +34,78 @@ ROUNDED = 0.75
 """Deviation from even times that is rounding, over the unit that times are rounded to."""
 
 
-class Times(NamedTuple):
-    """The times of samples.
-
-    Attributes
-    ----------
-    values : ndarray, shape (n,)
-        Ascending [s].
-    assumed : str
-        The column that was taken for seconds, since nothing names its unit; empty if it is named.
-    """
-
-    values: NDArray[np.float64]
-    assumed: str = ""
-
-
 def read_times(
-    table: RecordingTable, rate: float | str | None, time: str | None, problems: list[Problem]
-) -> Times | None:
-    """Return the times of the samples of a recording; None if they cannot be determined.
+    table: RecordingTable, rate: float | str | None, time: str | None
+) -> tuple[NDArray[np.float64], str]:
+    """Return the times of the samples of a recording [s], and the column taken for seconds.
 
     They come from `rate`, samples a second (a number or a text with a unit), or from the column
     `time` of the `table`, by default one with a usual name, or the only one whose heading has a
-    unit of time. The unit stands in the heading, or at the end of the name, as in ``time_ms``.
-    Times that differ from even ones by no more than their own rounding are made even; others are
-    kept, since least squares needs no even times. Problems are added to `problems`.
+    unit of time. The unit stands in the heading, or at the end of the name, as in ``time_ms``; if
+    nothing names it, seconds are assumed, and the column is returned, else "". Times that differ
+    from even ones by no more than their own rounding are made even; others are kept, since least
+    squares needs no even times.
+
+    Raises
+    ------
+    StudyError
+        If they cannot be determined.
     """
     if rate is not None:
         if time is not None:
-            problems.append(
-                Problem(
-                    "rate",
-                    "the recording has both a sampling rate (rate) and a time column (time)",
-                    "Give only the one that the recorder measures more accurately",
-                )
-            )
-            return None
+            message = "the recording has both a sampling rate (rate) and a time column (time)"
+            fix = "Give only the one that the recorder measures more accurately"
+            raise refused("rate", message, fix)
         try:
-            return Times(np.arange(len(table.lines)) / read_number("rate", RATE, rate))
+            return np.arange(len(table.lines)) / read_number("rate", RATE, rate), ""
         except UnitError as error:
-            problems.append(problem("rate", error))
-            return None
+            raise StudyError([problem("rate", error)]) from None
     name = time or _column_of_times(table)
     if name is None:
-        problems.append(
-            Problem(
-                "rate",
-                "the recording has neither a sampling rate nor a column of times",
-                "Give rate = the samples per second, or time = the name of the column of times",
-            )
-        )
-        return None
+        message = "the recording has neither a sampling rate nor a column of times"
+        fix = "Give rate = the samples per second, or time = the name of the column of times"
+        raise refused("rate", message, fix)
     if name in table.columns and table.columns[name].faulty == len(table.lines):
         fault = table.columns[name].faults[0]
-        problems.append(
-            Problem(
-                "time",
-                f"the cells of column '{name}' are not numbers and not times after ISO 8601, such as "
-                f"{fault.text[:40]!r} in line {fault.line}",
-                "Give rate = the samples per second, or write seconds, or times such as 12:30:05.002",
-            )
+        raise refused(
+            "time",
+            f"the cells of column '{name}' are not numbers and not times after ISO 8601, such "
+            f"as {fault.text[:40]!r} in line {fault.line}",
+            "Give rate = the samples per second, or write seconds, or times such as 12:30:05.002",
         )
-        return None
-    column = table.column(name, "time", problems)
-    if column is None:
-        return None
-    unit = column.unit or unit_in_name(name)
+    column = table.column(name, "time")
+    unit = column.unit or _stem_and_unit(name)[1]
     factor = _seconds(unit)
     if factor is None:
-        problems.append(
-            Problem(
-                "time",
-                f"the recording's time column has the unit '{column.unit[:40]}', which is "
-                f"not a unit of time",
-                "Write s, ms, us or min in the header, or give the rate (rate) and leave time out",
-            )
+        raise refused(
+            "time",
+            f"the recording's time column has the unit '{column.unit[:40]}', which is "
+            "not a unit of time",
+            "Write s, ms, us or min in the header, or give the rate (rate) and leave time out",
         )
-        return None
     times = factor * (column.values - column.values[0])
-    wrong = _uneven(name, times, table.lines)
-    if wrong:
-        problems.append(wrong)
-        return None
-    return Times(_even_if_rounded(times), "" if unit else name)
-
-
-def unit_in_name(name: str) -> str:
-    """Return the unit of time at the end of a column's name, as in ``time_ms``; else empty."""
-    return _stem_and_unit(name)[1]
+    steps, lines = np.diff(times), table.lines
+    backward = np.flatnonzero(steps <= 0)
+    if backward.size:
+        raise refused(
+            "time",
+            f"the times in the recording's column '{name}' do not increase in {backward.size} "
+            f"place{'s' * (backward.size > 1)}, first in line {lines[backward[0] + 1]}",
+            "Write the times with more digits, or give the sampling rate (rate) and leave time out",
+        )
+    even = _even_if_rounded(times)
+    if steps.size and even is times and _lost(steps) > MOST_LOST:
+        usual = float(np.median(steps))
+        worst = int(np.abs(steps / usual - 1.0).argmax())
+        raise refused(
+            "time",
+            f"the times in the recording's column '{name}' are not evenly spaced: steps are "
+            f"{1e3 * steps.min():.4g} to {1e3 * steps.max():.4g} ms, usually "
+            f"{1e3 * usual:.4g} ms; the most uneven one is before line {lines[worst + 1]}",
+            "Cut out a piece of the recording without gaps, or record again: at most "
+            f"{100 * MOST_LOST:.0f} % of the samples may be lost",
+        )
+    return even, "" if unit else name
 
 
 def _stem_and_unit(name: str) -> tuple[str, str]:
@@ -139,12 +122,10 @@ def _stem_and_unit(name: str) -> tuple[str, str]:
 
 
 def _column_of_times(table: RecordingTable) -> str | None:
-    for name in table.columns:
-        if _stem_and_unit(name)[0] in USUAL_NAMES:
-            return name
     columns = table.columns.items()
+    usual = [name for name in table.columns if _stem_and_unit(name)[0] in USUAL_NAMES]
     timed = [name for name, column in columns if column.unit and _seconds(column.unit)]
-    return timed[0] if len(timed) == 1 else None
+    return next(iter(usual), timed[0] if len(timed) == 1 else None)
 
 
 def _seconds(unit: str) -> float | None:
@@ -153,34 +134,6 @@ def _seconds(unit: str) -> float | None:
     except UnitError:
         return None
     return factor if factor <= LONGEST_UNIT else None
-
-
-def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> Problem | None:
-    steps = np.diff(times)
-    if not steps.size:
-        return None
-    backward = np.flatnonzero(steps <= 0)
-    if backward.size:
-        return Problem(
-            "time",
-            f"the times in the recording's column '{name}' do not increase in {backward.size} "
-            f"place{'s' * (backward.size > 1)}, first in line {lines[backward[0] + 1]}",
-            "Write the times with more digits, or give the sampling rate (rate) and leave time out",
-        )
-    usual = float(np.median(steps))
-    away = np.abs(steps / usual - 1.0)
-    if _lost(steps) <= MOST_LOST or _even_if_rounded(times) is not times:
-        return None
-    worst = int(away.argmax())
-    return Problem(
-        "time",
-        f"the times in the recording's column '{name}' are not evenly spaced: steps are "
-        f"{1e3 * steps.min():.4g} to {1e3 * steps.max():.4g} ms, usually "
-        f"{1e3 * usual:.4g} ms; the most uneven one is before line "
-        f"{lines[worst + 1]}",
-        "Cut out a piece of the recording without gaps, or record again: at most "
-        f"{100 * MOST_LOST:.0f} % of the samples may be lost",
-    )
 
 
 def _lost(steps: NDArray[np.float64]) -> float:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import NamedTuple
+import math
+from collections.abc import Iterator, Mapping
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.measured.csv_table import refused
 from vibrafeed.core.measured.harmonics import (
     LEAST_PERIODS,
     MAX_LEFT,
     NYQUIST_SHARE,
+    Array,
     Noise,
     Samples,
     Solution,
@@ -44,53 +47,51 @@ TWICE = 0.1  # a ratio so near to a whole number means another multiple of the f
 def check_before(signal: Signal) -> None:
     """Raise `StudyError` if a recording cannot be fitted, with all reasons.
 
-    `signal` holds times, accelerations and the frequencies that the study gives.
-
-    Raises
-    ------
-    StudyError
-        If a value is not finite, samples are too few, all channels are constant, or a frequency is
-        too low or too high for the recording.
+    A value may not be finite, samples may be too few, all channels constant, or a frequency that
+    the study gives too low or too high for the recording.
     """
-    problems = []
     count = signal.times.size
-    if not (np.isfinite(signal.accelerations).all() and np.isfinite(signal.times).all()):
-        problems.append(
-            Problem(
-                "recording",
-                "the recording holds values that are not finite numbers",
-                "Remove these values from the recording",
-            )
-        )
+    valued, timed = np.isfinite(signal.accelerations).all(), np.isfinite(signal.times).all()
+    problems = []
+    if not (valued and timed):
+        message = "the recording holds values that are not finite numbers"
+        problems.append(Problem("recording", message, "Remove these values from the recording"))
     if count < LEAST_SAMPLES:
-        raise StudyError(
-            [
-                *problems,
-                Problem(
-                    "recording",
-                    f"it has {count} samples",
-                    f"Record {LEAST_SAMPLES} at least, over {LEAST_PERIODS} periods or more",
-                ),
-            ]
-        )
-    problems += _out_of_range(signal)
-    if not np.ptp(signal.accelerations, axis=1).any():
-        problems.append(
-            Problem(
-                "recording",
+        fix = f"Record {LEAST_SAMPLES} at least, over {LEAST_PERIODS} periods or more"
+        raise StudyError([*problems, Problem("recording", f"it has {count} samples", fix)])
+    with np.errstate(over="ignore"):
+        step = float(np.ptp(signal.times)) / (count - 1)
+        ranges = np.ptp(signal.accelerations, axis=1)
+    size = float(ranges.max())
+    problems += [
+        Problem("recording", message, fix)
+        for wrong, message, fix in (
+            (
+                timed and not STEPS[0] <= step <= STEPS[1],
+                f"the recording has a sample every {step:.3g} s, which no recorder does",
+                "Give rate = the samples per second, or the unit of the column of times",
+            ),
+            (
+                valued and size and not ACCELERATIONS[0] <= size <= ACCELERATIONS[1],
+                f"the accelerations of the recording range over {size:.3g} m s-2, which no "
+                "feeder does",
+                "Give the unit of the acceleration columns, or record again",
+            ),
+            (
+                not ranges.any(),
                 "all channels of the recording are constant: the sensor recorded no motion",
                 "Check that the sensor was connected",
-            )
+            ),
         )
+        if wrong
+    ]
     duration = float(np.ptp(signal.times)) * count / (count - 1)
     lowest, highest = LEAST_PERIODS / duration, NYQUIST_SHARE * count / duration
     for key in ("frequency", "line_frequency"):
         asked = getattr(signal, key)
-        if asked is None:
-            continue
-        if asked < lowest:
+        if asked is not None and asked < lowest:
             problems.append(_too_short(key, asked, duration))
-        elif asked > highest:
+        elif asked is not None and asked > highest:
             problems.append(
                 Problem(
                     key,
@@ -105,33 +106,6 @@ def check_before(signal: Signal) -> None:
         raise StudyError(problems)
 
 
-def _out_of_range(signal: Signal) -> list[Problem]:
-    problems = []
-    with np.errstate(over="ignore"):
-        step = float(np.ptp(signal.times)) / (signal.times.size - 1)
-        size = float(np.ptp(signal.accelerations, axis=1).max())
-    least, most = STEPS
-    if np.isfinite(signal.times).all() and not least <= step <= most:
-        problems.append(
-            Problem(
-                "recording",
-                f"the recording has a sample every {step:.3g} s, which no recorder does",
-                "Give rate = the samples per second, or the unit of the column of times",
-            )
-        )
-    least, most = ACCELERATIONS
-    if np.isfinite(signal.accelerations).all() and size and not least <= size <= most:
-        problems.append(
-            Problem(
-                "recording",
-                f"the accelerations of the recording range over {size:.3g} m s-2, which no "
-                "feeder does",
-                "Give the unit of the acceleration columns, or record again",
-            )
-        )
-    return problems
-
-
 def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:
     """Raise `StudyError` if a recording cannot resolve its harmonics, or has too few periods.
 
@@ -140,18 +114,13 @@ def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:
     """
     able = orders_below(samples, frequency)
     wanted = signal.harmonics or 1
-    rate = samples.size / samples.duration
     if len(able) < wanted:
-        raise StudyError(
-            [
-                Problem(
-                    "harmonics",
-                    f"order {wanted} of {frequency:.4g} Hz needs "
-                    f"{wanted * frequency / NYQUIST_SHARE:,.0f} samples a second, the recording has "
-                    f"{rate:,.0f}",
-                    f"Ask for {len(able)} at most, or record faster" if able else "Record faster",
-                )
-            ]
+        raise refused(
+            "harmonics",
+            f"order {wanted} of {frequency:.4g} Hz needs "
+            f"{wanted * frequency / NYQUIST_SHARE:,.0f} samples a second, the recording has "
+            f"{samples.size / samples.duration:,.0f}",
+            f"Ask for {len(able)} at most, or record faster" if able else "Record faster",
         )
     if frequency * samples.duration < LEAST_PERIODS:
         raise StudyError([_too_short("recording", frequency, samples.duration)])
@@ -162,21 +131,9 @@ def check_fit(
 ) -> None:
     """Raise `StudyError` if the fit of a recording does not determine a drive.
 
-    Parameters
-    ----------
-    signal, samples : Signal, Samples
-        The recording as it was read, and with times about its middle.
-    solution, noise : Solution, Noise
-        The fit, and the spectral density of its residual.
-    stated : bool
-        True if any harmonic is significant.
-
-    Raises
-    ------
-    StudyError
-        If no order is significant, the residual is too large, the drive changes from the first
-        third to the last, the recorder's clock is too far off the line frequency, the unit of times
-        had to be guessed and cannot be seconds, or the constants contradict gravity.
+    That is if no order is significant (`stated`), the residual is too large, the drive changes from
+    the first third to the last, the recorder's clock is too far off the line frequency, the unit of
+    times had to be guessed and cannot be seconds, or the constants contradict gravity.
     """
     problems = []
     periodic = np.sqrt((np.abs(solution.waves) ** 2).sum() / 2.0)
@@ -220,37 +177,29 @@ def _not_periodic(samples: Samples, solution: Solution, left: float, periodic: f
     )
 
 
-class _Third(NamedTuple):
-    """Rms of the harmonics of one axis, and its variance."""
-
-    rms: float
-    variance: float
-
-
 def _unsteady(
     signal: Signal, samples: Samples, solution: Solution, noise: Noise, periodic: float
 ) -> list[Problem]:
     third = samples.size // 3
-    thirds = [
-        _of_part(samples, part, solution, noise) for part in (slice(third), slice(-third, None))
+    first, spread = _of_part(samples, slice(third), solution, noise)
+    last, other_spread = _of_part(samples, slice(-third, None), solution, noise)
+    allowed = np.maximum(MAX_CHANGE * periodic, CHANGE_ERRORS * np.sqrt(spread + other_spread))
+    return [
+        Problem(
+            "recording",
+            f"the drive is not steady: its rms {axis} is {before:.4g} m/s2 in the first "
+            f"third, {after:.4g} in the last",
+            "Record when it has settled, or cut out a piece in which it is steady",
+        )
+        for axis, before, after, most in zip(signal.axes, first, last, allowed, strict=True)
+        if abs(after - before) > most
     ]
-    problems = []
-    for axis, first, last in zip(signal.axes, *thirds, strict=True):
-        change = last.rms - first.rms
-        allowed = CHANGE_ERRORS * np.sqrt(first.variance + last.variance)
-        if abs(change) > max(MAX_CHANGE * periodic, float(allowed)):
-            problems.append(
-                Problem(
-                    "recording",
-                    f"the drive is not steady: its rms {axis} is {first.rms:.4g} m/s2 in the first "
-                    f"third, {last.rms:.4g} in the last",
-                    "Record when it has settled, or cut out a piece in which it is steady",
-                )
-            )
-    return problems
 
 
-def _of_part(samples: Samples, part: slice, solution: Solution, noise: Noise) -> list[_Third]:
+def _of_part(
+    samples: Samples, part: slice, solution: Solution, noise: Noise
+) -> tuple[Array, Array]:
+    # The rms of the harmonics in a part of the samples, and its variance, for each axis.
     times = samples.times[part]
     piece = Samples(times - (times[0] + times[-1]) / 2.0, samples.values[:, part])
     fit = solve_least_squares(
@@ -261,8 +210,7 @@ def _of_part(samples: Samples, part: slice, solution: Solution, noise: Noise) ->
     # rms^2 = sum(p^2 + q^2)/2, and p and q have the variance 2 S/n.
     density = np.einsum("kjj->jk", noise.densities[1:])
     above = (squares * 2.0 * density / piece.size).sum(axis=1)
-    variance = above / np.maximum(4.0 * rms**2, np.finfo(float).tiny)
-    return [_Third(*pair) for pair in zip(rms.tolist(), variance.tolist(), strict=True)]
+    return rms, above / np.maximum(4.0 * rms**2, np.finfo(float).tiny)
 
 
 def _not_seconds(signal: Signal, frequency: float) -> list[Problem]:
@@ -301,11 +249,8 @@ def _off(line: float | None, frequency: float) -> list[Problem]:
     ]
 
 
-# --- Gravity in a recording: how the track stands, and whether the channels are what they are named.
+# --- Gravity in a recording: whether the channels are what they are named.
 
-
-Slopes = Mapping[str, tuple[float, float]]
-"""Least and largest angle [rad] by which a track may rise along and across."""
 
 SIZE = 0.1  # share of gravity by which a constant acceleration may differ from it
 REMOVED = 0.08  # of gravity: smaller constants are offsets of a sensor that does not show it
@@ -323,145 +268,82 @@ CONFUSED = {
 
 
 def gravity_problems(
-    axes: tuple[str, ...], constant: NDArray[np.float64], rms: float, slopes: Slopes
+    axes: tuple[str, ...],
+    constant: NDArray[np.float64],
+    rms: float,
+    slopes: Mapping[str, tuple[float, float]],
 ) -> list[Problem]:
     """Return the problem of a recording whose constants contradict gravity; empty without one.
 
-    Parameters
-    ----------
-    axes : tuple of str
-        Which of along, across and normal.
-    constant : ndarray, shape (axes,)
-        Mean acceleration of each [m s-2].
-    rms : float
-        Of the harmonics of all axes [m s-2].
-    slopes : mapping of str to tuple
-        Angles of the track that the study states, by axis: along the climb, across the lean.
+    `constant` is the mean acceleration of each axis, shape (axes,), and `rms` that of the harmonics
+    of all axes [m s-2]; `slopes` are the angles of the track that the study states [rad], by axis:
+    along the climb, across the lean.
     """
     shown = dict(zip(axes, (constant / STANDARD_GRAVITY).tolist(), strict=True))
-    limits = _limits(slopes)
-    normal = shown.get("normal")
-    if normal is None or abs(normal) < 0.5:
-        for axis in limits:
-            if abs(shown.get(axis, 0.0)) >= 1.0 - SIZE:
-                return [
-                    _contradicts(
-                        axis,
-                        shown,
-                        "gravity belongs to the normal channel",
-                        "Name as normal the column that shows +1 g, as along that of the transport",
-                    )
-                ]
-    if normal is None or abs(normal) <= REMOVED:
-        return _without_gravity(shown, rms, limits)
-    return _size_problems(normal, shown, limits) or _direction_problems(normal, shown, limits)
-
-
-def _limits(slopes: Slopes) -> dict[str, tuple[float, float]]:
     stated = {axis: slopes.get(axis, (0.0, 0.0)) for axis in AXES[:2]}
-    return {
+    limits = {
         axis: (min(-STEEPEST, least - MARGIN), max(STEEPEST, most + MARGIN))
         for axis, (least, most) in stated.items()
     }
+    problems = []
+    for axis, means, fix in islice(_against_gravity(shown, rms, limits), 1):
+        others = ", ".join(f"{value:.2f} g {name}" for name, value in shown.items() if name != axis)
+        beside = f" (and {others})" if others else ""
+        size = f"the mean of the recording's {axis} channel is {shown[axis]:.3g} g{beside}"
+        problems.append(Problem(axis, f"{size}: {means}", fix))
+    return problems
 
 
-def _steepest(limits: tuple[float, float]) -> float:
-    return min(max(map(abs, limits)), np.pi / 2.0)
-
-
-def _size_problems(
-    normal: float, shown: Mapping[str, float], limits: Mapping[str, tuple[float, float]]
-) -> list[Problem]:
+def _against_gravity(
+    shown: Mapping[str, float], rms: float, limits: Mapping[str, tuple[float, float]]
+) -> Iterator[tuple[str, str, str]]:
+    # Channel, what its constant means, and what to do; constants over gravity, angles [rad].
+    normal = shown.get("normal")
+    recorded = [axis for axis in limits if axis in shown]
+    steepest = {axis: min(max(map(abs, ends)), np.pi / 2.0) for axis, ends in limits.items()}
+    if normal is None or abs(normal) < 0.5:
+        for axis in recorded:
+            if abs(shown[axis]) >= 1.0 - SIZE:
+                fix = "Name as normal the column that shows +1 g, as along that of the transport"
+                yield axis, "gravity belongs to the normal channel", fix
+    if normal is None or abs(normal) <= REMOVED:
+        thousandth = normal is not None and abs(abs(normal) / 0.001 - 1.0) <= SIZE
+        if thousandth and rms < SMALL * STANDARD_GRAVITY:
+            fix = (
+                "Correct the unit of the accelerations, and export without separators of thousands"
+            )
+            yield "normal", CONFUSED[0.001], fix
+        for axis in recorded:
+            if abs(shown[axis]) > SIZE + (np.sin(steepest[axis]) if normal is None else 0.0):
+                fix = "Correct the names of the channels, the unit, or the mounting"
+                yield axis, "a track at rest shows gravity in the normal channel", fix
+        return
     for factor, means in CONFUSED.items():
         if abs(abs(normal) / factor - 1.0) <= SIZE:
-            return [
-                _contradicts(
-                    "normal",
-                    shown,
-                    means,
-                    "Correct the unit of the accelerations: the key unit, or the headings",
-                )
-            ]
-    lowest = 1.0 - SIZE
-    for axis in [
-        one for one in limits if one not in shown
-    ]:  # what is not recorded may have a share of gravity
-        lowest *= float(np.cos(_steepest(limits[axis])))
-    if lowest <= float(np.linalg.norm(list(shown.values()))) <= 1.0 + SIZE:
-        return []
-    return [
-        _contradicts(
-            "normal",
-            shown,
-            "a sensor at rest shows 1 g, or 0 if it does not measure constant accelerations",
-            "Correct the unit, the scale of the sensor, or the names of the channels",
-        )
-    ]
-
-
-def _direction_problems(
-    normal: float, shown: Mapping[str, float], limits: Mapping[str, tuple[float, float]]
-) -> list[Problem]:
+            fix = "Correct the unit of the accelerations: the key unit, or the headings"
+            yield "normal", means, fix
+    # What is not recorded may have a share of gravity.
+    shares = (float(np.cos(steepest[axis])) for axis in limits if axis not in shown)
+    lowest = math.prod(shares, start=1.0 - SIZE)
+    if not lowest <= float(np.linalg.norm(list(shown.values()))) <= 1.0 + SIZE:
+        means = "a sensor at rest shows 1 g, or 0 if it does not measure constant accelerations"
+        fix = "Correct the unit, the scale of the sensor, or the names of the channels"
+        yield "normal", means, fix
     if normal < 0.0:
-        return [
-            _contradicts(
-                "normal",
-                shown,
-                "the channel points downwards, and the fitted drive would throw parts downwards",
-                "Turn its sign: a minus sign in front of the column's name, or none if it has one; or "
-                "give the mounting of a sensor that hangs upside down",
-            )
-        ]
-    for axis in filter(shown.__contains__, limits):
+        means = "the channel points downwards, and the fitted drive would throw parts downwards"
+        yield (
+            "normal",
+            means,
+            "Turn its sign: a minus sign in front of the column's name, or none if it has one; or "
+            "give the mounting of a sensor that hangs upside down",
+        )
+    for axis in recorded:
         angle = float(np.arctan2(shown[axis], normal))
-        least, most = limits[axis]
-        if not least <= angle <= most:
+        if not limits[axis][0] <= angle <= limits[axis][1]:
             verb, parameter = ("climb", "gamma") if axis == "along" else ("lean", "delta")
-            return [
-                _contradicts(
-                    axis,
-                    shown,
-                    f"the track would {verb} by {np.degrees(angle):.0f} degrees",
-                    "Correct the names of the channels or the mounting, or give the study's "
-                    f"{parameter}, if the track is so steep",
-                )
-            ]
-    return []
-
-
-def _without_gravity(
-    shown: Mapping[str, float], rms: float, limits: Mapping[str, tuple[float, float]]
-) -> list[Problem]:
-    normal = shown.get("normal")
-    thousandth = normal is not None and abs(abs(normal) / 0.001 - 1.0) <= SIZE
-    if thousandth and rms < SMALL * STANDARD_GRAVITY:
-        return [
-            _contradicts(
-                "normal",
-                shown,
-                CONFUSED[0.001],
-                "Correct the unit of the accelerations, and export without separators of thousands",
+            yield (
+                axis,
+                f"the track would {verb} by {np.degrees(angle):.0f} degrees",
+                "Correct the names of the channels or the mounting, or give the study's "
+                f"{parameter}, if the track is so steep",
             )
-        ]
-    for axis in filter(shown.__contains__, limits):
-        most = SIZE + (np.sin(_steepest(limits[axis])) if normal is None else 0.0)
-        if abs(shown[axis]) > most:
-            return [
-                _contradicts(
-                    axis,
-                    shown,
-                    "a track at rest shows gravity in the normal channel",
-                    "Correct the names of the channels, the unit, or the mounting",
-                )
-            ]
-    return []
-
-
-def _contradicts(axis: str, shown: Mapping[str, float], means: str, fix: str) -> Problem:
-    others = ", ".join(f"{value:.2f} g {name}" for name, value in shown.items() if name != axis)
-    beside = f" (and {others})" if others else ""
-    return Problem(
-        axis,
-        f"the mean of the recording's {axis} channel is {shown[axis]:.3g} g{beside}: {means}",
-        fix,
-    )

@@ -26,6 +26,7 @@ from vibrafeed.core.study.grid_study import (
     MAX_RUNS,
     NUMBER,
     OBSERVED,
+    PARAMETERS,
     Frozen,
     Parameters,
     by_parameter,
@@ -51,7 +52,6 @@ REGIMES_SEEN = {
 }
 """What may have been seen of a run without measuring its speed."""
 
-_PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.parameter)
 _WRITTEN = {"anyOf": [*NUMBER["anyOf"], {"type": "array", "items": NUMBER}]}
 
 
@@ -93,8 +93,8 @@ def _observed_schema(name: str) -> dict[str, Any]:
 
 @refusing
 def _read_row_error(raw: object, info: ValidationInfo) -> object:
-    given = {name: info.data.get(name) for name in OBSERVED}
-    output, value = next(((n, v) for n, v in given.items() if v is not None), (None, None))
+    known = ((name, info.data.get(name)) for name in OBSERVED)
+    output, value = next((one for one in known if one[1] is not None), (None, None))
     if raw is None or output is None or value is None:
         return None  # what is wrong with the value is told there
     return read_error(output, raw, value)
@@ -146,7 +146,7 @@ else:
             name: optional(
                 partial(_none_or, partial(read_number, name, QUANTITIES[name])), lambda: _WRITTEN
             )
-            for name in _PARAMETERS
+            for name in PARAMETERS
         },
         **{
             name: optional(
@@ -161,8 +161,7 @@ else:
 
 def parameters_of(run: Run) -> dict[str, float]:
     """Return the parameters of a run, in the units of studies."""
-    given = {name: getattr(run, name) for name in _PARAMETERS if name in run.model_fields_set}
-    return {name: value for name, value in given.items() if value is not None}
+    return {name: value for name, value in given(run).items() if value is not None}
 
 
 def spread_rows(raw: object) -> object:
@@ -209,14 +208,6 @@ def _rows_of(entry: Mapping[str, Any], number: int) -> Iterator[dict[str, Any]]:
         )
     for k in range(next(iter(lengths.values()))):
         yield {str(n): value[k] if n in lengths else value for n, value in entry.items()}
-
-
-ROWS_SCHEMA: dict[str, Any] = {
-    "anyOf": [
-        {"type": "string", "description": "A CSV or XLSX file in the study's folder."},
-        {"type": "array", "maxItems": MAX_RUNS, "items": {"type": "object"}, "minItems": 1},
-    ]
-}
 
 
 STEMS = {"unknowns": "", "offsets": "offset_", "factors": "factor_"}
@@ -290,15 +281,26 @@ def _read_probability(raw: object) -> object:
     )
 
 
-_PROBABILITY_SCHEMA = {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 0.5}
-
-
 class CalibrateStudy(MotionSettings, FollowedStudy):
     """A study that estimates unknown parameters from measured speeds."""
 
     kind: Literal["calibrate"] = Field(description="The kind of study.")
     observations: Annotated[
-        tuple[Run, ...], BeforeValidator(spread_rows), WithJsonSchema(ROWS_SCHEMA)
+        tuple[Run, ...],
+        BeforeValidator(spread_rows),
+        WithJsonSchema(
+            {
+                "anyOf": [
+                    {"type": "string", "description": "A CSV or XLSX file in the study's folder."},
+                    {
+                        "type": "array",
+                        "maxItems": MAX_RUNS,
+                        "items": {"type": "object"},
+                        "minItems": 1,
+                    },
+                ]
+            }
+        ),
     ] = Field(
         description="The runs: what differs between them, and what was measured; or the name of a "
         "CSV or XLSX file in the study's folder.",
@@ -331,7 +333,9 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
         strict=True,
     )
     outlier_probability: Annotated[
-        float, BeforeValidator(_read_probability), WithJsonSchema(_PROBABILITY_SCHEMA)
+        float,
+        BeforeValidator(_read_probability),
+        WithJsonSchema({"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 0.5}),
     ] = Field(
         0.01,
         description="Probability that an observed regime is wrong.",

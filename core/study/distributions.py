@@ -14,16 +14,13 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.study.grid_study import Frozen, by_parameter
 from vibrafeed.core.study.units import UnitError, read_number, share_of
 from vibrafeed.core.study.values import Between, NamedNumbers, as_difference, read_between
 from vibrafeed.core.suggestions import suggestion
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
 
 OUTSIDE = 0.00135
 """Share beyond either end of the tolerance of a distribution without ends, as three standard

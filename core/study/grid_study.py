@@ -231,10 +231,7 @@ def optional(read: Callable[[object], Any], schema: Callable[[], dict[str, Any]]
 
 
 def at_most(count: int) -> BeforeValidator:
-    """Return a pydantic validator that refuses lists of more than `count` entries.
-
-    It runs before pydantic checks each entry, which takes long for a list of millions.
-    """
+    """Return a validator that refuses longer lists before pydantic checks each of their entries."""
 
     def check(raw: object) -> object:
         if isinstance(raw, list | tuple) and len(raw) > count:
@@ -314,7 +311,7 @@ def by_parameter(
     return create_model(name, __base__=Frozen, __module__=schema.__module__, __doc__=doc, **fields)
 
 
-def given(section: Frozen | None) -> dict[str, Any]:
+def given(section: BaseModel | None) -> dict[str, Any]:
     """Return the parameters that a section of a study gives, in the order of the declaration."""
     named = section.model_fields_set if section is not None else ()
     return {name: getattr(section, name) for name in PARAMETERS if name in named}
@@ -388,13 +385,6 @@ def _read_units(raw: object) -> tuple[str, ...] | None:
 
 
 _SINGLE_WORD = {"type": "string", "maxLength": 100}
-_UNITS_SCHEMA = {
-    "anyOf": [
-        _SINGLE_WORD,
-        {"type": "array", "items": _SINGLE_WORD, "maxItems": MAX_SHOWN},
-        {"type": "null"},
-    ]
-}
 
 
 MAX_OUTPUTS = 100
@@ -423,7 +413,17 @@ class Study(Frozen):
         le=10_000,
     )
     units: Annotated[
-        tuple[str, ...] | None, PlainValidator(_read_units), WithJsonSchema(_UNITS_SCHEMA)
+        tuple[str, ...] | None,
+        PlainValidator(_read_units),
+        WithJsonSchema(
+            {
+                "anyOf": [
+                    _SINGLE_WORD,
+                    {"type": "array", "items": _SINGLE_WORD, "maxItems": MAX_SHOWN},
+                    {"type": "null"},
+                ]
+            }
+        ),
     ] = Field(
         None,
         description="Units that screens and pictures show: trade (the default), si, or units such "
@@ -431,10 +431,7 @@ class Study(Frozen):
     )
 
     def values(self) -> dict[str, Values]:
-        """Return the parameters that are set, with their values.
-
-        They are in the order of the declaration: equal studies have equal axes.
-        """
+        """Return the parameters that are set, in one order: equal studies agree."""
         return given(self.parameters)
 
     def places(self) -> dict[str, str]:
@@ -454,8 +451,7 @@ class Study(Frozen):
     def said(self) -> dict[str, Any]:
         """Return the content of the study without the fields that have their default values.
 
-        It is what a user has to write for the same study, and what its printed form shows. The name
-        of the kind is always in it.
+        The name of the kind is always in it.
         """
         fields = type(self).model_fields
         return {
@@ -472,10 +468,7 @@ class Study(Frozen):
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        """Return the study as an HTML table for notebooks.
-
-        It has a row for each field that is not a default.
-        """
+        """Return the study as an HTML table for notebooks, a row for each field that is set."""
         rows: list[tuple[str, object]] = []
         for name, value in self.said().items():
             inner = value.items() if isinstance(value, dict) else None

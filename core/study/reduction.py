@@ -27,14 +27,11 @@ STATISTICS = ("max", "min", "mean", "argmax", "argmin")
 """Statistics of an output over the cells that are reduced."""
 QUANTILE = "quantile"
 """The dimension of quantiles, and the suffix of their variables."""
-COMPARISONS = ("<=", ">=", "==", "!=", "<", ">")
-ENDS = ("smallest", "largest")
 MOST = 20  # names of shares or of levels, or conditions of one share, at most
 MAX_NAMES = 100
 
 _CONDITION = re.compile(r"\s*(\w{1,100})\s*(<=|>=|==|!=|<|>)\s*(.{1,200}?)\s*")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
-HOW = "Write, for example, 'throw_number < 1' or 'regime == slip'"
 
 
 @dataclass(frozen=True)
@@ -46,7 +43,7 @@ class ShareCondition:
     name : str
         An output, or a variable of regimes, such as ``regime``.
     comparison : str
-        One of `COMPARISONS`.
+        One of <=, >=, ==, !=, < and >.
     value : float or str
         A value in the output's unit, or the name of a regime.
     """
@@ -71,7 +68,8 @@ def _read_condition(raw: object) -> ShareCondition:
         return raw
     found = _CONDITION.fullmatch(raw) if isinstance(raw, str) else None
     if found is None:
-        raise refusal(f"{str(raw)[:60]!r} is not a condition", HOW)
+        fix = "Write, for example, 'throw_number < 1' or 'regime == slip'"
+        raise refusal(f"{str(raw)[:60]!r} is not a condition", fix)
     name, comparison, value = found.groups()
     if is_regime(name):
         if comparison not in ("==", "!="):
@@ -91,13 +89,11 @@ def _read_condition(raw: object) -> ShareCondition:
 
 
 def _read_statistic(raw: object) -> str:
-    if raw not in STATISTICS:
-        text = str(raw)[:60]
-        message = f"'{text}' is not a statistic"
-        if text == "median":
-            raise refusal(message, "Write quantiles = [0.5]")
-        raise refusal(message, partial(suggestion, text, STATISTICS))
-    return str(raw)
+    if raw in STATISTICS:
+        return str(raw)
+    text = str(raw)[:60]
+    near = "Write quantiles = [0.5]" if text == "median" else partial(suggestion, text, STATISTICS)
+    raise refusal(f"'{text}' is not a statistic", near)
 
 
 def _read_quantile(raw: object) -> float:
@@ -121,10 +117,11 @@ def _read_name(raw: object) -> str:
 def _ordered(order: Iterable[str]) -> Any:
     place = {name: k for k, name in enumerate(order)}
 
-    def sort(names: tuple[str, ...]) -> tuple[str, ...]:
-        return tuple(sorted(dict.fromkeys(names), key=lambda name: place.get(name, len(place))))
-
-    return AfterValidator(sort)
+    return AfterValidator(
+        lambda names: tuple(
+            sorted(dict.fromkeys(names), key=lambda name: place.get(name, len(place)))
+        )
+    )
 
 
 _BY_NAME = AfterValidator(lambda named: dict(sorted(named.items())))
@@ -133,14 +130,6 @@ _Condition = Annotated[
     ShareCondition, PlainValidator(_read_condition), PlainSerializer(str), WithJsonSchema(_TEXT)
 ]
 _Conditions = Annotated[tuple[_Condition, ...], at_most(MOST), Field(max_length=MOST)]
-_Statistic = Annotated[
-    str, PlainValidator(_read_statistic), WithJsonSchema({"enum": list(STATISTICS)})
-]
-_Quantile = Annotated[
-    float,
-    PlainValidator(_read_quantile),
-    WithJsonSchema({"type": "number", "minimum": 0, "maximum": 1}),
-]
 _Name = Annotated[str, PlainValidator(_read_name), WithJsonSchema({"type": "string"})]
 _Known = Annotated[str, Field(max_length=100)]
 
@@ -171,7 +160,16 @@ class Reduction(_Part):
         min_length=1,
         max_length=MAX_NAMES,
     )
-    statistics: Annotated[tuple[_Statistic, ...], at_most(MOST), _ordered(STATISTICS)] = Field(
+    statistics: Annotated[
+        tuple[
+            Annotated[
+                str, PlainValidator(_read_statistic), WithJsonSchema({"enum": list(STATISTICS)})
+            ],
+            ...,
+        ],
+        at_most(MOST),
+        _ordered(STATISTICS),
+    ] = Field(
         (),
         description="Statistics of each output: max, min, mean, and where the largest and least "
         "value lie (argmax, argmin: one variable for each axis that goes).",
@@ -183,7 +181,16 @@ class Reduction(_Part):
         max_length=MAX_NAMES,
     )
     quantiles: Annotated[
-        tuple[_Quantile, ...], at_most(MAX_NAMES), AfterValidator(lambda q: tuple(sorted({*q})))
+        tuple[
+            Annotated[
+                float,
+                PlainValidator(_read_quantile),
+                WithJsonSchema({"type": "number", "minimum": 0, "maximum": 1}),
+            ],
+            ...,
+        ],
+        at_most(MAX_NAMES),
+        AfterValidator(lambda q: tuple(sorted({*q}))),
     ] = Field((), description="Quantiles of each output, from 0 to 1.", max_length=MAX_NAMES)
     cells: Literal["valid", "all"] = Field(
         "valid",

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator
+from pydantic import AfterValidator, Field, field_validator
 
 from vibrafeed.core.study.distributions import Distribution, Uncertain
 from vibrafeed.core.study.grid_study import (
@@ -68,7 +67,11 @@ class SensitivityStudy(DrivenStudy):
     uncertain: Uncertain = Field(
         description="Parameters that are not known exactly, and their distributions."
     )
-    analyses: Annotated[tuple[Analysis, ...], at_most(len(ANALYSES))] = Field(
+    analyses: Annotated[
+        tuple[Analysis, ...],
+        at_most(len(ANALYSES)),
+        AfterValidator(lambda names: tuple(name for name in ANALYSES if name in names)),
+    ] = Field(
         ("distribution", "sobol", "budget"),
         description="What to compute: distribution (mean, standard deviation, quantiles, "
         "demands), sobol (which parameter the variance comes from), budget (what each "
@@ -118,11 +121,6 @@ class SensitivityStudy(DrivenStudy):
             )
         return value
 
-    @field_validator("analyses")
-    @classmethod
-    def _in_order(cls, value: tuple[Analysis, ...]) -> tuple[Analysis, ...]:
-        return tuple(name for name in ANALYSES if name in value)
-
     @field_validator("quantiles")
     @classmethod
     def _ascending(cls, value: tuple[float, ...]) -> tuple[float, ...]:
@@ -142,10 +140,8 @@ class SensitivityStudy(DrivenStudy):
 
     def asked(self) -> tuple[str, ...]:
         """Return every output that is needed, those of demands last."""
-        return tuple(dict.fromkeys((*self.outputs, *self._demanded())))
-
-    def _demanded(self) -> Iterable[str]:
-        return (one.output for one in self.demands if one.output is not None)
+        demanded = (one.output for one in self.demands if one.output is not None)
+        return tuple(dict.fromkeys((*self.outputs, *demanded)))
 
     def places(self) -> dict[str, str]:
         """Return the paths of parameters outside `parameters`."""

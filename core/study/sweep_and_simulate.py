@@ -8,7 +8,6 @@ from itertools import pairwise
 from typing import Annotated, Literal
 
 from pydantic import AliasChoices, Field, PlainValidator, WithJsonSchema, field_validator
-from pydantic_core import PydanticCustomError
 
 from vibrafeed.core.study.grid_study import (
     MAX_OUTPUTS,
@@ -64,18 +63,6 @@ Sensitivities = Annotated[
 
 MAX_SAMPLES = 100_000
 LATEST = 1e6  # s, latest time of a trajectory: eleven days, to which floats resolve a microsecond
-_TRAJECTORY_SCHEMA = {
-    "anyOf": [
-        {"type": "integer", "minimum": 2, "maximum": MAX_SAMPLES},
-        {
-            "type": "array",
-            "items": {"type": "number", "minimum": 0},
-            "minItems": 1,
-            "maxItems": MAX_SAMPLES,
-        },
-        {"type": "null"},
-    ]
-}
 
 
 def _are_times(raw: Sequence[object]) -> bool:
@@ -92,14 +79,10 @@ def _read_trajectory(raw: object) -> int | tuple[float, ...] | None:
         return raw  # type: ignore[return-value]
     if isinstance(raw, list | tuple) and _are_times(raw):
         return tuple(float(number) for number in raw)
-    raise PydanticCustomError(
-        "value",
-        "{message}",
-        {
-            "message": f"{reprlib.repr(raw)[:40]} is neither a number of steps nor a list of times",
-            "fix": f"Write a whole number from 2 to {MAX_SAMPLES:,}, or times in seconds that rise"
-            " from 0 or later",
-        },
+    raise refusal(
+        f"{reprlib.repr(raw)[:40]} is neither a number of steps nor a list of times",
+        f"Write a whole number from 2 to {MAX_SAMPLES:,}, or times in seconds that rise"
+        " from 0 or later",
     )
 
 
@@ -164,7 +147,20 @@ class SimulateStudy(MotionSettings, _Asked):
     trajectory: Annotated[
         int | tuple[float, ...] | None,
         PlainValidator(_read_trajectory),
-        WithJsonSchema(_TRAJECTORY_SCHEMA),
+        WithJsonSchema(
+            {
+                "anyOf": [
+                    {"type": "integer", "minimum": 2, "maximum": MAX_SAMPLES},
+                    {
+                        "type": "array",
+                        "items": {"type": "number", "minimum": 0},
+                        "minItems": 1,
+                        "maxItems": MAX_SAMPLES,
+                    },
+                    {"type": "null"},
+                ]
+            }
+        ),
     ] = Field(
         None,
         description="Also give the motion in time of the one point of the study: at this number of "

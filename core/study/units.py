@@ -59,7 +59,6 @@ WORDS: Final = MappingProxyType(
 )  # fmt: skip
 """Each word with its size in SI and its dimensions."""
 
-_RECIPROCAL = re.compile(r"1(?=\s?/|$)")
 _FACTOR = re.compile(r"(\s?[*/]\s?|\s)?([A-Za-zμ°_]+)(?:(?:\*\*|\^)(-?[1-9]))?")
 
 
@@ -78,7 +77,7 @@ def factor_between(text: str, own: str) -> Fraction | None:
 @lru_cache(512)
 def _read(text: str) -> tuple[Fraction, Dimensions] | None:
     size, dimensions = Fraction(1), list(_NONE)
-    start = 1 if _RECIPROCAL.match(text) else 0
+    start = 1 if re.match(r"1(?=\s?/|$)", text) else 0
     while start < len(text):
         match = _FACTOR.match(text, start)
         if match is None or match[2] not in WORDS or (not match[1]) != (start == 0):
@@ -97,7 +96,7 @@ MAX_LETTERS = 200  # characters of a value with its unit
 MAX_UNITS = 10  # units in the values of one list: looking one up takes long
 
 _TEXT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*(.*?)\s*")
-_BARE = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?")
+BARE_NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?")
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+(?![\d.])")
 
 # Signs of word processors, PDF files and keyboards, and the ones that are meant: the minus sign,
@@ -109,15 +108,10 @@ _SIGNS = str.maketrans(
      **dict.fromkeys("\u00ba\u02da", "°"), "\u2215": "/", "\u00b5": "μ"}
 )  # fmt: skip
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻", "0123456789+-")
-_RAISED = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻]+")
-# CF and UDUNITS write "m s-2" and "kg.m2" for m*s**-2 and kg*m**2; g0 is no power.
-_CF_POWER = re.compile(r"(?<=[A-Za-zμ])(-?[1-9])(?![\w.^]|\*\*)")
-_CF_PRODUCT = re.compile(r"(?<=[\w°])\.(?=[A-Za-zμ°])")
 _UNIT = re.compile(r"(?:1\s?/\s?)?[A-Za-zμ°(][A-Za-z0-9_ μ°*/^().-]{0,60}")
 # Powers are exact, and as long as their exponents are high: "mm**99999999" would take hours.
 _POWER = re.compile(r"(?<![)\s])\s?(?:\*\*|\^)\s?-?\d(?![\w.]|\s?(?:\*\*|\^))")
 _HIGH_POWER = re.compile(r"\*\*|\^|[\d.][eE]")
-_TITLE = re.compile(r"\b[A-Z](?=[a-z]{2,})")
 
 # What a rate counts is no unit. pint has a revolution for 2 pi radians, and so rpm and rps.
 _COUNTED = {
@@ -268,7 +262,7 @@ def with_unit(text: str, unit: str) -> str:
     `unit` is empty where the heading has none. This is where tables of all sorts get their units.
     """
     text = text.strip().translate(_SIGNS)
-    return f"{text} {unit}" if unit and _BARE.fullmatch(text) else text
+    return f"{text} {unit}" if unit and BARE_NUMBER.fullmatch(text) else text
 
 
 def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
@@ -341,7 +335,7 @@ def _factor(own: str, unit: str, *, with_g: bool) -> Fraction:
 
 
 def _quantity(text: str) -> pint.Quantity[Fraction]:
-    small = _TITLE.sub(lambda first: first[0].lower(), text)
+    small = re.sub(r"\b[A-Z](?=[a-z]{2,})", lambda first: first[0].lower(), text)
     for tried in dict.fromkeys((text, small)):
         try:
             return _registry().Quantity(Fraction(1), tried)
@@ -351,7 +345,7 @@ def _quantity(text: str) -> pint.Quantity[Fraction]:
 
 
 def _plain(unit: str) -> str:
-    text = _RAISED.sub(lambda power: f"**{power[0].translate(_SUPERSCRIPTS)}", unit)
+    text = re.sub("[⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻]+", lambda power: f"**{power[0].translate(_SUPERSCRIPTS)}", unit)
     text = text.translate(_SIGNS)
     return re.sub(r"^(per\b|/)\s?", "1/", text)
 
@@ -368,7 +362,12 @@ def _spelled(own: str, unit: str, *, with_g: bool) -> str:
 
 
 def _in_pint(unit: str) -> str:
-    return _CF_POWER.sub(r"**\1", _CF_PRODUCT.sub("*", unit))
+    # CF and UDUNITS write "m s-2" and "kg.m2" for m*s**-2 and kg*m**2; g0 is no power.
+    return re.sub(
+        r"(?<=[A-Za-zμ])(-?[1-9])(?![\w.^]|\*\*)",
+        r"**\1",
+        re.sub(r"(?<=[\w°])\.(?=[A-Za-zμ°])", "*", unit),
+    )
 
 
 @functools.cache
@@ -483,6 +482,7 @@ def _unit_of(value: Any) -> Any:
 
 
 def _unit_text(unit: Any) -> str:
+    # pint's short names mean two things: "g" is standard gravity where accelerations are asked for.
     one: Any = 1 * unit if hasattr(unit, "dimensionality") else None
     if not hasattr(one, "unit_items"):
         return "" if unit is None else str(unit).strip()

@@ -9,24 +9,20 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
 from operator import gt, lt
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.study.shown import Shown, ShownUnits
 from vibrafeed.core.study.units import UnitError, read_number, read_numbers
 from vibrafeed.core.suggestions import suggestion
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
 
 # --- Spaced values, each as a person would type it.
 #
@@ -107,6 +103,7 @@ def geometrically(
 
 @functools.lru_cache(maxsize=256)
 def _steps(first: float, last: float, size: int) -> tuple[int, int, int]:
+    # Integers a, b, c: value k of the axis is exactly (a + b k)/c, as a user means it.
     begin = as_typed(first)
     step = (as_typed(last) - begin) / (size - 1)
     common = begin.denominator * step.denominator
@@ -126,10 +123,6 @@ def _approximately(
         values[-1:] = last
     return values
 
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
 
 MAX_POINTS = 100_000_000  # values of one axis: more is a typing error, and would fill the memory
 RANGE_KEYS = ("start", "stop", "num", "step", "spacing")
@@ -349,25 +342,20 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
             f"{str(spacing)[:40]!r} is not a spacing of the range of {name}",
             "Write spacing = 'linear' or 'log', or leave out spacing",
         )
+    size = raw.get("num")
     if "step" in raw:
         stop, size = _step(name, quantity, start, stop, raw["step"])
-    else:
-        size = _num(name, raw["num"])
+    elif isinstance(size, bool) or not isinstance(size, int) or size < 2:
+        raise UnitError(
+            f"num of {name} is {str(size)[:40]!r}, not a number of values",
+            "Give num as a whole number of at least 2",
+        )
     if size > MAX_POINTS:
         raise UnitError(
             f"{name} has {size:,} values",
             f"Give an axis at most {MAX_POINTS:,} values: take a larger step",
         )
     return Span(start, stop, size, "log" if spacing == "log" else "linear")
-
-
-def _num(name: str, raw: object) -> int:
-    if isinstance(raw, bool) or not isinstance(raw, int) or raw < 2:
-        raise UnitError(
-            f"num of {name} is {str(raw)[:40]!r}, not a number of values",
-            "Give num as a whole number of at least 2",
-        )
-    return raw
 
 
 def _step(
@@ -394,7 +382,4 @@ def as_difference(quantity: Quantity) -> Quantity:
     It is used to read a step of a range or a standard deviation, whose bounds are not the
     quantity's own.
     """
-    return Quantity(
-        quantity.unit, quantity.symbol, quantity.label, quantity.description, 0.0, strict=True,
-        examples=quantity.examples,
-    )  # fmt: skip
+    return replace(quantity, lower=0.0, upper=math.inf, strict=True)

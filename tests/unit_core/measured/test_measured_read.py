@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from recordings import DRIVE, csv_of, signal_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.measured import Recording, fit_drive, read, read_signal, read_table
+from vibrafeed.core.measured import Recording, csv_table, fit_drive, read_signal, read_table
 from vibrafeed.core.measured.csv_table import name_and_unit
 
 PLAIN = "time [s],ax [g],ay\n0,1,2\n0.1,3,-4e-1\n"
@@ -429,7 +429,7 @@ def test_a_heading_has_a_name_and_perhaps_a_unit(heading, name, unit):
 
 def test_no_pattern_of_headings_tries_one_place_after_the_other():
     """Blanks between name and bracket, 20,000 of them, held the interpreter for seconds."""
-    source = Path(read.__file__).read_text()
+    source = Path(csv_table.__file__).read_text()
     patterns = re.findall(r're\.compile\(r"(.*?)"\)', source)
     assert patterns
     for pattern in patterns:
