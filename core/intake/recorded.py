@@ -20,6 +20,7 @@ from vibrafeed.core.intake.section import (
     no_field,
     problems_of,
 )
+from vibrafeed.core.measured.csv_table import refused
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.study.grid_study import (
     MeasuredDrive,
@@ -132,18 +133,21 @@ def _measured_drive(
         fit = measured.fit_drive(
             _table(source, path, files), measured.Recording(**asked, slopes=slopes)
         )
-        raw = source.encode("utf-8", "surrogatepass") if isinstance(source, str) else None
-        digest = hashlib.sha256(source.read_bytes() if raw is None else raw).hexdigest()
+        raw = (
+            source.read_bytes()
+            if isinstance(source, Path)
+            else source.encode("utf-8", "surrogatepass")
+        )
     except StudyError as error:
         raise StudyError(_placed(problem, path) for problem in error.problems) from None
     except (OSError, ValueError) as error:  # a NUL in its name is the second
         fix = "Name a CSV file by its path from the folder of the study"
         message = f"it cannot be read: {getattr(error, 'strerror', None) or error}"
-        raise StudyError([Problem(path, message, advice_on_path(source, fix))]) from None
+        raise refused(path, message, advice_on_path(source, fix)) from None
     left_over: dict[Any, float] = dict(zip(fit.axes, map(_rounded, fit.left_over), strict=True))
     record = MeasuredDrive(
         name=source.name if isinstance(source, Path) else "data",
-        sha256=digest,
+        sha256=hashlib.sha256(raw).hexdigest(),
         left_over=left_over,
         clock_error=None if fit.clock is None else _rounded(fit.clock.error),
         numbers={name: _rounded(value) for name, value in fit.parameters().items()},
@@ -159,32 +163,28 @@ def _source(drive: RecordedDrive, files: bool) -> str | Path:
     text = "data = the text of the recording's CSV"
     fix = f"Give file = the name of the recording, or {text}" if files else f"Give {text}"
     if drive.file is not None and drive.data is not None:
-        raise StudyError([Problem("drive", "the drive gives both file and data", fix)])
+        raise refused("drive", "the drive gives both file and data", fix)
     if drive.data is not None:
         return drive.data
     if drive.file is None:
-        raise StudyError([Problem("drive", "the drive names no recording", fix)])
+        raise refused("drive", "the drive names no recording", fix)
     if not files:
         message = "the service cannot read the recording from your computer"
-        raise StudyError([Problem("drive.file", message, fix)])
+        raise refused("drive.file", message, fix)
     return drive.file
 
 
 def _table(source: str | Path, path: str, files: bool) -> measured.RecordingTable:
     # Most lines are rows: what has far too many is not read.
     lines = source.count("\n") if isinstance(source, str) else 0
+    limit = f"the limit over HTTP is {MAX_ROWS_SENT:,}"
+    fix = "Shorten the recording: one second of motion is enough"
     if not files and lines > 2 * MAX_ROWS_SENT:
-        raise _too_long(path, f"{lines:,} lines")
+        raise refused(path, f"the recording has {lines:,} lines, {limit}", fix)
     table = measured.read_table(source)
     if not files and len(table.lines) > MAX_ROWS_SENT:
-        raise _too_long(path, f"{len(table.lines):,} rows")
+        raise refused(path, f"the recording has {len(table.lines):,} rows, {limit}", fix)
     return table
-
-
-def _too_long(path: str, held: str) -> StudyError:
-    message = f"the recording has {held}, the limit over HTTP is {MAX_ROWS_SENT:,}"
-    fix = "Shorten the recording: one second of motion is enough"
-    return StudyError([Problem(path, message, fix)])
 
 
 def _placed(problem: Problem, path: str) -> Problem:

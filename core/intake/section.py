@@ -16,8 +16,6 @@ from vibrafeed.core.study.grid_study import PARAMETERS
 from vibrafeed.core.suggestions import Suggestions
 
 if TYPE_CHECKING:
-    from pydantic_core import ErrorDetails
-
     from vibrafeed.core.measured.fit import Fit
 
 
@@ -240,13 +238,13 @@ def problems_of(
     return problems
 
 
-def _is_outside(error: ErrorDetails) -> bool:
+def _is_outside(error: Mapping[str, Any]) -> bool:
     name, *below = error["loc"]
     return error["type"] == "extra_forbidden" and not below and letter_of(name) in PARAMETERS
 
 
 def _problem(
-    error: ErrorDetails, path: list[Any], section: Section, suggest: Suggestions
+    error: Mapping[str, Any], path: list[Any], section: Section, suggest: Suggestions
 ) -> Problem:
     key, kind = section.place(path), error["type"]
     context: dict[str, Any] = error.get("ctx", {})

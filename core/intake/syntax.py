@@ -63,7 +63,7 @@ def _read_text(text: str, suffix: str, stem: str) -> object:
     try:
         return _READERS[suffix](text)
     except StudyError as error:
-        (other,) = {*_READERS} - {suffix}
+        other = ".toml" if suffix == ".json" else ".json"
         try:
             _READERS[other](text)
         except StudyError:
@@ -179,11 +179,8 @@ def _check_values(content: object, *, texts: bool) -> None:
 
 
 def _check_plain(path: str, values: Sequence[Any], texts: bool) -> None:
-    kinds = {*map(type, values)}
-    if kinds <= {int, float}:
-        numbers = values
-    else:
-        numbers = [value for value in values if type(value) in (int, float)]
+    plain = {*map(type, values)} <= {int, float}
+    numbers = values if plain else [one for one in values if type(one) in (int, float)]
     if numbers and not -LARGEST <= min(numbers) <= max(numbers) <= LARGEST:
         _fail(path or "body", *TOO_LARGE)
     if texts and any(isinstance(value, str) and _is_no_text(value) for value in values):

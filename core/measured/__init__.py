@@ -8,7 +8,6 @@ from vibrafeed.core.lazy import lazily
 
 __all__ = [
     "Clock",
-    "Fault",
     "Fit",
     "Fold",
     "Recording",
@@ -23,14 +22,14 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from vibrafeed.core.measured.csv_table import Fault, RecordingColumn, RecordingTable, read_table
+    from vibrafeed.core.measured.csv_table import RecordingColumn, RecordingTable, read_table
     from vibrafeed.core.measured.fit import Clock, Fit, Fold, Tilt, fit_drive, fit_signal
     from vibrafeed.core.measured.recording import Recording, Signal, read_signal
 else:
     __getattr__ = lazily(
         __name__,
         {
-            "csv_table": ("Fault", "RecordingColumn", "RecordingTable", "read_table"),
+            "csv_table": ("RecordingColumn", "RecordingTable", "read_table"),
             "fit": ("Clock", "Fit", "Fold", "Tilt", "fit_drive", "fit_signal"),
             "recording": ("Recording", "Signal", "read_signal"),
         },

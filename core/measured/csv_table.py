@@ -46,13 +46,6 @@ _CLOCK = re.compile(r"(?:\d{4}-\d\d-\d\d[T ])?\d\d:\d\d(?::\d\d.*)?")
 _MINUS = "\u2212"  # the minus sign of word processors and PDF files
 
 
-class Fault(NamedTuple):
-    """A cell that is no finite number: its line in the file and its text."""
-
-    line: int
-    text: str
-
-
 @dataclass(frozen=True)
 class RecordingColumn:
     """One channel.
@@ -63,8 +56,8 @@ class RecordingColumn:
         As written in the file; NaN where a cell is faulty.
     unit : str
         What the header says in brackets; empty if it says nothing.
-    faults : tuple of Fault
-        The first faulty cells.
+    faults : tuple of (int, str)
+        Line and text of the first cells that are no finite numbers.
     faulty : int
         How many there are.
     contradiction : str
@@ -73,7 +66,7 @@ class RecordingColumn:
 
     values: NDArray[np.float64]
     unit: str
-    faults: tuple[Fault, ...] = ()
+    faults: tuple[tuple[int, str], ...] = ()
     faulty: int = 0
     contradiction: str = ""
 
@@ -99,11 +92,11 @@ class RecordingTable:
         problems = [
             Problem(
                 path,
-                f"line {fault.line} of column '{name}' is not a number: {fault.text[:40]!r}",
+                f"line {line} of column '{name}' is not a number: {text[:40]!r}",
                 "Correct the line of the recording, or remove it",
                 name,
             )
-            for fault in column.faults
+            for line, text in column.faults
         ]
         if column.faulty > SHOWN:
             message = f"{column.faulty:,} cells of column '{name}' are not finite numbers"
@@ -402,7 +395,7 @@ def _column(
                 return RecordingColumn(seconds, "s")
         values = np.array([float(text) if _is_number(text) else np.nan for text in points])
     wrong = np.flatnonzero(~np.isfinite(values))
-    faults = tuple(Fault(int(lines[row]), texts[row].strip()) for row in wrong[:SHOWN])
+    faults = tuple((int(lines[row]), texts[row].strip()) for row in wrong[:SHOWN])
     return RecordingColumn(values, unit, faults, wrong.size)
 
 

@@ -66,11 +66,11 @@ def read_times(
         fix = "Give rate = the samples per second, or time = the name of the column of times"
         raise refused("rate", message, fix)
     if name in table.columns and table.columns[name].faulty == len(table.lines):
-        fault = table.columns[name].faults[0]
+        line, text = table.columns[name].faults[0]
         raise refused(
             "time",
             f"the cells of column '{name}' are not numbers and not times after ISO 8601, such "
-            f"as {fault.text[:40]!r} in line {fault.line}",
+            f"as {text[:40]!r} in line {line}",
             "Give rate = the samples per second, or write seconds, or times such as 12:30:05.002",
         )
     column = table.column(name, "time")

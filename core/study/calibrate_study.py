@@ -116,17 +116,6 @@ class _Row(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
-_RowError = Annotated[
-    float | None,
-    BeforeValidator(_read_row_error),
-    WithJsonSchema({**_WRITTEN, "description": "Standard deviation of the measured value."}),
-]
-_Seen = Annotated[
-    str | None,
-    PlainValidator(_read_regime),
-    WithJsonSchema({"type": "string", "enum": [*REGIMES_SEEN]}),
-]
-
 if TYPE_CHECKING:
 
     class Run(_Row):
@@ -154,8 +143,24 @@ else:
             )
             for name in OBSERVED
         },
-        error=(_RowError, None),
-        regime=(_Seen, Field(None, description="Observed behaviour of the part, such as hopping.")),
+        error=(
+            Annotated[
+                float | None,
+                BeforeValidator(_read_row_error),
+                WithJsonSchema(
+                    {**_WRITTEN, "description": "Standard deviation of the measured value."}
+                ),
+            ],
+            None,
+        ),
+        regime=(
+            Annotated[
+                str | None,
+                PlainValidator(_read_regime),
+                WithJsonSchema({"type": "string", "enum": [*REGIMES_SEEN]}),
+            ],
+            Field(None, description="Observed behaviour of the part, such as hopping."),
+        ),
     )
 
 

@@ -129,8 +129,8 @@ def read_distribution(name: str, raw: object, quantity: Quantity | None = None) 
 
 
 def _no_form(name: str, keys: frozenset[str]) -> UnitError:
-    known = [key for form in FORMS.values() for key in form]
-    unknown = sorted(keys.difference(known))
+    known = {key for form in FORMS.values() for key in form}
+    unknown = sorted(keys - known)
     if unknown:
         shown = unknown[0][:40]
         return UnitError(f"'{shown}' is not a key of a distribution", suggestion(shown, known))

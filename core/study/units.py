@@ -32,31 +32,28 @@ PI: Final = Fraction("3.1415926535897932384626433832795028841971693993751")
 """pi to the digits of pint."""
 
 _NONE = (0, 0, 0, 0, 0)
-WORDS: Final = MappingProxyType(
-    {
-        word: (Fraction(size), kind)
-        for kind, words in (
-            ((1, 0, 0, 0, 0), {"m": 1, "mm": "1e-3", "cm": "1e-2", "km": 1000, "um": "1e-6",
-                               "μm": "1e-6", "in": "0.0254", "inch": "0.0254"}),
-            ((0, 1, 0, 0, 0), {"kg": 1, "g": "1e-3", "mg": "1e-6"}),
-            ((0, 0, 1, 0, 0), {"s": 1, "ms": "1e-3", "us": "1e-6", "μs": "1e-6", "min": 60,
-                               "h": 3600}),
-            ((0, 0, -1, 0, 0), {"Hz": 1, "kHz": 1000, "MHz": 10**6}),
-            (_NONE, {"count": 1}),
-            ((0, 0, 0, 0, 1), {"rad": 1, "mrad": "1e-3", "deg": PI / 180, "degree": PI / 180,
-                               "°": PI / 180}),
-            ((0, 0, -1, 0, 1), {"rpm": PI / 30}),
-            ((1, 0, -2, 0, 0), {"standard_gravity": "9.80665",
-                                "millistandard_gravity": "9.80665e-3"}),
-            ((1, 1, -2, 0, 0), {"N": 1, "mN": "1e-3", "kN": 1000}),
-            ((-1, 1, -2, 0, 0), {"Pa": 1, "kPa": 1000, "MPa": 10**6, "GPa": 10**9}),
-            ((2, 1, -2, 0, 0), {"J": 1, "mJ": "1e-3"}),
-            ((2, 1, -3, 0, 0), {"W": 1, "mW": "1e-3"}),
-            ((0, 1, -2, -1, 0), {"T": 1, "mT": "1e-3"}),
-        )
-        for word, size in words.items()
-    }
+_SIZES: Final[tuple[tuple[Dimensions, dict[str, Fraction | str | int]], ...]] = (
+    ((1, 0, 0, 0, 0), {"m": 1, "mm": "1e-3", "cm": "1e-2", "km": 1000, "um": "1e-6",
+                       "μm": "1e-6", "in": "0.0254", "inch": "0.0254"}),
+    ((0, 1, 0, 0, 0), {"kg": 1, "g": "1e-3", "mg": "1e-6"}),
+    ((0, 0, 1, 0, 0), {"s": 1, "ms": "1e-3", "us": "1e-6", "μs": "1e-6", "min": 60,
+                       "h": 3600}),
+    ((0, 0, -1, 0, 0), {"Hz": 1, "kHz": 1000, "MHz": 10**6}),
+    (_NONE, {"count": 1}),
+    ((0, 0, 0, 0, 1), {"rad": 1, "mrad": "1e-3", "deg": PI / 180, "degree": PI / 180,
+                       "°": PI / 180}),
+    ((0, 0, -1, 0, 1), {"rpm": PI / 30}),
+    ((1, 0, -2, 0, 0), {"standard_gravity": "9.80665",
+                        "millistandard_gravity": "9.80665e-3"}),
+    ((1, 1, -2, 0, 0), {"N": 1, "mN": "1e-3", "kN": 1000}),
+    ((-1, 1, -2, 0, 0), {"Pa": 1, "kPa": 1000, "MPa": 10**6, "GPa": 10**9}),
+    ((2, 1, -2, 0, 0), {"J": 1, "mJ": "1e-3"}),
+    ((2, 1, -3, 0, 0), {"W": 1, "mW": "1e-3"}),
+    ((0, 1, -2, -1, 0), {"T": 1, "mT": "1e-3"}),
 )  # fmt: skip
+WORDS: Final = MappingProxyType(
+    {word: (Fraction(size), kind) for kind, words in _SIZES for word, size in words.items()}
+)
 """Each word with its size in SI and its dimensions."""
 
 _FACTOR = re.compile(r"(\s?[*/]\s?|\s)?([A-Za-zμ°_]+)(?:(?:\*\*|\^)(-?[1-9]))?")

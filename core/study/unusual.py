@@ -56,9 +56,8 @@ def questions(content: object) -> list[str]:
     for part, given in parts.items():
         for name, raw in given.items() if isinstance(given, Mapping) else ():
             quantity = QUANTITIES.get(str(name))
-            if quantity is None or quantity.usual is None:
-                continue
-            if part == "parameters" and name in fitted:
+            known = part == "parameters" and name in fitted
+            if known or quantity is None or quantity.usual is None:
                 continue
             question = _question(str(name), quantity, quantity.usual, [*leaves_of(raw)])
             asked += [question] if question else []
