@@ -16,7 +16,7 @@ from vibrafeed.core.measured.csv_table import name_and_unit
 from vibrafeed.core.quantities import QUANTITIES, letter_of
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.grid_study import PARAMETERS, Study
-from vibrafeed.core.study.units import apart, dimension_of, is_packed, with_own_unit
+from vibrafeed.core.study.units import apart, dimension_of, with_own_unit
 from vibrafeed.core.study.values import MAX_POINTS
 
 KEYS = tuple(dict.fromkeys(key for kind in KINDS.values() for key in kind.model.model_fields))
@@ -170,7 +170,8 @@ def plain(value: object, path: str) -> Any:
 
 
 def _numbers(value: Any, path: str) -> Any:
-    if is_packed(value):
+    attributes = getattr(value, "attrs", None)
+    if isinstance(attributes, dict) and attributes.keys() & {"scale_factor", "add_offset"}:
         raise StudyError(
             [
                 Problem(

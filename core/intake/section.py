@@ -220,12 +220,7 @@ def problems_of(
             fault for fault in faults if not _is_outside(fault) and fault["loc"] != ("parameters",)
         ]
     for fault in faults[:MAX_PROBLEMS]:
-        path, tag = [*([within] if within else []), *fault["loc"]], ""
-        section = sections.get(str(path[0]), Section()) if path else Section()
-        if len(path) > 1 and path[1] in section.tags:
-            tag = str(path.pop(1))  # which alternative it is, and no key
-        if path and path[-1] == "[key]":
-            del path[-1]  # it is the name that is wrong, and stands before
+        path, tag, section = _path_of([*filter(None, [within]), *fault["loc"]], sections)
         if fault["type"] == "extra_forbidden":
             says = section.unknown if len(path) > 1 else unknown
             place = section.place(path)
@@ -236,6 +231,16 @@ def problems_of(
         more = f"{len(faults) - MAX_PROBLEMS:,} further problems are not listed"
         problems.append(Problem("study", more, "Fix these first"))
     return problems
+
+
+def _path_of(path: list[Any], sections: Mapping[str, Section]) -> tuple[list[Any], str, Section]:
+    section = sections.get(str(path[0]), Section()) if path else Section()
+    tag = ""
+    if len(path) > 1 and path[1] in section.tags:
+        tag = str(path.pop(1))  # which alternative it is, and no key
+    if path and path[-1] == "[key]":
+        del path[-1]  # it is the name that is wrong, and stands before
+    return path, tag, section
 
 
 def _is_outside(error: Mapping[str, Any]) -> bool:

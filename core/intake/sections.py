@@ -153,7 +153,7 @@ def _csv(path: Path) -> Iterable[list[str]]:
     }
     for message in contradictions(numbers).values():
         raise refused("observations", f"{path.name}: {message}", ONE_MARK)
-    return [[_with_point(cell) for cell in row] for row in rows]
+    return [[*map(_with_point, row)] for row in rows]
 
 
 def _with_point(cell: str) -> str:
@@ -196,10 +196,11 @@ def _shown_cell(cell: Any) -> Any:
     return cell.value
 
 
-def _columns_given(rows: Any) -> Iterable[str]:
-    for row in rows if isinstance(rows, list | tuple) else ():
-        if isinstance(row, Mapping):
-            yield from (name for name in row if name not in OWN)
+def _columns_of_parameters(rows: Any, _: Collection[str]) -> Iterable[str]:
+    runs = (
+        [row for row in rows if isinstance(row, Mapping)] if isinstance(rows, list | tuple) else []
+    )
+    return (name for row in runs for name in row if name not in OWN)
 
 
 def _problem_path(path: Sequence[Any]) -> str:
@@ -323,7 +324,7 @@ SECTIONS: Final[Mapping[str, Section]] = {
     "factors": Section(unknown=no_parameter, by_parameter=True),
     "candidates": Section(unknown=no_parameter, by_parameter=True),
     "observations": Section(
-        names=lambda rows, _: _columns_given(rows),
+        names=_columns_of_parameters,
         outputs=lambda _: OBSERVED[:1],
         place=_problem_path,
         unknown=_unknown_column,

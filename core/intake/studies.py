@@ -101,23 +101,15 @@ class Draft:
         Without a known kind, the values are checked by the kind that was probably intended.
         """
         if not isinstance(self.content, Mapping):
-            raise StudyError(
-                [
-                    Problem(
-                        "study",
-                        "the study is not an object with keys and values",
-                        "Write keys with values: kind, scene, outputs, ...",
-                    ),
-                    *self.problems,
-                ]
-            )
-        if self.kind is None:
-            problem, likely = _no_kind(self.content)
-            content = {**self.content, "kind": likely.name}
-            _, found = self._validated(likely, content)
-            raise self._error([problem, *found, *self.problems])
-        study, problems = self._validated(self.kind, self.content)
-        problems += self.problems
+            fix = "Write keys with values: kind, scene, outputs, ..."
+            message = "the study is not an object with keys and values"
+            raise StudyError([Problem("study", message, fix), *self.problems])
+        kind, problems = self.kind, list[Problem]()
+        if kind is None:
+            problem, kind = _no_kind(self.content)
+            problems = [problem]
+        study, found = self._validated(kind, {**self.content, "kind": kind.name})
+        problems += [*found, *self.problems]
         if study is None or problems:
             raise self._error(problems)
         return study

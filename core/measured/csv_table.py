@@ -120,9 +120,9 @@ def gathered(problems: list[Problem], path: str = "") -> Iterator[None]:
         problems += error.problems
 
 
-def refused(place: str, message: str, fix: str) -> StudyError:
+def refused(path: str, message: str, fix: str) -> StudyError:
     """Return the error of a recording with one problem."""
-    return StudyError([Problem(place, message, fix)])
+    return StudyError([Problem(path, message, fix)])
 
 
 _refused = partial(refused, "recording")
@@ -222,7 +222,7 @@ def _parted(lines: _Lines) -> tuple[list[str], list[str], list[tuple[int, list[s
         heads = [0]
     header, end = heads[-1], heads[-1] + 1
     units: list[str] = []
-    if header - 1 in heads and _holds_units(rows[header][1]):
+    if header - 1 in heads and all(_UNITS_ONLY.fullmatch(one.strip()) for one in rows[header][1]):
         header -= 1
         units = [cell.strip(" []()") for cell in rows[header + 1][1]]
     named = rows[header][1]
@@ -231,10 +231,6 @@ def _parted(lines: _Lines) -> tuple[list[str], list[str], list[tuple[int, list[s
 
 def _without_remark(cells: list[str]) -> list[str]:
     return cells[:-1] if cells[-1].strip().casefold() in _REMARKS else cells
-
-
-def _holds_units(cells: Sequence[str]) -> bool:
-    return all(_UNITS_ONLY.fullmatch(cell.strip()) for cell in cells)
 
 
 def _check_header(header: list[str]) -> None:

@@ -331,7 +331,9 @@ def fundamental(samples: Samples, guess: float | None, line: float | None) -> fl
     settles it likewise, if its orders hold most of the recording: the drive may run at a fraction
     of it. `samples` are the recorded accelerations.
     """
-    start = samples._replace(values=_without_drift(samples))
+    drift = legvander(samples.times / samples.half, DRIFT)
+    drifting = np.linalg.lstsq(drift, samples.values.T, rcond=None)[0].T @ drift.T
+    start = samples._replace(values=samples.values - drifting)
     frequency = strongest_line(start).frequency
     if guess is not None:
         near = _part_near(frequency, guess)
@@ -419,8 +421,3 @@ def _lower(samples: Samples, solution: Solution) -> Solution | None:
         if gained > line.power / 2.0:
             return lower
     return None
-
-
-def _without_drift(samples: Samples) -> Array:
-    drift = legvander(samples.times / samples.half, DRIFT)
-    return samples.values - np.linalg.lstsq(drift, samples.values.T, rcond=None)[0].T @ drift.T

@@ -294,6 +294,20 @@ def gravity_problems(
     return problems
 
 
+def _without_gravity(
+    shown: Mapping[str, float], rms: float, steepest: Mapping[str, float]
+) -> Iterator[tuple[str, str, str]]:
+    normal = shown.get("normal")
+    thousandth = normal is not None and abs(abs(normal) / 0.001 - 1.0) <= SIZE
+    if thousandth and rms < SMALL * STANDARD_GRAVITY:
+        fix = "Correct the unit of the accelerations, and export without separators of thousands"
+        yield "normal", CONFUSED[0.001], fix
+    for axis in filter(shown.__contains__, steepest):
+        if abs(shown[axis]) > SIZE + (np.sin(steepest[axis]) if normal is None else 0.0):
+            fix = "Correct the names of the channels, the unit, or the mounting"
+            yield axis, "a track at rest shows gravity in the normal channel", fix
+
+
 def _against_gravity(
     shown: Mapping[str, float], rms: float, limits: Mapping[str, tuple[float, float]]
 ) -> Iterator[tuple[str, str, str]]:
@@ -307,16 +321,7 @@ def _against_gravity(
                 fix = "Name as normal the column that shows +1 g, as along that of the transport"
                 yield axis, "gravity belongs to the normal channel", fix
     if normal is None or abs(normal) <= REMOVED:
-        thousandth = normal is not None and abs(abs(normal) / 0.001 - 1.0) <= SIZE
-        if thousandth and rms < SMALL * STANDARD_GRAVITY:
-            fix = (
-                "Correct the unit of the accelerations, and export without separators of thousands"
-            )
-            yield "normal", CONFUSED[0.001], fix
-        for axis in recorded:
-            if abs(shown[axis]) > SIZE + (np.sin(steepest[axis]) if normal is None else 0.0):
-                fix = "Correct the names of the channels, the unit, or the mounting"
-                yield axis, "a track at rest shows gravity in the normal channel", fix
+        yield from _without_gravity(shown, rms, steepest)
         return
     for factor, means in CONFUSED.items():
         if abs(abs(normal) / factor - 1.0) <= SIZE:

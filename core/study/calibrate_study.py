@@ -30,8 +30,8 @@ from vibrafeed.core.study.grid_study import (
     Frozen,
     Parameters,
     by_parameter,
-    given,
     optional,
+    parameters_in,
     read_level,
     refusal,
     refusing,
@@ -166,7 +166,7 @@ else:
 
 def parameters_of(run: Run) -> dict[str, float]:
     """Return the parameters of a run, in the units of studies."""
-    return {name: value for name, value in given(run).items() if value is not None}
+    return {name: value for name, value in parameters_in(run).items() if value is not None}
 
 
 def spread_rows(raw: object) -> object:
@@ -362,7 +362,7 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
         return {
             stem + name: prior
             for table, stem in STEMS.items()
-            for name, prior in given(getattr(self, table)).items()
+            for name, prior in parameters_in(getattr(self, table)).items()
         }
 
     def asked_next(self) -> dict[str, Values]:
@@ -370,7 +370,7 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
 
         Empty if the study has no candidates.
         """
-        return given(self.candidates)
+        return parameters_in(self.candidates)
 
     def places(self) -> dict[str, str]:
         """Return the paths of parameters that stand in measured runs or among the unknowns.
@@ -383,7 +383,7 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
         for run in self.observations:
             origins |= {name: f"observations, {name}" for name in parameters_of(run)}
         for table in STEMS:
-            for name in given(getattr(self, table)):
+            for name in parameters_in(getattr(self, table)):
                 origins.setdefault(name, f"{table}.{name}")
         return origins
 

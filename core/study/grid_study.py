@@ -311,7 +311,7 @@ def by_parameter(
     return create_model(name, __base__=Frozen, __module__=schema.__module__, __doc__=doc, **fields)
 
 
-def given(section: BaseModel | None) -> dict[str, Any]:
+def parameters_in(section: BaseModel | None) -> dict[str, Any]:
     """Return the parameters that a section of a study gives, in the order of the declaration."""
     named = section.model_fields_set if section is not None else ()
     return {name: getattr(section, name) for name in PARAMETERS if name in named}
@@ -432,7 +432,7 @@ class Study(Frozen):
 
     def values(self) -> dict[str, Values]:
         """Return the parameters that are set, in one order: equal studies agree."""
-        return given(self.parameters)
+        return parameters_in(self.parameters)
 
     def places(self) -> dict[str, str]:
         """Return the paths of parameters that are not under `parameters`."""

@@ -21,7 +21,7 @@ from vibrafeed.core.study.grid_study import (
     OutputNames,
     at_most,
     by_parameter,
-    given,
+    parameters_in,
 )
 from vibrafeed.core.study.values import Between, read_between
 
@@ -187,11 +187,11 @@ class OptimiseStudy(DrivenStudy):
 
     def intervals(self) -> dict[str, Distribution]:
         """Return the uncertain parameters with their distributions."""
-        return given(self.uncertain)
+        return parameters_in(self.uncertain)
 
     def bounds(self) -> dict[str, Between]:
         """Return the variables of the optimisation with their bounds, in the parameters' order."""
-        return given(self.variables)
+        return parameters_in(self.variables)
 
     def criterion_outputs(self) -> tuple[str, ...]:
         """Return the outputs in the criterion."""

@@ -15,7 +15,7 @@ from vibrafeed.core.study.grid_study import (
     OutputName,
     OutputNames,
     at_most,
-    given,
+    parameters_in,
     refusal,
 )
 
@@ -136,7 +136,7 @@ class SensitivityStudy(DrivenStudy):
 
     def distributions(self) -> dict[str, Distribution]:
         """Return the uncertain parameters with their distributions, in order."""
-        return given(self.uncertain)
+        return parameters_in(self.uncertain)
 
     def asked(self) -> tuple[str, ...]:
         """Return every output that is needed, those of demands last."""

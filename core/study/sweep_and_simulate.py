@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import AliasChoices, Field, PlainValidator, WithJsonSchema, field_validator
+from pydantic import AfterValidator, AliasChoices, Field, PlainValidator, WithJsonSchema
 
 from vibrafeed.core.study.grid_study import (
     MAX_OUTPUTS,
@@ -188,7 +188,10 @@ class SweepStudy(Study):
         description="Names of the outputs.", min_length=1, max_length=MAX_OUTPUTS
     )
     sensitivities: Sensitivities = None
-    precision: Literal["double", "single"] | None = Field(
+    precision: Annotated[
+        Literal["double", "single"] | None,
+        AfterValidator(lambda value: None if value == "double" else value),  # equal studies agree
+    ] = Field(
         None,
         description="double (64-bit floats, the default) or single: values are computed in double "
         "and stored in 32 bits, half the bytes, each rounded once more by at most 6e-8 of itself.",
@@ -196,8 +199,3 @@ class SweepStudy(Study):
     reduce: Reduction | None = Field(
         None, description="Statistics over some axes instead of all cells: docs/reduce.md."
     )
-
-    @field_validator("precision")
-    @classmethod
-    def _double_is_nothing(cls, value: str | None) -> str | None:
-        return None if value == "double" else value

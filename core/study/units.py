@@ -150,7 +150,10 @@ def read_number(name: str, quantity: Quantity, raw: object) -> float:
 
 
 def _read_value(name: str, quantity: Quantity, raw: object, factors: dict[str, Fraction]) -> float:
-    raw = raw if isinstance(raw, int | float | str) else as_typed(raw)
+    if not isinstance(raw, int | float | str):  # a scalar of another library
+        scalar, unit = apart(raw)
+        scalar = scalar.item() if getattr(scalar, "ndim", None) == 0 else scalar
+        raw = with_own_unit(scalar, unit)
     if isinstance(raw, bool) or not isinstance(raw, (int, float, str)):
         raise UnitError(f"{_shown(raw)} is not a number", _how_to_write(name, quantity))
     if isinstance(raw, str):
@@ -421,17 +424,6 @@ def apart(value: Any) -> tuple[Any, str]:
     return value, unit
 
 
-def as_typed(value: Any) -> Any:
-    """Return a scalar of another library as a number, or as text with the unit that it carries.
-
-    Anything else is returned as it is.
-    """
-    number, unit = apart(value)
-    if getattr(number, "ndim", None) == 0:
-        number = number.item()
-    return with_own_unit(number, unit)
-
-
 def with_own_unit(number: Any, unit: str) -> Any:
     """Return a number, or the text of one, with its unit as text; as it is if the unit is empty."""
     if isinstance(number, str) and _PLAIN_NUMBER.fullmatch(number):
@@ -448,14 +440,6 @@ def dimension_of(value: Any) -> str:
     if isinstance(dims, tuple) and len(dims) == 1:
         return "" if _NAMELESS.fullmatch(str(dims[0])) else str(dims[0])
     return str(getattr(getattr(value, "index", None), "name", None) or "")
-
-
-def is_packed(value: Any) -> bool:
-    """True for a labelled array whose numbers have to be decoded: xarray read it without."""
-    attributes = getattr(value, "attrs", None)
-    return isinstance(attributes, dict) and not {"scale_factor", "add_offset"}.isdisjoint(
-        attributes
-    )
 
 
 def _labelled_unit(value: Any) -> str:

@@ -342,20 +342,25 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
             f"{str(spacing)[:40]!r} is not a spacing of the range of {name}",
             "Write spacing = 'linear' or 'log', or leave out spacing",
         )
-    size = raw.get("num")
     if "step" in raw:
         stop, size = _step(name, quantity, start, stop, raw["step"])
-    elif isinstance(size, bool) or not isinstance(size, int) or size < 2:
-        raise UnitError(
-            f"num of {name} is {str(size)[:40]!r}, not a number of values",
-            "Give num as a whole number of at least 2",
-        )
+    else:
+        size = _num(name, raw["num"])
     if size > MAX_POINTS:
         raise UnitError(
             f"{name} has {size:,} values",
             f"Give an axis at most {MAX_POINTS:,} values: take a larger step",
         )
     return Span(start, stop, size, "log" if spacing == "log" else "linear")
+
+
+def _num(name: str, raw: object) -> int:
+    if isinstance(raw, bool) or not isinstance(raw, int) or raw < 2:
+        raise UnitError(
+            f"num of {name} is {str(raw)[:40]!r}, not a number of values",
+            "Give num as a whole number of at least 2",
+        )
+    return raw
 
 
 def _step(
