@@ -69,8 +69,13 @@ def to_curl(content: Mapping[str, Any], service: str = SERVICE) -> str:
                 )
             ]
         )
-    words = ["-H", "Content-Type: application/json", "--data-raw", body, address]
-    return "curl " + " ".join(map(shlex.quote, words)) + "\n"
+    return (
+        "curl "
+        + " ".join(
+            map(shlex.quote, ["-H", "Content-Type: application/json", "--data-raw", body, address])
+        )
+        + "\n"
+    )
 
 
 def to_powershell(content: Mapping[str, Any], service: str = SERVICE) -> str:
@@ -191,6 +196,7 @@ def _writable(tomlkit: Any, value: Any) -> Any:
 def _literal(value: Any, column: int) -> str:
     if isinstance(value, str):
         return repr(value)
-    text = pprint.pformat(value, width=max(WIDTH - column, 40), sort_dicts=False)
-    first, *more = text.splitlines()
+    first, *more = pprint.pformat(
+        value, width=max(WIDTH - column, 40), sort_dicts=False
+    ).splitlines()
     return "\n".join([first, *(" " * column + line for line in more)])

@@ -114,14 +114,13 @@ def check_not_paired(written: Mapping[str, Any]) -> None:
     given = {**written, **inner} if isinstance(inner, Mapping) else written
     dims = {letter_of(name): dimension_of(value) for name, value in given.items()}
     along = {name: letter_of(dim) for name, dim in dims.items() if name in PARAMETERS and dim}
-    fix = "Give lists if all combinations are meant, else make one study for each pair"
     problems = [
         *(
             Problem(
                 f"parameters.{second}",
                 f"its array and that of {first} are both along '{dim}', "
                 "which makes pairs of their values, and a study takes all combinations",
-                fix,
+                "Give lists if all combinations are meant, else make one study for each pair",
             )
             for (first, dim), (second, other) in combinations(along.items(), 2)
             if dim == other
@@ -163,8 +162,15 @@ def plain(value: object, path: str) -> Any:
         return [plain(item, path) for item in value]
     if isinstance(value, range):
         if value[MAX_POINTS:]:
-            most = f"One axis holds {MAX_POINTS:,} values at most; take a larger step"
-            raise StudyError([Problem(path, f"{value} is too long", most)])
+            raise StudyError(
+                [
+                    Problem(
+                        path,
+                        f"{value} is too long",
+                        f"One axis holds {MAX_POINTS:,} values at most; take a larger step",
+                    )
+                ]
+            )
         return list(value)
     return _numbers(value, path)
 

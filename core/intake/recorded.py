@@ -49,15 +49,18 @@ def _with_drive(content: Content, files: bool) -> Resolved:
     try:
         record, fit = _measured_drive(content["drive"], _slopes(content), files=files)
     except StudyError as error:
-        without = {name: value for name, value in content.items() if name != "drive"}
-        return Resolved(without, error.problems)
+        return Resolved(
+            {name: value for name, value in content.items() if name != "drive"}, error.problems
+        )
     own = _parameter_sections(content)
     numbers = {n: v for n, v in record.numbers.items() if not any(n in given for given in own)}
     parameters = content.get("parameters", {})
     if isinstance(parameters, Mapping):  # if it is none, its reader says so
         parameters = {**parameters, **numbers}
-    drive = record.model_dump(exclude_none=True)
-    return Resolved({**content, "parameters": parameters, "drive": drive}, fit=fit)
+    return Resolved(
+        {**content, "parameters": parameters, "drive": record.model_dump(exclude_none=True)},
+        fit=fit,
+    )
 
 
 def tilt_questions(fit: measured.Fit | None, content: Mapping[str, Any]) -> list[str]:
@@ -141,18 +144,19 @@ def _measured_drive(
     except StudyError as error:
         raise StudyError(_placed(problem, path) for problem in error.problems) from None
     except (OSError, ValueError) as error:  # a NUL in its name is the second
-        fix = "Name a CSV file by its path from the folder of the study"
-        message = f"it cannot be read: {getattr(error, 'strerror', None) or error}"
-        raise refused(path, message, advice_on_path(source, fix)) from None
+        raise refused(
+            path,
+            f"it cannot be read: {getattr(error, 'strerror', None) or error}",
+            advice_on_path(source, "Name a CSV file by its path from the folder of the study"),
+        ) from None
     left_over: dict[Any, float] = dict(zip(fit.axes, map(_rounded, fit.left_over), strict=True))
-    record = MeasuredDrive(
+    return MeasuredDrive(
         name=source.name if isinstance(source, Path) else "data",
         sha256=hashlib.sha256(raw).hexdigest(),
         left_over=left_over,
         clock_error=None if fit.clock is None else _rounded(fit.clock.error),
         numbers={name: _rounded(value) for name, value in fit.parameters().items()},
-    )
-    return record, fit
+    ), fit
 
 
 def _rounded(value: float) -> float:
@@ -169,8 +173,7 @@ def _source(drive: RecordedDrive, files: bool) -> str | Path:
     if drive.file is None:
         raise refused("drive", "the drive names no recording", fix)
     if not files:
-        message = "the service cannot read the recording from your computer"
-        raise refused("drive.file", message, fix)
+        raise refused("drive.file", "the service cannot read the recording from your computer", fix)
     return drive.file
 
 

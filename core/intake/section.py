@@ -6,18 +6,15 @@ import os
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from pydantic import BaseModel, ValidationError
 
+from vibrafeed.core import measured
 from vibrafeed.core.errors import MAX_PROBLEMS, Problem
 from vibrafeed.core.quantities import letter_of
 from vibrafeed.core.study.grid_study import PARAMETERS
 from vibrafeed.core.suggestions import Suggestions
-
-if TYPE_CHECKING:
-    from vibrafeed.core.measured.fit import Fit
-
 
 Content = dict[str, Any]
 """What stands in a study: its keys and their values, as a file or request has them."""
@@ -31,7 +28,7 @@ class Resolved(NamedTuple):
 
     content: Content
     problems: Iterable[Problem] = ()
-    fit: Fit | None = None
+    fit: measured.Fit | None = None
 
 
 @dataclass(frozen=True)
@@ -69,9 +66,10 @@ def dotted(path: Sequence[Any]) -> str:
 def no_key(stranger: Stranger) -> Problem:
     """Return the problem of an unknown key in a section of a study with fixed keys."""
     tag = f" '{stranger.tag}'" if stranger.tag else ""
-    section = stranger.within.removesuffix("s")
     return Problem(
-        stranger.place, f"'{stranger.name}' is not a key of the {section}{tag}", "Remove it"
+        stranger.place,
+        f"'{stranger.name}' is not a key of the {stranger.within.removesuffix('s')}{tag}",
+        "Remove it",
     )
 
 
@@ -223,13 +221,19 @@ def problems_of(
         path, tag, section = _path_of([*filter(None, [within]), *fault["loc"]], sections)
         if fault["type"] == "extra_forbidden":
             says = section.unknown if len(path) > 1 else unknown
-            place = section.place(path)
-            problems.append(says(Stranger(path, place, tag, keys, parameters, suggest)))
+            problems.append(
+                says(Stranger(path, section.place(path), tag, keys, parameters, suggest))
+            )
         else:
             problems.append(_problem(fault, path, section, suggest))
     if len(faults) > MAX_PROBLEMS:
-        more = f"{len(faults) - MAX_PROBLEMS:,} further problems are not listed"
-        problems.append(Problem("study", more, "Fix these first"))
+        problems.append(
+            Problem(
+                "study",
+                f"{len(faults) - MAX_PROBLEMS:,} further problems are not listed",
+                "Fix these first",
+            )
+        )
     return problems
 
 

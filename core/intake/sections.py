@@ -65,8 +65,10 @@ def _with_rows(content: Content, files: bool) -> Resolved:
             )
         return Resolved({**content, "observations": read_rows(Path(named))})
     except StudyError as error:
-        rest = {name: value for name, value in content.items() if name != "observations"}
-        return Resolved(rest, error.problems)
+        return Resolved(
+            {name: value for name, value in content.items() if name != "observations"},
+            error.problems,
+        )
 
 
 def read_rows(path: Path) -> list[dict[str, Any]]:

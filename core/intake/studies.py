@@ -75,12 +75,16 @@ class Draft:
     @property
     def questions(self) -> tuple[str, ...]:
         """Questions about values that are allowed and unusual, those of files as those typed."""
-        asked = (
-            *questions(self.content),
-            *channel_questions(self.fit),
-            *tilt_questions(self.fit, self.content),
+        return tuple(
+            map(
+                self._in_words,
+                (
+                    *questions(self.content),
+                    *channel_questions(self.fit),
+                    *tilt_questions(self.fit, self.content),
+                ),
+            )
         )
-        return tuple(map(self._in_words, asked))
 
     def resolve(self, *, files: bool) -> Draft:
         """Put the numbers in files for their names, if they may be read; return this draft."""
@@ -101,9 +105,16 @@ class Draft:
         Without a known kind, the values are checked by the kind that was probably intended.
         """
         if not isinstance(self.content, Mapping):
-            fix = "Write keys with values: kind, scene, outputs, ..."
-            message = "the study is not an object with keys and values"
-            raise StudyError([Problem("study", message, fix), *self.problems])
+            raise StudyError(
+                [
+                    Problem(
+                        "study",
+                        "the study is not an object with keys and values",
+                        "Write keys with values: kind, scene, outputs, ...",
+                    ),
+                    *self.problems,
+                ]
+            )
         kind, problems = self.kind, list[Problem]()
         if kind is None:
             problem, kind = _no_kind(self.content)
@@ -130,8 +141,9 @@ class Draft:
             prepared = KINDS[study.kind].prepare(study)
         except StudyError as error:
             raise self._error(error.problems) from None
-        asked = map(self._in_words, prepared.questions)
-        return replace(prepared, questions=(*self.questions, *asked))
+        return replace(
+            prepared, questions=(*self.questions, *map(self._in_words, prepared.questions))
+        )
 
     def _error(self, problems: Iterable[Problem]) -> StudyError:
         said = self._in_words
@@ -161,8 +173,11 @@ class Draft:
         try:
             return kind.model.model_validate(content), []
         except ValidationError as error:
-            problems = problems_of(error, SECTIONS, unknown, keys, self._parameters())
-            return None, [one for one in problems if one.place not in self.unread]
+            return None, [
+                one
+                for one in problems_of(error, SECTIONS, unknown, keys, self._parameters())
+                if one.place not in self.unread
+            ]
 
     def _parameters(self) -> Collection[str]:
         names: set[str] = set()
@@ -170,8 +185,11 @@ class Draft:
             scene = scenes.get(str(self.content.get("scene"))[:100])
             if scene is not None:
                 named = str(self.content.get(scene.choice))[:100]
-                chosen = named if named in scene.variants else scene.default_variant
-                names |= {*scene_parameters(scene, chosen)}
+                names |= {
+                    *scene_parameters(
+                        scene, named if named in scene.variants else scene.default_variant
+                    )
+                }
         return names or PARAMETERS
 
     def _objections(self, known: StudyError) -> list[Problem]:
@@ -197,10 +215,12 @@ class Draft:
             return [*dict.fromkeys(names_intended(written(parameters)))]
 
         try:
-            sketch = Sketch(scene, variant, method, outputs, names(()))
-            chosen, variant, problems = kind.choose(sketch)
-            given = names(scene_parameters(chosen, variant))
-            plan_scene(chosen, variant, outputs[:MAX_OUTPUTS], given)
+            chosen, variant, problems = kind.choose(
+                Sketch(scene, variant, method, outputs, names(()))
+            )
+            plan_scene(
+                chosen, variant, outputs[:MAX_OUTPUTS], names(scene_parameters(chosen, variant))
+            )
         except StudyError as error:
             problems = [*problems, *error.problems]
         places = [problem.place for problem in known.problems]

@@ -47,8 +47,12 @@ def read_content(path: Path) -> object:
         text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin it with a mark
     except UnicodeDecodeError as error:
         wide = error.object.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))  # PowerShell 5
-        fix = "Save it as UTF-8" + ("; in PowerShell write it with -o FILE, not >" if wide else "")
-        _fail("file", "it is not UTF-8 text", fix, error)
+        _fail(
+            "file",
+            "it is not UTF-8 text",
+            ("Save it as UTF-8" + ("; in PowerShell write it with -o FILE, not >" if wide else "")),
+            error,
+        )
     except OSError as error:
         _fail("file", f"it cannot be read: {error.strerror}", "Name a TOML or JSON study", error)
     content = _read_text(text, ".json" if suffix == ".json" else ".toml", path.stem)
@@ -184,8 +188,11 @@ def _check_plain(path: str, values: Sequence[Any], texts: bool) -> None:
     if numbers and not -LARGEST <= min(numbers) <= max(numbers) <= LARGEST:
         _fail(path or "body", *TOO_LARGE)
     if texts and any(isinstance(value, str) and _is_no_text(value) for value in values):
-        wrong = "it holds an invalid character: NUL, or half of a surrogate pair"
-        _fail(path or "body", wrong, "Fix the value")
+        _fail(
+            path or "body",
+            "it holds an invalid character: NUL, or half of a surrogate pair",
+            "Fix the value",
+        )
 
 
 def _is_no_text(text: str) -> bool:

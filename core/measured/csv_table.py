@@ -12,7 +12,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import datetime
 from functools import partial
 from io import StringIO
@@ -85,8 +85,16 @@ class RecordingTable:
         """
         column = self.columns.get(name)
         if column is None:
-            message = f"the recording has no column '{name[:60]}'"
-            raise StudyError([Problem(path, message, suggestion(name, self.columns), name)])
+            raise StudyError(
+                [
+                    Problem(
+                        path,
+                        f"the recording has no column '{name[:60]}'",
+                        suggestion(name, self.columns),
+                        name,
+                    )
+                ]
+            )
         if column.contradiction:
             raise StudyError([Problem(path, column.contradiction, ONE_MARK, name)])
         problems = [
@@ -99,8 +107,14 @@ class RecordingTable:
             for line, text in column.faults
         ]
         if column.faulty > SHOWN:
-            message = f"{column.faulty:,} cells of column '{name}' are not finite numbers"
-            problems.append(Problem(path, message, "Export the recording again", name))
+            problems.append(
+                Problem(
+                    path,
+                    f"{column.faulty:,} cells of column '{name}' are not finite numbers",
+                    "Export the recording again",
+                    name,
+                )
+            )
         if problems:
             raise StudyError(problems)
         return column
@@ -138,11 +152,6 @@ def read_table(source: str | Path) -> RecordingTable:
     the names. Cells may be dates with times, or times of day, after ISO 8601: they become seconds
     from the first.
 
-    Parameters
-    ----------
-    source : str or Path
-        A text is the content itself, a Path the file that holds it.
-
     Raises
     ------
     StudyError
@@ -153,8 +162,13 @@ def read_table(source: str | Path) -> RecordingTable:
     lines = _lines(_text_of(source))
     header, below, body = _parted(lines)
     _check_header(header)
-    names, units = _names(header)
-    units = [unit or other for unit, other in zip(units, below or units, strict=False)]
+    headings = [name_and_unit(cell) for cell in header]
+    names = [name for name, _ in headings]
+    twice = sorted({name for name in names if names.count(name) > 1 and name})
+    if twice:
+        raise _refused(f"two columns have the name '{twice[0]}'", "Rename one")
+    under = below or [""] * len(headings)
+    units = [unit or other for (_, unit), other in zip(headings, under, strict=False)]
     if not body:
         raise _refused("the recording holds no numbers", "Give rows of numbers below the names")
     if len(body) > MAX_ROWS:
@@ -166,11 +180,10 @@ def read_table(source: str | Path) -> RecordingTable:
     numbers = np.array([line for line, _ in body])
     cells = dict(zip(names, zip(*(row for _, row in body), strict=True), strict=True))
     wrong = contradictions(cells)
-    columns = {}
-    for (name, texts), unit in zip(cells.items(), units, strict=True):
-        points = texts if lines.delimiter == "," else [text.replace(",", ".") for text in texts]
-        column = _column(texts, points, unit, numbers)
-        columns[name] = replace(column, contradiction=wrong.get(name, ""))
+    columns = {
+        name: _column(texts, lines.delimiter, unit, numbers, wrong.get(name, ""))
+        for (name, texts), unit in zip(cells.items(), units, strict=True)
+    }
     return RecordingTable(columns, numbers)
 
 
@@ -332,15 +345,6 @@ def _quoted(number: int, line: str, delimiter: str) -> list[str]:
         raise _refused(f"line {number} is not a row of cells", "Correct the line") from error
 
 
-def _names(header: Sequence[str]) -> tuple[list[str], list[str]]:
-    headings = [name_and_unit(cell) for cell in header]
-    names = [name for name, _ in headings]
-    twice = sorted({name for name in names if names.count(name) > 1 and name})
-    if twice:
-        raise _refused(f"two columns have the name '{twice[0]}'", "Rename one")
-    return names, [unit for _, unit in headings]
-
-
 def name_and_unit(heading: str) -> tuple[str, str]:
     """Return name and unit of a heading such as ``time (s)``; an empty unit without brackets.
 
@@ -380,19 +384,25 @@ def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str])
 
 
 def _column(
-    texts: Sequence[str], points: Sequence[str], unit: str, lines: NDArray[np.int64]
+    texts: Sequence[str], delimiter: str, unit: str, lines: NDArray[np.int64], contradiction: str
 ) -> RecordingColumn:
+    points = texts if delimiter == "," else [text.replace(",", ".") for text in texts]
     try:
         values = np.fromiter(map(float, points), np.float64, len(points))
     except ValueError:
         if all(_CLOCK.fullmatch(text.strip()) for text in points):
             seconds = _seconds(points)
             if seconds is not None:
-                return RecordingColumn(seconds, "s")
+                return RecordingColumn(seconds, "s", contradiction=contradiction)
         values = np.array([float(text) if _is_number(text) else np.nan for text in points])
     wrong = np.flatnonzero(~np.isfinite(values))
-    faults = tuple((int(lines[row]), texts[row].strip()) for row in wrong[:SHOWN])
-    return RecordingColumn(values, unit, faults, wrong.size)
+    return RecordingColumn(
+        values,
+        unit,
+        tuple((int(lines[row]), texts[row].strip()) for row in wrong[:SHOWN]),
+        wrong.size,
+        contradiction,
+    )
 
 
 def _seconds(texts: Sequence[str]) -> NDArray[np.float64] | None:

@@ -211,8 +211,12 @@ class Fit:
         spread = float(np.hypot(sizes[0] - sizes[1], 2.0 * product.real))
         major = float(np.sqrt((sum(sizes) + spread) / 2.0))
         minor = abs(product.imag) / major if major else 0.0
-        angle = float(np.arctan2(2.0 * product.real, sizes[0] - sizes[1]) / 2.0)
-        return StrokeEllipse(self.orders[lowest], major, minor, angle)
+        return StrokeEllipse(
+            self.orders[lowest],
+            major,
+            minor,
+            float(np.arctan2(2.0 * product.real, sizes[0] - sizes[1]) / 2.0),
+        )
 
     def parameters(self) -> dict[str, float]:
         """Return the fitted drive as study parameters: SI units, phases in degrees."""
@@ -233,10 +237,11 @@ class Fit:
         root = scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
         drawn = rng.standard_normal((count, scale.size)) @ root.T
         drawn += np.concatenate([[self.frequency], parts.ravel()])
-        pairs = drawn[:, 1:].reshape(count, *parts.shape)
         return [
             self._named(float(frequency), pair[..., 0] + 1j * pair[..., 1])
-            for frequency, pair in zip(drawn[:, 0], pairs, strict=True)
+            for frequency, pair in zip(
+                drawn[:, 0], drawn[:, 1:].reshape(count, *parts.shape), strict=True
+            )
         ]
 
     def _named(self, frequency: float, displacement: NDArray[np.complex128]) -> dict[str, float]:
@@ -258,8 +263,9 @@ class Fit:
         """
         first, last = self.signal.times[[0, -1]]
         place = 2.0 * (np.asarray(times) - first) / (last - first) - 1.0
-        series = np.hstack([self.constant[:, None], self.drift])
-        return np.asarray(legval(place, series.T)) + self.periodic(self._phase(times))
+        return np.asarray(
+            legval(place, np.hstack([self.constant[:, None], self.drift]).T)
+        ) + self.periodic(self._phase(times))
 
     def periodic(self, phase: Array) -> Array:
         """Return the accelerations of the fitted harmonics at phases w t, shape (axes, n).
@@ -283,8 +289,12 @@ class Fit:
         return Fold(phase, self.periodic(phase) + residual, residual)
 
     def _phase(self, times: Array) -> Array:
-        since = np.asarray(times) - self.signal.times[0] - self.origin
-        return 2.0 * np.pi * self.recorded_frequency * since
+        return (
+            2.0
+            * np.pi
+            * self.recorded_frequency
+            * (np.asarray(times) - self.signal.times[0] - self.origin)
+        )
 
 
 def wrap_angle(angle: float | Array) -> Array:
@@ -382,7 +392,6 @@ def _stated(
     periodic = np.sqrt((strength**2).sum() / 2.0)
     drift = solution.drift[:, 1:]
     drift_squares = (drift**2 / (2.0 * np.arange(1, solution.degree + 1) + 1.0)).sum(axis=1)
-    density = noise.densities[1 + lowest].diagonal()
     return Fit(
         axes=signal.axes,
         orders=solution.orders,
@@ -399,7 +408,8 @@ def _stated(
         drift=drift,
         left_over=np.sqrt(np.mean(solution.residual**2, axis=1)) / periodic,
         drifting=np.sqrt(drift_squares) / periodic,
-        effective_samples=samples.size * np.minimum(1.0 / (noise.weights * density), 1.0),
+        effective_samples=samples.size
+        * np.minimum(1.0 / (noise.weights * noise.densities[1 + lowest].diagonal()), 1.0),
         tilt=_tilt_of(signal.axes, solution.drift[:, 0]),
         origin=samples.half + theta / (2.0 * np.pi * solution.frequency),
         signal=signal,

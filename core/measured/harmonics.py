@@ -314,8 +314,12 @@ class Line(NamedTuple):
 
 def orders_below(samples: Samples, frequency: float) -> tuple[int, ...]:
     """Return the harmonic orders that the samples can resolve, at most ten."""
-    rate = samples.size / samples.duration
-    return tuple(range(1, min(MAX_ORDERS, int(NYQUIST_SHARE * rate / frequency)) + 1))
+    return tuple(
+        range(
+            1,
+            min(MAX_ORDERS, int(NYQUIST_SHARE * (samples.size / samples.duration) / frequency)) + 1,
+        )
+    )
 
 
 def fundamental(samples: Samples, guess: float | None, line: float | None) -> float:
@@ -415,9 +419,8 @@ def _lower(samples: Samples, solution: Solution) -> Solution | None:
         if abs(part * ratio - whole) > part * error:
             continue
         lower = solve_least_squares(samples, frequency, orders_below(samples, frequency), DRIFT)
-        gained = (
+        if (
             np.mean(solution.residual**2, axis=1).sum() - np.mean(lower.residual**2, axis=1).sum()
-        )
-        if gained > line.power / 2.0:
+        ) > line.power / 2.0:
             return lower
     return None

@@ -123,9 +123,11 @@ def _rotation(mounting: object) -> NDArray[np.float64]:
     if matrix.shape != (3, 3) or not np.allclose(matrix @ matrix.T, np.eye(3), atol=ORTHONORMAL):
         raise refused("mounting", f"{what} a matrix that is not a rotation", FIX)
     if np.linalg.det(matrix) < 0:
-        fix = 'Reverse one channel with a minus sign: sensor = ["ax", "-ay", "az"]'
-        message = f"{what} a matrix that mirrors the axes; it has to be a rotation"
-        raise refused("mounting", message, fix)
+        raise refused(
+            "mounting",
+            f"{what} a matrix that mirrors the axes; it has to be a rotation",
+            'Reverse one channel with a minus sign: sensor = ["ax", "-ay", "az"]',
+        )
     return Rotation.from_matrix(matrix).as_matrix()
 
 
@@ -134,8 +136,9 @@ def _rotation_of_angles(parts: list[object]) -> NDArray[np.float64]:
     problems: list[Problem] = []
     for (name, quantity), raw in zip(ANGLES.items(), parts, strict=True):
         with gathered(problems, f"mounting.{name}"):
-            given = raw.item() if isinstance(raw, np.generic) else raw
-            angles.append(read_number(name, quantity, given))
+            angles.append(
+                read_number(name, quantity, raw.item() if isinstance(raw, np.generic) else raw)
+            )
     if problems:
         raise StudyError(problems)
     return Rotation.from_euler("ZYX", angles, degrees=True).as_matrix()
@@ -273,12 +276,21 @@ def read_signal(source: str | Path | RecordingTable, recording: Recording) -> Si
             known[key] = None if raw is None else read_number(key, FREQUENCY, raw)
     count = recording.harmonics
     if count is not None and (type(count) is not int or not 1 <= count <= MAX_ORDERS):
-        fix = f"Give a whole number from 1 to {MAX_ORDERS}, or leave it out"
-        problems.append(Problem("harmonics", f"{str(count)[:40]} orders cannot be fitted", fix))
+        problems.append(
+            Problem(
+                "harmonics",
+                f"{str(count)[:40]} orders cannot be fitted",
+                f"Give a whole number from 1 to {MAX_ORDERS}, or leave it out",
+            )
+        )
     if len(table.lines) < LEAST_SAMPLES:
-        message = f"the recording has {len(table.lines)} samples, which is too few"
-        fix = f"Record at least {LEAST_SAMPLES} samples over ten periods or more"
-        problems.append(Problem("recording", message, fix))
+        problems.append(
+            Problem(
+                "recording",
+                f"the recording has {len(table.lines)} samples, which is too few",
+                f"Record at least {LEAST_SAMPLES} samples over ten periods or more",
+            )
+        )
     if problems:
         raise StudyError(problems)
     accelerations = np.array([values for values, _ in channels])
@@ -303,22 +315,39 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
     own = [(axis, name) for axis in AXES if (name := getattr(recording, axis)) is not None]
     sensor = recording.sensor
     if sensor is None and not own:
-        fix = "Name the columns: along = ..., normal = ..., or sensor = three columns"
-        problems.append(Problem("along", "the drive names no column of accelerations", fix))
+        problems.append(
+            Problem(
+                "along",
+                "the drive names no column of accelerations",
+                "Name the columns: along = ..., normal = ..., or sensor = three columns",
+            )
+        )
     elif sensor is None and recording.mounting is not None:
-        message = "the mounting is that of a sensor of three columns, which are not given"
-        fix = "Give sensor = three columns, instead of a column for each axis"
-        problems.append(Problem("mounting", message, fix))
+        problems.append(
+            Problem(
+                "mounting",
+                "the mounting is that of a sensor of three columns, which are not given",
+                "Give sensor = three columns, instead of a column for each axis",
+            )
+        )
     if sensor is None:
         return own
     if own:
-        message = f"the drive names the columns of a sensor, and single ones ({own[0][0]})"
-        fix = "Give either sensor = three columns, or a column for each axis"
-        problems.append(Problem("sensor", message, fix))
+        problems.append(
+            Problem(
+                "sensor",
+                f"the drive names the columns of a sensor, and single ones ({own[0][0]})",
+                "Give either sensor = three columns, or a column for each axis",
+            )
+        )
     if isinstance(sensor, str) or len(sensor) != 3:
-        message = "sensor does not name three columns of the recording"
-        fix = 'Name the columns of x, y and z: sensor = ["ax", "ay", "az"]'
-        problems.append(Problem("sensor", message, fix))
+        problems.append(
+            Problem(
+                "sensor",
+                "sensor does not name three columns of the recording",
+                'Name the columns of x, y and z: sensor = ["ax", "ay", "az"]',
+            )
+        )
         return []
     return [(f"sensor.{axis}", name) for axis, name in zip("xyz", sensor, strict=True)]
 
@@ -351,11 +380,15 @@ def _factor(path: str, name: str, headed: str, unit: str | None) -> float:
         except UnitError as error:
             if key == path and unit and isinstance(error, UnknownUnitError):
                 continue  # a word that is no unit at all, beside the key that says it
-            message = f"'{str(text)[:40]}' is not a unit of acceleration"
-            raise refused(key, message, f"Known: {listed}") from None
+            raise refused(
+                key, f"'{str(text)[:40]}' is not a unit of acceleration", f"Known: {listed}"
+            ) from None
     if not factors:
-        fix = f"Give unit = one of {listed}, or write the unit in the header: '{name} [g]'"
-        raise refused("unit", f"the unit of the recording's column '{name}' is not given", fix)
+        raise refused(
+            "unit",
+            f"the unit of the recording's column '{name}' is not given",
+            f"Give unit = one of {listed}, or write the unit in the header: '{name} [g]'",
+        )
     if len(set(factors)) > 1:
         raise refused(
             "unit",

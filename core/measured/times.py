@@ -53,18 +53,22 @@ def read_times(
     """
     if rate is not None:
         if time is not None:
-            message = "the recording has both a sampling rate (rate) and a time column (time)"
-            fix = "Give only the one that the recorder measures more accurately"
-            raise refused("rate", message, fix)
+            raise refused(
+                "rate",
+                "the recording has both a sampling rate (rate) and a time column (time)",
+                "Give only the one that the recorder measures more accurately",
+            )
         try:
             return np.arange(len(table.lines)) / read_number("rate", RATE, rate), ""
         except UnitError as error:
             raise StudyError([problem("rate", error)]) from None
     name = time or _column_of_times(table)
     if name is None:
-        message = "the recording has neither a sampling rate nor a column of times"
-        fix = "Give rate = the samples per second, or time = the name of the column of times"
-        raise refused("rate", message, fix)
+        raise refused(
+            "rate",
+            "the recording has neither a sampling rate nor a column of times",
+            "Give rate = the samples per second, or time = the name of the column of times",
+        )
     if name in table.columns and table.columns[name].faulty == len(table.lines):
         line, text = table.columns[name].faults[0]
         raise refused(

@@ -57,8 +57,16 @@ def check_before(signal: Signal) -> None:
         message = "the recording holds values that are not finite numbers"
         problems.append(Problem("recording", message, "Remove these values from the recording"))
     if count < LEAST_SAMPLES:
-        fix = f"Record {LEAST_SAMPLES} at least, over {LEAST_PERIODS} periods or more"
-        raise StudyError([*problems, Problem("recording", f"it has {count} samples", fix)])
+        raise StudyError(
+            [
+                *problems,
+                Problem(
+                    "recording",
+                    f"it has {count} samples",
+                    f"Record {LEAST_SAMPLES} at least, over {LEAST_PERIODS} periods or more",
+                ),
+            ]
+        )
     with np.errstate(over="ignore"):
         step = float(np.ptp(signal.times)) / (count - 1)
         ranges = np.ptp(signal.accelerations, axis=1)
@@ -146,8 +154,9 @@ def check_fit(
         problems += _not_seconds(signal, solution.frequency)
     if not problems:
         problems += _off(signal.line_frequency, solution.frequency)
-        constant = solution.drift[:, 0]
-        problems += gravity_problems(signal.axes, constant, float(periodic), signal.slopes)
+        problems += gravity_problems(
+            signal.axes, solution.drift[:, 0], float(periodic), signal.slopes
+        )
     if problems:
         raise StudyError(problems)
 
@@ -300,12 +309,18 @@ def _without_gravity(
     normal = shown.get("normal")
     thousandth = normal is not None and abs(abs(normal) / 0.001 - 1.0) <= SIZE
     if thousandth and rms < SMALL * STANDARD_GRAVITY:
-        fix = "Correct the unit of the accelerations, and export without separators of thousands"
-        yield "normal", CONFUSED[0.001], fix
+        yield (
+            "normal",
+            CONFUSED[0.001],
+            "Correct the unit of the accelerations, and export without separators of thousands",
+        )
     for axis in filter(shown.__contains__, steepest):
         if abs(shown[axis]) > SIZE + (np.sin(steepest[axis]) if normal is None else 0.0):
-            fix = "Correct the names of the channels, the unit, or the mounting"
-            yield axis, "a track at rest shows gravity in the normal channel", fix
+            yield (
+                axis,
+                "a track at rest shows gravity in the normal channel",
+                "Correct the names of the channels, the unit, or the mounting",
+            )
 
 
 def _against_gravity(
@@ -318,27 +333,34 @@ def _against_gravity(
     if normal is None or abs(normal) < 0.5:
         for axis in recorded:
             if abs(shown[axis]) >= 1.0 - SIZE:
-                fix = "Name as normal the column that shows +1 g, as along that of the transport"
-                yield axis, "gravity belongs to the normal channel", fix
+                yield (
+                    axis,
+                    "gravity belongs to the normal channel",
+                    "Name as normal the column that shows +1 g, as along that of the transport",
+                )
     if normal is None or abs(normal) <= REMOVED:
         yield from _without_gravity(shown, rms, steepest)
         return
     for factor, means in CONFUSED.items():
         if abs(abs(normal) / factor - 1.0) <= SIZE:
-            fix = "Correct the unit of the accelerations: the key unit, or the headings"
-            yield "normal", means, fix
+            yield (
+                "normal",
+                means,
+                "Correct the unit of the accelerations: the key unit, or the headings",
+            )
     # What is not recorded may have a share of gravity.
     shares = (float(np.cos(steepest[axis])) for axis in limits if axis not in shown)
     lowest = math.prod(shares, start=1.0 - SIZE)
     if not lowest <= float(np.linalg.norm(list(shown.values()))) <= 1.0 + SIZE:
-        means = "a sensor at rest shows 1 g, or 0 if it does not measure constant accelerations"
-        fix = "Correct the unit, the scale of the sensor, or the names of the channels"
-        yield "normal", means, fix
-    if normal < 0.0:
-        means = "the channel points downwards, and the fitted drive would throw parts downwards"
         yield (
             "normal",
-            means,
+            "a sensor at rest shows 1 g, or 0 if it does not measure constant accelerations",
+            "Correct the unit, the scale of the sensor, or the names of the channels",
+        )
+    if normal < 0.0:
+        yield (
+            "normal",
+            "the channel points downwards, and the fitted drive would throw parts downwards",
             "Turn its sign: a minus sign in front of the column's name, or none if it has one; or "
             "give the mounting of a sensor that hangs upside down",
         )

@@ -202,16 +202,13 @@ def spread_rows(raw: object) -> object:
 
 def _rows_of(entry: Mapping[str, Any], number: int) -> Iterator[dict[str, Any]]:
     lengths = {name: len(value) for name, value in entry.items() if isinstance(value, list | tuple)}
-    if not lengths:
-        yield {str(name): value for name, value in entry.items()}
-        return
     if len({*lengths.values()}) > 1:
         told = ", ".join(f"{str(name)[:40]} {length}" for name, length in lengths.items())
         raise refusal(
             f"the lists of entry {number} of the observations differ in length: {told}",
             "Give each as many values as there are runs, or one for all of them",
         )
-    for k in range(next(iter(lengths.values()))):
+    for k in range(next(iter(lengths.values()), 1)):
         yield {str(n): value[k] if n in lengths else value for n, value in entry.items()}
 
 
@@ -391,6 +388,7 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
         """Return the study as plain data, with ranges and units in canonical form."""
         content = super().content()
         if self.candidates is not None:
-            told = self.asked_next().items()
-            content["candidates"] = {name: values.canonical() for name, values in told}
+            content["candidates"] = {
+                name: values.canonical() for name, values in self.asked_next().items()
+            }
         return content

@@ -42,9 +42,10 @@ class Normal(NamedNumbers):
 
     def within(self, quantity: Quantity) -> tuple[float, float]:
         """Return the range of its values: its own bounds, and those of the quantity."""
-        lower = quantity.lower if self.lower is None else max(self.lower, quantity.lower)
-        upper = quantity.upper if self.upper is None else min(self.upper, quantity.upper)
-        return lower, upper
+        return (
+            quantity.lower if self.lower is None else max(self.lower, quantity.lower),
+            quantity.upper if self.upper is None else min(self.upper, quantity.upper),
+        )
 
 
 @dataclass(frozen=True)
@@ -154,8 +155,11 @@ def _normal(name: str, raw: Mapping[str, Any], quantity: Quantity) -> Normal:
     written = share_of(mean, raw["deviation"], 'deviation = "5 %"')
     written = raw["deviation"] if written is None else written
     size = read_number(f"deviation of {name}", as_difference(quantity), written)
-    ends = {key: read_number(name, quantity, raw[key]) for key in FORMS["uniform"] if key in raw}
-    normal = Normal(mean, size, **ends)
+    normal = Normal(
+        mean,
+        size,
+        **{key: read_number(name, quantity, raw[key]) for key in FORMS["uniform"] if key in raw},
+    )
     lower, upper = normal.within(quantity)
     if not lower < upper:
         raise UnitError(
@@ -214,19 +218,9 @@ def _tabulated(name: str, raw: Mapping[str, Any], quantity: Quantity) -> Tabulat
 def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArray[Any]:
     """Return quantiles of a parameter's distribution, to sample it or to state its range.
 
-    Parameters
-    ----------
-    name : str
-        The parameter, at whose bounds the distribution is cut.
-    distribution : Distribution
-        Its distribution.
-    shares : array_like
-        Shares of the values below, 0 to 1; 0 and 1 give the ends, infinite where there are none.
-
-    Returns
-    -------
-    ndarray
-        In the unit of studies, of the shape of `shares`.
+    `shares` are those of the values below, 0 to 1; 0 and 1 give the ends, infinite where there are
+    none. The result has their shape, in the unit of studies; the distribution is cut at the bounds
+    of the parameter `name`.
     """
     shares = np.asarray(shares, dtype=np.float64)
     if isinstance(distribution, Between):
@@ -239,8 +233,7 @@ def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArr
     if isinstance(distribution, Normal):
         lower, upper = distribution.within(quantity)
     below, above = law.cdf([lower, upper])
-    found = law.ppf(below + (above - below) * shares)
-    return np.asarray(np.clip(found, lower, upper))
+    return np.asarray(np.clip(law.ppf(below + (above - below) * shares), lower, upper))
 
 
 def _law(distribution: Normal | Triangular | Lognormal) -> Any:
@@ -312,8 +305,7 @@ def deviation(name: str, distribution: Distribution) -> float:
     angle = np.pi * (nodes + 1) / 2
     shares, weights = (1 - np.cos(angle)) / 2, weights * np.sin(angle) * np.pi / 4
     values = quantiles(name, distribution, shares)
-    mean = float(weights @ values)
-    return float(np.sqrt(weights @ (values - mean) ** 2))
+    return float(np.sqrt(weights @ (values - float(weights @ values)) ** 2))
 
 
 # --- The section `uncertain` of studies: parameters and their distributions.

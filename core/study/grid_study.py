@@ -135,11 +135,15 @@ def names_recording(content: object) -> bool:
 
 def _fitted(raw: object) -> object:
     if isinstance(raw, Mapping) and "sha256" not in raw:  # the digest of a recording
-        fix = "Carry the study out, or load it by vibrafeed.load_study"
-        raise refusal("its recording has not been fitted yet", fix)
+        raise refusal(
+            "its recording has not been fitted yet",
+            "Carry the study out, or load it by vibrafeed.load_study",
+        )
     if not isinstance(raw, Mapping | MeasuredDrive | None):
-        fix = 'Write [drive] with file = "recording.csv" and the columns along and normal'
-        raise refusal(f"{str(raw)[:40]!r} does not say how to read a recording", fix)
+        raise refusal(
+            f"{str(raw)[:40]!r} does not say how to read a recording",
+            'Write [drive] with file = "recording.csv" and the columns along and normal',
+        )
     return raw
 
 
@@ -148,18 +152,19 @@ class _Written:
 
     def __get_pydantic_json_schema__(self, *_: object) -> dict[str, Any]:
         source = {"oneOf": [{"required": ["file"]}, {"required": ["data"]}]}
-        either = [
-            RecordedDrive.model_json_schema() | source,
-            MeasuredDrive.model_json_schema(),
-            {"type": "null"},
-        ]
-        return {"anyOf": either, "default": None}
+        return {
+            "anyOf": [
+                RecordedDrive.model_json_schema() | source,
+                MeasuredDrive.model_json_schema(),
+                {"type": "null"},
+            ],
+            "default": None,
+        }
 
 
 Drive = Annotated[MeasuredDrive | None, BeforeValidator(_fitted), _Written()]
 
-# --- Names and sizes in sections of a study, known before the model of its kind is loaded.
-
+# --- Names and sizes in sections of a study.
 
 CRITERIA: Final = ("weighted", "limit", "pareto", "maximise", "minimise")
 """The kinds of criterion of an optimisation."""
@@ -178,11 +183,7 @@ MAX_RUNS: Final = 1_000
 
 
 def refusal(message: str, fix: str | Callable[[], str]) -> PydanticCustomError:
-    """Return the validation error of a wrong value, with a message and a fix.
-
-    `fix` may be a function; pydantic may find many errors, and it is called for the first few
-    alone.
-    """
+    """Return the validation error of a wrong value; a function `fix` is called for few of many."""
     return PydanticCustomError("value", "{message}", {"message": message, "fix": fix})
 
 
@@ -201,11 +202,10 @@ def refusing(read: Callable[..., Any]) -> Callable[..., Any]:
 
 @dataclass(frozen=True)
 class Reader:
-    """A field of a study for pydantic, read by one function.
+    """A field of a study for pydantic, read by one function that may raise `UnitError`.
 
-    pydantic's own validators and serialisers inspect signatures and types, which takes long for
-    hundreds of fields at every start. `read` may raise `UnitError`; `schema` returns the JSON
-    Schema of what may be written.
+    pydantic's own validators inspect signatures and types, which takes long for hundreds of fields
+    at every start. `schema` returns the JSON Schema of what may be written.
     """
 
     read: Callable[[object], Any]
@@ -250,8 +250,9 @@ def read_level(name: str, raw: object) -> float:
     # What is compared with a parameter may lie outside the parameter's own bounds.
     shown = quantity.examples or ("1" if quantity.unit == "1" else f"1 {quantity.unit}",)
     infinite = float("inf")
-    free = replace(quantity, lower=-infinite, upper=infinite, strict=False, examples=shown)
-    return read_number(name, free, raw)
+    return read_number(
+        name, replace(quantity, lower=-infinite, upper=infinite, strict=False, examples=shown), raw
+    )
 
 
 @refusing
@@ -449,10 +450,7 @@ class Study(Frozen):
         return content
 
     def said(self) -> dict[str, Any]:
-        """Return the content of the study without the fields that have their default values.
-
-        The name of the kind is always in it.
-        """
+        """Return the kind and the content without the fields that have their default values."""
         fields = type(self).model_fields
         return {
             name: value

@@ -68,8 +68,10 @@ def _read_condition(raw: object) -> ShareCondition:
         return raw
     found = _CONDITION.fullmatch(raw) if isinstance(raw, str) else None
     if found is None:
-        fix = "Write, for example, 'throw_number < 1' or 'regime == slip'"
-        raise refusal(f"{str(raw)[:60]!r} is not a condition", fix)
+        raise refusal(
+            f"{str(raw)[:60]!r} is not a condition",
+            "Write, for example, 'throw_number < 1' or 'regime == slip'",
+        )
     name, comparison, value = found.groups()
     if is_regime(name):
         if comparison not in ("==", "!="):

@@ -126,8 +126,7 @@ class MotionSettings(Frozen):
 
     def settings(self) -> dict[str, float]:
         """Return the settings in the study, by their names as quantities."""
-        given = {name: getattr(self, name) for name in SETTINGS}
-        return {name: float(value) for name, value in given.items() if value is not None}
+        return {n: float(one) for n in SETTINGS if (one := getattr(self, n)) is not None}
 
 
 class _Asked(FollowedStudy):

@@ -12,20 +12,16 @@ from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from vibrafeed.core.errors import Problem
-
-if TYPE_CHECKING:
-    import pint
-
-    from vibrafeed.core.quantities import Quantity
+from vibrafeed.core.quantities import Quantity
 
 # --- Words for units that studies are usually written in: one table, read without pint.
 #
 # pint knows thousands more, and takes half a second to load; it agrees with this table (a test).
 
-Dimensions = tuple[int, int, int, int, int]
+Dimensions = tuple[int, ...]
 """Exponents of metre, kilogram, second, ampere and radian."""
 
 PI: Final = Fraction("3.1415926535897932384626433832795028841971693993751")
@@ -84,8 +80,7 @@ def _read(text: str) -> tuple[Fraction, Dimensions] | None:
         size *= factor**power
         dimensions = [sum_ + power * each for sum_, each in zip(dimensions, exponents, strict=True)]
         start = match.end()
-    length, mass, time, current, angle = dimensions
-    return size, (length, mass, time, current, angle)
+    return size, tuple(dimensions)
 
 
 PERCENT = "%"
@@ -334,9 +329,10 @@ def _factor(own: str, unit: str, *, with_g: bool) -> Fraction:
         raise _OtherKindError from error
 
 
-def _quantity(text: str) -> pint.Quantity[Fraction]:
-    small = re.sub(r"\b[A-Z](?=[a-z]{2,})", lambda first: first[0].lower(), text)
-    for tried in dict.fromkeys((text, small)):
+def _quantity(text: str) -> Any:
+    for tried in dict.fromkeys(
+        (text, re.sub(r"\b[A-Z](?=[a-z]{2,})", lambda first: first[0].lower(), text))
+    ):
         try:
             return _registry().Quantity(Fraction(1), tried)
         except Exception:  # pint raises of many kinds for a malformed unit
@@ -371,7 +367,7 @@ def _in_pint(unit: str) -> str:
 
 
 @functools.cache
-def _registry() -> pint.UnitRegistry[Fraction]:
+def _registry() -> Any:
     import pint  # costs half a second, and most studies need none but the words of `unit_words`
 
     return pint.UnitRegistry(non_int_type=Fraction)
@@ -380,8 +376,9 @@ def _registry() -> pint.UnitRegistry[Fraction]:
 def _how_to_write(name: str, quantity: Quantity) -> str:
     if quantity.unit == "1":
         return f"Write {name} = {(*quantity.examples, '1')[0]} (a plain number)"
-    examples = quantity.examples or (f"1 {quantity.unit}",)
-    shown = " or ".join(f'"{example}"' for example in examples)
+    shown = " or ".join(
+        f'"{example}"' for example in (quantity.examples or (f"1 {quantity.unit}",))
+    )
     return f"Write {name} = {shown} (a bare number is in {quantity.unit})"
 
 

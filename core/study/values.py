@@ -182,8 +182,9 @@ class Span:
 
         A part has the bits of the whole. Linear values are as typed (`evenly`).
         """
-        spaced = geometrically if self.spacing == "log" else evenly
-        return spaced(self.start, self.stop, self.size, start, stop)
+        return (geometrically if self.spacing == "log" else evenly)(
+            self.start, self.stop, self.size, start, stop
+        )
 
     def canonical(self) -> Any:
         """Return the range of a parameter as plain JSON in the quantity's unit, to store it.
@@ -367,8 +368,10 @@ def _step(
     name: str, quantity: Quantity, start: float, stop: float, raw: object
 ) -> tuple[float, int]:
     # A step is a difference: it may be smaller than a strict lower bound allows a value to be.
-    step = read_number(f"step of {name}", as_difference(quantity), raw)
-    first, apart = as_typed(start), as_typed(step)
+    first, apart = (
+        as_typed(start),
+        as_typed(read_number(f"step of {name}", as_difference(quantity), raw)),
+    )
     steps = (as_typed(stop) - first) / apart
     if steps > MAX_POINTS:
         return stop, int(min(steps, Fraction(10**18))) + 1
