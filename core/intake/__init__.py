@@ -21,6 +21,7 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from vibrafeed.core.intake.forms import read_content, read_json, read_toml
     from vibrafeed.core.intake.keywords import gather
     from vibrafeed.core.intake.studies import (
         load_study,
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
         study_and_fit,
         study_of,
     )
-    from vibrafeed.core.intake.syntax import read_content, read_json, read_toml
 else:
     __getattr__ = lazily(
         __name__,
@@ -46,6 +46,6 @@ else:
                 "study_and_fit",
                 "study_of",
             ),
-            "syntax": ("read_content", "read_json", "read_toml"),
+            "forms": ("read_content", "read_json", "read_toml"),
         },
     )

@@ -1,23 +1,226 @@
-"""A study in the forms in which people pass it on: TOML, JSON, a request, a call in Python.
+"""A study in the forms in which people pass it on: TOML and JSON, read and written, and others.
 
-Each takes the content of a sound study as it was typed, so that units and ranges stay as they are.
+A request and a call in Python are written alone. Each writer takes the content of a sound study as
+it was typed, so that units and ranges stay as they are.
 """
 
 from __future__ import annotations
 
+import codecs
 import json
 import os
 import pprint
+import re
 import shlex
-from collections.abc import Callable, Mapping
+import sys
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NoReturn
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.intake.keywords import KEYS
 from vibrafeed.core.intake.sections import SECTIONS, in_letters, read_rows, with_posteriors
+from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.measured.csv_table import decoded
 
+# --- Reading what stands in TOML and JSON, from files and from the network.
+
+
+DEEPEST = 32  # levels of nesting; a study has 5, an execute request around it 2
+# What no study comes near: who sends more is refused before it is looked at closely.
+MAX_KEYS = 1_000  # of one object of JSON
+EXPECTED = "Send one JSON object, a study"
+SYNTAX = "Fix the syntax there"
+NO_STUDIES = {
+    ".nc": ("it is a result, not a study", "Draw it with `vibrafeed plot`, or name its study"),
+    **dict.fromkeys(
+        (".csv", ".parquet", ".xlsx", ".mat"),
+        ("it is a table, not a study", "Name a TOML or JSON study"),
+    ),
+}  # what other files are, and what to do instead of running them
+MAX_BRACKETS = 10_000  # objects and lists of one text
+LARGEST = sys.float_info.max
+TOO_LARGE = "it is a number larger than 1.8e308", "Fix the value"
+_TOO_LONG = "set_int_max_str_digits"  # in Python's message on an integer of thousands of digits
+_HALVES = re.compile("[\ud800-\udfff]")
+
+
+def read_content(path: Path) -> object:
+    """Return the keys and values in a TOML or JSON file of a study.
+
+    File names in it (a recording, observations, calibrations) are relative to its folder, and
+    become paths from the current one. Raises `StudyError` if the file cannot be read, with advice
+    for files of other kinds, such as results.
+    """
+    suffix = path.suffix.lower()
+    if suffix in NO_STUDIES:
+        _fail("file", *NO_STUDIES[suffix])
+    try:
+        text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin it with a mark
+    except UnicodeDecodeError as error:
+        wide = error.object.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))  # PowerShell 5
+        _fail(
+            "file",
+            "it is not UTF-8 text",
+            ("Save it as UTF-8" + ("; in PowerShell write it with -o FILE, not >" if wide else "")),
+            error,
+        )
+    except OSError as error:
+        _fail("file", f"it cannot be read: {error.strerror}", "Name a TOML or JSON study", error)
+    content = _read_text(text, ".json" if suffix == ".json" else ".toml", path.stem)
+    if isinstance(content, dict):
+        for key, section in SECTIONS.items():
+            if key in content:
+                content[key] = section.beside(content[key], path.parent)
+    return content
+
+
+def _read_text(text: str, suffix: str, stem: str) -> object:
+    try:
+        return _READERS[suffix](text)
+    except StudyError as error:
+        other = ".toml" if suffix == ".json" else ".json"
+        try:
+            _READERS[other](text)
+        except StudyError:
+            (problem,) = error.problems
+            if problem.place == "body":  # the word of requests
+                problem = Problem(
+                    "file", problem.message, SYNTAX if problem.fix == EXPECTED else problem.fix
+                )
+            raise StudyError([problem]) from None
+        form = other.removeprefix(".").upper()
+        _fail("file", f"this is {form}, and its name ends in {suffix}", f"Name it {stem}{other}")
+
+
+def read_toml(text: str) -> object:
+    """Return the content of a TOML text as a dict; raise `StudyError` if the syntax is invalid.
+
+    Also for what a TOML text can hold, but no study: see `read_json`.
+    """
+    try:
+        content = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        if _TOO_LONG in str(error):
+            _fail("file", *TOO_LARGE, error)
+        found = re.search(r"at line (\d+)", str(error))
+        number = int(found[1]) if found else 0
+        _refuse_comma("file", text, number)
+        fix = f'{SYNTAX}: texts, such as "20 deg", stand in quotes'
+        if number and re.search(r'"[^"]*\\', text.split("\n")[number - 1]):
+            fix = "In a path write / for \\, or set the path in '...'"
+        _fail("file", f"it is not TOML: {error}", fix, error)
+    _check_values(content, texts="\\" in text or not text.isascii())
+    return content
+
+
+def read_json(text: str | bytes) -> object:
+    """Return the content of a JSON text, as dict, list or plain value, after strict checks.
+
+    Raises `StudyError` if the syntax is invalid, and for repeated keys, NaN, numbers beyond double
+    precision, characters that are not valid text, too many objects, and content that is nested too
+    deeply: texts come from the network.
+    """
+    try:
+        # By itself json would let halves of characters through, and take other encodings.
+        text = text if isinstance(text, str) else text.decode("utf-8")
+        if text.count("[") + text.count("{") > MAX_BRACKETS:
+            _fail("body", f"it holds more than {MAX_BRACKETS:,} objects and lists", EXPECTED)
+        content: object = json.loads(
+            text, object_pairs_hook=_unique, parse_constant=_refuse_constant
+        )
+    except (ValueError, RecursionError) as error:
+        if _TOO_LONG in str(error):
+            _fail("body", *TOO_LARGE, error)
+        if isinstance(error, json.JSONDecodeError):
+            _refuse_comma("body", error.doc, error.lineno)
+        reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
+        _fail("body", f"it is not JSON: {reason}"[:300], EXPECTED, error)
+    # What is no text can stand there as an escape only, or as itself in what Python hands over.
+    _check_values(content, texts="\\u" in text or not text.isascii())
+    return content
+
+
+def _refuse_comma(path: str, text: str, number: int) -> None:
+    line = text.split("\n")[number - 1] if number else ""
+    comma = re.search(r"[=:]\s*([-+]?\d+),(\d+)", line)
+    if comma is not None:
+        whole, decimals = (part[:20] for part in comma.groups())
+        _fail(
+            path,
+            f"line {number}: the number {whole},{decimals} has a decimal comma",
+            f"Write {whole}.{decimals}",
+        )
+
+
+_READERS: dict[str, Callable[[str], object]] = {".json": read_json, ".toml": read_toml}
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    if len(pairs) > MAX_KEYS:
+        begins = f"the object that begins with '{_shown(pairs[0][0])}'"
+        _fail("body", f"{begins} has {len(pairs):,} keys", f"Give at most {MAX_KEYS:,}")
+    content = dict(pairs)
+    if len(content) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for k, name in enumerate(names) if name in names[:k])
+        raise ValueError(f"the key '{_shown(twice)}' appears twice in one JSON object")
+    return content
+
+
+def _refuse_constant(constant: str) -> NoReturn:
+    raise ValueError(f"{constant} is not a valid number in JSON")
+
+
+def _check_values(content: object, *, texts: bool) -> None:
+    level: list[tuple[str, Any]] = [("", [content])]
+    for _ in range(DEEPEST + 1):
+        below: list[tuple[str, Any]] = []
+        for path, part in level:
+            if isinstance(part, dict):
+                for key, value in part.items():
+                    within = f"{path}.{_shown(key)}".lstrip(".")
+                    if texts and _is_no_text(key):
+                        _fail(within, "its name holds an invalid character", "Fix the name")
+                    _check_plain(within, (value,), texts)
+                    if isinstance(value, dict | list):
+                        below.append((within, value))
+            else:
+                _check_plain(path, part, texts)
+                below.extend((path, item) for item in part if isinstance(item, dict | list))
+        if not below:
+            return
+        level = below
+    _fail(level[0][0][:100] or "body", "it is nested too deeply", EXPECTED)
+
+
+def _check_plain(path: str, values: Sequence[Any], texts: bool) -> None:
+    plain = {*map(type, values)} <= {int, float}
+    numbers = values if plain else [one for one in values if type(one) in (int, float)]
+    if numbers and not -LARGEST <= min(numbers) <= max(numbers) <= LARGEST:
+        _fail(path or "body", *TOO_LARGE)
+    if texts and any(isinstance(value, str) and _is_no_text(value) for value in values):
+        _fail(
+            path or "body",
+            "it holds an invalid character: NUL, or half of a surrogate pair",
+            "Fix the value",
+        )
+
+
+def _is_no_text(text: str) -> bool:
+    return "\0" in text or (not text.isascii() and _HALVES.search(text) is not None)
+
+
+def _shown(text: str) -> str:
+    return text[:60].encode("utf-8", "backslashreplace").decode("utf-8").replace("\0", "\\0")
+
+
+def _fail(path: str, message: str, fix: str, cause: Exception | None = None) -> NoReturn:
+    raise StudyError([Problem(path, message, fix)]) from cause
+
+
+KEYS = tuple(dict.fromkeys(key for kind in KINDS.values() for key in kind.model.model_fields))
+"""The keys that a study of any kind has beside its parameters."""
 SERVICE: Final = "http://127.0.0.1:8000"
 LONGEST_ARGUMENT: Final = 100_000  # bytes; Linux takes 131,072 in one argument of a command
 WIDTH: Final = 88  # characters of a line of Python

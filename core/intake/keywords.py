@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.intake.syntax import LARGEST, TOO_LARGE, read_content
+from vibrafeed.core.intake.forms import KEYS, LARGEST, TOO_LARGE, read_content
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.measured.csv_table import name_and_unit
 from vibrafeed.core.quantities import QUANTITIES, letter_of
@@ -18,9 +18,6 @@ from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.grid_study import PARAMETERS, Study
 from vibrafeed.core.study.units import apart, dimension_of, with_own_unit
 from vibrafeed.core.study.values import MAX_POINTS
-
-KEYS = tuple(dict.fromkeys(key for kind in KINDS.values() for key in kind.model.model_fields))
-"""The keys that a study of any kind has beside its parameters."""
 
 StudyLike = Study | Mapping[str, Any] | str | os.PathLike[str]
 """What stands for a study; a text is the name of a scene, or the path of a TOML or JSON file."""

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.intake.forms import read_content, read_json, read_toml
 from vibrafeed.core.intake.recorded import channel_questions, tilt_questions
 from vibrafeed.core.intake.section import Stranger, problems_of
 from vibrafeed.core.intake.sections import SECTIONS, in_letters, words_in
-from vibrafeed.core.intake.syntax import read_content, read_json, read_toml
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plan.kind import Sketch
 from vibrafeed.core.plan.plan import plan_scene, scene_parameters

@@ -10,7 +10,7 @@ import xarray
 
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import gather, load_study, parse_study
-from vibrafeed.core.intake.keywords import KEYS
+from vibrafeed.core.intake.forms import KEYS
 from vibrafeed.core.study.grid_study import PARAMETERS
 
 POINT = {"frequency": "50 Hz", "amplitude": "0.25 mm", "friction": 0.5}
