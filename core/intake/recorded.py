@@ -38,9 +38,8 @@ ASKED_FROM = 5.0  # degrees between the climb of a recording and that of its stu
 
 
 def _beside(drive: Any, folder: Path) -> Any:
-    if isinstance(drive, dict) and isinstance(drive.get("file"), str):
-        return {**drive, "file": str(folder / drive["file"])}
-    return drive
+    is_named = isinstance(drive, dict) and isinstance(drive.get("file"), str)
+    return {**drive, "file": str(folder / drive["file"])} if is_named else drive
 
 
 def _with_drive(content: Content, files: bool) -> Resolved:
@@ -54,9 +53,8 @@ def _with_drive(content: Content, files: bool) -> Resolved:
         )
     own = _parameter_sections(content)
     numbers = {n: v for n, v in record.numbers.items() if not any(n in given for given in own)}
-    parameters = content.get("parameters", {})
-    if isinstance(parameters, Mapping):  # if it is none, its reader says so
-        parameters = {**parameters, **numbers}
+    written = content.get("parameters", {})  # if it is none, its reader says so
+    parameters = {**written, **numbers} if isinstance(written, Mapping) else written
     return Resolved(
         {**content, "parameters": parameters, "drive": record.model_dump(exclude_none=True)},
         fit=fit,

@@ -239,9 +239,8 @@ def problems_of(
 
 def _path_of(path: list[Any], sections: Mapping[str, Section]) -> tuple[list[Any], str, Section]:
     section = sections.get(str(path[0]), Section()) if path else Section()
-    tag = ""
-    if len(path) > 1 and path[1] in section.tags:
-        tag = str(path.pop(1))  # which alternative it is, and no key
+    is_tagged = len(path) > 1 and path[1] in section.tags
+    tag = str(path.pop(1)) if is_tagged else ""  # which alternative it is, and no key
     if path and path[-1] == "[key]":
         del path[-1]  # it is the name that is wrong, and stands before
     return path, tag, section

@@ -248,16 +248,15 @@ def with_posteriors(content: Content, files: bool) -> Resolved:
     uncertain = content.get("uncertain")
     if not files or not isinstance(uncertain, Mapping):
         return Resolved(content)
-    resolved, problems = dict(uncertain), list[Problem]()
-    for name, raw in uncertain.items():
-        if isinstance(raw, Mapping) and set(raw) == {CALIBRATION}:
-            read = _density(str(name), raw[CALIBRATION])
-            if isinstance(read, Problem):
-                problems.append(read)
-                del resolved[name]
-            else:
-                resolved[name] = read
-    return Resolved({**content, "uncertain": resolved}, problems)
+    read = {
+        name: _density(str(name), raw[CALIBRATION])
+        for name, raw in uncertain.items()
+        if isinstance(raw, Mapping) and set(raw) == {CALIBRATION}
+    }
+    problems = [one for one in read.values() if isinstance(one, Problem)]
+    read = {**uncertain, **read}
+    kept = {name: one for name, one in read.items() if not isinstance(one, Problem)}
+    return Resolved({**content, "uncertain": kept}, problems)
 
 
 def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
@@ -304,9 +303,8 @@ def _parameter_names(parameters: Any, _: Collection[str]) -> Iterable[str]:
 
 
 def _open(variables: Any, known: Collection[str]) -> Iterable[str]:
-    if isinstance(variables, Mapping):
-        return map(str, variables)
-    return (name for name in DRIVE_ANGLES if name in known)
+    is_given = isinstance(variables, Mapping)
+    return map(str, variables) if is_given else (one for one in DRIVE_ANGLES if one in known)
 
 
 def _looked_for(criterion: Any) -> Iterable[str]:
@@ -381,14 +379,13 @@ def words_in(content: Any) -> dict[str, str]:
 
 
 def _rows(rows: list[Any] | tuple[Any, ...]) -> tuple[list[Any], list[Problem]]:
-    letters, problems = list[Any](), list[Problem]()
-    for number, row in enumerate(rows, 1):
-        faults: list[Problem] = []
-        if isinstance(row, Mapping) and not WORDS.keys().isdisjoint(row):
-            row, faults = by_letters(row, f"observations row {number}, ")
-        letters.append(row)
-        problems = problems or faults
-    return letters, problems
+    found: list[tuple[Any, list[Problem]]] = [
+        by_letters(row, f"observations row {number}, ")
+        if isinstance(row, Mapping) and not WORDS.keys().isdisjoint(row)
+        else (row, [])
+        for number, row in enumerate(rows, 1)
+    ]
+    return [row for row, _ in found], next((faults for _, faults in found if faults), [])
 
 
 def _reduction(raw: Mapping[str, Any]) -> dict[str, Any]:

@@ -326,10 +326,8 @@ def fit_signal(signal: Signal) -> Fit:
     middle = (signal.times[0] + signal.times[-1]) / 2.0
     samples = Samples(signal.times - middle, signal.accelerations)
     start = fundamental(samples, signal.frequency, signal.line_frequency)
-    orders = orders_below(samples, start)
     check_orders(signal, samples, start)
-    if signal.harmonics is not None:
-        orders = orders[: signal.harmonics]
+    orders = orders_below(samples, start)[: signal.harmonics]
     solution, noise = _solve_weighted(samples, start, orders, DRIFT, signal.resolution)
     significant, degree = _significant(samples, solution, noise)
     if signal.harmonics is None:

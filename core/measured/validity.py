@@ -228,15 +228,14 @@ def _not_seconds(signal: Signal, frequency: float) -> list[Problem]:
         return []
     unit = likely_unit_of_times(frequency)
     reason = f": they look like {unit}" if unit else ""
-    example = f"{signal.assumed} [{unit or 'ms'}]"
     return [
         Problem(
             "time",
             f"column '{signal.assumed}' does not say the unit of its times, and as seconds they "
             f"give a drive of {frequency:.3g} Hz, where feeders have {usual[0]:g} to "
             f"{usual[1]:,g} Hz{reason}",
-            f"Write the unit in the heading, as in '{example}', or give rate = the samples per "
-            "second and leave time out",
+            f"Write the unit in the heading, as in '{signal.assumed} [{unit or 'ms'}]', or give "
+            "rate = the samples per second and leave time out",
         )
     ]
 
@@ -245,10 +244,12 @@ def _off(line: float | None, frequency: float) -> list[Problem]:
     if line is None or abs(frequency / line - 1.0) <= MAX_CLOCK:
         return []
     ratio = max(frequency / line, line / frequency)
-    most = f"{100 * MAX_CLOCK:.0f} %"
-    fix = f"Clocks are trusted within {most}: correct the sampling rate (rate) or line_frequency"
-    if abs(ratio - round(ratio)) < TWICE:
-        fix = "Give as line_frequency what the drive runs at, such as 100 Hz on mains of 50 Hz"
+    fix = (
+        "Give as line_frequency what the drive runs at, such as 100 Hz on mains of 50 Hz"
+        if abs(ratio - round(ratio)) < TWICE
+        else f"Clocks are trusted within {100 * MAX_CLOCK:.0f} %: correct the sampling rate (rate) "
+        "or line_frequency"
+    )
     return [
         Problem(
             "line_frequency",

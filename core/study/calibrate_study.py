@@ -30,6 +30,7 @@ from vibrafeed.core.study.grid_study import (
     Frozen,
     Parameters,
     by_parameter,
+    first_paths,
     optional,
     parameters_in,
     read_level,
@@ -72,9 +73,8 @@ def read_error(output: str, raw: object, value: float) -> float:
     UnitError
         If it is not a valid error.
     """
-    error = share_of(value, raw, 'error = "5 %"')
-    if error is None:
-        error = read_level(output, raw)
+    share = share_of(value, raw, 'error = "5 %"')
+    error = read_level(output, raw) if share is None else share
     if not error > 0:
         raise UnitError(
             f"the error {raw} of the measured value is not above 0",
@@ -95,9 +95,10 @@ def _observed_schema(name: str) -> dict[str, Any]:
 def _read_row_error(raw: object, info: ValidationInfo) -> object:
     known = ((name, info.data.get(name)) for name in OBSERVED)
     output, value = next((one for one in known if one[1] is not None), (None, None))
-    if raw is None or output is None or value is None:
-        return None  # what is wrong with the value is told there
-    return read_error(output, raw, value)
+    # What is wrong with the value is told there.
+    return (
+        read_error(output, raw, value) if raw is not None and output and value is not None else None
+    )
 
 
 def _read_regime(raw: object) -> str | None:
@@ -185,8 +186,7 @@ def spread_rows(raw: object) -> object:
             "the file of observations has not been read yet",
             "Run the study, or load it by vibrafeed.load_study",
         )
-    if isinstance(raw, Mapping):
-        raw = [raw]
+    raw = [raw] if isinstance(raw, Mapping) else raw
     if not isinstance(raw, list | tuple):
         raise refusal(
             "observations is not a list of runs",
@@ -370,19 +370,18 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
         return parameters_in(self.candidates)
 
     def places(self) -> dict[str, str]:
-        """Return the paths of parameters that stand in measured runs or among the unknowns.
-
-        They serve messages about a parameter.
-
-        A parameter in both has the path in the runs.
-        """
-        origins: dict[str, str] = {}
-        for run in self.observations:
-            origins |= {name: f"observations, {name}" for name in parameters_of(run)}
-        for table in STEMS:
-            for name in parameters_in(getattr(self, table)):
-                origins.setdefault(name, f"{table}.{name}")
-        return origins
+        """Return the paths of parameters in measured runs, else of unknowns, for messages."""
+        runs = (name for run in self.observations for name in parameters_of(run))
+        return first_paths(
+            (
+                *((name, f"observations, {name}") for name in runs),
+                *(
+                    (name, f"{table}.{name}")
+                    for table in STEMS
+                    for name in parameters_in(getattr(self, table))
+                ),
+            )
+        )
 
     def content(self) -> dict[str, Any]:
         """Return the study as plain data, with ranges and units in canonical form."""

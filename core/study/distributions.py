@@ -229,9 +229,8 @@ def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArr
     if isinstance(distribution, Tabulated):
         return _quantiles_of_table(distribution, shares)
     law, quantity = _law(distribution), QUANTITIES[name]
-    lower, upper = quantity.lower, quantity.upper
-    if isinstance(distribution, Normal):
-        lower, upper = distribution.within(quantity)
+    bounds = quantity.lower, quantity.upper
+    lower, upper = distribution.within(quantity) if isinstance(distribution, Normal) else bounds
     below, above = law.cdf([lower, upper])
     return np.asarray(np.clip(law.ppf(below + (above - below) * shares), lower, upper))
 

@@ -6,7 +6,7 @@ import hashlib
 import html
 import json
 import reprlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial, wraps
 from pathlib import Path
@@ -242,10 +242,7 @@ def at_most(count: int) -> BeforeValidator:
 
 
 def read_level(name: str, raw: object) -> float:
-    """Return a value to compare the output `name` with in its unit, from a number or a text.
-
-    Raises `UnitError` if it is no value of that kind.
-    """
+    """Return a value to compare the output `name` with in its unit; raise `UnitError` for none."""
     quantity = QUANTITIES[name]
     # What is compared with a parameter may lie outside the parameter's own bounds.
     shown = quantity.examples or ("1" if quantity.unit == "1" else f"1 {quantity.unit}",)
@@ -301,9 +298,9 @@ def by_parameter(
     read: Callable[[str, object], Any],
     schema: Callable[[Quantity], dict[str, Any]],
 ) -> Any:
-    """Return the model of a section that has an optional field for each parameter.
+    """Return the model of a section with optional fields for parameters.
 
-    `read` takes the parameter's name and what a user wrote, `schema` its quantity.
+    `read` takes the name and what a user wrote, `schema` the quantity.
     """
     fields = {
         one: optional(partial(read, one), partial(schema, QUANTITIES[one])) for one in PARAMETERS
@@ -316,6 +313,11 @@ def parameters_in(section: BaseModel | None) -> dict[str, Any]:
     """Return the parameters that a section of a study gives, in the order of the declaration."""
     named = section.model_fields_set if section is not None else ()
     return {name: getattr(section, name) for name in PARAMETERS if name in named}
+
+
+def first_paths(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """Return the first path of each name."""
+    return dict(reversed([*pairs]))
 
 
 def _values_schema(quantity: Quantity) -> dict[str, Any]:

@@ -21,6 +21,7 @@ from vibrafeed.core.study.grid_study import (
     OutputNames,
     at_most,
     by_parameter,
+    first_paths,
     parameters_in,
 )
 from vibrafeed.core.study.values import Between, read_between
@@ -203,13 +204,14 @@ class OptimiseStudy(DrivenStudy):
         return {name: f"variables.{name}" for name in self.bounds()}
 
     def output_places(self) -> dict[str, str]:
-        """Return the paths at which outputs stand in constraints or the criterion, by output.
-
-        A path is such as ``constraints.0.output``; messages about an output name it.
-        """
-        origins: dict[str, str] = {}
-        for number, one in enumerate(self.constraints):
-            origins.setdefault(one.output, f"constraints.{number}.output")
-        for name, key in zip(self.criterion_outputs(), ("output", "against"), strict=False):
-            origins.setdefault(name, f"criterion.{key}")
-        return origins
+        """Return the paths of outputs in constraints, else in the criterion, for messages."""
+        in_criterion = zip(self.criterion_outputs(), ("output", "against"), strict=False)
+        return first_paths(
+            (
+                *(
+                    (one.output, f"constraints.{k}.output")
+                    for k, one in enumerate(self.constraints)
+                ),
+                *((name, f"criterion.{key}") for name, key in in_criterion),
+            )
+        )

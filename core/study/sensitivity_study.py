@@ -15,6 +15,7 @@ from vibrafeed.core.study.grid_study import (
     OutputName,
     OutputNames,
     at_most,
+    first_paths,
     parameters_in,
     refusal,
 )
@@ -149,8 +150,8 @@ class SensitivityStudy(DrivenStudy):
 
     def output_places(self) -> dict[str, str]:
         """Return the paths of outputs that stand in demands, by output, for messages."""
-        paths: dict[str, str] = {}
-        for number, one in enumerate(self.demands):
-            if one.output is not None and one.output not in self.outputs:
-                paths.setdefault(one.output, f"demands.{number}.output")
-        return paths
+        return first_paths(
+            (one.output, f"demands.{number}.output")
+            for number, one in enumerate(self.demands)
+            if one.output is not None and one.output not in self.outputs
+        )

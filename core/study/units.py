@@ -62,9 +62,7 @@ def factor_between(text: str, own: str) -> Fraction | None:
     another (brackets), or the dimensions differ.
     """
     unit, goal = _read(text), _read(own)
-    if unit is None or goal is None or unit[1] != goal[1]:
-        return None
-    return unit[0] / goal[0]
+    return unit[0] / goal[0] if unit and goal and unit[1] == goal[1] else None
 
 
 @lru_cache(512)
@@ -292,9 +290,8 @@ def in_own_unit(name: str, quantity: Quantity, value: Any) -> Any:
     if not unit:
         return value
     factor = float(unit_factor(name, quantity, unit))
-    if hasattr(value, "dims"):
-        return value.copy(data=numbers * factor).drop_attrs()
-    return numbers * factor
+    converted = numbers * factor
+    return value.copy(data=converted).drop_attrs() if hasattr(value, "dims") else converted
 
 
 class _OtherKindError(Exception):

@@ -166,9 +166,8 @@ def _question(
     if not leaves:  # what is uncertain may come from a file
         return None
     sizes = [abs(value) for value in read_numbers(name, quantity, leaves)]
-    largest = max(sizes, default=0.0)
-    low, high = usual
-    typed = leaves[sizes.index(largest)] if sizes else None
+    largest, (low, high) = max(sizes), usual
+    typed = leaves[sizes.index(largest)]
     is_bare = not isinstance(typed, str)
     if largest <= high and not (is_bare and 0 < largest < low):
         return None
