@@ -379,13 +379,13 @@ def words_in(content: Any) -> dict[str, str]:
 
 
 def _rows(rows: list[Any] | tuple[Any, ...]) -> tuple[list[Any], list[Problem]]:
-    found: list[tuple[Any, list[Problem]]] = [
+    lettered: list[tuple[Any, list[Problem]]] = [
         by_letters(row, f"observations row {number}, ")
         if isinstance(row, Mapping) and not WORDS.keys().isdisjoint(row)
         else (row, [])
         for number, row in enumerate(rows, 1)
     ]
-    return [row for row, _ in found], next((faults for _, faults in found if faults), [])
+    return [row for row, _ in lettered], next((faults for _, faults in lettered if faults), [])
 
 
 def _reduction(raw: Mapping[str, Any]) -> dict[str, Any]:

@@ -66,13 +66,13 @@ class ShareCondition:
 def _read_condition(raw: object) -> ShareCondition:
     if isinstance(raw, ShareCondition):
         return raw
-    found = _CONDITION.fullmatch(raw) if isinstance(raw, str) else None
-    if found is None:
+    match = _CONDITION.fullmatch(raw) if isinstance(raw, str) else None
+    if match is None:
         raise refusal(
             f"{str(raw)[:60]!r} is not a condition",
             "Write, for example, 'throw_number < 1' or 'regime == slip'",
         )
-    name, comparison, value = found.groups()
+    name, comparison, value = match.groups()
     if is_regime(name):
         if comparison not in ("==", "!="):
             raise refusal(
