@@ -15,6 +15,7 @@ import shlex
 import sys
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
@@ -219,11 +220,15 @@ def _fail(path: str, message: str, fix: str, cause: Exception | None = None) -> 
     raise StudyError([Problem(path, message, fix)]) from cause
 
 
-KEYS = tuple(dict.fromkeys(key for kind in KINDS.values() for key in kind.model.model_fields))
-"""The keys that a study of any kind has beside its parameters."""
 SERVICE: Final = "http://127.0.0.1:8000"
 LONGEST_ARGUMENT: Final = 100_000  # bytes; Linux takes 131,072 in one argument of a command
 WIDTH: Final = 88  # characters of a line of Python
+
+
+@cache
+def keys_of_studies() -> tuple[str, ...]:
+    """Return the keys that a study of any kind has beside its parameters; loads every model."""
+    return tuple(dict.fromkeys(key for kind in KINDS.values() for key in kind.model.model_fields))
 
 
 def to_toml(content: Mapping[str, Any]) -> str:
@@ -306,7 +311,7 @@ def to_python(content: Mapping[str, Any]) -> str:
     """
     keywords = {name: value for name, value in content.items() if name != "kind"}
     parameters = keywords.get("parameters", {})
-    if not set(parameters) & set(KEYS):
+    if not set(parameters) & set(keys_of_studies()):
         keywords.pop("parameters", None)
         keywords |= parameters
     lines = [f"    {name}={_literal(value, len(name) + 5)}," for name, value in keywords.items()]

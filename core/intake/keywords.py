@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.intake.forms import KEYS, LARGEST, TOO_LARGE, read_content
+from vibrafeed.core.intake.forms import LARGEST, TOO_LARGE, keys_of_studies, read_content
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.measured.csv_table import name_and_unit
 from vibrafeed.core.quantities import QUANTITIES, letter_of
@@ -198,7 +198,7 @@ def _numbers(value: Any, path: str) -> Any:
             ]
         )
     quantity = QUANTITIES.get(letter_of(path.rpartition(".")[2]))
-    own = "1" if path in KEYS else "" if quantity is None else quantity.unit
+    own = "1" if path in keys_of_studies() else "" if quantity is None else quantity.unit
     unit = "" if unit == own else unit
     if hasattr(numbers, "tolist"):
         kind = getattr(getattr(numbers, "dtype", None), "kind", "")
@@ -249,10 +249,12 @@ def _may_be_scene(text: str) -> bool:
 
 
 def _is_key(name: str) -> bool:
-    if name in KEYS or letter_of(name) in PARAMETERS:
-        return name in KEYS
-    near: Iterable[str] = difflib.get_close_matches(name[:60], (*KEYS, *PARAMETERS), n=1)
-    return any(known in KEYS for known in near)
+    if name in keys_of_studies() or letter_of(name) in PARAMETERS:
+        return name in keys_of_studies()
+    near: Iterable[str] = difflib.get_close_matches(
+        name[:60], (*keys_of_studies(), *PARAMETERS), n=1
+    )
+    return any(known in keys_of_studies() for known in near)
 
 
 def _check_kind(actual: object, kind: str | None) -> None:

@@ -10,7 +10,7 @@ from vibrafeed.app.cli.questions import QUESTIONS
 from vibrafeed.core.catalogue import describe_all
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, prepare_content, read_content
-from vibrafeed.core.intake.forms import KEYS
+from vibrafeed.core.intake.forms import keys_of_studies
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.optimise.methods import METHODS
@@ -46,7 +46,7 @@ def test_other_names_stand_for_names_that_there_are():
     known = {
         *QUANTITIES,
         *scenes,
-        *KEYS,
+        *keys_of_studies(),
         *RecordedDrive.model_fields,
         *KINDS,
         *CRITERIA,
