@@ -17,7 +17,7 @@ from benchmarks.measured_errors import AMPLITUDES, CASES, FREQUENCY, ORDERS, PHA
 from benchmarks.options import options
 from vibrafeed.core.motion.drive_error import DriveError, drive_error, velocities
 from vibrafeed.core.motion.prepare import prepare
-from vibrafeed.core.study.simulate_study import SimulateStudy
+from vibrafeed.core.study.sweep_and_simulate import SimulateStudy
 
 PARTS = {
     "slides": {"friction": 0.3, "drive_factor": 0.7},

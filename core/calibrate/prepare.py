@@ -27,7 +27,7 @@ from vibrafeed.core.study.calibrate_study import (
     parameters_of,
     read_error,
 )
-from vibrafeed.core.study.section_names import OBSERVED
+from vibrafeed.core.study.grid_study import OBSERVED
 from vibrafeed.core.study.shown import ShownUnits
 from vibrafeed.core.study.units import UnitError
 from vibrafeed.core.study.values import Fixed, Points, Span, Values

@@ -21,8 +21,9 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from vibrafeed.core.intake.forms import read_content, read_json, read_toml
     from vibrafeed.core.intake.keywords import gather
-    from vibrafeed.core.intake.read import (
+    from vibrafeed.core.intake.studies import (
         load_study,
         parse_json,
         parse_study,
@@ -31,13 +32,12 @@ if TYPE_CHECKING:
         study_and_fit,
         study_of,
     )
-    from vibrafeed.core.intake.text import read_content, read_json, read_toml
 else:
     __getattr__ = lazily(
         __name__,
         {
             "keywords": ("gather",),
-            "read": (
+            "studies": (
                 "load_study",
                 "parse_json",
                 "parse_study",
@@ -46,6 +46,6 @@ else:
                 "study_and_fit",
                 "study_of",
             ),
-            "text": ("read_content", "read_json", "read_toml"),
+            "forms": ("read_content", "read_json", "read_toml"),
         },
     )

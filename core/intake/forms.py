@@ -1,28 +1,234 @@
-"""A study in the forms in which people pass it on: TOML, JSON, a request, a call in Python.
+"""A study in the forms in which people pass it on: TOML and JSON, read and written, and others.
 
-Each takes the content of a sound study as it was typed, so that units and ranges stay as they are.
+A request and a call in Python are written alone. Each writer takes the content of a sound study as
+it was typed, so that units and ranges stay as they are.
 """
 
 from __future__ import annotations
 
+import codecs
 import json
 import os
 import pprint
+import re
 import shlex
-from collections.abc import Callable, Mapping
+import sys
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NoReturn
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.intake.keywords import KEYS
-from vibrafeed.core.intake.observed import read_rows
-from vibrafeed.core.intake.posteriors import with_posteriors
-from vibrafeed.core.intake.sections import SECTIONS, in_letters
-from vibrafeed.core.measured.read import decoded
+from vibrafeed.core.intake.sections import SECTIONS, in_letters, read_rows, with_posteriors
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.measured.csv_table import decoded
+
+# --- Reading what stands in TOML and JSON, from files and from the network.
+
+
+DEEPEST = 32  # levels of nesting; a study has 5, an execute request around it 2
+# What no study comes near: who sends more is refused before it is looked at closely.
+MAX_KEYS = 1_000  # of one object of JSON
+EXPECTED = "Send one JSON object, a study"
+SYNTAX = "Fix the syntax there"
+NO_STUDIES = {
+    ".nc": ("it is a result, not a study", "Draw it with `vibrafeed plot`, or name its study"),
+    **dict.fromkeys(
+        (".csv", ".parquet", ".xlsx", ".mat"),
+        ("it is a table, not a study", "Name a TOML or JSON study"),
+    ),
+}  # what other files are, and what to do instead of running them
+MAX_BRACKETS = 10_000  # objects and lists of one text
+LARGEST = sys.float_info.max
+TOO_LARGE = "it is a number larger than 1.8e308", "Fix the value"
+_TOO_LONG = "set_int_max_str_digits"  # in Python's message on an integer of thousands of digits
+_HALVES = re.compile("[\ud800-\udfff]")
+
+
+def read_content(path: Path) -> object:
+    """Return the keys and values in a TOML or JSON file of a study.
+
+    File names in it (a recording, observations, calibrations) are relative to its folder, and
+    become paths from the current one. Raises `StudyError` if the file cannot be read, with advice
+    for files of other kinds, such as results.
+    """
+    suffix = path.suffix.lower()
+    if suffix in NO_STUDIES:
+        _fail("file", *NO_STUDIES[suffix])
+    try:
+        text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin it with a mark
+    except UnicodeDecodeError as error:
+        wide = error.object.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))  # PowerShell 5
+        _fail(
+            "file",
+            "it is not UTF-8 text",
+            ("Save it as UTF-8" + ("; in PowerShell write it with -o FILE, not >" if wide else "")),
+            error,
+        )
+    except OSError as error:
+        _fail("file", f"it cannot be read: {error.strerror}", "Name a TOML or JSON study", error)
+    content = _read_text(text, ".json" if suffix == ".json" else ".toml", path.stem)
+    if isinstance(content, dict):
+        for key, section in SECTIONS.items():
+            if key in content:
+                content[key] = section.beside(content[key], path.parent)
+    return content
+
+
+def _read_text(text: str, suffix: str, stem: str) -> object:
+    try:
+        return _READERS[suffix](text)
+    except StudyError as error:
+        other = ".toml" if suffix == ".json" else ".json"
+        try:
+            _READERS[other](text)
+        except StudyError:
+            (problem,) = error.problems
+            if problem.place == "body":  # the word of requests
+                problem = Problem(
+                    "file", problem.message, SYNTAX if problem.fix == EXPECTED else problem.fix
+                )
+            raise StudyError([problem]) from None
+        form = other.removeprefix(".").upper()
+        _fail("file", f"this is {form}, and its name ends in {suffix}", f"Name it {stem}{other}")
+
+
+def read_toml(text: str) -> object:
+    """Return the content of a TOML text as a dict; raise `StudyError` if the syntax is invalid.
+
+    Also for what a TOML text can hold, but no study: see `read_json`.
+    """
+    try:
+        content = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        if _TOO_LONG in str(error):
+            _fail("file", *TOO_LARGE, error)
+        found = re.search(r"at line (\d+)", str(error))
+        number = int(found[1]) if found else 0
+        _refuse_comma("file", text, number)
+        fix = f'{SYNTAX}: texts, such as "20 deg", stand in quotes'
+        if number and re.search(r'"[^"]*\\', text.split("\n")[number - 1]):
+            fix = "In a path write / for \\, or set the path in '...'"
+        _fail("file", f"it is not TOML: {error}", fix, error)
+    _check_values(content, texts="\\" in text or not text.isascii())
+    return content
+
+
+def read_json(text: str | bytes) -> object:
+    """Return the content of a JSON text, as dict, list or plain value, after strict checks.
+
+    Raises `StudyError` if the syntax is invalid, and for repeated keys, NaN, numbers beyond double
+    precision, characters that are not valid text, too many objects, and content that is nested too
+    deeply: texts come from the network.
+    """
+    try:
+        # By itself json would let halves of characters through, and take other encodings.
+        text = text if isinstance(text, str) else text.decode("utf-8")
+        if text.count("[") + text.count("{") > MAX_BRACKETS:
+            _fail("body", f"it holds more than {MAX_BRACKETS:,} objects and lists", EXPECTED)
+        content: object = json.loads(
+            text, object_pairs_hook=_unique, parse_constant=_refuse_constant
+        )
+    except (ValueError, RecursionError) as error:
+        if _TOO_LONG in str(error):
+            _fail("body", *TOO_LARGE, error)
+        if isinstance(error, json.JSONDecodeError):
+            _refuse_comma("body", error.doc, error.lineno)
+        reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
+        _fail("body", f"it is not JSON: {reason}"[:300], EXPECTED, error)
+    # What is no text can stand there as an escape only, or as itself in what Python hands over.
+    _check_values(content, texts="\\u" in text or not text.isascii())
+    return content
+
+
+def _refuse_comma(path: str, text: str, number: int) -> None:
+    line = text.split("\n")[number - 1] if number else ""
+    comma = re.search(r"[=:]\s*([-+]?\d+),(\d+)", line)
+    if comma is not None:
+        whole, decimals = (part[:20] for part in comma.groups())
+        _fail(
+            path,
+            f"line {number}: the number {whole},{decimals} has a decimal comma",
+            f"Write {whole}.{decimals}",
+        )
+
+
+_READERS: dict[str, Callable[[str], object]] = {".json": read_json, ".toml": read_toml}
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    if len(pairs) > MAX_KEYS:
+        begins = f"the object that begins with '{_shown(pairs[0][0])}'"
+        _fail("body", f"{begins} has {len(pairs):,} keys", f"Give at most {MAX_KEYS:,}")
+    content = dict(pairs)
+    if len(content) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for k, name in enumerate(names) if name in names[:k])
+        raise ValueError(f"the key '{_shown(twice)}' appears twice in one JSON object")
+    return content
+
+
+def _refuse_constant(constant: str) -> NoReturn:
+    raise ValueError(f"{constant} is not a valid number in JSON")
+
+
+def _check_values(content: object, *, texts: bool) -> None:
+    level: list[tuple[str, Any]] = [("", [content])]
+    for _ in range(DEEPEST + 1):
+        below: list[tuple[str, Any]] = []
+        for path, part in level:
+            if isinstance(part, dict):
+                for key, value in part.items():
+                    within = f"{path}.{_shown(key)}".lstrip(".")
+                    if texts and _is_no_text(key):
+                        _fail(within, "its name holds an invalid character", "Fix the name")
+                    _check_plain(within, (value,), texts)
+                    if isinstance(value, dict | list):
+                        below.append((within, value))
+            else:
+                _check_plain(path, part, texts)
+                below.extend((path, item) for item in part if isinstance(item, dict | list))
+        if not below:
+            return
+        level = below
+    _fail(level[0][0][:100] or "body", "it is nested too deeply", EXPECTED)
+
+
+def _check_plain(path: str, values: Sequence[Any], texts: bool) -> None:
+    plain = {*map(type, values)} <= {int, float}
+    numbers = values if plain else [one for one in values if type(one) in (int, float)]
+    if numbers and not -LARGEST <= min(numbers) <= max(numbers) <= LARGEST:
+        _fail(path or "body", *TOO_LARGE)
+    if texts and any(isinstance(value, str) and _is_no_text(value) for value in values):
+        _fail(
+            path or "body",
+            "it holds an invalid character: NUL, or half of a surrogate pair",
+            "Fix the value",
+        )
+
+
+def _is_no_text(text: str) -> bool:
+    return "\0" in text or (not text.isascii() and _HALVES.search(text) is not None)
+
+
+def _shown(text: str) -> str:
+    return text[:60].encode("utf-8", "backslashreplace").decode("utf-8").replace("\0", "\\0")
+
+
+def _fail(path: str, message: str, fix: str, cause: Exception | None = None) -> NoReturn:
+    raise StudyError([Problem(path, message, fix)]) from cause
+
 
 SERVICE: Final = "http://127.0.0.1:8000"
 LONGEST_ARGUMENT: Final = 100_000  # bytes; Linux takes 131,072 in one argument of a command
 WIDTH: Final = 88  # characters of a line of Python
+
+
+@cache
+def keys_of_studies() -> tuple[str, ...]:
+    """Return the keys that a study of any kind has beside its parameters; loads every model."""
+    return tuple(dict.fromkeys(key for kind in KINDS.values() for key in kind.model.model_fields))
 
 
 def to_toml(content: Mapping[str, Any]) -> str:
@@ -48,11 +254,6 @@ def to_toml(content: Mapping[str, Any]) -> str:
     return tomlkit.dumps(document)
 
 
-def to_json(content: Mapping[str, Any]) -> str:
-    """Return a study as JSON text."""
-    return json.dumps(content, indent=2, ensure_ascii=False) + "\n"
-
-
 def to_curl(content: Mapping[str, Any], service: str = SERVICE) -> str:
     """Return a curl command, for POSIX shells, that posts a study to a service.
 
@@ -66,14 +267,23 @@ def to_curl(content: Mapping[str, Any], service: str = SERVICE) -> str:
     """
     body, address = _request(content, service)
     if len(body) > LONGEST_ARGUMENT:
-        message = f"it has {len(body):,} bytes, more than a command line holds"
-        fix = (
-            "Write it to a file with `vibrafeed convert STUDY --to json`, and send that: "
-            f"curl --data-binary @FILE {address}"
+        raise StudyError(
+            [
+                Problem(
+                    "study",
+                    f"it has {len(body):,} bytes, more than a command line holds",
+                    "Write it to a file with `vibrafeed convert STUDY --to json`, and send that: "
+                    f"curl --data-binary @FILE {address}",
+                )
+            ]
         )
-        raise StudyError([Problem("study", message, fix)])
-    words = ["-H", "Content-Type: application/json", "--data-raw", body, address]
-    return "curl " + " ".join(map(shlex.quote, words)) + "\n"
+    return (
+        "curl "
+        + " ".join(
+            map(shlex.quote, ["-H", "Content-Type: application/json", "--data-raw", body, address])
+        )
+        + "\n"
+    )
 
 
 def to_powershell(content: Mapping[str, Any], service: str = SERVICE) -> str:
@@ -89,7 +299,6 @@ def to_powershell(content: Mapping[str, Any], service: str = SERVICE) -> str:
 
 
 def _request(content: Mapping[str, Any], service: str) -> tuple[str, str]:
-    """Return the body of a request that carries out a study, in ASCII, and its address."""
     body = json.dumps(content, separators=(",", ":"))
     return body, f"{service.rstrip('/')}/processes/{content['kind']}/execution"
 
@@ -102,7 +311,7 @@ def to_python(content: Mapping[str, Any]) -> str:
     """
     keywords = {name: value for name, value in content.items() if name != "kind"}
     parameters = keywords.get("parameters", {})
-    if not set(parameters) & set(KEYS):
+    if not set(parameters) & set(keys_of_studies()):
         keywords.pop("parameters", None)
         keywords |= parameters
     lines = [f"    {name}={_literal(value, len(name) + 5)}," for name, value in keywords.items()]
@@ -117,7 +326,7 @@ REQUESTS: Final[Mapping[str, Callable[[Mapping[str, Any], str], str]]] = {
 """Commands that post a study to a service, whose address they take."""
 FORMS: Final[Mapping[str, Callable[..., str]]] = {
     "toml": to_toml,
-    "json": to_json,
+    "json": lambda content: json.dumps(content, indent=2, ensure_ascii=False) + "\n",
     **REQUESTS,
     "python": to_python,
 }
@@ -131,27 +340,17 @@ def write_as(form: str, content: Mapping[str, Any], service: str = SERVICE) -> s
 def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[str, Any]:
     """Return a study whose files of recordings and observations are found from its new place.
 
-    It is the one to be written out in another form.
-
-    Parameters
-    ----------
-    content : mapping
-        The study as it was typed, with file names from the current folder.
-    form : str
-        A key of `FORMS`. A file gets names from its own folder, a program from the current one; a
-        request gets the contents of the files, as a service reads no files of others.
-    folder : Path
-        The folder of the new file.
-
-    Raises
-    ------
-    StudyError
-        If a recording that is to be sent cannot be read.
+    `content` is the study as it was typed, with file names from the current folder, `form` a key of
+    `FORMS`: a file gets names from its own `folder`, a program from the current one, a request the
+    contents of the files, as a service reads no files of others. Raises `StudyError` if a recording
+    that is to be sent cannot be read.
     """
     if form in REQUESTS:
         content = with_posteriors(in_letters(content)[0], files=True).content
     if isinstance(content.get("observations"), str):
-        content = {**content, "observations": _observations(content, form, folder)}
+        runs = Path(content["observations"])
+        moved = read_rows(runs) if form in REQUESTS else _path_from(runs, form, folder)
+        content = {**content, "observations": moved}
     drive = content.get("drive")
     if not isinstance(drive, Mapping) or not isinstance(drive.get("file"), str):
         return dict(content)
@@ -160,29 +359,15 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
         try:
             data = decoded(file.read_bytes())
         except (OSError, ValueError) as error:
-            message = f"{file} cannot be read: {error}"
-            raise StudyError([Problem("drive.file", message, "Name a CSV")]) from None
+            raise StudyError(
+                [Problem("drive.file", f"{file} cannot be read: {error}", "Name a CSV")]
+            ) from None
         rest = {name: value for name, value in drive.items() if name != "file"}
         return {**content, "drive": {**rest, "data": data}}
     return {**content, "drive": {**drive, "file": _path_from(file, form, folder)}}
 
 
-def _observations(content: Mapping[str, Any], form: str, folder: Path) -> Any:
-    """Return the file of observations of a study that is moved to another form, or its rows.
-
-    The rows for a request, since a service reads no files; else the path as `_path_from` gives it.
-    `content` is the study, `form` the form.
-    """
-    file = Path(content["observations"])
-    return read_rows(file) if form in REQUESTS else _path_from(file, form, folder)
-
-
 def _path_from(file: Path, form: str, folder: Path) -> str:
-    """Return the path of a file for a study in another form, with / between its folders.
-
-    A program gets it as it is, a study in `folder` the one from there; on another drive of Windows
-    it is the absolute one.
-    """
     if form == "python":
         return file.as_posix()
     try:
@@ -192,10 +377,6 @@ def _path_from(file: Path, form: str, folder: Path) -> str:
 
 
 def _depth(value: object) -> int:
-    """Return the depth of tables in a value of a study: 0 for none, 1 for a table, 2 for several.
-
-    A list of tables has 2. A sort key: in TOML plain values must come before tables.
-    """
     if isinstance(value, Mapping):
         return 1
     in_tables = isinstance(value, list) and any(isinstance(one, Mapping) for one in value)
@@ -203,10 +384,6 @@ def _depth(value: object) -> int:
 
 
 def _in_line(tomlkit: Any, value: Any) -> Any:
-    """Return a value of a study as an item of TOML that stands on one line.
-
-    A mapping becomes an inline table. `tomlkit` is the module, imported by the caller.
-    """
     if not isinstance(value, Mapping):
         return tomlkit.item(_writable(tomlkit, value))
     table = tomlkit.inline_table()
@@ -215,11 +392,6 @@ def _in_line(tomlkit: Any, value: Any) -> Any:
 
 
 def _writable(tomlkit: Any, value: Any) -> Any:
-    """Return a value of a study as tomlkit can write it: without None, and with arrays as text.
-
-    An array is handed over as text, because tomlkit takes time that grows with the square of the
-    length for one that it puts together itself. `tomlkit` is the module, imported by the caller.
-    """
     if isinstance(value, Mapping):
         return {n: _writable(tomlkit, part) for n, part in value.items() if part is not None}
     if not isinstance(value, list):
@@ -230,12 +402,9 @@ def _writable(tomlkit: Any, value: Any) -> Any:
 
 
 def _literal(value: Any, column: int) -> str:
-    """Return the Python literal of a value, wrapped, for a study written as a program.
-
-    Its first line is to stand at `column`; further lines are indented to there.
-    """
     if isinstance(value, str):
         return repr(value)
-    text = pprint.pformat(value, width=max(WIDTH - column, 40), sort_dicts=False)
-    first, *more = text.splitlines()
+    first, *more = pprint.pformat(
+        value, width=max(WIDTH - column, 40), sort_dicts=False
+    ).splitlines()
     return "\n".join([first, *(" " * column + line for line in more)])

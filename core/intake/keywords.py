@@ -10,17 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.intake.text import LARGEST, TOO_LARGE, read_content
+from vibrafeed.core.intake.forms import LARGEST, TOO_LARGE, keys_of_studies, read_content
 from vibrafeed.core.kinds import KINDS
-from vibrafeed.core.measured.read import name_and_unit
+from vibrafeed.core.measured.csv_table import name_and_unit
 from vibrafeed.core.quantities import QUANTITIES, letter_of
 from vibrafeed.core.scenes import SCENES
-from vibrafeed.core.study.arrays import apart, dimension_of, is_packed, with_own_unit
 from vibrafeed.core.study.grid_study import PARAMETERS, Study
+from vibrafeed.core.study.units import apart, dimension_of, with_own_unit
 from vibrafeed.core.study.values import MAX_POINTS
-
-KEYS = tuple(dict.fromkeys(key for kind in KINDS.values() for key in kind.model.model_fields))
-"""The keys that a study of any kind has beside its parameters."""
 
 StudyLike = Study | Mapping[str, Any] | str | os.PathLike[str]
 """What stands for a study; a text is the name of a scene, or the path of a TOML or JSON file."""
@@ -92,8 +89,14 @@ def spread(written: Mapping[str, Any]) -> dict[str, Any]:
     if loose and isinstance(inner, Mapping):
         twice = [name for name in loose if name in inner]
         if twice:
-            fix = "Give it once: by itself, or among the parameters"
-            raise StudyError(Problem(f"parameters.{n}", "it is given twice", fix) for n in twice)
+            raise StudyError(
+                Problem(
+                    f"parameters.{n}",
+                    "it is given twice",
+                    "Give it once: by itself, or among the parameters",
+                )
+                for n in twice
+            )
         content["parameters"] = {**inner, **loose}
     return content
 
@@ -108,19 +111,27 @@ def check_not_paired(written: Mapping[str, Any]) -> None:
     given = {**written, **inner} if isinstance(inner, Mapping) else written
     dims = {letter_of(name): dimension_of(value) for name, value in given.items()}
     along = {name: letter_of(dim) for name, dim in dims.items() if name in PARAMETERS and dim}
-    fix = "Give lists if all combinations are meant, else make one study for each pair"
     problems = [
-        Problem(f"parameters.{second}", f"its array and that of {first} are both along '{dim}', "
-                "which makes pairs of their values, and a study takes all combinations", fix)
-        for (first, dim), (second, other) in combinations(along.items(), 2)
-        if dim == other
-    ]  # fmt: skip
-    problems += [
-        Problem(f"parameters.{name}", f"its array is along '{dim}', another parameter",
-                f"Give a list if all combinations with {dim} are meant")
-        for name, dim in along.items()
-        if dim != name and dim in PARAMETERS
-    ]  # fmt: skip
+        *(
+            Problem(
+                f"parameters.{second}",
+                f"its array and that of {first} are both along '{dim}', "
+                "which makes pairs of their values, and a study takes all combinations",
+                "Give lists if all combinations are meant, else make one study for each pair",
+            )
+            for (first, dim), (second, other) in combinations(along.items(), 2)
+            if dim == other
+        ),
+        *(
+            Problem(
+                f"parameters.{name}",
+                f"its array is along '{dim}', another parameter",
+                f"Give a list if all combinations with {dim} are meant",
+            )
+            for name, dim in along.items()
+            if dim != name and dim in PARAMETERS
+        ),
+    ]
     if problems:
         raise StudyError(problems)
 
@@ -148,29 +159,46 @@ def plain(value: object, path: str) -> Any:
         return [plain(item, path) for item in value]
     if isinstance(value, range):
         if value[MAX_POINTS:]:
-            most = f"One axis holds {MAX_POINTS:,} values at most; take a larger step"
-            raise StudyError([Problem(path, f"{value} is too long", most)])
+            raise StudyError(
+                [
+                    Problem(
+                        path,
+                        f"{value} is too long",
+                        f"One axis holds {MAX_POINTS:,} values at most; take a larger step",
+                    )
+                ]
+            )
         return list(value)
     return _numbers(value, path)
 
 
 def _numbers(value: Any, path: str) -> Any:
-    """Return an array or quantity as a number or list, with the unit that it carries as texts.
-
-    Numbers in the unit of the parameter at `path` stay numbers. Anything else is returned as it is.
-    Raises `StudyError` for more than one dimension, and for numbers that have to be decoded.
-    """
-    if is_packed(value):
-        fix = "Open the file with mask_and_scale=True, the default of xarray"
-        raise StudyError([Problem(path, "the numbers of the array are not decoded", fix)])
+    attributes = getattr(value, "attrs", None)
+    if isinstance(attributes, dict) and attributes.keys() & {"scale_factor", "add_offset"}:
+        raise StudyError(
+            [
+                Problem(
+                    path,
+                    "the numbers of the array are not decoded",
+                    "Open the file with mask_and_scale=True, the default of xarray",
+                )
+            ]
+        )
     numbers, unit = apart(value)
     if getattr(numbers, "ndim", 0) == 2 and path == "drive.mounting":  # a rotation matrix
         return numbers.tolist()
     if getattr(numbers, "ndim", 0) > 1:
-        message = f"the value is an array of {numbers.ndim} dimensions"
-        raise StudyError([Problem(path, message, "Give an array of one dimension, or one number")])
+        raise StudyError(
+            [
+                Problem(
+                    path,
+                    f"the value is an array of {numbers.ndim} dimensions",
+                    "Give an array of one dimension, or one number",
+                )
+            ]
+        )
     quantity = QUANTITIES.get(letter_of(path.rpartition(".")[2]))
-    own = "1" if path in KEYS else "" if quantity is None else quantity.unit
+    own = "1" if path in keys_of_studies() else "" if quantity is None else quantity.unit
     unit = "" if unit == own else unit
     if hasattr(numbers, "tolist"):
         kind = getattr(getattr(numbers, "dtype", None), "kind", "")
@@ -183,11 +211,6 @@ def _numbers(value: Any, path: str) -> Any:
 
 
 def _columns(table: Any) -> Iterator[tuple[str, Any]]:
-    """Yield names and values of a mapping, a data frame or a dataset of xarray.
-
-    A dataset has its coordinates among its variables. A data frame may have the headings of a CSV
-    file, such as ``amplitude [mm]``: the unit is then given to the numbers.
-    """
     if isinstance(table, Mapping):
         for name in getattr(table, "variables", table):
             yield str(name), table[name]
@@ -199,11 +222,6 @@ def _columns(table: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _content_of(study: object) -> dict[str, Any]:
-    """Return the content of a study, of a mapping of its keys, or of the file that a path names.
-
-    The name of a scene, or a text that looks like one, is the content of a study of that scene,
-    which is refused later if there is none. Raises `StudyError` for anything else.
-    """
     if isinstance(study, Study):
         return study.content()
     if isinstance(study, Mapping):
@@ -214,12 +232,11 @@ def _content_of(study: object) -> dict[str, Any]:
         study = read_content(Path(study))
         if isinstance(study, dict):
             return study
-    message = f"'{type(study).__name__}' is neither a study, a path nor a mapping"
     raise StudyError(
         [
             Problem(
                 "study",
-                message,
+                f"'{type(study).__name__}' is neither a study, a path nor a mapping",
                 "Give a study, a path or a mapping, or the keys as keyword arguments",
             )
         ]
@@ -227,29 +244,27 @@ def _content_of(study: object) -> dict[str, Any]:
 
 
 def _may_be_scene(text: str) -> bool:
-    """True if a text looks more like the name of a scene than like the path of a file."""
     path = Path(text)
     return not path.suffix and path.name == text and not path.exists()
 
 
 def _is_key(name: str) -> bool:
-    """True if a name is a key of studies, or more similar to one than to any parameter.
-
-    So that a misspelled keyword is refused where it was meant to stand.
-    """
-    if name in KEYS or letter_of(name) in PARAMETERS:
-        return name in KEYS
-    near: Iterable[str] = difflib.get_close_matches(name[:60], (*KEYS, *PARAMETERS), n=1)
-    return any(known in KEYS for known in near)
+    if name in keys_of_studies() or letter_of(name) in PARAMETERS:
+        return name in keys_of_studies()
+    near: Iterable[str] = difflib.get_close_matches(
+        name[:60], (*keys_of_studies(), *PARAMETERS), n=1
+    )
+    return any(known in keys_of_studies() for known in near)
 
 
 def _check_kind(actual: object, kind: str | None) -> None:
-    """Raise `StudyError` if a study is of another kind than the one that a function carries out.
-
-    `actual` is the kind of the study; unknown kinds are left to other checks. `kind` is the only
-    accepted one, None for any.
-    """
     if kind is not None and actual != kind and isinstance(actual, str) and actual in KINDS:
-        message = f"this is a study of kind '{actual}', not '{kind}'"
-        fix = f"Carry it out with {actual}(), or give a study of kind '{kind}'"
-        raise StudyError([Problem("kind", message, fix)])
+        raise StudyError(
+            [
+                Problem(
+                    "kind",
+                    f"this is a study of kind '{actual}', not '{kind}'",
+                    f"Carry it out with {actual}(), or give a study of kind '{kind}'",
+                )
+            ]
+        )

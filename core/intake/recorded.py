@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,10 +12,17 @@ from pydantic import ValidationError
 
 from vibrafeed.core import measured
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.intake.messages import problems_of
-from vibrafeed.core.intake.section import Content, Resolved, Section, Stranger, advice_on_path
+from vibrafeed.core.intake.section import (
+    Content,
+    Resolved,
+    Section,
+    advice_on_path,
+    no_field,
+    problems_of,
+)
+from vibrafeed.core.measured.csv_table import refused
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.study.drive import (
+from vibrafeed.core.study.grid_study import (
     MeasuredDrive,
     RecordedDrive,
     names_recording,
@@ -28,75 +34,35 @@ from vibrafeed.core.study.unusual import leaves_of
 MAX_ROWS_SENT = 20_000  # rows of a recording from the network; fitting so many takes a second
 # Digits of kept numbers: more than a fit determines, and few enough to be equal on all processors.
 DIGITS = 10
-SENT = "data"  # the name of a recording without a file
-VALUE_SECTIONS = ("parameters", "variables", "uncertain", "unknowns")
-"""Where a study gives parameters."""
-SLOPES: Final = {"along": "gamma", "across": "delta"}
-"""The parameter by which a track rises along an axis."""
 ASKED_FROM = 5.0  # degrees between the climb of a recording and that of its study
 
 
-def beside(drive: Any, folder: Path) -> Any:
-    """Return the section `drive` with the name of its recording joined to the study's folder."""
-    if isinstance(drive, dict) and isinstance(drive.get("file"), str):
-        return {**drive, "file": str(folder / drive["file"])}
-    return drive
+def _beside(drive: Any, folder: Path) -> Any:
+    is_named = isinstance(drive, dict) and isinstance(drive.get("file"), str)
+    return {**drive, "file": str(folder / drive["file"])} if is_named else drive
 
 
-def with_drive(content: Content, files: bool) -> Resolved:
-    """Return the content of a study with the harmonics fitted to its recording, if it names one.
-
-    They become parameters; those that the study gives itself, in whatever section, stay as they
-    are. `files` is True if files of this machine may be read; without that a recording has at most
-    20,000 rows. On a problem the section `drive` is left out, and the result has the problems; else
-    it has the fit, too.
-    """
+def _with_drive(content: Content, files: bool) -> Resolved:
     if not names_recording(content):
         return Resolved(content)
     try:
         record, fit = _measured_drive(content["drive"], _slopes(content), files=files)
     except StudyError as error:
-        without = {name: value for name, value in content.items() if name != "drive"}
-        return Resolved(without, error.problems)
+        return Resolved(
+            {name: value for name, value in content.items() if name != "drive"}, error.problems
+        )
     own = _parameter_sections(content)
     numbers = {n: v for n, v in record.numbers.items() if not any(n in given for given in own)}
-    parameters = content.get("parameters", {})
-    if isinstance(parameters, Mapping):  # if it is none, its reader says so
-        parameters = {**parameters, **numbers}
-    drive = record.model_dump(exclude_none=True)
-    return Resolved({**content, "parameters": parameters, "drive": drive}, fit=fit)
-
-
-def unknown_key(stranger: Stranger) -> Problem:
-    """Return the problem of an unknown key of a drive."""
-    fix = stranger.suggest(stranger.name, RecordedDrive.model_fields)
-    return Problem(stranger.place, f"'{stranger.name}' is not a key of the section drive", fix)
-
-
-def no_section(stranger: Stranger) -> Problem:
-    """Return the problem of a measured drive in a kind of study without motion."""
-    del stranger
-    return only_the_plain_sine('Write kind = "simulate", or give these')
-
-
-def _read(drive: Mapping[str, Any]) -> RecordedDrive:
-    """Return the validated description of a recording, from the section `drive` of a study.
-
-    `drive` holds its keys and values; `StudyError` is raised with every problem.
-    """
-    try:
-        return RecordedDrive.model_validate(drive)
-    except ValidationError as error:
-        raise StudyError(
-            problems_of(error, {"drive": DRIVE}, unknown_key, within="drive")
-        ) from None
+    written = content.get("parameters", {})  # if it is none, its reader says so
+    parameters = {**written, **numbers} if isinstance(written, Mapping) else written
+    return Resolved(
+        {**content, "parameters": parameters, "drive": record.model_dump(exclude_none=True)},
+        fit=fit,
+    )
 
 
 def tilt_questions(fit: measured.Fit | None, content: Mapping[str, Any]) -> list[str]:
-    """Return a question if a recording shows another climb of the track than its study has.
-
-    `fit` is that of the recording, None without one, `content` that of the study.
-    """
+    """Return a question if a recording shows another climb of the track than its study has."""
     if fit is None or fit.tilt is None:
         return []
     climb = math.degrees(fit.tilt.climb)
@@ -111,15 +77,10 @@ def tilt_questions(fit: measured.Fit | None, content: Mapping[str, Any]) -> list
 
 
 def channel_questions(fit: measured.Fit | None) -> list[str]:
-    """Return questions about channels of a recording that move as those of no feeder.
-
-    `fit` is that of the recording, None without one.
-    """
+    """Return questions about channels of a recording that move as those of no feeder."""
     if fit is None:
         return []
-    known = (
-        ("across",) if fit.tilt is None else ("across", "normal")
-    )  # gravity shows the normal one
+    known = ("across", *(("normal",) if fit.tilt else ()))  # gravity shows the normal one
     asked = [
         f"the recording's {axis} channel shows no motion of the drive. Is it the right column?"
         for axis, told in zip(fit.axes, fit.significant, strict=True)
@@ -135,18 +96,16 @@ def channel_questions(fit: measured.Fit | None) -> list[str]:
 
 
 def _parameter_sections(content: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the sections of a study that give parameters."""
-    return [one for key in VALUE_SECTIONS if isinstance(one := content.get(key), Mapping)]
+    return [
+        one
+        for key in ("parameters", "variables", "uncertain", "unknowns")
+        if isinstance(one := content.get(key), Mapping)
+    ]
 
 
 def _slopes(content: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
-    """Return the least and largest angles [rad] by which a study says that its track rises.
-
-    They are named by axis, along and across; what is not said, or wrongly, is left out. A track
-    may lean to either side.
-    """
     slopes = {}
-    for axis, name in SLOPES.items():
+    for axis, name in (("along", "gamma"), ("across", "delta")):
         given = (one for one in _parameter_sections(content) if name in one)
         written = [value for one in given for value in leaves_of(one[name])]
         try:
@@ -162,131 +121,83 @@ def _slopes(content: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
 def _measured_drive(
     drive: Mapping[str, Any], slopes: Mapping[str, tuple[float, float]], files: bool
 ) -> tuple[MeasuredDrive, measured.Fit]:
-    """Return the record of a measured drive that the study keeps, and the fit to its recording.
-
-    `drive` is the section of the study, which holds the recording or names its file, `slopes` are
-    the angles of the study's track; `files` is True if files of this machine may be read. Raises
-    `StudyError` with every problem.
-    """
-    fields = _read(drive)
+    try:
+        fields = RecordedDrive.model_validate(drive)
+    except ValidationError as error:
+        raise StudyError(
+            problems_of(error, {"drive": DRIVE}, DRIVE.unknown, within="drive")
+        ) from None
     source = _source(fields, files)
     path = "drive.file" if isinstance(source, Path) else "drive.data"
+    asked = fields.model_dump(exclude_none=True, exclude={"file", "data"})
     try:
-        recording = replace(_recording(fields), slopes=slopes)
-        fit = measured.fit_drive(_table(source, path, files), recording)
-        digest = _digest(source)
+        fit = measured.fit_drive(
+            _table(source, path, files), measured.Recording(**asked, slopes=slopes)
+        )
+        raw = (
+            source.read_bytes()
+            if isinstance(source, Path)
+            else source.encode("utf-8", "surrogatepass")
+        )
     except StudyError as error:
         raise StudyError(_placed(problem, path) for problem in error.problems) from None
     except (OSError, ValueError) as error:  # a NUL in its name is the second
-        message = f"it cannot be read: {getattr(error, 'strerror', None) or error}"
-        fix = "Name a CSV file by its path from the folder of the study"
-        raise StudyError([Problem(path, message, advice_on_path(source, fix))]) from None
-    name = source.name if isinstance(source, Path) else SENT
-    return _record_of(fit, name, digest), fit
-
-
-def _record_of(fit: measured.Fit, name: str, digest: str) -> MeasuredDrive:
-    """Return the record that a study keeps of the fit of a recording: rounded numbers and source.
-
-    `name` is that of the recording and `digest` its SHA-256, in hexadecimal digits; the numbers are
-    the parameters of the fitted drive, with shares of the residual and the error of the clock.
-    """
-    shares: dict[Any, float] = dict(zip(fit.axes, map(_rounded_number, fit.left_over), strict=True))
+        raise refused(
+            path,
+            f"it cannot be read: {getattr(error, 'strerror', None) or error}",
+            advice_on_path(source, "Name a CSV file by its path from the folder of the study"),
+        ) from None
+    left_over: dict[Any, float] = dict(zip(fit.axes, map(_rounded, fit.left_over), strict=True))
     return MeasuredDrive(
-        name=name,
-        sha256=digest,
-        left_over=shares,
-        clock_error=None if fit.clock is None else _rounded_number(fit.clock.error),
-        numbers={name: _rounded_number(value) for name, value in fit.parameters().items()},
-    )
+        name=source.name if isinstance(source, Path) else "data",
+        sha256=hashlib.sha256(raw).hexdigest(),
+        left_over=left_over,
+        clock_error=None if fit.clock is None else _rounded(fit.clock.error),
+        numbers={name: _rounded(value) for name, value in fit.parameters().items()},
+    ), fit
 
 
-def _rounded_number(value: float) -> float:
-    """Return a number rounded to the digits that a record keeps."""
+def _rounded(value: float) -> float:
     return float(f"{value:.{DIGITS}g}")
 
 
 def _source(drive: RecordedDrive, files: bool) -> str | Path:
-    """Return the text or the path of a recording that a drive names.
-
-    `files` is True if files of this machine may be read, as by the command line, but not the
-    service. Raises `StudyError` if there is not exactly one of text and path, or if the path may
-    not be read.
-    """
-    if (drive.file is None) == (drive.data is None):
-        message = (
-            "the drive names no recording"
-            if drive.file is None
-            else "the drive gives both file and data"
-        )
-        raise StudyError([Problem("drive", message, _which(files))])
+    text = "data = the text of the recording's CSV"
+    fix = f"Give file = the name of the recording, or {text}" if files else f"Give {text}"
+    if drive.file is not None and drive.data is not None:
+        raise refused("drive", "the drive gives both file and data", fix)
     if drive.data is not None:
         return drive.data
+    if drive.file is None:
+        raise refused("drive", "the drive names no recording", fix)
     if not files:
-        raise StudyError(
-            [
-                Problem(
-                    "drive.file",
-                    "the service cannot read the recording from your computer",
-                    _which(files),
-                )
-            ]
-        )
-    assert drive.file is not None
+        raise refused("drive.file", "the service cannot read the recording from your computer", fix)
     return drive.file
 
 
-def _which(files: bool) -> str:
-    """Return the advice on how to name a recording."""
-    text = "data = the text of the recording's CSV"
-    return f"Give file = the name of the recording, or {text}" if files else f"Give {text}"
-
-
 def _table(source: str | Path, path: str, files: bool) -> measured.RecordingTable:
-    """Return the table of a recording; raise `StudyError` if it is too long for a request.
-
-    `source` is the CSV text or its path, `path` the key in the study for messages. `files` is False
-    for a request from the network, whose recordings have a limit of rows.
-    """
     # Most lines are rows: what has far too many is not read.
     lines = source.count("\n") if isinstance(source, str) else 0
+    limit = f"the limit over HTTP is {MAX_ROWS_SENT:,}"
+    fix = "Shorten the recording: one second of motion is enough"
     if not files and lines > 2 * MAX_ROWS_SENT:
-        raise StudyError([_too_long(path, lines, "lines")])
+        raise refused(path, f"the recording has {lines:,} lines, {limit}", fix)
     table = measured.read_table(source)
     if not files and len(table.lines) > MAX_ROWS_SENT:
-        raise StudyError([_too_long(path, len(table.lines), "rows")])
+        raise refused(path, f"the recording has {len(table.lines):,} rows, {limit}", fix)
     return table
 
 
-def _too_long(path: str, count: int, what: str) -> Problem:
-    """Return the problem of a recording that is too long for a request."""
-    message = f"the recording has {count:,} {what}, the limit over HTTP is {MAX_ROWS_SENT:,}"
-    return Problem(path, message, "Shorten the recording: one second of motion is enough")
-
-
-def _recording(drive: RecordedDrive) -> measured.Recording:
-    """Return the settings of a recording, without its source."""
-    asked = drive.model_dump(exclude_none=True, exclude={"file", "data"})
-    return measured.Recording(**asked)
-
-
-def _digest(source: str | Path) -> str:
-    """Return the SHA-256 of a recording, in hexadecimal digits, by which a study knows it again.
-
-    `source` is the text itself or the path of its file.
-    """
-    if isinstance(source, str):
-        return hashlib.sha256(source.encode("utf-8", "surrogatepass")).hexdigest()
-    with source.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
-
-
 def _placed(problem: Problem, path: str) -> Problem:
-    """Return a problem of a recording with the path of its key in the study, as `drive.file`."""
     if problem.place == "recording":
         return Problem(path, problem.message, problem.fix)
     return problem if problem.place.startswith("drive.") else problem.below("drive")
 
 
-DRIVE: Final = Section(beside=beside, resolve=with_drive, unknown=unknown_key, absent=no_section)
+DRIVE: Final = Section(
+    beside=_beside,
+    resolve=_with_drive,
+    unknown=lambda stranger: no_field(stranger, RecordedDrive),
+    absent=lambda _: only_the_plain_sine('Write kind = "simulate", or give these'),
+)
 """The section `drive`."""

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
-from vibrafeed.core.errors import Problem
+from pydantic import BaseModel, ValidationError
+
+from vibrafeed.core import measured
+from vibrafeed.core.errors import MAX_PROBLEMS, Problem
+from vibrafeed.core.quantities import letter_of
 from vibrafeed.core.study.grid_study import PARAMETERS
 from vibrafeed.core.suggestions import Suggestions
-
-if TYPE_CHECKING:
-    from vibrafeed.core.measured.drive import Fit
 
 Content = dict[str, Any]
 """What stands in a study: its keys and their values, as a file or request has them."""
@@ -22,33 +23,21 @@ Content = dict[str, Any]
 class Resolved(NamedTuple):
     """Content with the numbers of a file instead of its name, and problems of the file.
 
-    If the file cannot be used, the section is left out of the content. `fit` is that of a
-    recording.
+    If the file cannot be used, the section is left out. `fit` is that of a recording.
     """
 
     content: Content
     problems: Iterable[Problem] = ()
-    fit: Fit | None = None
+    fit: measured.Fit | None = None
 
 
 @dataclass(frozen=True)
 class Stranger:
     """A key that a study, or one of its sections, does not have.
 
-    Attributes
-    ----------
-    path : sequence
-        Its path in the study; the name comes last.
-    place : str
-        The same, as users read it.
-    tag : str
-        The alternative that the section is, such as a kind of criterion, if it has any.
-    keys : collection of str
-        The keys of the study.
-    parameters : collection of str
-        The parameters of the scene, which messages list.
-    suggest : Suggestions
-        Looks for similar names.
+    `path` leads to it in the study, its name last; `place` is the same as users read it. `tag` is
+    the alternative that the section is, such as a kind of criterion. `keys` are those of the study
+    and `parameters` those of the scene, for suggestions by `suggest`.
     """
 
     path: Sequence[Any]
@@ -75,29 +64,41 @@ def dotted(path: Sequence[Any]) -> str:
 
 
 def no_key(stranger: Stranger) -> Problem:
-    """Return the problem of an unknown key in a section of a study with fixed keys.
-
-    `stranger` describes the key, its place, the section, and the alternative of the section that
-    was tried, which the message names.
-    """
+    """Return the problem of an unknown key in a section of a study with fixed keys."""
     tag = f" '{stranger.tag}'" if stranger.tag else ""
-    section = stranger.within.removesuffix("s")
-    message = f"'{stranger.name}' is not a key of the {section}{tag}"
-    return Problem(stranger.place, message, "Remove it")
+    return Problem(
+        stranger.place,
+        f"'{stranger.name}' is not a key of the {stranger.within.removesuffix('s')}{tag}",
+        "Remove it",
+    )
 
 
 def no_parameter(stranger: Stranger) -> Problem:
     """Return the problem of an unknown name in a section of a study whose keys are parameters.
 
-    `stranger` describes the name, its place and the section. A key of the study gets the advice to
-    move it; another name the most similar parameter.
+    A key of the study gets the advice to move it; another name the most similar parameter.
     """
     name, within = stranger.name, stranger.within
     if name in stranger.keys:
-        message = f"'{name}' is a key of the study, but stands in the section [{within}]"
-        return Problem(stranger.place, message, f"Move {name} above the line [{within}]")
-    fix = stranger.suggest(name, PARAMETERS, stranger.parameters)
-    return Problem(stranger.place, f"'{name}' is not a parameter", fix)
+        return Problem(
+            stranger.place,
+            f"'{name}' is a key of the study, but stands in the section [{within}]",
+            f"Move {name} above the line [{within}]",
+        )
+    return Problem(
+        stranger.place,
+        f"'{name}' is not a parameter",
+        stranger.suggest(name, PARAMETERS, stranger.parameters),
+    )
+
+
+def no_field(stranger: Stranger, model: type[BaseModel]) -> Problem:
+    """Return the problem of an unknown key in a section of a study that a model describes."""
+    return Problem(
+        stranger.place,
+        f"'{stranger.name}' is not a key of the section {stranger.within}",
+        stranger.suggest(stranger.name, model.model_fields),
+    )
 
 
 def advice_on_path(path: str | Path, fix: str) -> str:
@@ -111,17 +112,6 @@ def advice_on_path(path: str | Path, fix: str) -> str:
     return "Write / between the folders of a path, not \\" if slipped else fix
 
 
-def _nothing(*_: Any) -> Iterable[str]:
-    """Return no names."""
-    return ()
-
-
-def _as_it_is(raw: Any, folder: Path) -> Any:
-    """Return a section unchanged."""
-    del folder
-    return raw
-
-
 @dataclass(frozen=True)
 class Section:
     """The rules by which a section of a study is read; by default it only has to be there.
@@ -129,10 +119,10 @@ class Section:
     Attributes
     ----------
     names : callable
-        Takes the section's content, if any, and the parameters of the scene; returns the parameters
-        that it gives or leaves open.
+        Takes the section and the parameters of the scene; returns those that it gives or leaves
+        open.
     outputs : callable
-        Takes the section's content; returns the outputs that it asks for.
+        Takes the section; returns the outputs that it asks for.
     tags : tuple of str
         The alternatives among which its key `kind` chooses.
     by_parameter : bool
@@ -142,21 +132,157 @@ class Section:
     unknown : callable
         Takes a `Stranger`; returns its problem.
     beside : callable
-        Takes the section's content and the folder of the study; returns it with file names that can
-        be found from anywhere.
+        Takes the section and the study's folder; returns it with file names found from anywhere.
     resolve : callable, optional
-        Takes content that has the section, and True if files of this machine may be read; replaces
-        the name of a file by its numbers.
+        Takes content with the section, and True if files of this machine may be read; replaces the
+        name of a file by its numbers.
     absent : callable, optional
-        Takes the section as a `Stranger` to a kind that does not have it; returns the problem.
+        Takes the section as a `Stranger` to a kind without it; returns the problem.
     """
 
-    names: Callable[[Any, Collection[str]], Iterable[str]] = _nothing
-    outputs: Callable[[Any], Iterable[str]] = _nothing
+    names: Callable[[Any, Collection[str]], Iterable[str]] = lambda *_: ()
+    outputs: Callable[[Any], Iterable[str]] = lambda _: ()
     tags: tuple[str, ...] = ()
     by_parameter: bool = False
     place: Callable[[Sequence[Any]], str] = dotted
     unknown: Callable[[Stranger], Problem] = no_key
-    beside: Callable[[Any, Path], Any] = _as_it_is
+    beside: Callable[[Any, Path], Any] = lambda raw, _: raw
     resolve: Callable[[Content, bool], Resolved] | None = None
     absent: Callable[[Stranger], Problem] | None = None
+
+
+# --- Messages for the errors that pydantic reports of a study, in the words of this program.
+
+
+OUTSIDE = 5  # misplaced parameters that a message names at most
+LONGEST = 60  # characters of a value that a message repeats
+
+_NOT = "{said} is not "
+_FEW, _MANY = "{said} is too small", "{said} is too large"
+VALUES: Final[Mapping[str, tuple[str, str]]] = {
+    "string_type": (_NOT + "a text", "Write a text in quotes"),
+    **dict.fromkeys(("float_type", "float_parsing"), (_NOT + "a number", "Write a plain number")),
+    "finite_number": (_NOT + "a finite number", "Write a plain number"),
+    **dict.fromkeys(
+        ("int_type", "int_parsing", "int_from_float"),
+        (_NOT + "a whole number", "Write a whole number"),
+    ),
+    **dict.fromkeys(("bool_type", "bool_parsing"), (_NOT + "true or false", "Write true or false")),
+    **dict.fromkeys(("tuple_type", "list_type"), (_NOT + "a list", "Write a list in brackets")),
+    **dict.fromkeys(
+        ("dict_type", "mapping_type", "model_type", "model_attributes_type"),
+        (_NOT + "a table of keys and values", "Write a table, in JSON an object"),
+    ),
+    "greater_than_equal": (_FEW, "Write at least {ge:.15g}"),
+    "greater_than": (_FEW, "Write more than {gt:.15g}"),
+    "less_than_equal": (_MANY, "Write at most {le:.15g}"),
+    "less_than": (_MANY, "Write less than {lt:.15g}"),
+    "too_short": ("it has too few entries", "Give at least {min_length}"),
+    "too_long": ("it has more than {max_length:,} entries", "Give at most {max_length:,}"),
+    "string_too_long": ("it has more than {max_length:,} characters", "Shorten it"),
+    **dict.fromkeys(
+        ("literal_error", "enum"), ("{said} is not among its values", "Write {expected}")
+    ),
+}
+"""What is wrong with a value, and what would be right, by pydantic's names of its errors."""
+
+
+def problems_of(
+    error: ValidationError,
+    sections: Mapping[str, Section],
+    unknown: Callable[[Stranger], Problem],
+    keys: Collection[str] = (),
+    parameters: Collection[str] = PARAMETERS,
+    within: str = "",
+) -> list[Problem]:
+    """Return the problems behind a pydantic error, each once, and not too many to read.
+
+    `sections` are those of the study by their keys, `unknown` returns the problem of an unknown key
+    at its top level; `keys` and `parameters` are as in `Stranger`. `within` is the key of the
+    section that was validated; empty for a whole study.
+    """
+    faults = error.errors(include_url=False)
+    outside = [] if within else [str(fault["loc"][0]) for fault in faults if _is_outside(fault)]
+    suggest = Suggestions()
+    problems = []
+    if outside:
+        problems.append(
+            Problem(
+                "parameters",
+                f"{', '.join(outside[:OUTSIDE])}{', ...' if outside[OUTSIDE:] else ''} "
+                f"{'stands' if len(outside) == 1 else 'stand'} outside",
+                "Write them below the line [parameters], in JSON within that object",
+            )
+        )
+        faults = [
+            fault for fault in faults if not _is_outside(fault) and fault["loc"] != ("parameters",)
+        ]
+    for fault in faults[:MAX_PROBLEMS]:
+        path, tag, section = _path_of([*filter(None, [within]), *fault["loc"]], sections)
+        if fault["type"] == "extra_forbidden":
+            says = section.unknown if len(path) > 1 else unknown
+            problems.append(
+                says(Stranger(path, section.place(path), tag, keys, parameters, suggest))
+            )
+        else:
+            problems.append(_problem(fault, path, section, suggest))
+    if len(faults) > MAX_PROBLEMS:
+        problems.append(
+            Problem(
+                "study",
+                f"{len(faults) - MAX_PROBLEMS:,} further problems are not listed",
+                "Fix these first",
+            )
+        )
+    return problems
+
+
+def _path_of(path: list[Any], sections: Mapping[str, Section]) -> tuple[list[Any], str, Section]:
+    section = sections.get(str(path[0]), Section()) if path else Section()
+    is_tagged = len(path) > 1 and path[1] in section.tags
+    tag = str(path.pop(1)) if is_tagged else ""  # which alternative it is, and no key
+    if path and path[-1] == "[key]":
+        del path[-1]  # it is the name that is wrong, and stands before
+    return path, tag, section
+
+
+def _is_outside(error: Mapping[str, Any]) -> bool:
+    name, *below = error["loc"]
+    return error["type"] == "extra_forbidden" and not below and letter_of(name) in PARAMETERS
+
+
+def _problem(
+    error: Mapping[str, Any], path: list[Any], section: Section, suggest: Suggestions
+) -> Problem:
+    key, kind = section.place(path), error["type"]
+    context: dict[str, Any] = error.get("ctx", {})
+    if kind == "value":
+        fix = context["fix"]
+        return Problem(key, context["message"], suggest.within(fix) if callable(fix) else fix)
+    if kind == "union_tag_invalid":
+        tag = str(context["tag"])[:60]
+        return Problem(f"{key}.kind", f"'{tag}' is not a {path[0]}", suggest(tag, section.tags))
+    if kind == "union_tag_not_found":
+        named = " or ".join(f'"{name}"' for name in section.tags)
+        return Problem(f"{key}.kind", "it is missing", f"Write kind = {named}")
+    if kind == "missing":
+        return Problem(key, "it is missing", f"Add {str(path[-1])[:60] if path else ''}")
+    if kind not in VALUES:
+        return Problem(key, error["msg"].removesuffix("."), "Fix the value or its type")
+    said = _shown(error.get("input"))
+    return Problem(key, *(text.format(said=said, **context) for text in VALUES[kind]))
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()  # as TOML and JSON have it
+    if value is None:
+        return "null"
+    if isinstance(value, Mapping):
+        return "a table" if value else "an empty table"
+    if isinstance(value, list | tuple):
+        return "a list" if value else "an empty list"
+    if isinstance(value, str):
+        return repr(value if len(value) <= LONGEST else f"{value[:LONGEST]}...")
+    text = str(value)
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}..."

@@ -2,36 +2,309 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+import csv
+import io
+import itertools
+import re
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from itertools import islice
+from pathlib import Path
 from typing import Any, Final
 
-from vibrafeed.core.errors import Problem
-from vibrafeed.core.intake.observed import OBSERVATIONS
-from vibrafeed.core.intake.posteriors import UNCERTAIN
+import numpy as np
+
+from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.extras import installing
 from vibrafeed.core.intake.recorded import DRIVE
-from vibrafeed.core.intake.section import Section, Stranger, no_parameter
-from vibrafeed.core.quantities import WORDS, by_letters, letter_of
+from vibrafeed.core.intake.section import (
+    Content,
+    Resolved,
+    Section,
+    Stranger,
+    advice_on_path,
+    dotted,
+    no_field,
+    no_parameter,
+)
+from vibrafeed.core.measured.csv_table import (
+    ONE_MARK,
+    SEPARATOR,
+    contradictions,
+    decoded,
+    name_and_unit,
+    refused,
+)
+from vibrafeed.core.quantities import QUANTITIES, WORDS, by_letters, letter_of
+from vibrafeed.core.study.distributions import CALIBRATION
+from vibrafeed.core.study.grid_study import CRITERIA, DRIVE_ANGLES, MAX_RUNS, OBSERVED, PARAMETERS
 from vibrafeed.core.study.reduction import LevelSet, Reduction
-from vibrafeed.core.study.section_names import CRITERIA, DRIVE_ANGLES
+from vibrafeed.core.study.units import BARE_NUMBER, UnitError, unit_factor, with_unit
+
+_NUMBER_AND_UNIT = re.compile(r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?)(\s*[^\d\s.,].*)?")
 
 
-def _parameter_names(parameters: Any, known: Collection[str]) -> Iterable[str]:
-    del known
+# --- The section `observations`: rows of a study, or of a CSV or XLSX file with a heading.
+
+
+SUFFIXES = (".csv", ".xlsx")
+OWN: Final = (*OBSERVED, "error", "regime")
+"""Columns that are no parameters."""
+HEADING = (
+    "Begin it with a line of names and units, such as amplitude [mm], conveying_velocity [mm/s]"
+)
+
+
+def _with_rows(content: Content, files: bool) -> Resolved:
+    named = content["observations"]
+    if not isinstance(named, str):
+        return Resolved(content)
+    try:
+        if not files:
+            raise refused(
+                "observations", "the service reads no files", "Give its rows: a list of objects"
+            )
+        return Resolved({**content, "observations": read_rows(Path(named))})
+    except StudyError as error:
+        return Resolved(
+            {name: value for name, value in content.items() if name != "observations"},
+            error.problems,
+        )
+
+
+def read_rows(path: Path) -> list[dict[str, Any]]:
+    """Return the rows of a CSV or XLSX file of observations, each a mapping by column.
+
+    Numbers get the unit in the heading of their column, as texts; empty cells are left out. Raises
+    `StudyError` if the file cannot be read, or has no rows.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise refused(
+            "observations", f"'{path.name}' is not a CSV or XLSX file", "Save the table as CSV"
+        )
+    try:
+        lines = [*islice(_workbook(path) if suffix == ".xlsx" else _csv(path), MAX_RUNS + 2)]
+    except (OSError, ValueError) as error:  # a NUL in its name is the second
+        raise refused(
+            "observations",
+            f"{path.name} cannot be read: {getattr(error, 'strerror', None) or error}",
+            advice_on_path(path, "Name a CSV or XLSX file in the study's folder"),
+        ) from error
+    if len(lines) < 2:
+        raise refused("observations", f"{path.name} has no rows", HEADING)
+    names, units = _headings(lines[0], path)
+    for number, line in enumerate(lines[1:], 1):
+        if any(str(cell).strip() for cell in line[len(names) :]):
+            raise refused(
+                "observations",
+                f"row {number} of {path.name} has more cells than the heading",
+                "Where a comma is a decimal comma, separate the cells by semicolons",
+            )
+    return [
+        {
+            name: _value(cell, unit)
+            for name, unit, cell in zip(names, units, [*line, *[""] * len(names)], strict=False)
+            if name and str(cell).strip()
+        }
+        for line in lines[1:]
+    ]
+
+
+def _headings(cells: Iterable[Any], path: Path) -> tuple[list[str], list[str]]:
+    headings = [name_and_unit(str(cell)) for cell in cells]
+    names = [letter_of(name) for name, _ in headings]
+    twice = [name for k, name in enumerate(names) if name and name in names[:k]]
+    if twice:
+        raise refused(
+            "observations",
+            f"{path.name} has two columns named {twice[0][:60]}",
+            "Name each column once",
+        )
+    if not any(names) or all(BARE_NUMBER.fullmatch(name) for name in names):
+        raise refused("observations", f"{path.name} has no heading", HEADING)
+    return names, [unit for _, unit in headings]
+
+
+def _value(cell: Any, unit: str) -> Any:
+    if isinstance(cell, int | float) and not isinstance(cell, bool):
+        return f"{cell!r} {unit}" if unit else cell
+    text = with_unit(str(cell), unit)
+    return float(text) if BARE_NUMBER.fullmatch(text) and "," not in text else text
+
+
+def _csv(path: Path) -> Iterable[list[str]]:
+    lines = [
+        line
+        for line in decoded(path.read_bytes()).splitlines()
+        if line.strip(" ,;\t") and line[0] != "#"
+    ]
+    named = SEPARATOR.fullmatch(lines[0].strip()) if lines else None
+    lines = lines[1:] if named else lines
+    delimiter = named[1] if named else max(";\t,", key=lines[0].count) if lines else ","
+    rows = [*csv.reader(io.StringIO("\n".join(lines)), delimiter=delimiter)]
+    if delimiter == "," or not rows:
+        return rows
+    columns = dict(zip(rows[0], itertools.zip_longest(*rows[1:], fillvalue=""), strict=False))
+    numbers = {
+        name: [
+            found[1]
+            for cell in dict.fromkeys(cells)
+            if (found := _NUMBER_AND_UNIT.fullmatch(cell.strip()))
+        ]
+        for name, cells in columns.items()
+    }
+    for message in contradictions(numbers).values():
+        raise refused("observations", f"{path.name}: {message}", ONE_MARK)
+    return [[*map(_with_point, row)] for row in rows]
+
+
+def _with_point(cell: str) -> str:
+    # Beside semicolons and tabs a comma is a decimal comma.
+    found = _NUMBER_AND_UNIT.fullmatch(cell.strip())
+    return found[1].replace(",", ".") + (found[2] or "") if found else cell
+
+
+def _workbook(path: Path) -> Iterable[list[Any]]:
+    try:
+        import openpyxl
+    except ImportError:
+        raise refused(
+            "observations",
+            "reading XLSX needs openpyxl, which is not installed",
+            f"{installing('openpyxl')}, or save the table as CSV",
+        ) from None
+    try:
+        book = openpyxl.load_workbook(path, read_only=True, data_only=True)
+    except (OSError, ValueError):
+        raise
+    except Exception as error:  # what a damaged workbook raises is of many kinds
+        raise ValueError(
+            "the file of observations is not an XLSX workbook, or is damaged"
+        ) from error
+    try:
+        for line in book.worksheets[0].iter_rows():
+            cells = [_shown_cell(cell) for cell in line]
+            if any(str(cell).strip() for cell in cells):
+                yield cells
+    finally:
+        book.close()
+
+
+def _shown_cell(cell: Any) -> Any:
+    if cell.value is None:
+        return ""
+    if isinstance(cell.value, int | float) and "%" in str(cell.number_format):
+        return f"{100 * cell.value:.15g} %"
+    return cell.value
+
+
+def _columns_of_parameters(rows: Any, _: Collection[str]) -> Iterable[str]:
+    runs = (
+        [row for row in rows if isinstance(row, Mapping)] if isinstance(rows, list | tuple) else []
+    )
+    return (name for row in runs for name in row if name not in OWN)
+
+
+def _problem_path(path: Sequence[Any]) -> str:
+    if len(path) < 2:
+        return dotted(path)
+    return f"observations row {int(path[1]) + 1}" + "".join(f", {name}"[:60] for name in path[2:3])
+
+
+def _unknown_column(stranger: Stranger) -> Problem:
+    known, shown = (*OWN, *PARAMETERS), (*OWN, *stranger.parameters)
+    return Problem(
+        stranger.place,
+        f"'{stranger.name}' is not a parameter, and not measured",
+        stranger.suggest(stranger.name, known, shown),
+    )
+
+
+# --- The section `uncertain`: from the result of a calibration that a study names to its densities.
+
+
+MAX_BYTES = 200_000_000  # of a result
+DENSITY = "density_"
+"""With the name of a parameter, the variable that holds its density."""
+
+
+def _files_beside(uncertain: Any, folder: Path) -> Any:
+    if not isinstance(uncertain, dict):
+        return uncertain
+    return {
+        name: {**one, CALIBRATION: str(folder / one[CALIBRATION])}
+        if isinstance(one, dict) and isinstance(one.get(CALIBRATION), str)
+        else one
+        for name, one in uncertain.items()
+    }
+
+
+def with_posteriors(content: Content, files: bool) -> Resolved:
+    """Return the content of a study with densities in place of calibration files, and problems.
+
+    One whose file has a problem is left out. Unless `files` of this machine may be read the content
+    stays as it is, and is refused later.
+    """
+    uncertain = content.get("uncertain")
+    if not files or not isinstance(uncertain, Mapping):
+        return Resolved(content)
+    read = {
+        name: _density(str(name), raw[CALIBRATION])
+        for name, raw in uncertain.items()
+        if isinstance(raw, Mapping) and set(raw) == {CALIBRATION}
+    }
+    problems = [one for one in read.values() if isinstance(one, Problem)]
+    read = {**uncertain, **read}
+    kept = {name: one for name, one in read.items() if not isinstance(one, Problem)}
+    return Resolved({**content, "uncertain": kept}, problems)
+
+
+def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
+    from vibrafeed.core.dataset.read import read_netcdf  # few studies need it
+
+    key = f"uncertain.{name}.{CALIBRATION}"
+    fix = "Name the NetCDF file that `vibrafeed run` wrote of a study of kind 'calibrate'"
+    if not isinstance(path, str):
+        return Problem(key, "the key calibration is not the path of a file", fix)
+    try:
+        table = read_netcdf(Path(path), most_bytes=MAX_BYTES)
+    except Exception as error:  # of a strange file the library raises of many kinds
+        return Problem(key, f"{path} cannot be read: {error}"[:300], advice_on_path(path, fix))
+    density = table.variables.get(f"{DENSITY}{name}")
+    known_axis = name in table.coordinates and name in QUANTITIES
+    if density is None or density.dims != (name,) or not known_axis:
+        known = ", ".join(n.removeprefix(DENSITY) for n, one in table.variables.items()
+                          if n.startswith(DENSITY) and len(one.dims) == 1)  # fmt: skip
+        return Problem(
+            key, f"{path} has no density of {name}", f"It has those of {known}" if known else fix
+        )
+    axis, quantity = table.coordinates[name], QUANTITIES[name]
+    unit = str(axis.attributes.get("units", quantity.unit))
+    try:
+        factor = float(unit_factor(name, quantity, unit))
+    except UnitError as error:
+        return Problem(key, f"{path}: {error.message}", error.fix)
+    values = factor * np.asarray(axis.values, dtype=np.float64)
+    densities = np.asarray(density.values, dtype=np.float64)
+    if not (np.isfinite(densities).all() and (densities > 0).any()):
+        return Problem(
+            key,
+            f"the posterior density of {name} in {path} is 0 everywhere",
+            "Run the calibration again",
+        )
+    # Nothing is lost beyond the first and the last 0 next to some mass.
+    some = np.flatnonzero(densities > 0)
+    kept = slice(max(some[0] - 1, 0), some[-1] + 2)
+    return {"values": values[kept].tolist(), "densities": densities[kept].tolist()}
+
+
+def _parameter_names(parameters: Any, _: Collection[str]) -> Iterable[str]:
     return map(str, parameters) if isinstance(parameters, Mapping) else ()
 
 
 def _open(variables: Any, known: Collection[str]) -> Iterable[str]:
-    """Return the variables of an optimisation; if none are given, the drive's angles in the scene.
-
-    `known` are the parameters of the scene.
-    """
-    if isinstance(variables, Mapping):
-        return map(str, variables)
-    return (name for name in DRIVE_ANGLES if name in known)
-
-
-def _asked(outputs: Any) -> Iterable[str]:
-    return outputs if isinstance(outputs, list | tuple) else ()
+    is_given = isinstance(variables, Mapping)
+    return map(str, variables) if is_given else (one for one in DRIVE_ANGLES if one in known)
 
 
 def _looked_for(criterion: Any) -> Iterable[str]:
@@ -40,25 +313,30 @@ def _looked_for(criterion: Any) -> Iterable[str]:
     return (name for name in names if isinstance(name, str))
 
 
-def _no_key_of_reduce(stranger: Stranger) -> Problem:
-    part = LevelSet if len(stranger.path) > 2 else Reduction
-    fix = stranger.suggest(stranger.name, part.model_fields)
-    return Problem(stranger.place, f"'{stranger.name}' is not a key of the section reduce", fix)
-
-
 SECTIONS: Final[Mapping[str, Section]] = {
     "parameters": Section(names=_parameter_names, unknown=no_parameter, by_parameter=True),
-    "uncertain": UNCERTAIN,
+    "uncertain": Section(
+        names=_parameter_names, beside=_files_beside, resolve=with_posteriors, by_parameter=True
+    ),
     "variables": Section(names=_open, unknown=no_parameter, by_parameter=True),
     "unknowns": Section(names=_parameter_names, unknown=no_parameter, by_parameter=True),
     "offsets": Section(unknown=no_parameter, by_parameter=True),
     "factors": Section(unknown=no_parameter, by_parameter=True),
     "candidates": Section(unknown=no_parameter, by_parameter=True),
-    "observations": OBSERVATIONS,
+    "observations": Section(
+        names=_columns_of_parameters,
+        outputs=lambda _: OBSERVED[:1],
+        place=_problem_path,
+        unknown=_unknown_column,
+        beside=lambda rows, folder: str(folder / rows) if isinstance(rows, str) else rows,
+        resolve=_with_rows,
+    ),
     "drive": DRIVE,
     "criterion": Section(outputs=_looked_for, tags=CRITERIA),
-    "outputs": Section(outputs=_asked),
-    "reduce": Section(unknown=_no_key_of_reduce),
+    "outputs": Section(outputs=lambda names: names if isinstance(names, list | tuple) else ()),
+    "reduce": Section(
+        unknown=lambda key: no_field(key, LevelSet if len(key.path) > 2 else Reduction)
+    ),
 }
 """Every section by its key, in the order in which they are read."""
 
@@ -69,8 +347,7 @@ SECTIONS: Final[Mapping[str, Section]] = {
 def in_letters(content: Any) -> tuple[Any, list[Problem]]:
     """Return the content of a study with the letters of angles in place of their words.
 
-    The problems are those of angles that a section gives twice, by word and by letter. `content` is
-    that of a file or request, of which nothing is known; it is not changed itself.
+    The problems are those of angles that a section gives twice, by word and by letter.
     """
     if not isinstance(content, Mapping):
         return content, []
@@ -88,10 +365,7 @@ def in_letters(content: Any) -> tuple[Any, list[Problem]]:
 
 
 def words_in(content: Any) -> dict[str, str]:
-    """Return the words by which a study names angles, by their letters.
-
-    An angle that it names by its letter, too, is left out. `content` is as the user wrote it.
-    """
+    """Return the words by which a study names angles, by letter, without those it names by both."""
     sections = content.items() if isinstance(content, Mapping) else ()
     written = {
         name
@@ -105,14 +379,13 @@ def words_in(content: Any) -> dict[str, str]:
 
 
 def _rows(rows: list[Any] | tuple[Any, ...]) -> tuple[list[Any], list[Problem]]:
-    letters, problems = list[Any](), list[Problem]()
-    for number, row in enumerate(rows, 1):
-        faults: list[Problem] = []
-        if isinstance(row, Mapping) and not WORDS.keys().isdisjoint(row):
-            row, faults = by_letters(row, f"observations row {number}, ")
-        letters.append(row)
-        problems = problems or faults
-    return letters, problems
+    lettered: list[tuple[Any, list[Problem]]] = [
+        by_letters(row, f"observations row {number}, ")
+        if isinstance(row, Mapping) and not WORDS.keys().isdisjoint(row)
+        else (row, [])
+        for number, row in enumerate(rows, 1)
+    ]
+    return [row for row, _ in lettered], next((faults for _, faults in lettered if faults), [])
 
 
 def _reduction(raw: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,7 +8,6 @@ from vibrafeed.core.lazy import lazily
 
 __all__ = [
     "Clock",
-    "Fault",
     "Fit",
     "Fold",
     "Recording",
@@ -23,34 +22,15 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from vibrafeed.core.measured.drive import Clock, Fit, Fold, Tilt
-    from vibrafeed.core.measured.fit import fit_drive, fit_signal
-    from vibrafeed.core.measured.read import Fault, RecordingColumn, RecordingTable, read_table
+    from vibrafeed.core.measured.csv_table import RecordingColumn, RecordingTable, read_table
+    from vibrafeed.core.measured.fit import Clock, Fit, Fold, Tilt, fit_drive, fit_signal
     from vibrafeed.core.measured.recording import Recording, Signal, read_signal
 else:
     __getattr__ = lazily(
         __name__,
         {
-            "drive": (
-                "Clock",
-                "Fit",
-                "Fold",
-                "Tilt",
-            ),
-            "fit": (
-                "fit_drive",
-                "fit_signal",
-            ),
-            "read": (
-                "RecordingColumn",
-                "Fault",
-                "RecordingTable",
-                "read_table",
-            ),
-            "recording": (
-                "Recording",
-                "Signal",
-                "read_signal",
-            ),
+            "csv_table": ("RecordingColumn", "RecordingTable", "read_table"),
+            "fit": ("Clock", "Fit", "Fold", "Tilt", "fit_drive", "fit_signal"),
+            "recording": ("Recording", "Signal", "read_signal"),
         },
     )

@@ -7,6 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial.legendre import legvander
 from numpy.typing import NDArray
+from scipy.fft import next_fast_len
+
+from vibrafeed.core.measured.recording import MAX_ORDERS
+from vibrafeed.core.measured.times import UNEVEN
 
 Array = NDArray[np.float64]
 
@@ -146,13 +150,277 @@ def solve_least_squares(
 
 
 def _by_frequency(samples: Samples, basis: Array, solution: Solution) -> Array:
-    """Return the derivative of fitted accelerations by the frequency, shape (axes, n) [m s-2 Hz-1].
-
-    The frequency of a fit is found with it by Gauss-Newton steps. `samples` has n times, `basis`
-    are the columns of the fit, shape (n, columns): drift, then sine and cosine of each order;
-    `solution` is the fit so far.
-    """
     waves = basis[:, solution.degree + 1 :]
     sine, cosine = waves[:, 0::2], waves[:, 1::2]
     turned = 2.0 * np.pi * np.array(solution.orders) * solution.waves
     return (turned.real @ cosine.T - turned.imag @ sine.T) * samples.times
+
+
+# --- The errors of a fit, estimated from its residual, whatever its colour.
+
+
+BINS = 20  # bins whose mean estimates a density within a fifth; more reach too far in red noise
+LOWEST_BINS = 12  # about zero, where noise is steep and the drift hears the lowest bins only
+TOUCHED = 1.0  # bins beside a fitted wave that the fit has changed
+ROUNDING = 1e-10  # least noise, as a share of the rms of the values
+
+
+class Noise(NamedTuple):
+    """Noise of the drift and of each order.
+
+    Attributes
+    ----------
+    densities : ndarray, shape (1 + orders, axes, axes)
+        Spectral density of the residual about zero and about each order, scaled so that white
+        noise has its variance in it [m2 s-4].
+    weights : ndarray, shape (axes,)
+        One over the variance of the residual.
+    """
+
+    densities: Array
+    weights: Array
+
+
+def noise_of(samples: Samples, solution: Solution, resolution: Array) -> Noise:
+    """Return the noise of a fit, at least the rounding of the values.
+
+    `resolution` holds the steps of the recorder for each axis [m s-2].
+    """
+    count = samples.size
+    # Rounding to the recorder's steps, or of numbers: a mounting mixes that of all axes.
+    floor = np.maximum(resolution**2 / 12.0, np.mean(samples.values**2) * ROUNDING**2)
+    variance = np.maximum(np.mean(solution.residual**2, axis=1), floor)
+    variance[variance == 0.0] = 1.0  # of a recording that is nothing but zeros
+    centres = np.array([0, *solution.orders]) * solution.frequency * samples.duration
+    densities = []
+    spectrum = np.fft.rfft(solution.residual) / np.sqrt(count)
+    for centre in centres:
+        density = density_near(spectrum, centre, centres, solution.degree)
+        lacking = np.maximum(floor - np.diag(density), 0.0)
+        densities.append(density + np.diag(lacking))
+    return Noise(np.array(densities), 1.0 / variance)
+
+
+def density_near(
+    spectrum: NDArray[np.complex128], centre: float, fitted: Array, degree: int
+) -> Array:
+    """Return the spectral density of the noise around a line, shape (axes, axes) [m2 s-4].
+
+    The mean over the bins nearest to `centre` that no fitted wave touches; off the diagonal for
+    pairs of axes. `spectrum`, shape (axes, bins), is the Fourier transform of the residual over the
+    root of the number of samples [m s-2]; `fitted`, shape (k,), are the places of fitted waves in
+    bins, `degree` that of the fitted drift, which reaches up to half as many bins.
+    """
+    bins = np.arange(spectrum.shape[1])
+    free = (np.abs(bins[:, None] - fitted) > TOUCHED).all(axis=1) & (bins > degree / 2.0)
+    places = bins[free]
+    near = places[
+        np.argsort(np.abs(places - centre), kind="stable")[: BINS if centre > 0.0 else LOWEST_BINS]
+    ]
+    part = spectrum[:, near]
+    return (part @ part.conj().T).real / max(near.size, 1)
+
+
+def hurdle(count: int) -> float:
+    """Return the threshold that a wave's square over its variance, halved, must exceed.
+
+    m (n^(1/m) - 1) for n (`count`) samples or waves, and the number m of bins from which a density
+    is estimated: noise exceeds it with the probability 1/n, since the square of a wave is
+    exponential, and its variance the mean of m such squares. For many bins it is ln(n), the price
+    of a coefficient in Schwarz's criterion (1978, doi 10.1214/aos/1176344136).
+    """
+    return float(BINS * (count ** (1.0 / BINS) - 1.0))
+
+
+def covariance_of(samples: Samples, solution: Solution, noise: Noise) -> Array:
+    """Return the covariance matrix of a fit: frequency [Hz] and coefficients of harmonics [m s-2].
+
+    Shape (1 + axes size, ...): the frequency first, then the `size` coefficients of each axis
+    (drift, then sine and cosine of each order). It is right for noise of any colour: H^-1 M H^-1
+    with H = sum_j w_j J_j' J_j and M = sum_g sum_jl w_j w_l S_jl(g) J_jg' J_lg, where w_j is the
+    weight of axis j, J_jg the derivative of its model by all unknowns, of which g takes the drift
+    or one order, and S(g) the spectral density of the noise there.
+
+    `samples` are times and values of the recording, `solution` is the fit, `noise` holds S and w.
+    """
+    axes, size = solution.coefficients.shape
+    first = solution.degree + 1
+    basis = columns(samples, solution.frequency, solution.orders, solution.degree)
+    slanted = basis[:, first:] * (samples.times / samples.half)[:, None]
+    gram = np.hstack([basis, slanted])
+    gram = gram.T @ gram
+    order = np.repeat(np.arange(1, len(solution.orders) + 1), 2)
+    group = np.concatenate([np.zeros(first, dtype=np.int64), order, order])
+
+    # Column by unknown: the first unknown is the frequency, in turns over half of the recording.
+    derivative = np.zeros((axes, group.size, 1 + axes * size))
+    turned = 2.0 * np.pi * np.array(solution.orders) * solution.waves
+    for axis in range(axes):
+        derivative[axis, np.arange(size), 1 + axis * size + np.arange(size)] = 1.0
+        derivative[axis, size::2, 0] = -turned[axis].imag
+        derivative[axis, size + 1 :: 2, 0] = turned[axis].real
+
+    weighted = noise.weights[:, None, None] * derivative
+    bread = _sum_products(weighted, gram @ derivative)
+    meat = np.zeros_like(bread)
+    for index, density in enumerate(noise.densities):
+        own = group == index
+        part = weighted[:, own]
+        meat += _sum_products(np.tensordot(density, part, 1), gram[np.ix_(own, own)] @ part)
+    # Weights and waves differ by many powers of ten: a scaled matrix is inverted.
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(bread), np.finfo(float).tiny))
+    inverse = np.linalg.pinv(bread * np.outer(scale, scale), hermitian=True)
+    inverse *= np.outer(scale, scale)
+    inverse[0] /= samples.half
+    covariance = inverse @ meat @ inverse.T
+    return (covariance + covariance.T) / 2.0
+
+
+def _sum_products(stack: Array, other: Array) -> Array:
+    return stack.reshape(-1, stack.shape[-1]).T @ other.reshape(-1, other.shape[-1])
+
+
+# --- The frequency with which a recording repeats itself, wherever its strongest line stands.
+
+
+LEAST_PERIODS = 10  # periods that a recording needs
+MAX_LEFT = 0.5  # largest rms of the residual, over that of the harmonics
+SLOWEST = 2.0  # periods in the recording: slower waves are drift
+NYQUIST_SHARE = 0.45  # of the sampling rate, below which the highest order lies
+GUESS = 0.1  # share by which a guessed frequency may be off
+DRIFT = 3  # degree of the polynomial that is tried for the drift
+PADDING = 4  # factor by which the spectrum is padded, to find a peak between bins
+LEAST_SHARE = 1e-4  # of the drive's power: weaker lines are not taken for its fundamental
+LEAKAGE = 0.03  # bins by which other lines may shift a line
+
+
+class Line(NamedTuple):
+    """A spectral line of a recording.
+
+    Attributes
+    ----------
+    frequency : float
+        Its frequency [Hz].
+    power : float
+        Its mean square, in all axes together [m2 s-4].
+    contrast : float
+        Half of its square over its variance, in the axis where that is largest [1].
+    """
+
+    frequency: float
+    power: float
+    contrast: float
+
+
+def orders_below(samples: Samples, frequency: float) -> tuple[int, ...]:
+    """Return the harmonic orders that the samples can resolve, at most ten."""
+    return tuple(
+        range(
+            1,
+            min(MAX_ORDERS, int(NYQUIST_SHARE * (samples.size / samples.duration) / frequency)) + 1,
+        )
+    )
+
+
+def fundamental(samples: Samples, guess: float | None, line: float | None) -> float:
+    """Return the frequency of a recorded drive, of which all strong lines are multiples [Hz].
+
+    From the strongest line of the spectrum downwards: if what its harmonics leave over has a line
+    that stands out and is a multiple of an integer fraction of the frequency, that fraction is the
+    fundamental. Lines with less than a hundredth of the drive's acceleration are taken for
+    something else.
+
+    With a `guess` [Hz] it is the integer fraction of the strongest line that lies within a tenth of
+    the guess; if none does, the strongest line there. A known frequency of the drive (`line`) [Hz]
+    settles it likewise, if its orders hold most of the recording: the drive may run at a fraction
+    of it. `samples` are the recorded accelerations.
+    """
+    drift = legvander(samples.times / samples.half, DRIFT)
+    drifting = np.linalg.lstsq(drift, samples.values.T, rcond=None)[0].T @ drift.T
+    start = samples._replace(values=samples.values - drifting)
+    frequency = strongest_line(start).frequency
+    if guess is not None:
+        near = _part_near(frequency, guess)
+        lowest, highest = guess * (1.0 - GUESS), guess * (1.0 + GUESS)
+        return near or strongest_line(start, lowest, highest).frequency
+    if line is not None and (near := _part_near(frequency, line)) is not None:
+        solution = solve_least_squares(samples, near, orders_below(samples, near), DRIFT)
+        left = np.mean(solution.residual**2, axis=1).sum()
+        if left <= MAX_LEFT**2 * (np.abs(solution.waves) ** 2).sum() / 2.0:
+            return solution.frequency
+    solution = solve_least_squares(samples, frequency, orders_below(samples, frequency), DRIFT)
+    while (lower := _lower(samples, solution)) is not None:
+        solution = lower
+    return solution.frequency
+
+
+def _part_near(frequency: float, expected: float) -> float | None:
+    part = frequency / max(round(frequency / expected), 1)
+    return part if abs(part / expected - 1.0) <= GUESS else None
+
+
+def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.inf) -> Line:
+    """Return the strongest line in the spectrum of a recording, from `lowest` to `highest` Hz.
+
+    Frequency [Hz], strength (sum of mean squares over the axes, m2 s-4) and contrast to the noise
+    around it. Drift must have been removed from the `samples`; lines with fewer than two periods in
+    the recording are left out.
+    """
+    even = _without_gaps(samples)
+    count, rate = even.size, even.size / even.duration
+    size = next_fast_len(PADDING * count, real=True)
+    spectrum = np.fft.rfft(even.values * np.hanning(count), size)
+    power = (np.abs(spectrum) ** 2).sum(axis=0)
+    places = np.fft.rfftfreq(size, 1.0 / rate)
+    lowest = max(lowest, SLOWEST / samples.duration)
+    allowed = (places >= lowest) & (places <= min(highest, NYQUIST_SHARE * rate))
+    peak = int(np.argmax(np.where(allowed, power, -1.0)))
+    wave = solve_least_squares(samples, float(places[peak]), (1,), 0)
+    strength = np.abs(wave.waves[:, 0]) ** 2 / 2.0
+    spectrum = np.fft.rfft(wave.residual) / np.sqrt(samples.size)
+    place = np.array([wave.frequency * samples.duration])
+    noise = np.diag(density_near(spectrum, float(place[0]), place, DRIFT))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        contrast = np.nan_to_num(samples.size * strength / (2.0 * noise), posinf=np.inf)
+    return Line(wave.frequency, float(strength.sum()), float(contrast.max()))
+
+
+def _without_gaps(samples: Samples) -> Samples:
+    # A spectrum counts samples, not time: behind a gap all phases would be off.
+    steps = np.diff(samples.times)
+    step = float(np.median(steps))
+    if steps.max() <= (1.0 + UNEVEN) * step:
+        return samples
+    times = np.linspace(-samples.half, samples.half, round(2.0 * samples.half / step) + 1)
+    return Samples(times, np.array([np.interp(times, samples.times, v) for v in samples.values]))
+
+
+def stands_out(line: Line, count: int) -> bool:
+    """True if a line is improbable in noise of `count` samples, anywhere in the spectrum."""
+    return line.contrast > hurdle(count**2)
+
+
+def _lower(samples: Samples, solution: Solution) -> Solution | None:
+    # The strongest line may be a harmonic of the drive: a fit at an integer fraction of it.
+    left = samples._replace(values=solution.residual)
+    line = strongest_line(left)
+    power = (np.abs(solution.waves) ** 2).sum() / 2.0
+    if not stands_out(line, samples.size) or line.power < LEAST_SHARE * power:
+        return None
+    ratio = line.frequency / solution.frequency
+    # Three standard errors of a line's place, in bins: sqrt(6/contrast)/(2 pi) each.
+    error = LEAKAGE + 3.0 * np.sqrt(6.0 / line.contrast) / (2.0 * np.pi)
+    error /= solution.frequency * samples.duration
+    for part in range(2, MAX_ORDERS + 1):
+        frequency = solution.frequency / part
+        whole = round(part * ratio)
+        if frequency * samples.duration < LEAST_PERIODS / 2.0 or whole > MAX_ORDERS:
+            return None
+        if abs(part * ratio - whole) > part * error:
+            continue
+        lower = solve_least_squares(samples, frequency, orders_below(samples, frequency), DRIFT)
+        if (
+            np.mean(solution.residual**2, axis=1).sum() - np.mean(lower.residual**2, axis=1).sum()
+        ) > line.power / 2.0:
+            return lower
+    return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -14,14 +15,18 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.measured.read import RecordingColumn, RecordingTable, read_table
+from vibrafeed.core.measured.csv_table import (
+    RecordingTable,
+    gathered,
+    read_table,
+    refused,
+)
 from vibrafeed.core.measured.times import read_times
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.quantities.quantity import angle
 from vibrafeed.core.study.units import (
     UnitError,
     UnknownUnitError,
-    problem,
     read_number,
     unit_factor,
 )
@@ -61,23 +66,18 @@ def clipping_problems(
         runs = stops - starts >= RUN
         if runs.any() or _crests_differ(toward, held):
             first = lines[starts[runs][0] if runs.any() else starts[0]]
-            message = (
-                f"column '{name}' is clipped: {held.sum()} samples hold its {word} value "
-                f"{values[starts[0]]:g}, first in line {first}"
+            problems.append(
+                Problem(
+                    path,
+                    f"column '{name}' is clipped: {held.sum()} samples hold its {word} value "
+                    f"{values[starts[0]]:g}, first in line {first}",
+                    "Record again with a wider range of the sensor",
+                )
             )
-            fix = "Record again with a wider range of the sensor"
-            problems.append(Problem(path, message, fix))
     return problems
 
 
 def _crests_differ(values: NDArray[np.float64], held: NDArray[np.bool_]) -> bool:
-    """True if samples of the highest value belong to crests of different heights: they are clipped.
-
-    `values` are the samples of a channel, `held` is True at those that have the highest value. A
-    crest is the parabola through a sample and its neighbours. Rounding moves its height by no more
-    than a step or two; a period may have two crests, so that the widest gap between heights does
-    not count.
-    """
     crests = np.flatnonzero(held[1:-1]) + 1
     if crests.size < VISITS:
         return False
@@ -105,67 +105,42 @@ FIX = (
 )
 
 
-def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] | None:
-    """Return the rotation matrix of a sensor's mounting, shape (3, 3); None if it is invalid.
-
-    Components in the track's axes are R times those in the sensor's. `mounting` is three angles,
-    yaw, pitch and roll, as numbers in degrees or texts, with R = R_z(yaw) R_y(pitch) R_x(roll); or
-    a matrix, of which the nearest rotation is taken; or None for the axes of the track. A problem
-    is added to `problems`.
-    """
+def _rotation(mounting: object) -> NDArray[np.float64]:
+    # Components in the track's axes are R times those in the sensor's; of angles,
+    # R = R_z(yaw) R_y(pitch) R_x(roll); of a matrix the nearest rotation is taken.
     if mounting is None:
         return np.eye(3)
     parts = list(mounting) if isinstance(mounting, list | tuple | np.ndarray) else []
+    what = "the mounting of the sensor is"
     if len(parts) != 3:
-        problems.append(
-            Problem(
-                "mounting", "the mounting of the sensor is neither three angles nor a matrix", FIX
-            )
-        )
-        return None
+        raise refused("mounting", f"{what} neither three angles nor a matrix", FIX)
     if all(np.ndim(part) == 0 for part in parts):
-        return _rotation_of_angles(parts, problems)
+        return _rotation_of_angles(parts)
     try:
         matrix = np.array(parts, dtype=np.float64)
     except (TypeError, ValueError):
         matrix = np.full((1, 1), np.nan)
-    near = matrix.shape == (3, 3) and np.allclose(matrix @ matrix.T, np.eye(3), atol=ORTHONORMAL)
-    if not near:
-        problems.append(
-            Problem(
-                "mounting", "the mounting of the sensor is a matrix that is not a rotation", FIX
-            )
-        )
-        return None
+    if matrix.shape != (3, 3) or not np.allclose(matrix @ matrix.T, np.eye(3), atol=ORTHONORMAL):
+        raise refused("mounting", f"{what} a matrix that is not a rotation", FIX)
     if np.linalg.det(matrix) < 0:
-        fix = 'Reverse one channel with a minus sign: sensor = ["ax", "-ay", "az"]'
-        problems.append(
-            Problem(
-                "mounting",
-                "the mounting of the sensor is a matrix that mirrors the axes; it has to "
-                "be a rotation",
-                fix,
-            )
+        raise refused(
+            "mounting",
+            f"{what} a matrix that mirrors the axes; it has to be a rotation",
+            'Reverse one channel with a minus sign: sensor = ["ax", "-ay", "az"]',
         )
-        return None
     return Rotation.from_matrix(matrix).as_matrix()
 
 
-def _rotation_of_angles(parts: list[object], problems: list[Problem]) -> NDArray[np.float64] | None:
-    """Return the 3 by 3 matrix that turns a sensor's axes by yaw, pitch and roll.
-
-    `parts` are these three angles as a study gives them: numbers in degrees, or texts with a unit.
-    None if one is invalid, which is added to `problems`.
-    """
-    angles = []
+def _rotation_of_angles(parts: list[object]) -> NDArray[np.float64]:
+    angles: list[float] = []
+    problems: list[Problem] = []
     for (name, quantity), raw in zip(ANGLES.items(), parts, strict=True):
-        raw = raw.item() if isinstance(raw, np.generic) else raw
-        try:
-            angles.append(read_number(name, quantity, raw))
-        except UnitError as error:
-            problems.append(problem(f"mounting.{name}", error))
-    if len(angles) < len(parts):
-        return None
+        with gathered(problems, f"mounting.{name}"):
+            angles.append(
+                read_number(name, quantity, raw.item() if isinstance(raw, np.generic) else raw)
+            )
+    if problems:
+        raise StudyError(problems)
     return Rotation.from_euler("ZYX", angles, degrees=True).as_matrix()
 
 
@@ -186,7 +161,6 @@ ENDINGS = {
 }  # fmt: skip
 """Ends of the names of columns that are units, as in ``acc_x_g`` and ``ax / g``."""
 _UNIT_IN_NAME = re.compile(rf"[_ /:,]\(?({'|'.join(map(re.escape, ENDINGS))})\)?\Z")
-UNITS = ("m s-2", "mm s-2", "cm/s2", "g", "mg")  # as messages list them
 
 
 @dataclass(frozen=True)
@@ -286,15 +260,29 @@ def read_signal(source: str | Path | RecordingTable, recording: Recording) -> Si
     """
     table = source if isinstance(source, RecordingTable) else read_table(source)
     problems: list[Problem] = []
-    times = read_times(table, recording.rate, recording.time, problems)
+    with gathered(problems):
+        times, assumed = read_times(table, recording.rate, recording.time)
     names = _channels(recording, problems)
-    channels = [_channel(table, path, name, recording.unit, problems) for path, name in names]
-    turned = direction(recording.mounting, problems)
-    line, guess = (
-        _number(name, getattr(recording, name), problems)
-        for name in ("line_frequency", "frequency")
-    )
-    _check_orders(recording.harmonics, problems)
+    channels = []
+    for path, name in names:
+        with gathered(problems):
+            channels.append(_channel(table, path, name, recording.unit))
+    with gathered(problems):
+        turned = _rotation(recording.mounting)
+    known = {}
+    for key in ("line_frequency", "frequency"):
+        with gathered(problems, key):
+            raw = getattr(recording, key)
+            known[key] = None if raw is None else read_number(key, FREQUENCY, raw)
+    count = recording.harmonics
+    if count is not None and (type(count) is not int or not 1 <= count <= MAX_ORDERS):
+        problems.append(
+            Problem(
+                "harmonics",
+                f"{str(count)[:40]} orders cannot be fitted",
+                f"Give a whole number from 1 to {MAX_ORDERS}, or leave it out",
+            )
+        )
     if len(table.lines) < LEAST_SAMPLES:
         problems.append(
             Problem(
@@ -303,152 +291,108 @@ def read_signal(source: str | Path | RecordingTable, recording: Recording) -> Si
                 f"Record at least {LEAST_SAMPLES} samples over ten periods or more",
             )
         )
-    held = [channel for channel in channels if channel is not None]
-    if problems or times is None or turned is None or len(held) < len(names):
+    if problems:
         raise StudyError(problems)
-    accelerations = np.array([channel.accelerations for channel in held])
-    resolution = np.array([channel.step for channel in held])
+    accelerations = np.array([values for values, _ in channels])
+    resolution = np.array([step for _, step in channels])
     axes = tuple(path for path, _ in names)
     if recording.sensor is not None:
         accelerations, axes = turned @ accelerations, AXES
         resolution = np.sqrt(turned**2 @ resolution**2)
     return Signal(
-        times.values, accelerations, axes, resolution, line, guess, recording.harmonics,
-        recording.slopes, times.assumed,
-    )  # fmt: skip
-
-
-class _Channel(NamedTuple):
-    accelerations: NDArray[np.float64]
-    step: float
+        times,
+        accelerations,
+        axes,
+        resolution,
+        **known,
+        harmonics=count,
+        slopes=recording.slopes,
+        assumed=assumed,
+    )
 
 
 def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, str]]:
-    """Return path in the study and name of each column of accelerations that a recording names.
-
-    A path is such as `along` or `sensor.x`, as problems tell it. Problems, such as two ways of
-    naming the columns at once, are added to `problems`.
-    """
     own = [(axis, name) for axis in AXES if (name := getattr(recording, axis)) is not None]
     sensor = recording.sensor
-    if sensor is None:
-        if not own:
-            fix = "Name the columns: along = ..., normal = ..., or sensor = three columns"
-            problems.append(Problem("along", "the drive names no column of accelerations", fix))
-        elif recording.mounting is not None:
-            fix = "Give sensor = three columns, instead of a column for each axis"
-            problems.append(
-                Problem(
-                    "mounting",
-                    "the mounting is that of a sensor of three columns, which are not given",
-                    fix,
-                )
+    if sensor is None and not own:
+        problems.append(
+            Problem(
+                "along",
+                "the drive names no column of accelerations",
+                "Name the columns: along = ..., normal = ..., or sensor = three columns",
             )
+        )
+    elif sensor is None and recording.mounting is not None:
+        problems.append(
+            Problem(
+                "mounting",
+                "the mounting is that of a sensor of three columns, which are not given",
+                "Give sensor = three columns, instead of a column for each axis",
+            )
+        )
+    if sensor is None:
         return own
     if own:
-        fix = "Give either sensor = three columns, or a column for each axis"
         problems.append(
             Problem(
                 "sensor",
                 f"the drive names the columns of a sensor, and single ones ({own[0][0]})",
-                fix,
+                "Give either sensor = three columns, or a column for each axis",
             )
         )
     if isinstance(sensor, str) or len(sensor) != 3:
-        fix = 'Name the columns of x, y and z: sensor = ["ax", "ay", "az"]'
         problems.append(
-            Problem("sensor", "sensor does not name three columns of the recording", fix)
+            Problem(
+                "sensor",
+                "sensor does not name three columns of the recording",
+                'Name the columns of x, y and z: sensor = ["ax", "ay", "az"]',
+            )
         )
         return []
     return [(f"sensor.{axis}", name) for axis, name in zip("xyz", sensor, strict=True)]
 
 
 def _channel(
-    table: RecordingTable, path: str, name: str, unit: str | None, problems: list[Problem]
-) -> _Channel | None:
-    """Return one channel of a recording: its values in m s-2, and the recorder's smallest step.
-
-    None if the column is missing or has no valid unit; that and clipping are added to `problems`.
-    `name` is that of the column in `table`, with a minus sign in front to reverse it; `path` is its
-    place in the study, for messages; `unit` holds where the header says none.
-    """
+    table: RecordingTable, path: str, name: str, unit: str | None
+) -> tuple[NDArray[np.float64], float]:
     sign = -1.0 if name.startswith("-") and name not in table.columns else 1.0
-    column = table.column(name if sign > 0 else name[1:].strip(), path, problems)
-    if column is None:
-        return None
+    column = table.column(name if sign > 0 else name[1:].strip(), path)
     ending = _UNIT_IN_NAME.search(name.casefold())
-    if ending is not None and not column.unit:
-        column = replace(column, unit=ENDINGS[ending[1]])
-    factor = _factor(path, name, column, unit, problems)
+    headed = column.unit or (ENDINGS[ending[1]] if ending else "")
+    problems: list[Problem] = []
+    factor = math.nan
+    with gathered(problems):
+        factor = _factor(path, name, headed, unit)
     problems += clipping_problems(path, name, column.values, table.lines)
-    if factor is None:
-        return None
+    if problems:
+        raise StudyError(problems)
     gaps = np.diff(np.unique(column.values))
     step = float(gaps.min()) if gaps.size else 0.0
-    return _Channel(sign * factor * column.values, factor * step)
+    return sign * factor * column.values, factor * step
 
 
-def _factor(
-    path: str, name: str, column: RecordingColumn, unit: str | None, problems: list[Problem]
-) -> float | None:
-    """Return the factor from the unit of a recorded channel to m s-2; None if it is unknown.
-
-    The header may give a unit (`column.unit`), and the user another (`unit`); if both do, they must
-    agree, unless that of the header is no unit at all. Problems are added to `problems`; `path` and
-    `name` are the place in the study and the column, for messages.
-    """
-    listed = ", ".join(UNITS)
+def _factor(path: str, name: str, headed: str, unit: str | None) -> float:
+    listed = "m s-2, mm s-2, cm/s2, g, mg"
     factors = []
-    for text, key in ((column.unit, path), (unit, "unit")):
+    for text, key in ((headed, path), (unit, "unit")):
         try:
             factors += [unit_factor(name, ACCELERATION, text)] if text else []
         except UnitError as error:
             if key == path and unit and isinstance(error, UnknownUnitError):
-                continue
-            message = f"'{str(text)[:40]}' is not a unit of acceleration"
-            problems.append(Problem(key, message, f"Known: {listed}"))
-            return None
+                continue  # a word that is no unit at all, beside the key that says it
+            raise refused(
+                key, f"'{str(text)[:40]}' is not a unit of acceleration", f"Known: {listed}"
+            ) from None
     if not factors:
-        fix = f"Give unit = one of {listed}, or write the unit in the header: '{name} [g]'"
-        problems.append(
-            Problem("unit", f"the unit of the recording's column '{name}' is not given", fix)
+        raise refused(
+            "unit",
+            f"the unit of the recording's column '{name}' is not given",
+            f"Give unit = one of {listed}, or write the unit in the header: '{name} [g]'",
         )
-        return None
     if len(set(factors)) > 1:
-        message = (
-            f"column '{name}' has two units: {column.unit} in its header, {unit} in the key unit"
+        raise refused(
+            "unit",
+            f"column '{name}' has two units: {headed} in its header, {unit} in the key unit",
+            "Leave out the key unit, or correct the header of the recording",
         )
-        problems.append(
-            Problem(
-                "unit", message, "Leave out the key unit, or correct the header of the recording"
-            )
-        )
-        return None
     return float(factors[0])
-
-
-def _number(name: str, raw: float | str | None, problems: list[Problem]) -> float | None:
-    """Return a frequency in Hz as a study gives it, a number or a text with a unit.
-
-    None if `raw` is None, or if it is invalid, which is added to `problems`; `name` is its key.
-    """
-    if raw is None:
-        return None
-    try:
-        return read_number(name, FREQUENCY, raw)
-    except UnitError as error:
-        problems.append(problem(name, error))
-        return None
-
-
-def _check_orders(harmonics: object, problems: list[Problem]) -> None:
-    """Add a problem to `problems` if the number of harmonics that a study asks for is invalid.
-
-    `harmonics` must be a whole number from 1 to `MAX_ORDERS`, or None to let the recording decide.
-    """
-    if harmonics is None:
-        return
-    whole = isinstance(harmonics, int) and not isinstance(harmonics, bool)
-    if not whole or harmonics not in range(1, MAX_ORDERS + 1):
-        fix = f"Give a whole number from 1 to {MAX_ORDERS}, or leave it out"
-        problems.append(Problem("harmonics", f"{str(harmonics)[:40]} orders cannot be fitted", fix))

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import Problem
-from vibrafeed.core.measured.read import RecordingTable
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.measured.csv_table import RecordingTable, refused
 from vibrafeed.core.quantities import Quantity
 from vibrafeed.core.study.units import UnitError, problem, read_number, unit_factor
 
@@ -35,99 +34,85 @@ ROUNDED = 0.75
 """Deviation from even times that is rounding, over the unit that times are rounded to."""
 
 
-class Times(NamedTuple):
-    """The times of samples.
-
-    Attributes
-    ----------
-    values : ndarray, shape (n,)
-        Ascending [s].
-    assumed : str
-        The column that was taken for seconds, since nothing names its unit; empty if it is named.
-    """
-
-    values: NDArray[np.float64]
-    assumed: str = ""
-
-
 def read_times(
-    table: RecordingTable, rate: float | str | None, time: str | None, problems: list[Problem]
-) -> Times | None:
-    """Return the times of the samples of a recording; None if they cannot be determined.
+    table: RecordingTable, rate: float | str | None, time: str | None
+) -> tuple[NDArray[np.float64], str]:
+    """Return the times of the samples of a recording [s], and the column taken for seconds.
 
     They come from `rate`, samples a second (a number or a text with a unit), or from the column
     `time` of the `table`, by default one with a usual name, or the only one whose heading has a
-    unit of time. The unit stands in the heading, or at the end of the name, as in ``time_ms``.
-    Times that differ from even ones by no more than their own rounding are made even; others are
-    kept, since least squares needs no even times. Problems are added to `problems`.
+    unit of time. The unit stands in the heading, or at the end of the name, as in ``time_ms``; if
+    nothing names it, seconds are assumed, and the column is returned, else "". Times that differ
+    from even ones by no more than their own rounding are made even; others are kept, since least
+    squares needs no even times.
+
+    Raises
+    ------
+    StudyError
+        If they cannot be determined.
     """
     if rate is not None:
         if time is not None:
-            fix = "Give only the one that the recorder measures more accurately"
-            problems.append(
-                Problem(
-                    "rate",
-                    "the recording has both a sampling rate (rate) and a time column (time)",
-                    fix,
-                )
+            raise refused(
+                "rate",
+                "the recording has both a sampling rate (rate) and a time column (time)",
+                "Give only the one that the recorder measures more accurately",
             )
-            return None
         try:
-            return Times(np.arange(len(table.lines)) / read_number("rate", RATE, rate))
+            return np.arange(len(table.lines)) / read_number("rate", RATE, rate), ""
         except UnitError as error:
-            problems.append(problem("rate", error))
-            return None
+            raise StudyError([problem("rate", error)]) from None
     name = time or _column_of_times(table)
     if name is None:
-        fix = "Give rate = the samples per second, or time = the name of the column of times"
-        problems.append(
-            Problem("rate", "the recording has neither a sampling rate nor a column of times", fix)
+        raise refused(
+            "rate",
+            "the recording has neither a sampling rate nor a column of times",
+            "Give rate = the samples per second, or time = the name of the column of times",
         )
-        return None
     if name in table.columns and table.columns[name].faulty == len(table.lines):
-        fault = table.columns[name].faults[0]
-        fix = "Give rate = the samples per second, or write seconds, or times such as 12:30:05.002"
-        message = (
-            f"the cells of column '{name}' are not numbers and not times after ISO 8601, such as "
-            f"{fault.text[:40]!r} in line {fault.line}"
+        line, text = table.columns[name].faults[0]
+        raise refused(
+            "time",
+            f"the cells of column '{name}' are not numbers and not times after ISO 8601, such "
+            f"as {text[:40]!r} in line {line}",
+            "Give rate = the samples per second, or write seconds, or times such as 12:30:05.002",
         )
-        problems.append(Problem("time", message, fix))
-        return None
-    column = table.column(name, "time", problems)
-    if column is None:
-        return None
-    unit = column.unit or unit_in_name(name)
+    column = table.column(name, "time")
+    unit = column.unit or _stem_and_unit(name)[1]
     factor = _seconds(unit)
     if factor is None:
-        fix = "Write s, ms, us or min in the header, or give the rate (rate) and leave time out"
-        problems.append(
-            Problem(
-                "time",
-                f"the recording's time column has the unit '{column.unit[:40]}', which is "
-                f"not a unit of time",
-                fix,
-            )
+        raise refused(
+            "time",
+            f"the recording's time column has the unit '{column.unit[:40]}', which is "
+            "not a unit of time",
+            "Write s, ms, us or min in the header, or give the rate (rate) and leave time out",
         )
-        return None
     times = factor * (column.values - column.values[0])
-    wrong = _uneven(name, times, table.lines)
-    if wrong:
-        problems.append(wrong)
-        return None
-    return Times(_even_if_rounded(times), "" if unit else name)
-
-
-def unit_in_name(name: str) -> str:
-    """Return the unit of time at the end of a column's name, as in ``time_ms``; else empty."""
-    return _stem_and_unit(name)[1]
+    steps, lines = np.diff(times), table.lines
+    backward = np.flatnonzero(steps <= 0)
+    if backward.size:
+        raise refused(
+            "time",
+            f"the times in the recording's column '{name}' do not increase in {backward.size} "
+            f"place{'s' * (backward.size > 1)}, first in line {lines[backward[0] + 1]}",
+            "Write the times with more digits, or give the sampling rate (rate) and leave time out",
+        )
+    even = _even_if_rounded(times)
+    if steps.size and even is times and _lost(steps) > MOST_LOST:
+        usual = float(np.median(steps))
+        worst = int(np.abs(steps / usual - 1.0).argmax())
+        raise refused(
+            "time",
+            f"the times in the recording's column '{name}' are not evenly spaced: steps are "
+            f"{1e3 * steps.min():.4g} to {1e3 * steps.max():.4g} ms, usually "
+            f"{1e3 * usual:.4g} ms; the most uneven one is before line {lines[worst + 1]}",
+            "Cut out a piece of the recording without gaps, or record again: at most "
+            f"{100 * MOST_LOST:.0f} % of the samples may be lost",
+        )
+    return even, "" if unit else name
 
 
 def _stem_and_unit(name: str) -> tuple[str, str]:
-    """Return a column's name in small letters without the unit of time at its end, and that unit.
-
-    The unit is a word of its own (``t_us``, ``Time ms``, ``t/s``, ``timestampMs``), or follows a
-    usual name (``timems``). It is empty if there is none.
-    """
     plain = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).casefold()
     plain = re.sub(r"[\s.,:/\-_]+", "_", plain).strip("_")
     for unit, words in ENDINGS.items():
@@ -141,20 +126,13 @@ def _stem_and_unit(name: str) -> tuple[str, str]:
 
 
 def _column_of_times(table: RecordingTable) -> str | None:
-    """Return the column of times: one with a usual name, or the only one with a unit of time."""
-    for name in table.columns:
-        if _stem_and_unit(name)[0] in USUAL_NAMES:
-            return name
     columns = table.columns.items()
+    usual = [name for name in table.columns if _stem_and_unit(name)[0] in USUAL_NAMES]
     timed = [name for name, column in columns if column.unit and _seconds(column.unit)]
-    return timed[0] if len(timed) == 1 else None
+    return next(iter(usual), timed[0] if len(timed) == 1 else None)
 
 
 def _seconds(unit: str) -> float | None:
-    """Return the factor from the unit of a column of times to seconds; None if it has none.
-
-    No unit means seconds. No recorder of vibrations counts hours.
-    """
     try:
         factor = float(unit_factor("time", SECONDS, unit or SECONDS.unit))
     except UnitError:
@@ -162,52 +140,12 @@ def _seconds(unit: str) -> float | None:
     return factor if factor <= LONGEST_UNIT else None
 
 
-def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> Problem | None:
-    """Return the problem of times that do not increase, or miss many samples; None without one.
-
-    `name` is the column of the recording, `times` are its values [s], `lines` their lines in the
-    file, for the message.
-    """
-    steps = np.diff(times)
-    if not steps.size:
-        return None
-    backward = np.flatnonzero(steps <= 0)
-    if backward.size:
-        return Problem(
-            "time",
-            f"the times in the recording's column '{name}' do not increase in {backward.size} "
-            f"place{'s' * (backward.size > 1)}, first in line {lines[backward[0] + 1]}",
-            "Write the times with more digits, or give the sampling rate (rate) and leave time out",
-        )
-    usual = float(np.median(steps))
-    away = np.abs(steps / usual - 1.0)
-    if _lost(steps) <= MOST_LOST or _even_if_rounded(times) is not times:
-        return None
-    worst = int(away.argmax())
-    return Problem(
-        "time",
-        f"the times in the recording's column '{name}' are not evenly spaced: steps are "
-        f"{1e3 * steps.min():.4g} to {1e3 * steps.max():.4g} ms, usually "
-        f"{1e3 * usual:.4g} ms; the most uneven one is before line "
-        f"{lines[worst + 1]}",
-        "Cut out a piece of the recording without gaps, or record again: at most "
-        f"{100 * MOST_LOST:.0f} % of the samples may be lost",
-    )
-
-
 def _lost(steps: NDArray[np.float64]) -> float:
-    """Return the share of samples that are lost or late, from the steps between their times [s]."""
     away = np.abs(steps / np.median(steps) - 1.0)
     return float(away[away > UNEVEN].sum()) / steps.size
 
 
 def _even_if_rounded(times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return exactly even times of samples, if `times` are even up to their own rounding.
-
-    Else `times` [s] as they are. Recorders print times with few digits; the unit of the last digit
-    is the smallest difference between the steps that occur, and times within a share of it from a
-    straight line count as even.
-    """
     place = np.arange(times.size, dtype=np.float64)
     slope, start = np.polyfit(place, times, 1) if times.size > 1 else (0.0, 0.0)
     even = start + slope * place

@@ -2,23 +2,35 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import math
+from collections.abc import Iterator, Mapping
+from itertools import islice
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.measured.fundamental import (
+from vibrafeed.core.measured.csv_table import refused
+from vibrafeed.core.measured.harmonics import (
     LEAST_PERIODS,
     MAX_LEFT,
     NYQUIST_SHARE,
+    Array,
+    Noise,
+    Samples,
+    Solution,
     orders_below,
+    solve_least_squares,
     stands_out,
     strongest_line,
 )
-from vibrafeed.core.measured.gravity import gravity_problems
-from vibrafeed.core.measured.harmonics import Samples, Solution, solve_least_squares
-from vibrafeed.core.measured.noise import Noise
-from vibrafeed.core.measured.recording import FREQUENCY, LEAST_SAMPLES, Signal
+from vibrafeed.core.measured.recording import (
+    AXES,
+    FREQUENCY,
+    LEAST_SAMPLES,
+    STANDARD_GRAVITY,
+    Signal,
+)
 from vibrafeed.core.study.unusual import likely_unit_of_times
 
 STEPS = 1e-9, 1e3
@@ -35,46 +47,59 @@ TWICE = 0.1  # a ratio so near to a whole number means another multiple of the f
 def check_before(signal: Signal) -> None:
     """Raise `StudyError` if a recording cannot be fitted, with all reasons.
 
-    `signal` holds times, accelerations and the frequencies that the study gives.
-
-    Raises
-    ------
-    StudyError
-        If a value is not finite, samples are too few, all channels are constant, or a frequency is
-        too low or too high for the recording.
+    A value may not be finite, samples may be too few, all channels constant, or a frequency that
+    the study gives too low or too high for the recording.
     """
-    problems = []
     count = signal.times.size
-    if not (np.isfinite(signal.accelerations).all() and np.isfinite(signal.times).all()):
-        problems.append(
-            Problem(
-                "recording",
-                "the recording holds values that are not finite numbers",
-                "Remove these values from the recording",
-            )
-        )
+    valued, timed = np.isfinite(signal.accelerations).all(), np.isfinite(signal.times).all()
+    problems = []
+    if not (valued and timed):
+        message = "the recording holds values that are not finite numbers"
+        problems.append(Problem("recording", message, "Remove these values from the recording"))
     if count < LEAST_SAMPLES:
-        fix = f"Record {LEAST_SAMPLES} at least, over {LEAST_PERIODS} periods or more"
-        raise StudyError([*problems, Problem("recording", f"it has {count} samples", fix)])
-    problems += _out_of_range(signal)
-    if not np.ptp(signal.accelerations, axis=1).any():
-        fix = "Check that the sensor was connected"
-        problems.append(
-            Problem(
-                "recording",
-                "all channels of the recording are constant: the sensor recorded no motion",
-                fix,
-            )
+        raise StudyError(
+            [
+                *problems,
+                Problem(
+                    "recording",
+                    f"it has {count} samples",
+                    f"Record {LEAST_SAMPLES} at least, over {LEAST_PERIODS} periods or more",
+                ),
+            ]
         )
+    with np.errstate(over="ignore"):
+        step = float(np.ptp(signal.times)) / (count - 1)
+        ranges = np.ptp(signal.accelerations, axis=1)
+    size = float(ranges.max())
+    problems += [
+        Problem("recording", message, fix)
+        for wrong, message, fix in (
+            (
+                timed and not STEPS[0] <= step <= STEPS[1],
+                f"the recording has a sample every {step:.3g} s, which no recorder does",
+                "Give rate = the samples per second, or the unit of the column of times",
+            ),
+            (
+                valued and size and not ACCELERATIONS[0] <= size <= ACCELERATIONS[1],
+                f"the accelerations of the recording range over {size:.3g} m s-2, which no "
+                "feeder does",
+                "Give the unit of the acceleration columns, or record again",
+            ),
+            (
+                not ranges.any(),
+                "all channels of the recording are constant: the sensor recorded no motion",
+                "Check that the sensor was connected",
+            ),
+        )
+        if wrong
+    ]
     duration = float(np.ptp(signal.times)) * count / (count - 1)
     lowest, highest = LEAST_PERIODS / duration, NYQUIST_SHARE * count / duration
     for key in ("frequency", "line_frequency"):
         asked = getattr(signal, key)
-        if asked is None:
-            continue
-        if asked < lowest:
+        if asked is not None and asked < lowest:
             problems.append(_too_short(key, asked, duration))
-        elif asked > highest:
+        elif asked is not None and asked > highest:
             problems.append(
                 Problem(
                     key,
@@ -89,41 +114,6 @@ def check_before(signal: Signal) -> None:
         raise StudyError(problems)
 
 
-def _out_of_range(signal: Signal) -> list[Problem]:
-    """Return the problems of a recording whose sampling step or values no recorder gives.
-
-    Its cause is usually a wrong unit. `signal` holds the times [s] and the accelerations [m s-2],
-    shape (axes, samples); the mean step must lie within `STEPS` and the largest range of an axis
-    within `ACCELERATIONS`. Empty if both do; values that are not finite are left to other checks.
-    """
-    problems = []
-    with np.errstate(over="ignore"):
-        step = float(np.ptp(signal.times)) / (signal.times.size - 1)
-        size = float(np.ptp(signal.accelerations, axis=1).max())
-    least, most = STEPS
-    if np.isfinite(signal.times).all() and not least <= step <= most:
-        fix = "Give rate = the samples per second, or the unit of the column of times"
-        problems.append(
-            Problem(
-                "recording",
-                f"the recording has a sample every {step:.3g} s, which no recorder does",
-                fix,
-            )
-        )
-    least, most = ACCELERATIONS
-    if np.isfinite(signal.accelerations).all() and size and not least <= size <= most:
-        fix = "Give the unit of the acceleration columns, or record again"
-        problems.append(
-            Problem(
-                "recording",
-                f"the accelerations of the recording range over {size:.3g} m s-2, which no "
-                "feeder does",
-                fix,
-            )
-        )
-    return problems
-
-
 def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:
     """Raise `StudyError` if a recording cannot resolve its harmonics, or has too few periods.
 
@@ -132,15 +122,14 @@ def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:
     """
     able = orders_below(samples, frequency)
     wanted = signal.harmonics or 1
-    rate = samples.size / samples.duration
     if len(able) < wanted:
-        message = (
+        raise refused(
+            "harmonics",
             f"order {wanted} of {frequency:.4g} Hz needs "
             f"{wanted * frequency / NYQUIST_SHARE:,.0f} samples a second, the recording has "
-            f"{rate:,.0f}"
+            f"{samples.size / samples.duration:,.0f}",
+            f"Ask for {len(able)} at most, or record faster" if able else "Record faster",
         )
-        fix = f"Ask for {len(able)} at most, or record faster" if able else "Record faster"
-        raise StudyError([Problem("harmonics", message, fix)])
     if frequency * samples.duration < LEAST_PERIODS:
         raise StudyError([_too_short("recording", frequency, samples.duration)])
 
@@ -150,21 +139,9 @@ def check_fit(
 ) -> None:
     """Raise `StudyError` if the fit of a recording does not determine a drive.
 
-    Parameters
-    ----------
-    signal, samples : Signal, Samples
-        The recording as it was read, and with times about its middle.
-    solution, noise : Solution, Noise
-        The fit, and the spectral density of its residual.
-    stated : bool
-        True if any harmonic is significant.
-
-    Raises
-    ------
-    StudyError
-        If no order is significant, the residual is too large, the drive changes from the first
-        third to the last, the recorder's clock is too far off the line frequency, the unit of times
-        had to be guessed and cannot be seconds, or the constants contradict gravity.
+    That is if no order is significant (`stated`), the residual is too large, the drive changes from
+    the first third to the last, the recorder's clock is too far off the line frequency, the unit of
+    times had to be guessed and cannot be seconds, or the constants contradict gravity.
     """
     problems = []
     periodic = np.sqrt((np.abs(solution.waves) ** 2).sum() / 2.0)
@@ -177,18 +154,14 @@ def check_fit(
         problems += _not_seconds(signal, solution.frequency)
     if not problems:
         problems += _off(signal.line_frequency, solution.frequency)
-        constant = solution.drift[:, 0]
-        problems += gravity_problems(signal.axes, constant, float(periodic), signal.slopes)
+        problems += gravity_problems(
+            signal.axes, solution.drift[:, 0], float(periodic), signal.slopes
+        )
     if problems:
         raise StudyError(problems)
 
 
 def _too_short(key: str, frequency: float, duration: float) -> Problem:
-    """Return the problem of a recording that holds too few periods of a frequency.
-
-    `key` is the place in the study that the problem names, `frequency` in Hz, `duration` that of
-    the recording in s; the advice says how long to record.
-    """
     another = ", or give frequency, if it is another" if key == "recording" else ""
     return Problem(
         key,
@@ -198,12 +171,6 @@ def _too_short(key: str, frequency: float, duration: float) -> Problem:
 
 
 def _not_periodic(samples: Samples, solution: Solution, left: float, periodic: float) -> Problem:
-    """Return the problem of a recording whose signal is not periodic enough for a fit.
-
-    `solution` is the fit of the `samples`, `left` and `periodic` are the rms of its residual and of
-    its harmonics [m s-2]. If the strongest line of the residual has too few periods, that is the
-    problem instead.
-    """
     line = strongest_line(samples._replace(values=solution.residual))
     if stands_out(line, samples.size) and line.frequency * samples.duration < LEAST_PERIODS:
         return _too_short("recording", line.frequency, samples.duration)
@@ -219,47 +186,29 @@ def _not_periodic(samples: Samples, solution: Solution, left: float, periodic: f
     )
 
 
-class _Third(NamedTuple):
-    """Rms of the harmonics of one axis, and its variance."""
-
-    rms: float
-    variance: float
-
-
 def _unsteady(
     signal: Signal, samples: Samples, solution: Solution, noise: Noise, periodic: float
 ) -> list[Problem]:
-    """Return a problem for each axis whose harmonics grow or fade during the recording.
-
-    The first third of the `samples` is compared with the last, beyond what `noise` explains.
-    `signal` names the axes, `solution` is the fit to the whole recording, `periodic` the rms of the
-    harmonics of all axes [m s-2].
-    """
     third = samples.size // 3
-    thirds = [
-        _of_part(samples, part, solution, noise) for part in (slice(third), slice(-third, None))
+    first, spread = _of_part(samples, slice(third), solution, noise)
+    last, other_spread = _of_part(samples, slice(-third, None), solution, noise)
+    allowed = np.maximum(MAX_CHANGE * periodic, CHANGE_ERRORS * np.sqrt(spread + other_spread))
+    return [
+        Problem(
+            "recording",
+            f"the drive is not steady: its rms {axis} is {before:.4g} m/s2 in the first "
+            f"third, {after:.4g} in the last",
+            "Record when it has settled, or cut out a piece in which it is steady",
+        )
+        for axis, before, after, most in zip(signal.axes, first, last, allowed, strict=True)
+        if abs(after - before) > most
     ]
-    problems = []
-    for axis, first, last in zip(signal.axes, *thirds, strict=True):
-        change = last.rms - first.rms
-        allowed = CHANGE_ERRORS * np.sqrt(first.variance + last.variance)
-        if abs(change) > max(MAX_CHANGE * periodic, float(allowed)):
-            message = (
-                f"the drive is not steady: its rms {axis} is {first.rms:.4g} m/s2 in the first "
-                f"third, {last.rms:.4g} in the last"
-            )
-            fix = "Record when it has settled, or cut out a piece in which it is steady"
-            problems.append(Problem("recording", message, fix))
-    return problems
 
 
-def _of_part(samples: Samples, part: slice, solution: Solution, noise: Noise) -> list[_Third]:
-    """Return, for each axis, the rms of the harmonics in a part of the samples, and its variance.
-
-    For comparing thirds of a recording, to see if its drive is steady. `part` is the slice of the
-    `samples`, which are fitted anew with frequency and orders of `solution`; `noise` holds the
-    spectral density of the residual. In m s-2 and its square.
-    """
+def _of_part(
+    samples: Samples, part: slice, solution: Solution, noise: Noise
+) -> tuple[Array, Array]:
+    # The rms of the harmonics in a part of the samples, and its variance, for each axis.
     times = samples.times[part]
     piece = Samples(times - (times[0] + times[-1]) / 2.0, samples.values[:, part])
     fit = solve_least_squares(
@@ -270,45 +219,159 @@ def _of_part(samples: Samples, part: slice, solution: Solution, noise: Noise) ->
     # rms^2 = sum(p^2 + q^2)/2, and p and q have the variance 2 S/n.
     density = np.einsum("kjj->jk", noise.densities[1:])
     above = (squares * 2.0 * density / piece.size).sum(axis=1)
-    variance = above / np.maximum(4.0 * rms**2, np.finfo(float).tiny)
-    return [_Third(*pair) for pair in zip(rms.tolist(), variance.tolist(), strict=True)]
+    return rms, above / np.maximum(4.0 * rms**2, np.finfo(float).tiny)
 
 
 def _not_seconds(signal: Signal, frequency: float) -> list[Problem]:
-    """Return the problem of times without a unit, which as seconds give no feeder's frequency [Hz].
-
-    Empty if the unit of the `signal`'s times was stated, or if they may be seconds.
-    """
     usual = FREQUENCY.usual
     if not signal.assumed or usual is None or usual[0] <= frequency <= usual[1]:
         return []
     unit = likely_unit_of_times(frequency)
     reason = f": they look like {unit}" if unit else ""
-    example = f"{signal.assumed} [{unit or 'ms'}]"
     return [
         Problem(
             "time",
             f"column '{signal.assumed}' does not say the unit of its times, and as seconds they "
             f"give a drive of {frequency:.3g} Hz, where feeders have {usual[0]:g} to "
             f"{usual[1]:,g} Hz{reason}",
-            f"Write the unit in the heading, as in '{example}', or give rate = the samples per "
-            "second and leave time out",
+            f"Write the unit in the heading, as in '{signal.assumed} [{unit or 'ms'}]', or give "
+            "rate = the samples per second and leave time out",
         )
     ]
 
 
 def _off(line: float | None, frequency: float) -> list[Problem]:
-    """Return a problem if measured and given frequency [Hz] differ by more than clocks do.
-
-    `line` is the given frequency of the drive, None if not given; `frequency` that of the
-    recording.
-    """
     if line is None or abs(frequency / line - 1.0) <= MAX_CLOCK:
         return []
     ratio = max(frequency / line, line / frequency)
-    most = f"{100 * MAX_CLOCK:.0f} %"
-    fix = f"Clocks are trusted within {most}: correct the sampling rate (rate) or line_frequency"
-    if abs(ratio - round(ratio)) < TWICE:
-        fix = "Give as line_frequency what the drive runs at, such as 100 Hz on mains of 50 Hz"
-    message = f"the recording repeats with {frequency:.4g} Hz, the line has {line:g} Hz"
-    return [Problem("line_frequency", message, fix)]
+    fix = (
+        "Give as line_frequency what the drive runs at, such as 100 Hz on mains of 50 Hz"
+        if abs(ratio - round(ratio)) < TWICE
+        else f"Clocks are trusted within {100 * MAX_CLOCK:.0f} %: correct the sampling rate (rate) "
+        "or line_frequency"
+    )
+    return [
+        Problem(
+            "line_frequency",
+            f"the recording repeats with {frequency:.4g} Hz, the line has {line:g} Hz",
+            fix,
+        )
+    ]
+
+
+# --- Gravity in a recording: whether the channels are what they are named.
+
+
+SIZE = 0.1  # share of gravity by which a constant acceleration may differ from it
+REMOVED = 0.08  # of gravity: smaller constants are offsets of a sensor that does not show it
+STEEPEST = float(np.radians(20.0))  # slope of a track of which the study says nothing
+MARGIN = float(np.radians(10.0))  # of a stated slope: the sensor's mounting and offset
+SMALL = 0.03  # rms of a drive, over gravity, that is too small to move parts
+CONFUSED = {
+    1.0 / STANDARD_GRAVITY: "it would be 1 g if the values were in g rather than in m s-2",
+    STANDARD_GRAVITY: "it would be 1 g if the values were in m s-2 rather than in g",
+    1000.0: "it would be 1 g if the values were a thousandth (mg, mm s-2)",
+    0.001: "it would be 1 g if the values were a thousand times as large (m s-2 for mm s-2, or "
+    "commas that separate thousands)",
+}
+"""Gravity in a wrong unit, over gravity: what a reader thinks of it."""
+
+
+def gravity_problems(
+    axes: tuple[str, ...],
+    constant: NDArray[np.float64],
+    rms: float,
+    slopes: Mapping[str, tuple[float, float]],
+) -> list[Problem]:
+    """Return the problem of a recording whose constants contradict gravity; empty without one.
+
+    `constant` is the mean acceleration of each axis, shape (axes,), and `rms` that of the harmonics
+    of all axes [m s-2]; `slopes` are the angles of the track that the study states [rad], by axis:
+    along the climb, across the lean.
+    """
+    shown = dict(zip(axes, (constant / STANDARD_GRAVITY).tolist(), strict=True))
+    stated = {axis: slopes.get(axis, (0.0, 0.0)) for axis in AXES[:2]}
+    limits = {
+        axis: (min(-STEEPEST, least - MARGIN), max(STEEPEST, most + MARGIN))
+        for axis, (least, most) in stated.items()
+    }
+    problems = []
+    for axis, means, fix in islice(_against_gravity(shown, rms, limits), 1):
+        others = ", ".join(f"{value:.2f} g {name}" for name, value in shown.items() if name != axis)
+        beside = f" (and {others})" if others else ""
+        size = f"the mean of the recording's {axis} channel is {shown[axis]:.3g} g{beside}"
+        problems.append(Problem(axis, f"{size}: {means}", fix))
+    return problems
+
+
+def _without_gravity(
+    shown: Mapping[str, float], rms: float, steepest: Mapping[str, float]
+) -> Iterator[tuple[str, str, str]]:
+    normal = shown.get("normal")
+    thousandth = normal is not None and abs(abs(normal) / 0.001 - 1.0) <= SIZE
+    if thousandth and rms < SMALL * STANDARD_GRAVITY:
+        yield (
+            "normal",
+            CONFUSED[0.001],
+            "Correct the unit of the accelerations, and export without separators of thousands",
+        )
+    for axis in filter(shown.__contains__, steepest):
+        if abs(shown[axis]) > SIZE + (np.sin(steepest[axis]) if normal is None else 0.0):
+            yield (
+                axis,
+                "a track at rest shows gravity in the normal channel",
+                "Correct the names of the channels, the unit, or the mounting",
+            )
+
+
+def _against_gravity(
+    shown: Mapping[str, float], rms: float, limits: Mapping[str, tuple[float, float]]
+) -> Iterator[tuple[str, str, str]]:
+    # Channel, what its constant means, and what to do; constants over gravity, angles [rad].
+    normal = shown.get("normal")
+    recorded = [axis for axis in limits if axis in shown]
+    steepest = {axis: min(max(map(abs, ends)), np.pi / 2.0) for axis, ends in limits.items()}
+    if normal is None or abs(normal) < 0.5:
+        for axis in recorded:
+            if abs(shown[axis]) >= 1.0 - SIZE:
+                yield (
+                    axis,
+                    "gravity belongs to the normal channel",
+                    "Name as normal the column that shows +1 g, as along that of the transport",
+                )
+    if normal is None or abs(normal) <= REMOVED:
+        yield from _without_gravity(shown, rms, steepest)
+        return
+    for factor, means in CONFUSED.items():
+        if abs(abs(normal) / factor - 1.0) <= SIZE:
+            yield (
+                "normal",
+                means,
+                "Correct the unit of the accelerations: the key unit, or the headings",
+            )
+    # What is not recorded may have a share of gravity.
+    shares = (float(np.cos(steepest[axis])) for axis in limits if axis not in shown)
+    lowest = math.prod(shares, start=1.0 - SIZE)
+    if not lowest <= float(np.linalg.norm(list(shown.values()))) <= 1.0 + SIZE:
+        yield (
+            "normal",
+            "a sensor at rest shows 1 g, or 0 if it does not measure constant accelerations",
+            "Correct the unit, the scale of the sensor, or the names of the channels",
+        )
+    if normal < 0.0:
+        yield (
+            "normal",
+            "the channel points downwards, and the fitted drive would throw parts downwards",
+            "Turn its sign: a minus sign in front of the column's name, or none if it has one; or "
+            "give the mounting of a sensor that hangs upside down",
+        )
+    for axis in recorded:
+        angle = float(np.arctan2(shown[axis], normal))
+        if not limits[axis][0] <= angle <= limits[axis][1]:
+            verb, parameter = ("climb", "gamma") if axis == "along" else ("lean", "delta")
+            yield (
+                axis,
+                f"the track would {verb} by {np.degrees(angle):.0f} degrees",
+                "Correct the names of the channels or the mounting, or give the study's "
+                f"{parameter}, if the track is so steep",
+            )

@@ -30,7 +30,7 @@ from vibrafeed.core.plan.equations import run
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.drives import OF_STRETCHES
 from vibrafeed.core.scenes.scene import Condition, Equation, between, fields
-from vibrafeed.core.study.simulate_study import SETTINGS
+from vibrafeed.core.study.sweep_and_simulate import SETTINGS
 
 SOURCE = "theory 15.6"
 PARTS = 16

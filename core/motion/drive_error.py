@@ -13,7 +13,7 @@ from vibrafeed.core.measured import Fit
 from vibrafeed.core.motion.prepare import Simulation, prepare
 from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.grid import parameter_to_si
-from vibrafeed.core.study.simulate_study import SimulateStudy
+from vibrafeed.core.study.sweep_and_simulate import SimulateStudy
 from vibrafeed.core.study.values import Fixed
 
 LEAST_DRAWS, MAX_DRAWS = 20, 10_000

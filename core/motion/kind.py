@@ -10,7 +10,7 @@ from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.run import compute, label, prepare_reduced
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.plan.kind import Kind
-from vibrafeed.core.study.simulate_study import SimulateStudy
+from vibrafeed.core.study.sweep_and_simulate import SimulateStudy
 
 _SINE: Final = {"frequency": 50, "amplitude": "0.2 mm", "beta": 30, "friction": 0.4}
 _WAVE: Final = {

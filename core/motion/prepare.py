@@ -28,7 +28,7 @@ from vibrafeed.core.plan.price import Price, price
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.reduce.checks import problems_of, problems_of_names
 from vibrafeed.core.scenes import Scene
-from vibrafeed.core.study.simulate_study import MAX_PERIODS, SimulateStudy
+from vibrafeed.core.study.sweep_and_simulate import MAX_PERIODS, SimulateStudy
 from vibrafeed.core.study.values import Fixed
 
 SCALES = ("velocity_scale", "length_scale")

@@ -32,7 +32,7 @@ from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.sample import Sample, chosen_positions
 from vibrafeed.core.quantities import FLAGS
 from vibrafeed.core.reduce.reduced import Reduced
-from vibrafeed.core.study.simulate_study import SimulateStudy
+from vibrafeed.core.study.sweep_and_simulate import SimulateStudy
 from vibrafeed.core.watch import Watch
 
 TIME = "cycle_time"

@@ -14,7 +14,7 @@ from vibrafeed.core.optimise.families.family import Family, Optimum, ParetoSet
 from vibrafeed.core.optimise.optima import STATUS, Optima
 from vibrafeed.core.optimise.problem import LIMIT, OptimisationProblem, chosen_cells, columns
 from vibrafeed.core.optimise.search import by_search, filled
-from vibrafeed.core.study.section_names import DRIVE_ANGLES
+from vibrafeed.core.study.grid_study import DRIVE_ANGLES
 from vibrafeed.core.watch import Watch
 
 REST_POINTS = 81  # of the grid on which rest is looked for, where no choice moves the part

@@ -31,7 +31,7 @@ from vibrafeed.core.quantities import FLAGS, QUANTITIES
 from vibrafeed.core.scenes import SCENES, Scene
 from vibrafeed.core.scenes.scene import behind
 from vibrafeed.core.study.distributions import Distribution, nominal, tolerance
-from vibrafeed.core.study.drive import only_the_plain_sine
+from vibrafeed.core.study.grid_study import only_the_plain_sine
 from vibrafeed.core.study.optimise_study import ANGLES, Limited, OptimiseStudy, Pareto
 from vibrafeed.core.study.values import Between, Fixed, Span, Values
 from vibrafeed.core.suggestions import suggestion

@@ -20,8 +20,7 @@ from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.study.drive import MeasuredDrive
-from vibrafeed.core.study.grid_study import DrivenStudy
+from vibrafeed.core.study.grid_study import DrivenStudy, MeasuredDrive
 from vibrafeed.core.study.values import Fixed, Values
 
 

@@ -20,7 +20,7 @@ from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.grid import Grid, positions_of
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.quantities import MOTION_STATUSES
-from vibrafeed.core.study.simulate_study import FEWEST_PERIODS
+from vibrafeed.core.study.sweep_and_simulate import FEWEST_PERIODS
 from vibrafeed.core.watch import Watch
 
 SAMPLED = 64

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from vibrafeed.core.measured.drive import Fit
+from vibrafeed.core.measured.fit import Fit
 from vibrafeed.core.measured.harmonics import Array
 from vibrafeed.core.plots.heading import finish
 from vibrafeed.core.plots.style import Style

@@ -28,8 +28,7 @@ from vibrafeed.core.plan.shares import ARRAYS, Shares
 from vibrafeed.core.reduce.labels import attributes_of, unit_of
 from vibrafeed.core.reduce.state import State, merge_states
 from vibrafeed.core.study.reduction import QUANTILE, Reduction
-from vibrafeed.core.study.simulate_study import SimulateStudy
-from vibrafeed.core.study.sweep_study import SweepStudy
+from vibrafeed.core.study.sweep_and_simulate import SimulateStudy, SweepStudy
 from vibrafeed.core.system import cores
 from vibrafeed.core.watch import Watch
 

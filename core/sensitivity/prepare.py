@@ -31,7 +31,7 @@ from vibrafeed.core.sensitivity.variables import (
     result_variables,
 )
 from vibrafeed.core.study.distributions import Distribution, nominal, tolerance
-from vibrafeed.core.study.drive import only_the_plain_sine
+from vibrafeed.core.study.grid_study import only_the_plain_sine
 from vibrafeed.core.study.sensitivity_study import Demand, SensitivityStudy
 from vibrafeed.core.study.values import Fixed, Span, Values
 from vibrafeed.core.suggestions import suggestion

@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from vibrafeed.core.study.grid_study import Study
     from vibrafeed.core.study.optimise_study import OptimiseStudy
     from vibrafeed.core.study.sensitivity_study import SensitivityStudy
-    from vibrafeed.core.study.simulate_study import SimulateStudy
-    from vibrafeed.core.study.sweep_study import SweepStudy
+    from vibrafeed.core.study.sweep_and_simulate import SimulateStudy, SweepStudy
     from vibrafeed.core.study.values import Fixed, Points, Span, Values
 else:
     __getattr__ = lazily(
@@ -35,13 +34,7 @@ else:
             "grid_study": ("Study",),
             "optimise_study": ("OptimiseStudy",),
             "sensitivity_study": ("SensitivityStudy",),
-            "simulate_study": ("SimulateStudy",),
-            "sweep_study": ("SweepStudy",),
-            "values": (
-                "Fixed",
-                "Points",
-                "Span",
-                "Values",
-            ),
+            "sweep_and_simulate": ("SimulateStudy", "SweepStudy"),
+            "values": ("Fixed", "Points", "Span", "Values"),
         },
     )

@@ -22,10 +22,22 @@ from pydantic import (
 
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.study.distributions import Normal, read_distribution
-from vibrafeed.core.study.grid_study import PARAMETERS, Frozen, Parameters
-from vibrafeed.core.study.levels import optional, read_level, refusal
-from vibrafeed.core.study.section_names import MAX_RUNS, OBSERVED
-from vibrafeed.core.study.simulate_study import FollowedStudy, MotionSettings
+from vibrafeed.core.study.grid_study import (
+    MAX_RUNS,
+    NUMBER,
+    OBSERVED,
+    PARAMETERS,
+    Frozen,
+    Parameters,
+    by_parameter,
+    first_paths,
+    optional,
+    parameters_in,
+    read_level,
+    refusal,
+    refusing,
+)
+from vibrafeed.core.study.sweep_and_simulate import FollowedStudy, MotionSettings
 from vibrafeed.core.study.units import UnitError, read_number, share_of
 from vibrafeed.core.study.values import Between, Values
 from vibrafeed.core.suggestions import suggestion
@@ -41,10 +53,7 @@ REGIMES_SEEN = {
 }
 """What may have been seen of a run without measuring its speed."""
 
-_PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.parameter)
-_TEXT = {"type": "string", "maxLength": 200}
-_NUMBER = {"anyOf": [{"type": "number"}, _TEXT]}
-_WRITTEN = {"anyOf": [{"type": "number"}, _TEXT, {"type": "array", "items": _NUMBER}]}
+_WRITTEN = {"anyOf": [*NUMBER["anyOf"], {"type": "array", "items": NUMBER}]}
 
 
 def read_error(output: str, raw: object, value: float) -> float:
@@ -64,12 +73,13 @@ def read_error(output: str, raw: object, value: float) -> float:
     UnitError
         If it is not a valid error.
     """
-    error = share_of(value, raw, 'error = "5 %"')
-    if error is None:
-        error = read_level(output, raw)
+    share = share_of(value, raw, 'error = "5 %"')
+    error = read_level(output, raw) if share is None else share
     if not error > 0:
-        fix = "Give the standard deviation of the measured value, or leave it out"
-        raise UnitError(f"the error {raw} of the measured value is not above 0", fix)
+        raise UnitError(
+            f"the error {raw} of the measured value is not above 0",
+            "Give the standard deviation of the measured value, or leave it out",
+        )
     return error
 
 
@@ -81,50 +91,31 @@ def _observed_schema(name: str) -> dict[str, Any]:
     return {**_WRITTEN, "description": f"What was measured: {QUANTITIES[name].description}"}
 
 
+@refusing
 def _read_row_error(raw: object, info: ValidationInfo) -> object:
-    """Return the standard deviation of a run's measured value, in the output's unit, or None.
-
-    `raw` is what the user wrote, `info` has the measured value. None without a valid value or
-    error; raises a refusal for a text that is no error.
-    """
-    given = {name: info.data.get(name) for name in OBSERVED}
-    output, value = next(((n, v) for n, v in given.items() if v is not None), (None, None))
-    if raw is None or output is None or value is None:
-        return None  # what is wrong with the value is told there
-    try:
-        return read_error(output, raw, value)
-    except UnitError as error:
-        raise refusal(error.message, error.fix) from error
+    known = ((name, info.data.get(name)) for name in OBSERVED)
+    output, value = next((one for one in known if one[1] is not None), (None, None))
+    # What is wrong with the value is told there.
+    return (
+        read_error(output, raw, value) if raw is not None and output and value is not None else None
+    )
 
 
 def _read_regime(raw: object) -> str | None:
-    """Return an observed regime that a user wrote, in small letters; raise a refusal if unknown.
-
-    Regimes that can be seen are those of `REGIMES_SEEN`, such as "hopping"; None stands for none.
-    """
     if raw is None:
         return None
     text = " ".join(str(raw).replace("_", " ").split()).lower()
     if text not in REGIMES_SEEN:
-        fix = partial(suggestion, text, REGIMES_SEEN)
-        raise refusal(f"{str(raw)[:40]!r} is not a regime that can be observed", fix)
+        raise refusal(
+            f"{str(raw)[:40]!r} is not a regime that can be observed",
+            partial(suggestion, text, REGIMES_SEEN),
+        )
     return text
 
 
 class _Row(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
-
-_RowError = Annotated[
-    float | None,
-    BeforeValidator(_read_row_error),
-    WithJsonSchema({**_WRITTEN, "description": "Standard deviation of the measured value."}),
-]
-_Seen = Annotated[
-    str | None,
-    PlainValidator(_read_regime),
-    WithJsonSchema({"type": "string", "enum": [*REGIMES_SEEN]}),
-]
 
 if TYPE_CHECKING:
 
@@ -145,7 +136,7 @@ else:
             name: optional(
                 partial(_none_or, partial(read_number, name, QUANTITIES[name])), lambda: _WRITTEN
             )
-            for name in _PARAMETERS
+            for name in PARAMETERS
         },
         **{
             name: optional(
@@ -153,15 +144,30 @@ else:
             )
             for name in OBSERVED
         },
-        error=(_RowError, None),
-        regime=(_Seen, Field(None, description="Observed behaviour of the part, such as hopping.")),
+        error=(
+            Annotated[
+                float | None,
+                BeforeValidator(_read_row_error),
+                WithJsonSchema(
+                    {**_WRITTEN, "description": "Standard deviation of the measured value."}
+                ),
+            ],
+            None,
+        ),
+        regime=(
+            Annotated[
+                str | None,
+                PlainValidator(_read_regime),
+                WithJsonSchema({"type": "string", "enum": [*REGIMES_SEEN]}),
+            ],
+            Field(None, description="Observed behaviour of the part, such as hopping."),
+        ),
     )
 
 
 def parameters_of(run: Run) -> dict[str, float]:
     """Return the parameters of a run, in the units of studies."""
-    given = {name: getattr(run, name) for name in _PARAMETERS if name in run.model_fields_set}
-    return {name: value for name, value in given.items() if value is not None}
+    return {name: value for name, value in parameters_in(run).items() if value is not None}
 
 
 def spread_rows(raw: object) -> object:
@@ -176,13 +182,16 @@ def spread_rows(raw: object) -> object:
         If lists have different lengths, if there are too many runs, or if it is no table.
     """
     if isinstance(raw, str):
-        fix = "Run the study, or load it by vibrafeed.load_study"
-        raise refusal("the file of observations has not been read yet", fix)
-    if isinstance(raw, Mapping):
-        raw = [raw]
+        raise refusal(
+            "the file of observations has not been read yet",
+            "Run the study, or load it by vibrafeed.load_study",
+        )
+    raw = [raw] if isinstance(raw, Mapping) else raw
     if not isinstance(raw, list | tuple):
-        fix = "Write [[observations]] with the parameters of a run and its conveying_velocity"
-        raise refusal("observations is not a list of runs", fix)
+        raise refusal(
+            "observations is not a list of runs",
+            "Write [[observations]] with the parameters of a run and its conveying_velocity",
+        )
     rows: list[object] = []
     for number, entry in enumerate(raw, 1):
         rows += _rows_of(entry, number) if isinstance(entry, Mapping) else [entry]
@@ -192,31 +201,15 @@ def spread_rows(raw: object) -> object:
 
 
 def _rows_of(entry: Mapping[str, Any], number: int) -> Iterator[dict[str, Any]]:
-    """Yield the runs of one entry of a study's observations: one for each value of its lists.
-
-    Other values are repeated. `number` is that of the entry, for messages. Raises a refusal if
-    lists differ in length.
-    """
     lengths = {name: len(value) for name, value in entry.items() if isinstance(value, list | tuple)}
-    if not lengths:
-        yield {str(name): value for name, value in entry.items()}
-        return
     if len({*lengths.values()}) > 1:
         told = ", ".join(f"{str(name)[:40]} {length}" for name, length in lengths.items())
-        fix = "Give each as many values as there are runs, or one for all of them"
         raise refusal(
-            f"the lists of entry {number} of the observations differ in length: {told}", fix
+            f"the lists of entry {number} of the observations differ in length: {told}",
+            "Give each as many values as there are runs, or one for all of them",
         )
-    for k in range(next(iter(lengths.values()))):
+    for k in range(next(iter(lengths.values()), 1)):
         yield {str(n): value[k] if n in lengths else value for n, value in entry.items()}
-
-
-ROWS_SCHEMA: dict[str, Any] = {
-    "anyOf": [
-        {"type": "string", "description": "A CSV or XLSX file in the study's folder."},
-        {"type": "array", "maxItems": MAX_RUNS, "items": {"type": "object"}, "minItems": 1},
-    ]
-}
 
 
 STEMS = {"unknowns": "", "offsets": "offset_", "factors": "factor_"}
@@ -226,10 +219,9 @@ Prior = Between | Normal
 FEWEST_POINTS, POINTS, MAX_POINTS = 1_000, 20_000, 1_000_000
 """Grid points of the unknowns: fewest, default and most."""
 
-_SINGLE = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
 _PRIOR_SCHEMA = {
     "type": "object",
-    "properties": dict.fromkeys(("lower", "upper", "mean", "deviation"), _SINGLE),
+    "properties": dict.fromkeys(("lower", "upper", "mean", "deviation"), NUMBER),
     "anyOf": [{"required": ["lower", "upper"]}, {"required": ["mean", "deviation"]}],
     "additionalProperties": False,
 }
@@ -250,70 +242,45 @@ def quantity_of(table: str, parameter: str) -> Quantity:
 
 
 def _read_prior(table: str, parameter: str, raw: object) -> Prior:
-    """Return the prior that a user wrote of an unknown: a range or a normal distribution.
-
-    The prior is what is known before a calibration. `table` is "unknowns", "offsets" or "factors",
-    and `parameter` the name in it. Raises `UnitError` for anything else.
-    """
     of = {"offsets": "the offset of ", "factors": "the factor of "}.get(table, "")
     prior = read_distribution(of + parameter, raw, quantity_of(table, parameter))
     if not isinstance(prior, Prior):
-        message = f"what is known of {of}{parameter} is neither a range nor a normal distribution"
         raise UnitError(
-            message, "Write { lower = ..., upper = ... }, or { mean = ..., deviation = ... }"
+            f"what is known of {of}{parameter} is neither a range nor a normal distribution",
+            "Write { lower = ..., upper = ... }, or { mean = ..., deviation = ... }",
         )
     return prior
 
 
-def _table(table: str, doc: str) -> Any:
-    """Return the pydantic model of a table of unknowns, with a field for each parameter.
-
-    `table` is its name, `doc` the description in the schema.
-    """
-    fields = {
-        name: optional(partial(_read_prior, table, name), lambda: _PRIOR_SCHEMA)
-        for name in PARAMETERS
-    }
-    return create_model(table.capitalize(), __base__=Frozen, __doc__=doc, **fields)
-
-
 if TYPE_CHECKING:
-
-    class Unknowns(Frozen):
-        """One optional field a parameter quantity."""
-
-    class Offsets(Frozen):
-        """One optional field a parameter quantity."""
-
-    class Factors(Frozen):
-        """One optional field a parameter quantity."""
-
+    Unknowns = Frozen
+    Offsets = Frozen
+    Factors = Frozen
 else:
-    Unknowns = _table("unknowns", "The unknown parameters, each with a range or a distribution.")
-    Offsets = _table(
-        "offsets", "Unknown offsets that are added to parameters, such as the error of an angle."
-    )
-    Factors = _table(
-        "factors", "Unknown factors by which parameters, such as amplitudes, are multiplied."
+    Unknowns, Offsets, Factors = (
+        by_parameter(table.capitalize(), doc, partial(_read_prior, table), lambda _: _PRIOR_SCHEMA)
+        for table, doc in (
+            ("unknowns", "The unknown parameters, each with a range or a distribution."),
+            (
+                "offsets",
+                "Unknown offsets that are added to parameters, such as the error of an angle.",
+            ),
+            (
+                "factors",
+                "Unknown factors by which parameters, such as amplitudes, are multiplied.",
+            ),
+        )
     )
 
 
 def _read_probability(raw: object) -> object:
-    """Return a probability below 0.5; raise a refusal for anything else.
-
-    It is that of an observed regime being wrong, as a user wrote it.
-    """
     if isinstance(raw, int | float) and not isinstance(raw, bool) and 0 < raw < 0.5:
         return float(raw)
-    fix = "Write a number above 0 and below 0.5, such as 0.01"
     raise refusal(
         f"{reprlib.repr(raw)[:40]} is not a probability between 0 and 0.5 that an observed "
         f"regime is wrong",
-        fix,
+        "Write a number above 0 and below 0.5, such as 0.01",
     )
-
-
-_PROBABILITY_SCHEMA = {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 0.5}
 
 
 class CalibrateStudy(MotionSettings, FollowedStudy):
@@ -321,7 +288,21 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
 
     kind: Literal["calibrate"] = Field(description="The kind of study.")
     observations: Annotated[
-        tuple[Run, ...], BeforeValidator(spread_rows), WithJsonSchema(ROWS_SCHEMA)
+        tuple[Run, ...],
+        BeforeValidator(spread_rows),
+        WithJsonSchema(
+            {
+                "anyOf": [
+                    {"type": "string", "description": "A CSV or XLSX file in the study's folder."},
+                    {
+                        "type": "array",
+                        "maxItems": MAX_RUNS,
+                        "items": {"type": "object"},
+                        "minItems": 1,
+                    },
+                ]
+            }
+        ),
     ] = Field(
         description="The runs: what differs between them, and what was measured; or the name of a "
         "CSV or XLSX file in the study's folder.",
@@ -354,7 +335,9 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
         strict=True,
     )
     outlier_probability: Annotated[
-        float, BeforeValidator(_read_probability), WithJsonSchema(_PROBABILITY_SCHEMA)
+        float,
+        BeforeValidator(_read_probability),
+        WithJsonSchema({"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 0.5}),
     ] = Field(
         0.01,
         description="Probability that an observed regime is wrong.",
@@ -373,45 +356,38 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
 
         A prior is what is known of an unknown before the calibration.
         """
-        priors_of: dict[str, Prior] = {}
-        for table in STEMS:
-            given = getattr(self, table)
-            if given is not None:
-                names = [name for name in PARAMETERS if name in given.model_fields_set]
-                priors_of |= {STEMS[table] + name: getattr(given, name) for name in names}
-        return priors_of
+        return {
+            stem + name: prior
+            for table, stem in STEMS.items()
+            for name, prior in parameters_in(getattr(self, table)).items()
+        }
 
     def asked_next(self) -> dict[str, Values]:
         """Return the parameters of candidate runs, among which the next one to measure is chosen.
 
         Empty if the study has no candidates.
         """
-        if self.candidates is None:
-            return {}
-        given = self.candidates.model_fields_set
-        return {name: getattr(self.candidates, name) for name in PARAMETERS if name in given}
+        return parameters_in(self.candidates)
 
     def places(self) -> dict[str, str]:
-        """Return the paths of parameters that stand in measured runs or among the unknowns.
-
-        They serve messages about a parameter.
-
-        A parameter in both has the path in the runs.
-        """
-        origins: dict[str, str] = {}
-        for run in self.observations:
-            origins |= {name: f"observations, {name}" for name in parameters_of(run)}
-        for table in STEMS:
-            given = getattr(self, table)
-            for name in PARAMETERS:
-                if given is not None and name in given.model_fields_set:
-                    origins.setdefault(name, f"{table}.{name}")
-        return origins
+        """Return the paths of parameters in measured runs, else of unknowns, for messages."""
+        runs = (name for run in self.observations for name in parameters_of(run))
+        return first_paths(
+            (
+                *((name, f"observations, {name}") for name in runs),
+                *(
+                    (name, f"{table}.{name}")
+                    for table in STEMS
+                    for name in parameters_in(getattr(self, table))
+                ),
+            )
+        )
 
     def content(self) -> dict[str, Any]:
         """Return the study as plain data, with ranges and units in canonical form."""
         content = super().content()
         if self.candidates is not None:
-            told = self.asked_next().items()
-            content["candidates"] = {name: values.canonical() for name, values in told}
+            content["candidates"] = {
+                name: values.canonical() for name, values in self.asked_next().items()
+            }
         return content

@@ -8,20 +8,19 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from vibrafeed.core.quantities import QUANTITIES, Quantity
+from vibrafeed.core.study.grid_study import Frozen, by_parameter
 from vibrafeed.core.study.units import UnitError, read_number, share_of
-from vibrafeed.core.study.values import Between, as_difference, read_between
+from vibrafeed.core.study.values import Between, NamedNumbers, as_difference, read_between
 from vibrafeed.core.suggestions import suggestion
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
 
 OUTSIDE = 0.00135
 """Share beyond either end of the tolerance of a distribution without ends, as three standard
@@ -33,64 +32,45 @@ FEWEST_TABULATED = 2
 
 
 @dataclass(frozen=True)
-class Normal:
+class Normal(NamedNumbers):
     """A bell around a mean; two thirds lie within a deviation of it. Bounds may cut it."""
 
-    keys: ClassVar = ("mean", "deviation")
     mean: float
     deviation: float
     lower: float | None = None
     upper: float | None = None
 
-    def canonical(self) -> Any:
-        """Return the distribution as plain JSON, in the quantity's unit."""
-        return {name: value for name, value in vars(self).items() if value is not None}
-
     def within(self, quantity: Quantity) -> tuple[float, float]:
         """Return the range of its values: its own bounds, and those of the quantity."""
-        lower = quantity.lower if self.lower is None else max(self.lower, quantity.lower)
-        upper = quantity.upper if self.upper is None else min(self.upper, quantity.upper)
-        return lower, upper
+        return (
+            quantity.lower if self.lower is None else max(self.lower, quantity.lower),
+            quantity.upper if self.upper is None else min(self.upper, quantity.upper),
+        )
 
 
 @dataclass(frozen=True)
-class Triangular:
+class Triangular(NamedNumbers):
     """From a lower to an upper end, most likely in between."""
 
-    keys: ClassVar = ("lower", "most_likely", "upper")
     lower: float
     most_likely: float
     upper: float
 
-    def canonical(self) -> Any:
-        """Return the distribution as plain JSON, in the quantity's unit."""
-        return {"lower": self.lower, "most_likely": self.most_likely, "upper": self.upper}
-
 
 @dataclass(frozen=True)
-class Lognormal:
+class Lognormal(NamedNumbers):
     """A bell on a logarithmic scale: two thirds lie between median / factor and median * factor."""
 
-    keys: ClassVar = ("median", "factor")
     median: float
     factor: float
 
-    def canonical(self) -> Any:
-        """Return the distribution as plain JSON, in the quantity's unit."""
-        return {"median": self.median, "factor": self.factor}
-
 
 @dataclass(frozen=True)
-class Tabulated:
+class Tabulated(NamedNumbers):
     """A density that is linear between listed values, such as what a calibration leaves."""
 
-    keys: ClassVar = ("values", "densities")
     values: tuple[float, ...]
     densities: tuple[float, ...]
-
-    def canonical(self) -> Any:
-        """Return the distribution as plain JSON, in the quantity's unit."""
-        return {"values": list(self.values), "densities": list(self.densities)}
 
 
 Distribution = Between | Normal | Triangular | Lognormal | Tabulated
@@ -98,15 +78,14 @@ Distribution = Between | Normal | Triangular | Lognormal | Tabulated
 
 FORMS: Final[Mapping[str, tuple[str, ...]]] = {
     "uniform": ("lower", "upper"),
-    "normal": Normal.keys,
-    "triangular": Triangular.keys,
-    "lognormal": Lognormal.keys,
-    "tabulated": Tabulated.keys,
+    "normal": ("mean", "deviation"),
+    "triangular": ("lower", "most_likely", "upper"),
+    "lognormal": ("median", "factor"),
+    "tabulated": ("values", "densities"),
 }
 """The keys of each distribution; they tell which it is. A normal one may have bounds besides."""
 _WIDTH: Final = re.compile(r"(?P<value>[^+±]{1,40})(?:\+-|\+/-|±)(?P<width>[^+±]{1,40})")
 """A value with a width, as drawings have it; at most 40 letters each, so that it is said whole."""
-BOUNDED: Final = frozenset(Normal.keys) | frozenset(FORMS["uniform"])
 
 
 def read_distribution(name: str, raw: object, quantity: Quantity | None = None) -> Distribution:
@@ -125,115 +104,93 @@ def read_distribution(name: str, raw: object, quantity: Quantity | None = None) 
     quantity = quantity or QUANTITIES[name]
     keys = frozenset(map(str, raw)) if isinstance(raw, Mapping) else frozenset()
     if keys == {CALIBRATION}:
-        message = f"{name} is to come from a file, and only the command line and Python read files"
-        raise UnitError(message, "Give the lists values and densities instead of calibration")
-    is_normal = frozenset(Normal.keys) <= keys <= BOUNDED
+        raise UnitError(
+            f"{name} is to come from a file, and only the command line and Python read files",
+            "Give the lists values and densities instead of calibration",
+        )
     if isinstance(raw, str) and (width := _WIDTH.fullmatch(raw)):
-        raise UnitError(*_no_width(width["value"].strip(), width["width"].strip()))
-    if not isinstance(raw, Mapping) or not (is_normal or keys in map(frozenset, FORMS.values())):
-        raise UnitError(*_no_form(name, keys))
-    if keys == frozenset(FORMS["uniform"]):
-        return read_between(name, raw, quantity)
-    if is_normal:
-        return _normal(name, quantity, raw)
-    if "median" in keys:
-        return _lognormal(name, quantity, raw)
-    if "values" in keys:
-        return _tabulated(name, quantity, raw)
-    return _triangular(name, quantity, raw)
+        value, size = (text.strip() for text in width.groups())
+        normal = f'{{ mean = "{value}", deviation = "{size}" }}'
+        raise UnitError(
+            f"'{value} +- {size}' may mean limits or a standard deviation",
+            f"Write {{ lower = ..., upper = ... }} for limits, or {normal} for a deviation",
+        )
+    form = "normal" if {"mean", "deviation"} <= keys <= {*Normal.__match_args__} else ""
+    form = next((one for one, own in FORMS.items() if keys == {*own}), form)
+    if not form or not isinstance(raw, Mapping):
+        raise _no_form(name, keys)
+    readers: dict[str, Callable[..., Distribution]] = {
+        "uniform": read_between,
+        "normal": _normal,
+        "triangular": _triangular,
+        "lognormal": _lognormal,
+        "tabulated": _tabulated,
+    }
+    return readers[form](name, raw, quantity)
 
 
-def _triangular(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Triangular:
-    """Return a triangular distribution from its three keys: lower, most_likely and upper.
-
-    `name` and `quantity` are the parameter and its declaration with a unit, `raw` is what the user
-    wrote. Raises `UnitError` unless the values ascend.
-    """
-    lower, likely, upper = (read_number(name, quantity, raw[key]) for key in Triangular.keys)
-    if not (lower <= likely <= upper and lower < upper):
-        message = f"{name} has {lower:g}, {likely:g} and {upper:g} as lower, most_likely and upper"
-        raise UnitError(message, "Write lower, most_likely and upper in ascending order")
-    return Triangular(lower, likely, upper)
-
-
-def _no_width(value: str, width: str) -> tuple[str, str]:
-    """Return message and fix for a value with +-, which could mean two things."""
-    message = f"'{value} +- {width}' may mean limits or a standard deviation"
-    normal = f'{{ mean = "{value}", deviation = "{width}" }}'
-    return message, f"Write {{ lower = ..., upper = ... }} for limits, or {normal} for a deviation"
-
-
-def _no_form(name: str, keys: frozenset[str]) -> tuple[str, str]:
-    """Return message and fix for a distribution whose keys belong to no known kind of distribution.
-
-    `name` is the parameter, `keys` are what the user wrote, such as mean and deviation.
-    """
-    forms = [f"{{ {', '.join(f'{key} = ...' for key in form)} }}" for form in FORMS.values()]
+def _no_form(name: str, keys: frozenset[str]) -> UnitError:
     known = {key for form in FORMS.values() for key in form}
     unknown = sorted(keys - known)
     if unknown:
-        fix = suggestion(unknown[0][:40], known)
-        return f"'{unknown[0][:40]}' is not a key of a distribution", fix
+        shown = unknown[0][:40]
+        return UnitError(f"'{shown}' is not a key of a distribution", suggestion(shown, known))
+    forms = [f"{{ {', '.join(f'{key} = ...' for key in form)} }}" for form in FORMS.values()]
     told = f"{', '.join(sorted(keys))} alone make" if keys else "this is"
-    return f"{name}: {told} no distribution", f"Write one of {', '.join(forms[:-1])}"
+    return UnitError(f"{name}: {told} no distribution", f"Write one of {', '.join(forms[:-1])}")
 
 
-def _normal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Normal:
-    """Return a normal distribution from the keys mean, deviation, lower and upper of a study.
+def _triangular(name: str, raw: Mapping[str, object], quantity: Quantity) -> Triangular:
+    lower, likely, upper = (read_number(name, quantity, raw[key]) for key in FORMS["triangular"])
+    if not (lower <= likely <= upper and lower < upper):
+        raise UnitError(
+            f"{name} has {lower:g}, {likely:g} and {upper:g} as lower, most_likely and upper",
+            "Write lower, most_likely and upper in ascending order",
+        )
+    return Triangular(lower, likely, upper)
 
-    `name` and `quantity` are the parameter and its declaration, `raw` is what the user wrote. The
-    deviation may be a share of the mean, as in ``"5 %"``. Raises `UnitError` if bounds and mean
-    contradict each other.
-    """
+
+def _normal(name: str, raw: Mapping[str, Any], quantity: Quantity) -> Normal:
     mean = read_number(name, quantity, raw["mean"])
     written = share_of(mean, raw["deviation"], 'deviation = "5 %"')
     written = raw["deviation"] if written is None else written
     size = read_number(f"deviation of {name}", as_difference(quantity), written)
-    ends = {key: read_number(name, quantity, raw[key]) for key in ("lower", "upper") if key in raw}
-    normal = Normal(mean, size, **ends)
+    normal = Normal(
+        mean,
+        size,
+        **{key: read_number(name, quantity, raw[key]) for key in FORMS["uniform"] if key in raw},
+    )
     lower, upper = normal.within(quantity)
     if not lower < upper:
-        message = f"the upper bound of {name} ({upper:g}) is not above the lower one ({lower:g})"
-        raise UnitError(message, "Swap them")
+        raise UnitError(
+            f"the upper bound of {name} ({upper:g}) is not above the lower one ({lower:g})",
+            "Swap them",
+        )
     if not lower <= mean <= upper:
-        message = f"the mean of {name} ({mean:g}) is not between its bounds ({lower:g}, {upper:g})"
-        raise UnitError(message, "Change mean, lower or upper of this distribution")
+        raise UnitError(
+            f"the mean of {name} ({mean:g}) is not between its bounds ({lower:g}, {upper:g})",
+            "Change mean, lower or upper of this distribution",
+        )
     return normal
 
 
-def _lognormal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Lognormal:
-    """Return a lognormal distribution from the keys median and factor of a study.
-
-    Raises `UnitError` unless the median is above 0 and the factor above 1, at most 1000.
-
-    Parameters
-    ----------
-    name : str
-        The parameter, whose value it is.
-    quantity : Quantity
-        Its declaration, with its unit.
-    raw : mapping
-        What the user wrote: ``median``, a number or text with a unit, and ``factor``, a number; two
-        thirds of the values lie between median/factor and median times factor.
-    """
+def _lognormal(name: str, raw: Mapping[str, Any], quantity: Quantity) -> Lognormal:
     median, factor = read_number(name, quantity, raw["median"]), raw["factor"]
     if median <= 0:
-        message = f"the median of {name} is {median:g}, and a lognormal value is above 0"
-        raise UnitError(message, "Write a normal distribution, with the keys mean and deviation")
+        raise UnitError(
+            f"the median of {name} is {median:g}, and a lognormal value is above 0",
+            "Write a normal distribution, with the keys mean and deviation",
+        )
     is_number = isinstance(factor, int | float) and not isinstance(factor, bool)
     if not (is_number and 1 < factor <= 1000):
-        message = f"the factor of {name} is {str(factor)[:40]}"
-        raise UnitError(message, "Give a factor above 1, such as 1.2 for 20 % more or less")
+        raise UnitError(
+            f"the factor of {name} is {str(factor)[:40]}",
+            "Give a factor above 1, such as 1.2 for 20 % more or less",
+        )
     return Lognormal(median, float(factor))
 
 
-def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulated:
-    """Return a tabulated distribution from the keys values and densities of a study.
-
-    `name` and `quantity` are the parameter and its declaration with a unit; `raw` is what the user
-    wrote. The density is linear between the values. Raises `UnitError` unless these are two lists
-    of one length, values ascending and densities not all 0.
-    """
+def _tabulated(name: str, raw: Mapping[str, Any], quantity: Quantity) -> Tabulated:
     columns = [raw["values"], raw["densities"]]
     if not all(isinstance(value, list | tuple) for value in columns):
         raise UnitError(
@@ -241,9 +198,10 @@ def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulat
         )
     count = len(columns[0])
     if len(columns[1]) != count or not FEWEST_TABULATED <= count <= MAX_TABULATED:
-        message = f"{name} has {count:,} values and {len(columns[1]):,} densities"
-        fix = f"Give {FEWEST_TABULATED} to {MAX_TABULATED:,} values, and a density for each"
-        raise UnitError(message, fix)
+        raise UnitError(
+            f"{name} has {count:,} values and {len(columns[1]):,} densities",
+            f"Give {FEWEST_TABULATED} to {MAX_TABULATED:,} values, and a density for each",
+        )
     values = tuple(read_number(name, quantity, value) for value in columns[0])
     if any(after <= before for before, after in pairwise(values)):
         raise UnitError(
@@ -260,19 +218,9 @@ def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulat
 def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArray[Any]:
     """Return quantiles of a parameter's distribution, to sample it or to state its range.
 
-    Parameters
-    ----------
-    name : str
-        The parameter, at whose bounds the distribution is cut.
-    distribution : Distribution
-        Its distribution.
-    shares : array_like
-        Shares of the values below, 0 to 1; 0 and 1 give the ends, infinite where there are none.
-
-    Returns
-    -------
-    ndarray
-        In the unit of studies, of the shape of `shares`.
+    `shares` are those of the values below, 0 to 1; 0 and 1 give the ends, infinite where there are
+    none. The result has their shape, in the unit of studies; the distribution is cut at the bounds
+    of the parameter `name`.
     """
     shares = np.asarray(shares, dtype=np.float64)
     if isinstance(distribution, Between):
@@ -281,19 +229,13 @@ def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArr
     if isinstance(distribution, Tabulated):
         return _quantiles_of_table(distribution, shares)
     law, quantity = _law(distribution), QUANTITIES[name]
-    lower, upper = quantity.lower, quantity.upper
-    if isinstance(distribution, Normal):
-        lower, upper = distribution.within(quantity)
+    bounds = quantity.lower, quantity.upper
+    lower, upper = distribution.within(quantity) if isinstance(distribution, Normal) else bounds
     below, above = law.cdf([lower, upper])
-    found = law.ppf(below + (above - below) * shares)
-    return np.asarray(np.clip(found, lower, upper))
+    return np.asarray(np.clip(law.ppf(below + (above - below) * shares), lower, upper))
 
 
 def _law(distribution: Normal | Triangular | Lognormal) -> Any:
-    """Return scipy's distribution for one of a study, without bounds of the parameter.
-
-    It has scipy's methods for quantiles and shares.
-    """
     import scipy  # who draws no numbers does not load it
 
     if isinstance(distribution, Normal):
@@ -305,11 +247,6 @@ def _law(distribution: Normal | Triangular | Lognormal) -> Any:
 
 
 def _quantiles_of_table(table: Tabulated, shares: NDArray[Any]) -> NDArray[Any]:
-    """Return quantiles of a density that is linear between listed values.
-
-    `shares` are the shares of the mass below, of any shape. `table` has the values and densities;
-    the result has the shape of `shares`, in the unit of the values.
-    """
     x, density = np.array(table.values), np.array(table.densities)
     width = np.diff(x)
     whole = np.concatenate([[0.0], np.cumsum(width * (density[1:] + density[:-1]) / 2)])
@@ -367,5 +304,33 @@ def deviation(name: str, distribution: Distribution) -> float:
     angle = np.pi * (nodes + 1) / 2
     shares, weights = (1 - np.cos(angle)) / 2, weights * np.sin(angle) * np.pi / 4
     values = quantiles(name, distribution, shares)
-    mean = float(weights @ values)
-    return float(np.sqrt(weights @ (values - mean) ** 2))
+    return float(np.sqrt(weights @ (values - float(weights @ values)) ** 2))
+
+
+# --- The section `uncertain` of studies: parameters and their distributions.
+
+
+def _uncertain_schema(quantity: Quantity) -> dict[str, Any]:
+    # Short, since there is one for each of many parameters: docs/sensitivity.md says the rest.
+    value: dict[str, Any] = {"type": ["number", "string"]}
+    many = {"type": "array", "items": value, "minItems": 2, "maxItems": MAX_TABULATED}
+    kinds = {"values": many, "densities": many, "factor": {"type": "number"}}
+    return {
+        "title": quantity.label,
+        "type": "object",
+        "properties": {key: kinds.get(key, value) for keys in FORMS.values() for key in keys},
+        "additionalProperties": False,
+        "minProperties": 2,
+    }
+
+
+if TYPE_CHECKING:
+    Uncertain = Frozen
+
+else:
+    Uncertain = by_parameter(
+        "Uncertain",
+        "Uncertain parameters and their distributions.",
+        read_distribution,
+        _uncertain_schema,
+    )

@@ -6,34 +6,269 @@ import hashlib
 import html
 import json
 import reprlib
-from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial, wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 from pydantic import (
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     PlainValidator,
+    ValidationInfo,
     WithJsonSchema,
     create_model,
 )
+from pydantic_core import PydanticCustomError, core_schema
 
+from vibrafeed.core.errors import Problem
 from vibrafeed.core.quantities import QUANTITIES, WORDS, Quantity
-from vibrafeed.core.study.drive import Drive
-from vibrafeed.core.study.levels import at_most, optional, refusal
 from vibrafeed.core.study.shown import read_shown
-from vibrafeed.core.study.units import UnitError
+from vibrafeed.core.study.units import UnitError, read_number
 from vibrafeed.core.study.values import Values, read_values
+
+# --- The drive of a study that has been measured: what a user writes of it, and what is kept.
+
+
+TEXT: Final = {"type": "string", "maxLength": 200}
+NUMBER: Final[dict[str, Any]] = {"anyOf": [{"type": "number"}, TEXT]}
+"""JSON Schema of a text with a unit, and of a number or such a text."""
+_TRIPLE = {"type": "array", "minItems": 3, "maxItems": 3}
+_Column = Annotated[str, Field(max_length=200)]
+# As a user writes them: whoever reads the recording reads these, and says what is wrong.
+_Number = Annotated[Any, WithJsonSchema(NUMBER)]
+_Mounting = Annotated[
+    Any,
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {**_TRIPLE, "items": NUMBER},
+                {**_TRIPLE, "items": {**_TRIPLE, "items": {"type": "number"}}},
+            ]
+        }
+    ),
+]
+_Finite = Annotated[float, Field(allow_inf_nan=False)]
+_Share = Annotated[_Finite, Field(ge=0)]
+
+
+class RecordedDrive(BaseModel):
+    """A recording of an accelerometer, whose harmonics become parameters of the study."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    file: Path | None = Field(
+        None, description="Its CSV file, in the study's folder; over HTTP give data instead."
+    )
+    data: str | None = Field(None, description="The text of the CSV.")
+    along: _Column | None = Field(
+        None, description="Column of the acceleration along the track; -ax reverses it."
+    )
+    across: _Column | None = Field(None, description="Across the track, to the left.")
+    normal: _Column | None = Field(None, description="Normal to the track, upwards.")
+    sensor: tuple[_Column, ...] | None = Field(
+        None,
+        description="Instead: columns of the sensor's own axes x, y, z.",
+        min_length=3,
+        max_length=3,
+    )
+    mounting: _Mounting = Field(
+        None, description="Yaw, pitch and roll of the sensor on the track, or its rotation matrix."
+    )
+    unit: _Column | None = Field(
+        None, description="Of the columns, where their headers do not say: g, mg, m s-2, mm s-2."
+    )
+    rate: _Number = Field(None, description="Samples per second, if there is no time column.")
+    time: _Column | None = Field(None, description="Time column; time or t is found automatically.")
+    line_frequency: _Number = Field(
+        None, description="True frequency of the drive; shows the error of the recorder's clock."
+    )
+    frequency: _Number = Field(
+        None,
+        description="Approximate frequency of the motion [Hz]; found automatically by default.",
+    )
+    harmonics: Annotated[Any, WithJsonSchema({"type": "integer", "minimum": 1, "maximum": 10})] = (
+        Field(
+            None,
+            description="Number of harmonic orders to fit; by default as many as the data support.",
+        )
+    )
+
+
+class MeasuredDrive(BaseModel):
+    """The origin of the numbers of a measured drive.
+
+    It stands in the place of the recording once that has been fitted: in the study that a dataset
+    holds, for example.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    name: str = Field(description="Name of the recording's file.", max_length=300)
+    sha256: str = Field(description="SHA-256 of the recording's content.", pattern="^[0-9a-f]{64}$")
+    left_over: dict[Literal["along", "across", "normal"], _Share] = Field(
+        description="Rms residual of the fit for each axis, as a share of the drive's rms."
+    )
+    clock_error: _Finite | None = Field(
+        None, description="Error of the recorder's clock; a slow one has a positive error."
+    )
+    numbers: dict[Annotated[str, Field(max_length=100)], _Finite] = Field(
+        description="The parameters as they were fitted.", max_length=100
+    )
+
+
+def only_the_plain_sine(fix: str) -> Problem:
+    """Return the problem of a measured drive in a study of closed forms; `fix` says the way out."""
+    return Problem(
+        "drive", "closed forms support only the plain sine of amplitude, alpha and beta", fix
+    )
+
+
+def names_recording(content: object) -> bool:
+    """True if a study's content names a recording that has not been fitted."""
+    drive = content.get("drive") if isinstance(content, Mapping) else None
+    return isinstance(drive, Mapping) and "sha256" not in drive
+
+
+def _fitted(raw: object) -> object:
+    if isinstance(raw, Mapping) and "sha256" not in raw:  # the digest of a recording
+        raise refusal(
+            "its recording has not been fitted yet",
+            "Carry the study out, or load it by vibrafeed.load_study",
+        )
+    if not isinstance(raw, Mapping | MeasuredDrive | None):
+        raise refusal(
+            f"{str(raw)[:40]!r} does not say how to read a recording",
+            'Write [drive] with file = "recording.csv" and the columns along and normal',
+        )
+    return raw
+
+
+class _Written:
+    """The JSON Schema of a study's `drive`, made when it is asked for."""
+
+    def __get_pydantic_json_schema__(self, *_: object) -> dict[str, Any]:
+        source = {"oneOf": [{"required": ["file"]}, {"required": ["data"]}]}
+        return {
+            "anyOf": [
+                RecordedDrive.model_json_schema() | source,
+                MeasuredDrive.model_json_schema(),
+                {"type": "null"},
+            ],
+            "default": None,
+        }
+
+
+Drive = Annotated[MeasuredDrive | None, BeforeValidator(_fitted), _Written()]
+
+# --- Names and sizes in sections of a study.
+
+CRITERIA: Final = ("weighted", "limit", "pareto", "maximise", "minimise")
+"""The kinds of criterion of an optimisation."""
+
+DRIVE_ANGLES: Final = ("alpha", "beta")
+"""The variables of an optimisation that names none."""
+
+OBSERVED: Final = ("conveying_velocity", "feed_rate")
+"""Outputs that may have been measured."""
+
+MAX_RUNS: Final = 1_000
+"""Runs of a study that has observations."""
+
+
+# --- Values of outputs that a study compares with: a number, or text in the output's unit.
+
+
+def refusal(message: str, fix: str | Callable[[], str]) -> PydanticCustomError:
+    """Return the validation error of a wrong value; a function `fix` is called for few of many."""
+    return PydanticCustomError("value", "{message}", {"message": message, "fix": fix})
+
+
+def refusing(read: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function whose `UnitError` pydantic tells as a refusal."""
+
+    @wraps(read)
+    def reads(*written: object) -> Any:
+        try:
+            return read(*written)
+        except UnitError as error:
+            raise refusal(error.message, error.fix) from error
+
+    return reads
+
+
+@dataclass(frozen=True)
+class Reader:
+    """A field of a study for pydantic, read by one function that may raise `UnitError`.
+
+    pydantic's own validators inspect signatures and types, which takes long for hundreds of fields
+    at every start. `schema` returns the JSON Schema of what may be written.
+    """
+
+    read: Callable[[object], Any]
+    schema: Callable[[], dict[str, Any]]
+
+    def __get_pydantic_core_schema__(self, *_: object) -> Any:
+        """Return the functions that read the field, and write it as plain JSON."""
+        return core_schema.no_info_plain_validator_function(
+            refusing(self.read),
+            serialization=core_schema.plain_serializer_function_ser_schema(
+                lambda value: value.canonical() if hasattr(value, "canonical") else value
+            ),
+        )
+
+    def __get_pydantic_json_schema__(self, *_: object) -> dict[str, Any]:
+        """Return the JSON Schema of the field."""
+        return self.schema()
+
+
+def optional(read: Callable[[object], Any], schema: Callable[[], dict[str, Any]]) -> Any:
+    """Return type and default of a field that a function reads, and that is None if left out."""
+    return Annotated[Any, Reader(read, schema)], None
+
+
+def at_most(count: int) -> BeforeValidator:
+    """Return a validator that refuses longer lists before pydantic checks each of their entries."""
+
+    def check(raw: object) -> object:
+        if isinstance(raw, list | tuple) and len(raw) > count:
+            raise refusal(f"it has {len(raw):,} entries", f"Give at most {count:,}")
+        return raw
+
+    return BeforeValidator(check)
+
+
+def read_level(name: str, raw: object) -> float:
+    """Return a value to compare the output `name` with in its unit; raise `UnitError` for none."""
+    quantity = QUANTITIES[name]
+    # What is compared with a parameter may lie outside the parameter's own bounds.
+    shown = quantity.examples or ("1" if quantity.unit == "1" else f"1 {quantity.unit}",)
+    infinite = float("inf")
+    return read_number(
+        name, replace(quantity, lower=-infinite, upper=infinite, strict=False, examples=shown), raw
+    )
+
+
+@refusing
+def _read_level(raw: object, info: ValidationInfo) -> object:
+    output = info.data.get("against") or info.data.get("output")
+    if raw is None or str(output) not in QUANTITIES:  # an unknown output is told of elsewhere
+        return raw if raw is None or isinstance(raw, int | float) else 0.0
+    return read_level(str(output), raw)
+
+
+Level = Annotated[float, BeforeValidator(_read_level), WithJsonSchema(NUMBER)]
+"""A value of the output that an earlier field names."""
+OpenLevel = Annotated[float | None, BeforeValidator(_read_level), WithJsonSchema(NUMBER)]
+"""The same, or none."""
 
 PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.parameter)
 
 
 def _tidy(schema: dict[str, Any]) -> None:
-    """Remove from a JSON Schema what repeats for every parameter; add the words for angles.
-
-    Titles that repeat their key go, and the default null of what may be left out. `schema` is
-    changed itself.
-    """
     required, properties = schema.get("required", ()), schema.get("properties", {})
     for name, field in properties.items():
         if field.get("title", "").lower() == name.replace("_", " "):
@@ -57,17 +292,41 @@ class Frozen(BaseModel):
     )
 
 
-def _values_schema(quantity: Quantity) -> dict[str, Any]:
-    """Return the JSON Schema of what a user may write for a parameter: number, text, list or range.
+def by_parameter(
+    name: str,
+    doc: str,
+    read: Callable[[str, object], Any],
+    schema: Callable[[Quantity], dict[str, Any]],
+) -> Any:
+    """Return the model of a section with optional fields for parameters.
 
-    `quantity` has the bounds and the unit.
+    `read` takes the name and what a user wrote, `schema` the quantity.
     """
+    fields = {
+        one: optional(partial(read, one), partial(schema, QUANTITIES[one])) for one in PARAMETERS
+    }
+    # Of the module that asks, where a pickle looks for it.
+    return create_model(name, __base__=Frozen, __module__=schema.__module__, __doc__=doc, **fields)
+
+
+def parameters_in(section: BaseModel | None) -> dict[str, Any]:
+    """Return the parameters that a section of a study gives, in the order of the declaration."""
+    named = section.model_fields_set if section is not None else ()
+    return {name: getattr(section, name) for name in PARAMETERS if name in named}
+
+
+def first_paths(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """Return the first path of each name."""
+    return dict(reversed([*pairs]))
+
+
+def _values_schema(quantity: Quantity) -> dict[str, Any]:
     number: dict[str, Any] = {"type": "number"}
     if quantity.lower > -float("inf"):
         number["exclusiveMinimum" if quantity.strict else "minimum"] = quantity.lower
     if quantity.upper < float("inf"):
         number["maximum"] = quantity.upper
-    value = {"anyOf": [number, {"type": "string", "maxLength": 200}]}
+    value = {"anyOf": [number, TEXT]}
     span = {
         "type": "object",
         "properties": {
@@ -96,30 +355,22 @@ def _values_schema(quantity: Quantity) -> dict[str, Any]:
 
 
 if TYPE_CHECKING:
-
-    class Parameters(Frozen):
-        """One optional field a parameter quantity."""
+    Parameters = Frozen
 
 else:
-    Parameters = create_model(
+    Parameters = by_parameter(
         "Parameters",
-        __base__=Frozen,
-        __doc__="Values of the parameters: a number, text with a unit, a list, or a range.",
-        **{
-            name: optional(partial(read_values, name), partial(_values_schema, QUANTITIES[name]))
-            for name in PARAMETERS
-        },
+        "Values of the parameters: a number, text with a unit, a list, or a range.",
+        read_values,
+        _values_schema,
     )
 
 
 MAX_SHOWN = 8  # units that a study may name: looking one up takes long
 
 
+@refusing
 def _read_units(raw: object) -> tuple[str, ...] | None:
-    """Return the texts by which a study names units to show values in; None for the usual.
-
-    Raises a refusal for an unknown unit, or for more than eight.
-    """
     if raw is None:
         return None
     words = (raw,) if isinstance(raw, str) else tuple(raw) if isinstance(raw, list) else raw
@@ -132,21 +383,11 @@ def _read_units(raw: object) -> tuple[str, ...] | None:
             f"{reprlib.repr(raw)[:40]} is neither a unit nor a list of units",
             'Write "si", or a list such as ["m/min"]',
         )
-    try:
-        read_shown(words)
-    except UnitError as error:
-        raise refusal(error.message, error.fix) from error
+    read_shown(words)
     return words
 
 
 _SINGLE_WORD = {"type": "string", "maxLength": 100}
-_UNITS_SCHEMA = {
-    "anyOf": [
-        _SINGLE_WORD,
-        {"type": "array", "items": _SINGLE_WORD, "maxItems": MAX_SHOWN},
-        {"type": "null"},
-    ]
-}
 
 
 MAX_OUTPUTS = 100
@@ -175,7 +416,17 @@ class Study(Frozen):
         le=10_000,
     )
     units: Annotated[
-        tuple[str, ...] | None, PlainValidator(_read_units), WithJsonSchema(_UNITS_SCHEMA)
+        tuple[str, ...] | None,
+        PlainValidator(_read_units),
+        WithJsonSchema(
+            {
+                "anyOf": [
+                    _SINGLE_WORD,
+                    {"type": "array", "items": _SINGLE_WORD, "maxItems": MAX_SHOWN},
+                    {"type": "null"},
+                ]
+            }
+        ),
     ] = Field(
         None,
         description="Units that screens and pictures show: trade (the default), si, or units such "
@@ -183,13 +434,8 @@ class Study(Frozen):
     )
 
     def values(self) -> dict[str, Values]:
-        """Return the parameters that are set, with their values.
-
-        They are in the order of the declaration, whatever the order in which a user writes them:
-        equal studies have equal axes.
-        """
-        given = self.parameters.model_fields_set
-        return {name: getattr(self.parameters, name) for name in PARAMETERS if name in given}
+        """Return the parameters that are set, in one order: equal studies agree."""
+        return parameters_in(self.parameters)
 
     def places(self) -> dict[str, str]:
         """Return the paths of parameters that are not under `parameters`."""
@@ -206,11 +452,7 @@ class Study(Frozen):
         return content
 
     def said(self) -> dict[str, Any]:
-        """Return the content of the study without the fields that have their default values.
-
-        It is what a user has to write for the same study, and what its printed form shows. The name
-        of the kind is always in it.
-        """
+        """Return the kind and the content without the fields that have their default values."""
         fields = type(self).model_fields
         return {
             name: value
@@ -226,10 +468,7 @@ class Study(Frozen):
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        """Return the study as an HTML table for notebooks.
-
-        It has a row for each field that is not a default.
-        """
+        """Return the study as an HTML table for notebooks, a row for each field that is set."""
         rows: list[tuple[str, object]] = []
         for name, value in self.said().items():
             inner = value.items() if isinstance(value, dict) else None

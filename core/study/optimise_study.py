@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field, create_model
+from pydantic import Field
 
-from vibrafeed.core.quantities import QUANTITIES, Quantity
-from vibrafeed.core.study.distributions import Distribution
+from vibrafeed.core.quantities import Quantity
+from vibrafeed.core.study.distributions import Distribution, Uncertain
 from vibrafeed.core.study.grid_study import (
+    DRIVE_ANGLES,
     MAX_OUTPUTS,
-    PARAMETERS,
+    NUMBER,
     DrivenStudy,
     Frozen,
+    Level,
+    OpenLevel,
     OutputName,
     OutputNames,
+    at_most,
+    by_parameter,
+    first_paths,
+    parameters_in,
 )
-from vibrafeed.core.study.levels import Level, OpenLevel, at_most, optional
-from vibrafeed.core.study.section_names import DRIVE_ANGLES
-from vibrafeed.core.study.uncertain import Uncertain, distributions_of
 from vibrafeed.core.study.values import Between, read_between
 
 
@@ -98,32 +101,25 @@ MAX_CONSTRAINTS = 20
 
 
 def _bounds_schema(quantity: Quantity) -> dict[str, Any]:
-    """Return the JSON Schema of the bounds of a variable, a parameter."""
-    end = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
     return {
         "title": quantity.label,
         "description": f"Bounds of the {quantity.label.lower()}, both included.",
         "type": "object",
-        "properties": {"lower": end, "upper": end},
+        "properties": {"lower": NUMBER, "upper": NUMBER},
         "required": ["lower", "upper"],
         "additionalProperties": False,
     }
 
 
 if TYPE_CHECKING:
-
-    class Variables(Frozen):
-        """One optional field a parameter quantity."""
+    Variables = Frozen
 
 else:
-    Variables = create_model(
+    Variables = by_parameter(
         "Variables",
-        __base__=Frozen,
-        __doc__="Variables of the optimisation: parameters and their bounds.",
-        **{
-            name: optional(partial(read_between, name), partial(_bounds_schema, QUANTITIES[name]))
-            for name in PARAMETERS
-        },
+        "Variables of the optimisation: parameters and their bounds.",
+        read_between,
+        _bounds_schema,
     )
 
 
@@ -192,14 +188,11 @@ class OptimiseStudy(DrivenStudy):
 
     def intervals(self) -> dict[str, Distribution]:
         """Return the uncertain parameters with their distributions."""
-        return distributions_of(self.uncertain)
+        return parameters_in(self.uncertain)
 
     def bounds(self) -> dict[str, Between]:
         """Return the variables of the optimisation with their bounds, in the parameters' order."""
-        if self.variables is None:
-            return {}
-        given = self.variables.model_fields_set
-        return {name: getattr(self.variables, name) for name in PARAMETERS if name in given}
+        return parameters_in(self.variables)
 
     def criterion_outputs(self) -> tuple[str, ...]:
         """Return the outputs in the criterion."""
@@ -211,13 +204,14 @@ class OptimiseStudy(DrivenStudy):
         return {name: f"variables.{name}" for name in self.bounds()}
 
     def output_places(self) -> dict[str, str]:
-        """Return the paths at which outputs stand in constraints or the criterion, by output.
-
-        A path is such as ``constraints.0.output``; messages about an output name it.
-        """
-        origins: dict[str, str] = {}
-        for number, one in enumerate(self.constraints):
-            origins.setdefault(one.output, f"constraints.{number}.output")
-        for name, key in zip(self.criterion_outputs(), ("output", "against"), strict=False):
-            origins.setdefault(name, f"criterion.{key}")
-        return origins
+        """Return the paths of outputs in constraints, else in the criterion, for messages."""
+        in_criterion = zip(self.criterion_outputs(), ("output", "against"), strict=False)
+        return first_paths(
+            (
+                *(
+                    (one.output, f"constraints.{k}.output")
+                    for k, one in enumerate(self.constraints)
+                ),
+                *((name, f"criterion.{key}") for name, key in in_criterion),
+            )
+        )

@@ -20,22 +20,18 @@ from pydantic import (
 
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.quantities.flags import is_regime
-from vibrafeed.core.study.levels import Level, at_most, read_level, refusal
-from vibrafeed.core.study.units import UnitError
+from vibrafeed.core.study.grid_study import Level, at_most, read_level, refusal, refusing
 from vibrafeed.core.suggestions import suggestion
 
 STATISTICS = ("max", "min", "mean", "argmax", "argmin")
 """Statistics of an output over the cells that are reduced."""
 QUANTILE = "quantile"
 """The dimension of quantiles, and the suffix of their variables."""
-COMPARISONS = ("<=", ">=", "==", "!=", "<", ">")
-ENDS = ("smallest", "largest")
 MOST = 20  # names of shares or of levels, or conditions of one share, at most
 MAX_NAMES = 100
 
 _CONDITION = re.compile(r"\s*(\w{1,100})\s*(<=|>=|==|!=|<|>)\s*(.{1,200}?)\s*")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
-HOW = "Write, for example, 'throw_number < 1' or 'regime == slip'"
 
 
 @dataclass(frozen=True)
@@ -47,7 +43,7 @@ class ShareCondition:
     name : str
         An output, or a variable of regimes, such as ``regime``.
     comparison : str
-        One of `COMPARISONS`.
+        One of <=, >=, ==, !=, < and >.
     value : float or str
         A value in the output's unit, or the name of a regime.
     """
@@ -66,23 +62,22 @@ class ShareCondition:
         return f"{self.name} {self.comparison} {value}"
 
 
+@refusing
 def _read_condition(raw: object) -> ShareCondition:
-    """Return the condition in a text such as ``regime == stick`` or ``throw_number < 1``.
-
-    Raises a refusal for a text that is none. `raw` is what the user wrote. The condition has a
-    name, a comparison and a value in the unit of the output: shares of cells that meet conditions
-    are statistics of a reduction.
-    """
     if isinstance(raw, ShareCondition):
         return raw
-    found = _CONDITION.fullmatch(raw) if isinstance(raw, str) else None
-    if found is None:
-        raise refusal(f"{str(raw)[:60]!r} is not a condition", HOW)
-    name, comparison, value = found.groups()
+    match = _CONDITION.fullmatch(raw) if isinstance(raw, str) else None
+    if match is None:
+        raise refusal(
+            f"{str(raw)[:60]!r} is not a condition",
+            "Write, for example, 'throw_number < 1' or 'regime == slip'",
+        )
+    name, comparison, value = match.groups()
     if is_regime(name):
         if comparison not in ("==", "!="):
-            fix = f"Write 'regime == {value}' or 'regime != {value}'"
-            raise refusal("regimes have no order", fix)
+            raise refusal(
+                "regimes have no order", f"Write 'regime == {value}' or 'regime != {value}'"
+            )
         if value not in REGIMES:
             raise refusal(f"'{value[:60]}' is not a regime", partial(suggestion, value, REGIMES))
         return ShareCondition(name, comparison, value)
@@ -92,28 +87,18 @@ def _read_condition(raw: object) -> ShareCondition:
         number: object = float(value)
     except ValueError:
         number = value
-    try:
-        return ShareCondition(name, comparison, read_level(name, number))
-    except UnitError as error:
-        raise refusal(error.message, error.fix) from error
+    return ShareCondition(name, comparison, read_level(name, number))
 
 
 def _read_statistic(raw: object) -> str:
-    """Return the name of a statistic that a user wrote; raise a refusal for an unknown one.
-
-    The refusal suggests the name that was meant; a median is a quantile here.
-    """
-    if raw not in STATISTICS:
-        text = str(raw)[:60]
-        message = f"'{text}' is not a statistic"
-        if text == "median":
-            raise refusal(message, "Write quantiles = [0.5]")
-        raise refusal(message, partial(suggestion, text, STATISTICS))
-    return str(raw)
+    if raw in STATISTICS:
+        return str(raw)
+    text = str(raw)[:60]
+    near = "Write quantiles = [0.5]" if text == "median" else partial(suggestion, text, STATISTICS)
+    raise refusal(f"'{text}' is not a statistic", near)
 
 
 def _read_quantile(raw: object) -> float:
-    """Return a quantile that a user wrote, 0 to 1; raise a refusal for anything else."""
     if isinstance(raw, bool) or not isinstance(raw, int | float) or not 0 <= raw <= 1:
         raise refusal(
             f"{str(raw)[:40]!r} is not a quantile",
@@ -123,10 +108,6 @@ def _read_quantile(raw: object) -> float:
 
 
 def _read_name(raw: object) -> str:
-    """Return the name that a user gives to a share or level; raise a refusal for a wrong one.
-
-    It becomes the name of a variable.
-    """
     if not isinstance(raw, str) or not _NAME.fullmatch(raw):
         raise refusal(
             f"{str(raw)[:60]!r} is not a valid name of a variable of the result",
@@ -136,17 +117,13 @@ def _read_name(raw: object) -> str:
 
 
 def _ordered(order: Iterable[str]) -> Any:
-    """Return a pydantic validator that sorts a list of names by `order` and removes repetitions.
-
-    Studies that ask for the same then have equal texts. Names that are not in `order` come last.
-    """
     place = {name: k for k, name in enumerate(order)}
 
-    def sort(names: tuple[str, ...]) -> tuple[str, ...]:
-        """Return the names sorted, each once."""
-        return tuple(sorted(dict.fromkeys(names), key=lambda name: place.get(name, len(place))))
-
-    return AfterValidator(sort)
+    return AfterValidator(
+        lambda names: tuple(
+            sorted(dict.fromkeys(names), key=lambda name: place.get(name, len(place)))
+        )
+    )
 
 
 _BY_NAME = AfterValidator(lambda named: dict(sorted(named.items())))
@@ -155,14 +132,6 @@ _Condition = Annotated[
     ShareCondition, PlainValidator(_read_condition), PlainSerializer(str), WithJsonSchema(_TEXT)
 ]
 _Conditions = Annotated[tuple[_Condition, ...], at_most(MOST), Field(max_length=MOST)]
-_Statistic = Annotated[
-    str, PlainValidator(_read_statistic), WithJsonSchema({"enum": list(STATISTICS)})
-]
-_Quantile = Annotated[
-    float,
-    PlainValidator(_read_quantile),
-    WithJsonSchema({"type": "number", "minimum": 0, "maximum": 1}),
-]
 _Name = Annotated[str, PlainValidator(_read_name), WithJsonSchema({"type": "string"})]
 _Known = Annotated[str, Field(max_length=100)]
 
@@ -193,7 +162,16 @@ class Reduction(_Part):
         min_length=1,
         max_length=MAX_NAMES,
     )
-    statistics: Annotated[tuple[_Statistic, ...], at_most(MOST), _ordered(STATISTICS)] = Field(
+    statistics: Annotated[
+        tuple[
+            Annotated[
+                str, PlainValidator(_read_statistic), WithJsonSchema({"enum": list(STATISTICS)})
+            ],
+            ...,
+        ],
+        at_most(MOST),
+        _ordered(STATISTICS),
+    ] = Field(
         (),
         description="Statistics of each output: max, min, mean, and where the largest and least "
         "value lie (argmax, argmin: one variable for each axis that goes).",
@@ -205,7 +183,16 @@ class Reduction(_Part):
         max_length=MAX_NAMES,
     )
     quantiles: Annotated[
-        tuple[_Quantile, ...], at_most(MAX_NAMES), AfterValidator(lambda q: tuple(sorted({*q})))
+        tuple[
+            Annotated[
+                float,
+                PlainValidator(_read_quantile),
+                WithJsonSchema({"type": "number", "minimum": 0, "maximum": 1}),
+            ],
+            ...,
+        ],
+        at_most(MAX_NAMES),
+        AfterValidator(lambda q: tuple(sorted({*q}))),
     ] = Field((), description="Quantiles of each output, from 0 to 1.", max_length=MAX_NAMES)
     cells: Literal["valid", "all"] = Field(
         "valid",

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator
+from pydantic import AfterValidator, Field, field_validator
 
-from vibrafeed.core.study.distributions import Distribution
+from vibrafeed.core.study.distributions import Distribution, Uncertain
 from vibrafeed.core.study.grid_study import (
     MAX_OUTPUTS,
     DrivenStudy,
     Frozen,
+    OpenLevel,
     OutputName,
     OutputNames,
+    at_most,
+    first_paths,
+    parameters_in,
+    refusal,
 )
-from vibrafeed.core.study.levels import OpenLevel, at_most, refusal
-from vibrafeed.core.study.uncertain import Uncertain, distributions_of
 
 FEWEST_SAMPLES, MAX_SAMPLES = 256, 1 << 20
 MAX_DEMANDS = 20
@@ -66,7 +68,11 @@ class SensitivityStudy(DrivenStudy):
     uncertain: Uncertain = Field(
         description="Parameters that are not known exactly, and their distributions."
     )
-    analyses: Annotated[tuple[Analysis, ...], at_most(len(ANALYSES))] = Field(
+    analyses: Annotated[
+        tuple[Analysis, ...],
+        at_most(len(ANALYSES)),
+        AfterValidator(lambda names: tuple(name for name in ANALYSES if name in names)),
+    ] = Field(
         ("distribution", "sobol", "budget"),
         description="What to compute: distribution (mean, standard deviation, quantiles, "
         "demands), sobol (which parameter the variance comes from), budget (what each "
@@ -98,10 +104,6 @@ class SensitivityStudy(DrivenStudy):
     @field_validator("samples")
     @classmethod
     def _power_of_two(cls, value: int) -> int:
-        """Return the number of samples of a study; refuse one that is not a power of two.
-
-        Sobol points fill the box evenly for such numbers only.
-        """
         if value & (value - 1):
             below = 1 << (value.bit_length() - 1)
             raise refusal(
@@ -120,20 +122,9 @@ class SensitivityStudy(DrivenStudy):
             )
         return value
 
-    @field_validator("analyses")
-    @classmethod
-    def _in_order(cls, value: tuple[Analysis, ...]) -> tuple[Analysis, ...]:
-        """Return the entries sorted, each once, so that equal studies agree."""
-        return tuple(name for name in ANALYSES if name in value)
-
     @field_validator("quantiles")
     @classmethod
     def _ascending(cls, value: tuple[float, ...]) -> tuple[float, ...]:
-        """Refuse quantiles outside 0 to 1 or out of order.
-
-        `value` are the quantiles that a study asks for, shares of the points below; it is returned
-        if they are right.
-        """
         wrong = [one for one in value if not 0 < one < 1]
         if wrong:
             raise refusal(
@@ -146,15 +137,12 @@ class SensitivityStudy(DrivenStudy):
 
     def distributions(self) -> dict[str, Distribution]:
         """Return the uncertain parameters with their distributions, in order."""
-        return distributions_of(self.uncertain)
+        return parameters_in(self.uncertain)
 
     def asked(self) -> tuple[str, ...]:
         """Return every output that is needed, those of demands last."""
-        return tuple(dict.fromkeys((*self.outputs, *self._demanded())))
-
-    def _demanded(self) -> Iterable[str]:
-        """Return the outputs of the demands."""
-        return (one.output for one in self.demands if one.output is not None)
+        demanded = (one.output for one in self.demands if one.output is not None)
+        return tuple(dict.fromkeys((*self.outputs, *demanded)))
 
     def places(self) -> dict[str, str]:
         """Return the paths of parameters outside `parameters`."""
@@ -162,8 +150,8 @@ class SensitivityStudy(DrivenStudy):
 
     def output_places(self) -> dict[str, str]:
         """Return the paths of outputs that stand in demands, by output, for messages."""
-        paths: dict[str, str] = {}
-        for number, one in enumerate(self.demands):
-            if one.output is not None and one.output not in self.outputs:
-                paths.setdefault(one.output, f"demands.{number}.output")
-        return paths
+        return first_paths(
+            (one.output, f"demands.{number}.output")
+            for number, one in enumerate(self.demands)
+            if one.output is not None and one.output not in self.outputs
+        )

@@ -143,10 +143,6 @@ def read_shown(words: Iterable[str]) -> ShownUnits:
 
 
 def _unit(word: str) -> tuple[str, Shown]:
-    """Return the unit of the quantities that a word such as ``m/min`` fits, and how to show it.
-
-    Raises `UnitError` if it fits none.
-    """
     units = dict.fromkeys(quantity.unit for quantity in QUANTITIES.values())
     for unit in sorted(units, key=lambda unit: unit == "m s-2"):  # "g" is the gram here
         if unit == "1":

@@ -8,62 +8,50 @@ import re
 import reprlib
 import sys
 from collections.abc import Sequence
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from vibrafeed.core.errors import Problem
-from vibrafeed.core.study.arrays import apart, as_typed
+from vibrafeed.core.quantities import Quantity
 
 # --- Words for units that studies are usually written in: one table, read without pint.
 #
 # pint knows thousands more, and takes half a second to load; it agrees with this table (a test).
 
-Dimensions = tuple[int, int, int, int, int]
+Dimensions = tuple[int, ...]
 """Exponents of metre, kilogram, second, ampere and radian."""
 
 PI: Final = Fraction("3.1415926535897932384626433832795028841971693993751")
 """pi to the digits of pint."""
 
-_LENGTH = (1, 0, 0, 0, 0)
-_MASS = (0, 1, 0, 0, 0)
-_TIME = (0, 0, 1, 0, 0)
-_RATE = (0, 0, -1, 0, 0)
 _NONE = (0, 0, 0, 0, 0)
-_ANGLE = (0, 0, 0, 0, 1)
-_ANGULAR_RATE = (0, 0, -1, 0, 1)
-_ACCELERATION = (1, 0, -2, 0, 0)
-_FORCE = (1, 1, -2, 0, 0)
-_PRESSURE = (-1, 1, -2, 0, 0)
-_ENERGY = (2, 1, -2, 0, 0)
-_POWER_DIMENSIONS = (2, 1, -3, 0, 0)
-_FIELD = (0, 1, -2, -1, 0)
-
-_GROUPS: Final[tuple[tuple[Dimensions, dict[str, Fraction | str | int]], ...]] = (
-    (_LENGTH, {"m": 1, "mm": "1e-3", "cm": "1e-2", "km": 1000, "um": "1e-6", "μm": "1e-6",
-               "in": "0.0254", "inch": "0.0254"}),
-    (_MASS, {"kg": 1, "g": "1e-3", "mg": "1e-6"}),
-    (_TIME, {"s": 1, "ms": "1e-3", "us": "1e-6", "μs": "1e-6", "min": 60, "h": 3600}),
-    (_RATE, {"Hz": 1, "kHz": 1000, "MHz": 10**6}),
+_SIZES: Final[tuple[tuple[Dimensions, dict[str, Fraction | str | int]], ...]] = (
+    ((1, 0, 0, 0, 0), {"m": 1, "mm": "1e-3", "cm": "1e-2", "km": 1000, "um": "1e-6",
+                       "μm": "1e-6", "in": "0.0254", "inch": "0.0254"}),
+    ((0, 1, 0, 0, 0), {"kg": 1, "g": "1e-3", "mg": "1e-6"}),
+    ((0, 0, 1, 0, 0), {"s": 1, "ms": "1e-3", "us": "1e-6", "μs": "1e-6", "min": 60,
+                       "h": 3600}),
+    ((0, 0, -1, 0, 0), {"Hz": 1, "kHz": 1000, "MHz": 10**6}),
     (_NONE, {"count": 1}),
-    (_ANGLE, {"rad": 1, "mrad": "1e-3", "deg": PI / 180, "degree": PI / 180, "°": PI / 180}),
-    (_ANGULAR_RATE, {"rpm": PI / 30}),
-    (_ACCELERATION, {"standard_gravity": "9.80665", "millistandard_gravity": "9.80665e-3"}),
-    (_FORCE, {"N": 1, "mN": "1e-3", "kN": 1000}),
-    (_PRESSURE, {"Pa": 1, "kPa": 1000, "MPa": 10**6, "GPa": 10**9}),
-    (_ENERGY, {"J": 1, "mJ": "1e-3"}),
-    (_POWER_DIMENSIONS, {"W": 1, "mW": "1e-3"}),
-    (_FIELD, {"T": 1, "mT": "1e-3"}),
+    ((0, 0, 0, 0, 1), {"rad": 1, "mrad": "1e-3", "deg": PI / 180, "degree": PI / 180,
+                       "°": PI / 180}),
+    ((0, 0, -1, 0, 1), {"rpm": PI / 30}),
+    ((1, 0, -2, 0, 0), {"standard_gravity": "9.80665",
+                        "millistandard_gravity": "9.80665e-3"}),
+    ((1, 1, -2, 0, 0), {"N": 1, "mN": "1e-3", "kN": 1000}),
+    ((-1, 1, -2, 0, 0), {"Pa": 1, "kPa": 1000, "MPa": 10**6, "GPa": 10**9}),
+    ((2, 1, -2, 0, 0), {"J": 1, "mJ": "1e-3"}),
+    ((2, 1, -3, 0, 0), {"W": 1, "mW": "1e-3"}),
+    ((0, 1, -2, -1, 0), {"T": 1, "mT": "1e-3"}),
 )  # fmt: skip
-
 WORDS: Final = MappingProxyType(
-    {word: (Fraction(size), kind) for kind, words in _GROUPS for word, size in words.items()}
+    {word: (Fraction(size), kind) for kind, words in _SIZES for word, size in words.items()}
 )
 """Each word with its size in SI and its dimensions."""
 
-_RECIPROCAL = re.compile(r"1(?=\s?/|$)")
 _FACTOR = re.compile(r"(\s?[*/]\s?|\s)?([A-Za-zμ°_]+)(?:(?:\*\*|\^)(-?[1-9]))?")
 
 
@@ -74,15 +62,13 @@ def factor_between(text: str, own: str) -> Fraction | None:
     another (brackets), or the dimensions differ.
     """
     unit, goal = _read(text), _read(own)
-    if unit is None or goal is None or unit[1] != goal[1]:
-        return None
-    return unit[0] / goal[0]
+    return unit[0] / goal[0] if unit and goal and unit[1] == goal[1] else None
 
 
 @lru_cache(512)
 def _read(text: str) -> tuple[Fraction, Dimensions] | None:
     size, dimensions = Fraction(1), list(_NONE)
-    start = 1 if _RECIPROCAL.match(text) else 0
+    start = 1 if re.match(r"1(?=\s?/|$)", text) else 0
     while start < len(text):
         match = _FACTOR.match(text, start)
         if match is None or match[2] not in WORDS or (not match[1]) != (start == 0):
@@ -92,22 +78,15 @@ def _read(text: str) -> tuple[Fraction, Dimensions] | None:
         size *= factor**power
         dimensions = [sum_ + power * each for sum_, each in zip(dimensions, exponents, strict=True)]
         start = match.end()
-    length, mass, time, current, angle = dimensions
-    return size, (length, mass, time, current, angle)
+    return size, tuple(dimensions)
 
-
-if TYPE_CHECKING:
-    import pint
-
-    from vibrafeed.core.quantities import Quantity
 
 PERCENT = "%"
 MAX_LETTERS = 200  # characters of a value with its unit
 MAX_UNITS = 10  # units in the values of one list: looking one up takes long
 
 _TEXT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*(.*?)\s*")
-_BARE = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?")
-_COMMA = re.compile(r",\d")
+BARE_NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?")
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+(?![\d.])")
 
 # Signs of word processors, PDF files and keyboards, and the ones that are meant: the minus sign,
@@ -119,18 +98,12 @@ _SIGNS = str.maketrans(
      **dict.fromkeys("\u00ba\u02da", "°"), "\u2215": "/", "\u00b5": "μ"}
 )  # fmt: skip
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻", "0123456789+-")
-_RAISED = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻]+")
-# CF and UDUNITS write "m s-2" and "kg.m2" for m*s**-2 and kg*m**2; g0 is no power.
-_CF_POWER = re.compile(r"(?<=[A-Za-zμ])(-?[1-9])(?![\w.^]|\*\*)")
-_CF_PRODUCT = re.compile(r"(?<=[\w°])\.(?=[A-Za-zμ°])")
 _UNIT = re.compile(r"(?:1\s?/\s?)?[A-Za-zμ°(][A-Za-z0-9_ μ°*/^().-]{0,60}")
 # Powers are exact, and as long as their exponents are high: "mm**99999999" would take hours.
 _POWER = re.compile(r"(?<![)\s])\s?(?:\*\*|\^)\s?-?\d(?![\w.]|\s?(?:\*\*|\^))")
 _HIGH_POWER = re.compile(r"\*\*|\^|[\d.][eE]")
-_TITLE = re.compile(r"\b[A-Z](?=[a-z]{2,})")
 
 # What a rate counts is no unit. pint has a revolution for 2 pi radians, and so rpm and rps.
-_PER_MINUTE = dict.fromkeys(("rpm", "vpm", "cpm", "spm", "revolutions_per_minute"), "count/min")
 _COUNTED = {
     "Hz": re.compile(
         r"\b(r|revs?|revolutions?|turns?|cycles?|vibs?|vibrations?|strokes?|samples?)\b"
@@ -138,13 +111,13 @@ _COUNTED = {
     "min-1": re.compile(r"\b(parts?|pcs?|pieces?)\b"),
 }
 _RATES = {
-    "Hz": {**_PER_MINUTE, "rps": "count/s", "cps": "count/s", "sps": "count/s"},
+    "Hz": dict.fromkeys(("rpm", "vpm", "cpm", "spm", "revolutions_per_minute"), "count/min")
+    | dict.fromkeys(("rps", "cps", "sps"), "count/s"),
     "min-1": {"ppm": "count/min"},
 }
 # "g" is the gram of a mass and the standard gravity of an acceleration; loggers also write "G".
 _GRAVITY = re.compile(r"([mμu]?)(?:[gG]s?|g_?n|g's)")
 _PREFIXES = {"": "", "m": "milli", "μ": "micro", "u": "micro"}
-_MOVING = ("m s-1", "m s-2", "m s-3")
 _JOINED = re.compile(r"([mc]?m)s(?:\*\*|\^)?(-[1-3])")  # "ms-2", as m s-2 is often written
 
 
@@ -163,24 +136,17 @@ class UnknownUnitError(UnitError):
 def read_number(name: str, quantity: Quantity, raw: object) -> float:
     """Return a number, or a text with a unit, as a number in the unit of a quantity.
 
-    `name` is the parameter's, for messages.
-
-    Raises
-    ------
-    UnitError
-        If it is no finite number of that kind, or lies outside the quantity's bounds.
+    `name` is the parameter's, for messages. Raises `UnitError` if it is no finite number of that
+    kind, or lies outside the quantity's bounds.
     """
     return _read_value(name, quantity, raw, {})
 
 
 def _read_value(name: str, quantity: Quantity, raw: object, factors: dict[str, Fraction]) -> float:
-    """Return a number or a text with a unit, as a user wrote it, as a number in a quantity's unit.
-
-    `name` is the parameter, for messages, and `factors` caches the factors of units between the
-    values of a list. Raises `UnitError` for anything else, and for a value beyond the bounds of the
-    quantity.
-    """
-    raw = raw if isinstance(raw, int | float | str) else as_typed(raw)
+    if not isinstance(raw, int | float | str):  # a scalar of another library
+        scalar, unit = apart(raw)
+        scalar = scalar.item() if getattr(scalar, "ndim", None) == 0 else scalar
+        raw = with_own_unit(scalar, unit)
     if isinstance(raw, bool) or not isinstance(raw, (int, float, str)):
         raise UnitError(f"{_shown(raw)} is not a number", _how_to_write(name, quantity))
     if isinstance(raw, str):
@@ -192,19 +158,20 @@ def _read_value(name: str, quantity: Quantity, raw: object, factors: dict[str, F
             number = math.inf
     if not math.isfinite(number):
         raise UnitError(f"{_shown(raw)} is not a finite number", _how_to_write(name, quantity))
-    _check_bounds(name, quantity, number)
+    shown, strict = f"{name} is {number:g}{quantity.suffix}", quantity.strict
+    if number < quantity.lower or (strict and number == quantity.lower):
+        least = f"{'greater than' if strict else 'at least'} {quantity.lower:g}"
+        raise UnitError(shown, f"It must be {least}")
+    if number > quantity.upper:
+        raise UnitError(shown, f"It must be at most {quantity.upper:g}")
     return number + 0.0  # -0.0 and 0.0 are one value
 
 
 def read_numbers(name: str, quantity: Quantity, raw: Sequence[object]) -> tuple[float, ...]:
-    """Return values that a user wrote as numbers in the unit of a quantity.
+    """Return values that a user wrote as numbers in the unit of a quantity; fast without units.
 
-    It is fast if none has a unit. `name` is the parameter, for messages.
-
-    Raises
-    ------
-    UnitError
-        For the first that is wrong, or if they are written in very many units.
+    `name` is the parameter, for messages. Raises `UnitError` for the first that is wrong, or if
+    they are written in very many units.
     """
     if {*map(type, raw)} <= {int, float}:
         try:
@@ -222,12 +189,8 @@ def read_numbers(name: str, quantity: Quantity, raw: Sequence[object]) -> tuple[
 def share_of(value: float, raw: object, example: str) -> float | None:
     """Return a share of a value that a user wrote as text, such as ``"5 %"``; else None.
 
-    It serves errors and deviations, and is in the unit of the value, above 0.
-
-    Raises
-    ------
-    UnitError
-        If it ends in a percent sign, and no number stands before that; `example` is the fix.
+    It is in the unit of the value, above 0. Raises `UnitError` if it ends in a percent sign, and no
+    number stands before that; `example` is the fix.
     """
     if not (isinstance(raw, str) and raw.strip().endswith(PERCENT)):
         return None
@@ -236,14 +199,17 @@ def share_of(value: float, raw: object, example: str) -> float | None:
     try:
         return abs(value) * float(text) / 100
     except ValueError:
-        fix = f"Write {example}, or a value with its unit"
-        raise UnitError(f"{raw[:40]!r} is not a percentage", fix) from None
+        raise UnitError(
+            f"{raw[:40]!r} is not a percentage", f"Write {example}, or a value with its unit"
+        ) from None
 
 
 def _check_length(text: str) -> None:
     if len(text) > MAX_LETTERS:
-        message = f"{_shown(text)} has {len(text):,} characters"
-        raise UnitError(message, f"A value has at most {MAX_LETTERS} characters")
+        raise UnitError(
+            f"{_shown(text)} has {len(text):,} characters",
+            f"A value has at most {MAX_LETTERS} characters",
+        )
 
 
 def problem(path: str, error: UnitError) -> Problem:
@@ -252,27 +218,19 @@ def problem(path: str, error: UnitError) -> Problem:
 
 
 def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Fraction]) -> float:
-    """Return the value of a text with a number and perhaps a unit, in a quantity's unit.
-
-    It is rounded once. `name` is the parameter, for messages; `factors` caches the factors of
-    units. Raises `UnitError` for a text that is none.
-    """
     _check_length(text)
     match = _TEXT.fullmatch(text.translate(_SIGNS))
     if match is None:
         raise UnitError(
             f"{_shown(text)} is not a number with a unit", _how_to_write(name, quantity)
         )
-    try:
-        numerator, denominator = Decimal(match[1]).as_integer_ratio()
-    except InvalidOperation as error:  # pragma: no cover (the pattern admits decimals only)
-        raise UnitError(f"{_shown(text)} is not a number", _how_to_write(name, quantity)) from error
+    numerator, denominator = Decimal(match[1]).as_integer_ratio()
     unit = match[2]
     if _THOUSANDS.match(text.strip()):
         raise UnitError(
             f"{_shown(text)} may mean two numbers", "Remove the comma, or write a decimal point"
         )
-    if _COMMA.match(unit):
+    if re.match(r",\d", unit):
         raise UnitError(
             f"{_shown(text)} has a decimal comma", "Write the number with a point, as in 0.5"
         )
@@ -297,30 +255,25 @@ def with_unit(text: str, unit: str) -> str:
     `unit` is empty where the heading has none. This is where tables of all sorts get their units.
     """
     text = text.strip().translate(_SIGNS)
-    return f"{text} {unit}" if unit and _BARE.fullmatch(text) else text
+    return f"{text} {unit}" if unit and BARE_NUMBER.fullmatch(text) else text
 
 
 def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
     """Return the exact factor from a unit to that of a quantity.
 
-    Units are read as studies, tables and recordings have them: in the notation of pint (``m/s^2``),
-    of CF and UDUNITS (``m s-2``), with superscripts, and in the words of the trade (``parts/min``,
-    ``rpm``, ``g`` of an acceleration).
-
-    Raises
-    ------
-    UnitError
-        If the text is a unit of another kind; `name` is the parameter's, for messages.
-    UnknownUnitError
-        If it is no unit.
+    Units are read in the notation of pint (``m/s^2``), of CF and UDUNITS (``m s-2``), with
+    superscripts, and in the words of the trade (``parts/min``, ``rpm``, ``g`` of an acceleration).
+    Raises `UnitError` for a unit of another kind, `UnknownUnitError` for none; `name` is the
+    parameter's, for messages.
     """
     fix = _how_to_write(name, quantity)
     try:
         # Gravity itself in g is a slip of the pen for m/s^2.
         return _factor(quantity.unit, " ".join(unit.split()), with_g=quantity.symbol != "g")
     except _AngularError as error:
-        message = f"'{unit}' is an angular velocity, not a frequency"
-        raise UnitError(message, f"Divide the number by 2 pi. {fix}") from error
+        raise UnitError(
+            f"'{unit}' is an angular velocity, not a frequency", f"Divide the number by 2 pi. {fix}"
+        ) from error
     except _OtherKindError as error:
         raise UnitError(f"'{unit}' does not measure {quantity.label.lower()}", fix) from error
     except ValueError as error:
@@ -330,20 +283,15 @@ def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
 def in_own_unit(name: str, quantity: Quantity, value: Any) -> Any:
     """Return an array in the unit of a quantity: converted if it carries another one.
 
-    A data array of xarray keeps its labels; what carries no unit is returned as it is.
-
-    Raises
-    ------
-    UnitError
-        If its unit is none of the quantity; `name` is for messages.
+    A data array of xarray keeps its labels; what carries no unit is returned as it is. Raises
+    `UnitError` if its unit is none of the quantity; `name` is for messages.
     """
     numbers, unit = apart(value)
     if not unit:
         return value
     factor = float(unit_factor(name, quantity, unit))
-    if hasattr(value, "dims"):
-        return value.copy(data=numbers * factor).drop_attrs()
-    return numbers * factor
+    converted = numbers * factor
+    return value.copy(data=converted).drop_attrs() if hasattr(value, "dims") else converted
 
 
 class _OtherKindError(Exception):
@@ -356,12 +304,6 @@ class _AngularError(Exception):
 
 @functools.lru_cache(512)  # of tables, whose columns repeat theirs
 def _factor(own: str, unit: str, *, with_g: bool) -> Fraction:
-    """Return the exact factor from a text of a unit to the unit `own` of quantities.
-
-    With `with_g` an acceleration may be in ``g``, the standard gravity; else that is the gram.
-    Raises `ValueError` for a text that is no unit, `_OtherKindError` or `_AngularError` for one of
-    another kind.
-    """
     if unit == own or (own == "1" and unit == "-"):
         return Fraction(1)
     if own == "1" and unit == PERCENT:
@@ -384,13 +326,10 @@ def _factor(own: str, unit: str, *, with_g: bool) -> Fraction:
         raise _OtherKindError from error
 
 
-def _quantity(text: str) -> pint.Quantity[Fraction]:
-    """Return 1 of a unit in pint's notation; raise `ValueError` if it is none.
-
-    A word with a capital letter, such as "Sec", is read as its small letters if it is none itself.
-    """
-    small = _TITLE.sub(lambda first: first[0].lower(), text)
-    for tried in dict.fromkeys((text, small)):
+def _quantity(text: str) -> Any:
+    for tried in dict.fromkeys(
+        (text, re.sub(r"\b[A-Z](?=[a-z]{2,})", lambda first: first[0].lower(), text))
+    ):
         try:
             return _registry().Quantity(Fraction(1), tried)
         except Exception:  # pint raises of many kinds for a malformed unit
@@ -399,8 +338,7 @@ def _quantity(text: str) -> pint.Quantity[Fraction]:
 
 
 def _plain(unit: str) -> str:
-    """Return a unit with the signs of a keyboard: superscripts as "**2", "·" as "*"."""
-    text = _RAISED.sub(lambda power: f"**{power[0].translate(_SUPERSCRIPTS)}", unit)
+    text = re.sub("[⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻]+", lambda power: f"**{power[0].translate(_SUPERSCRIPTS)}", unit)
     text = text.translate(_SIGNS)
     return re.sub(r"^(per\b|/)\s?", "1/", text)
 
@@ -409,7 +347,7 @@ def _spelled(own: str, unit: str, *, with_g: bool) -> str:
     compact = unit.replace(" ", "")
     if own == "m s-2" and with_g and (gravity := _GRAVITY.fullmatch(compact)):
         return f"{_PREFIXES[gravity[1]]}standard_gravity"
-    if own in _MOVING and (joined := _JOINED.fullmatch(compact)):
+    if own in ("m s-1", "m s-2", "m s-3") and (joined := _JOINED.fullmatch(compact)):
         return f"{joined[1]}*s**{joined[2]}"
     if own in _RATES and "hz" not in compact.lower():
         return _RATES[own].get(compact.lower()) or _COUNTED[own].sub("count", unit.lower())
@@ -417,51 +355,112 @@ def _spelled(own: str, unit: str, *, with_g: bool) -> str:
 
 
 def _in_pint(unit: str) -> str:
-    """Return a unit in pint's notation: "kg m2.s-1" as "kg m**2*s**-1"."""
-    return _CF_POWER.sub(r"**\1", _CF_PRODUCT.sub("*", unit))
+    # CF and UDUNITS write "m s-2" and "kg.m2" for m*s**-2 and kg*m**2; g0 is no power.
+    return re.sub(
+        r"(?<=[A-Za-zμ])(-?[1-9])(?![\w.^]|\*\*)",
+        r"**\1",
+        re.sub(r"(?<=[\w°])\.(?=[A-Za-zμ°])", "*", unit),
+    )
 
 
 @functools.cache
-def _registry() -> pint.UnitRegistry[Fraction]:
+def _registry() -> Any:
     import pint  # costs half a second, and most studies need none but the words of `unit_words`
 
     return pint.UnitRegistry(non_int_type=Fraction)
 
 
-def _check_bounds(name: str, quantity: Quantity, number: float) -> None:
-    """Raise `UnitError` if a number is outside the bounds of its quantity.
-
-    `name` is the parameter, for the message, and `number` is in the unit of the quantity.
-    """
-    low, high = quantity.lower, quantity.upper
-    if number < low or (quantity.strict and number == low):
-        least = f"greater than {low:g}" if quantity.strict else f"at least {low:g}"
-        raise UnitError(f"{name} is {number:g}{quantity.suffix}", f"It must be {least}")
-    if number > high:
-        raise UnitError(f"{name} is {number:g}{quantity.suffix}", f"It must be at most {high:g}")
-
-
 def _how_to_write(name: str, quantity: Quantity) -> str:
-    """Return a sentence on how to write a value of a quantity in a study, with examples.
-
-    It is the fix in messages about a wrong value. `name` is the parameter, `quantity` its
-    declaration.
-    """
     if quantity.unit == "1":
         return f"Write {name} = {(*quantity.examples, '1')[0]} (a plain number)"
-    examples = quantity.examples or (f"1 {quantity.unit}",)
-    shown = " or ".join(f'"{example}"' for example in examples)
+    shown = " or ".join(
+        f'"{example}"' for example in (quantity.examples or (f"1 {quantity.unit}",))
+    )
     return f"Write {name} = {shown} (a bare number is in {quantity.unit})"
 
 
 def _shown(raw: object) -> str:
-    """Return a value as shown in messages, cut to 60 characters.
-
-    `raw` is what a user wrote, of any type.
-    """
     if isinstance(raw, bool):
         return str(raw).lower()  # as TOML and JSON have it
     if isinstance(raw, int) and abs(raw) > sys.float_info.max:  # Python may refuse to write it
         return "a number larger than 1.8e308"
     text = reprlib.repr(raw) if isinstance(raw, list | tuple | dict) else repr(raw)
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+# --- Arrays and quantities of other libraries, taken apart: numbers, units and dimensions.
+
+
+_PLAIN_NUMBER = re.compile(r"\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*")
+_NAMELESS = re.compile(r"dim_\d+")
+
+
+def apart(value: Any) -> tuple[Any, str]:
+    """Return the numbers of an array or quantity, and the unit that it carries, or "".
+
+    The value may be a data array of xarray with the attribute `units` or a quantity of pint inside,
+    a column of pandas, an array of numpy, a quantity of pint, astropy or unyt; anything else is
+    returned as it is.
+    """
+    unit = ""
+    if hasattr(value, "to_numpy"):
+        unit = _labelled_unit(value)
+        inside = getattr(value, "data", None)  # before to_numpy, which would lose the unit
+        value = inside if _unit_of(inside) is not None else value.to_numpy()
+    if (own := _unit_of(value)) is not None:
+        unit = _unit_text(own)
+        value = value.magnitude if hasattr(value, "magnitude") else value.value
+    kind = getattr(getattr(value, "dtype", None), "kind", "")
+    if kind == "m":
+        return value.astype("m8[ns]").astype(float) / 1e9, "s"
+    if kind == "M":  # else a list of it holds plain numbers
+        return value.astype(str), ""
+    return value, unit
+
+
+def with_own_unit(number: Any, unit: str) -> Any:
+    """Return a number, or the text of one, with its unit as text; as it is if the unit is empty."""
+    if isinstance(number, str) and _PLAIN_NUMBER.fullmatch(number):
+        return f"{number} {unit}".strip()
+    return f"{number!r} {unit}" if unit and isinstance(number, int | float) else number
+
+
+def dimension_of(value: Any) -> str:
+    """Return the name of the dimension of a labelled array; empty without one.
+
+    It is that of a data array of xarray, or the name of the index of a pandas column.
+    """
+    dims = getattr(value, "dims", None)
+    if isinstance(dims, tuple) and len(dims) == 1:
+        return "" if _NAMELESS.fullmatch(str(dims[0])) else str(dims[0])
+    return str(getattr(getattr(value, "index", None), "name", None) or "")
+
+
+def _labelled_unit(value: Any) -> str:
+    written = getattr(value, "attrs", None) or {}
+    attributes = {str(name).casefold(): unit for name, unit in written.items()}
+    indexes = getattr(value, "xindexes", None) or {}  # of pint-xarray: coordinates keep it there
+    in_index = [getattr(index, "units", None) or {} for index in indexes.values()]
+    carried = [
+        *(attributes.get(name) for name in ("units", "unit")),
+        *(units.get(value.name) for units in in_index if isinstance(units, dict)),
+        getattr(getattr(value, "dtype", None), "units", None),  # of pint-pandas
+    ]
+    return next((text for unit in carried if (text := _unit_text(unit))), "")
+
+
+def _unit_of(value: Any) -> Any:
+    if not (hasattr(value, "magnitude") or hasattr(value, "value")):
+        return None
+    unit = getattr(value, "units", getattr(value, "unit", None))
+    return None if isinstance(unit, str) else unit
+
+
+def _unit_text(unit: Any) -> str:
+    # pint's short names mean two things: "g" is standard gravity where accelerations are asked for.
+    one: Any = 1 * unit if hasattr(unit, "dimensionality") else None
+    if not hasattr(one, "unit_items"):
+        return "" if unit is None else str(unit).strip()
+    powers = dict(one.unit_items()).items()
+    factors = [name if power == 1 else f"{name}**{power:g}" for name, power in powers]
+    return "*".join(factors) or "dimensionless"

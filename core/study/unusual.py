@@ -56,9 +56,8 @@ def questions(content: object) -> list[str]:
     for part, given in parts.items():
         for name, raw in given.items() if isinstance(given, Mapping) else ():
             quantity = QUANTITIES.get(str(name))
-            if quantity is None or quantity.usual is None:
-                continue
-            if part == "parameters" and name in fitted:
+            known = part == "parameters" and name in fitted
+            if known or quantity is None or quantity.usual is None:
                 continue
             question = _question(str(name), quantity, quantity.usual, [*leaves_of(raw)])
             asked += [question] if question else []
@@ -105,7 +104,6 @@ def likely_unit_of_times(frequency: float) -> str | None:
 
 
 def _fitted(content: Mapping[Any, Any]) -> dict[str, float]:
-    """Return the parameters of a study that are the numbers of its fitted drive, by name."""
     drive, parameters = content.get("drive"), content.get("parameters")
     numbers = drive.get("numbers") if isinstance(drive, Mapping) else None
     if not isinstance(numbers, Mapping) or not isinstance(parameters, Mapping):
@@ -118,10 +116,6 @@ def _fitted(content: Mapping[Any, Any]) -> dict[str, float]:
 
 
 def _columns(rows: object) -> dict[str, list[Any]]:
-    """Return the values of observations by column, from rows as a study or a table has them.
-
-    Empty for anything else than rows.
-    """
     columns: dict[str, list[Any]] = {}
     for row in [rows] if isinstance(rows, Mapping) else rows if isinstance(rows, list) else ():
         for name, raw in row.items() if isinstance(row, Mapping) else ():
@@ -130,10 +124,6 @@ def _columns(rows: object) -> dict[str, list[Any]]:
 
 
 def _questions_of_vertical(content: object) -> list[str]:
-    """Return the question about an amplitude that a vertical one and the angle `beta` make.
-
-    It is computed of the largest vertical amplitude and the flattest angle in a study's `content`.
-    """
     flattest = min((abs(math.sin(math.radians(one))) for one in _all(content, "beta")), default=0.0)
     asked = []
     for name, makes in VERTICAL.items():
@@ -150,7 +140,6 @@ def _questions_of_vertical(content: object) -> list[str]:
 
 
 def _all(content: object, name: str) -> list[float]:
-    """Return all values of a parameter in a study's `content`, in the unit of its quantity."""
     sections = [content.get(part) for part in PARTS] if isinstance(content, Mapping) else []
     written = [one[name] for one in sections if isinstance(one, Mapping) and name in one]
     leaves = [leaf for raw in written for leaf in leaves_of(raw)]
@@ -174,17 +163,11 @@ def leaves_of(raw: object) -> Iterator[Any]:
 def _question(
     name: str, quantity: Quantity, usual: tuple[float, float], leaves: list[Any]
 ) -> str | None:
-    """Return the question about a parameter's unusual value; None if all are usual.
-
-    `usual` are the least and the largest usual value in the quantity's unit, `leaves` the values as
-    the user wrote them. If a slip is likely, such as radians for degrees, the question names it.
-    """
     if not leaves:  # what is uncertain may come from a file
         return None
     sizes = [abs(value) for value in read_numbers(name, quantity, leaves)]
-    largest = max(sizes, default=0.0)
-    low, high = usual
-    typed = leaves[sizes.index(largest)] if sizes else None
+    largest, (low, high) = max(sizes), usual
+    typed = leaves[sizes.index(largest)]
     is_bare = not isinstance(typed, str)
     if largest <= high and not (is_bare and 0 < largest < low):
         return None
@@ -199,12 +182,6 @@ def _question(
 
 
 def _slip(name: str, quantity: Quantity, usual: tuple[float, float], typed: Any) -> str | None:
-    """Return the value as it was probably meant, such as ``"5 mm"`` for 5; None without one.
-
-    That is the number in another common unit, if it would be usual then. `usual` are the least and
-    the largest usual value of the parameter `name`, and `typed` is the number that the user wrote
-    without a unit.
-    """
     unit = SLIPS.get(quantity.unit)
     if unit is None:  # of a share, per cent
         text, value = f"{typed / 100:g}", typed / 100

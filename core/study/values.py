@@ -9,24 +9,20 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
 from operator import gt, lt
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.study.shown import Shown, ShownUnits
 from vibrafeed.core.study.units import UnitError, read_number, read_numbers
 from vibrafeed.core.suggestions import suggestion
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
 
 # --- Spaced values, each as a person would type it.
 #
@@ -107,11 +103,7 @@ def geometrically(
 
 @functools.lru_cache(maxsize=256)
 def _steps(first: float, last: float, size: int) -> tuple[int, int, int]:
-    """Return integers a, b, c such that value k of an evenly spaced axis is exactly (a + b k)/c.
-
-    So the values are those that a user means: 0.1, 0.2, 0.3, without errors that add up. `first`
-    and `last` are the ends, `size` is the number of values.
-    """
+    # Integers a, b, c: value k of the axis is exactly (a + b k)/c, as a user means it.
     begin = as_typed(first)
     step = (as_typed(last) - begin) / (size - 1)
     common = begin.denominator * step.denominator
@@ -123,10 +115,6 @@ def _steps(first: float, last: float, size: int) -> tuple[int, int, int]:
 def _approximately(
     first: float, last: float, size: int, start: int, stop: int
 ) -> NDArray[np.float64]:
-    """Return the values from `start` to before `stop` of numpy's linspace, bit by bit, shape (n,).
-
-    The whole has `size` values from `first` to `last`; those that are not wanted are not computed.
-    """
     values = np.arange(start, stop, dtype=np.float64)
     step = (last - first) / (size - 1)
     values = values * step if step else values / (size - 1) * (last - first)
@@ -136,12 +124,17 @@ def _approximately(
     return values
 
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
 MAX_POINTS = 100_000_000  # values of one axis: more is a typing error, and would fill the memory
 RANGE_KEYS = ("start", "stop", "num", "step", "spacing")
+
+
+class NamedNumbers:
+    """Numbers that a user names: bounds, or what makes a distribution."""
+
+    def canonical(self) -> dict[str, Any]:
+        """Return them as plain JSON, in the quantity's unit."""
+        given = {name: value for name, value in vars(self).items() if value is not None}
+        return {n: [*value] if isinstance(value, tuple) else value for n, value in given.items()}
 
 
 @dataclass(frozen=True)
@@ -189,8 +182,9 @@ class Span:
 
         A part has the bits of the whole. Linear values are as typed (`evenly`).
         """
-        spaced = geometrically if self.spacing == "log" else evenly
-        return spaced(self.start, self.stop, self.size, start, stop)
+        return (geometrically if self.spacing == "log" else evenly)(
+            self.start, self.stop, self.size, start, stop
+        )
 
     def canonical(self) -> Any:
         """Return the range of a parameter as plain JSON in the quantity's unit, to store it.
@@ -209,15 +203,11 @@ Values = Fixed | Points | Span
 
 
 @dataclass(frozen=True)
-class Between:
+class Between(NamedNumbers):
     """The bounds of what an optimiser may choose, both included."""
 
     lower: float
     upper: float
-
-    def canonical(self) -> Any:
-        """Return the bounds as plain JSON, in the quantity's unit."""
-        return {"lower": self.lower, "upper": self.upper}
 
 
 def read_between(name: str, raw: object, quantity: Quantity | None = None) -> Between:
@@ -306,11 +296,6 @@ def position_on_axis(
 
 
 def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object, ...]) -> Points:
-    """Return the values of a parameter that a study gives as a list, in the quantity's unit.
-
-    `raw` has numbers or texts with a unit. Raises `UnitError` if there are none, or they neither
-    ascend nor descend. `name` and `quantity` are the parameter and its declaration.
-    """
     if not raw:
         raise UnitError(f"the list of values of {name} is empty", "Give at least one value")
     values = read_numbers(name, quantity, raw)
@@ -327,11 +312,6 @@ def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object
 
 
 def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span:
-    """Return the range of a parameter that a user wrote as a mapping: start, stop, and num or step.
-
-    `name` and `quantity` are the parameter and its declaration with a unit. Raises `UnitError` for
-    other keys, ends that do not ascend, and more than `MAX_POINTS` values.
-    """
     unknown = [key for key in raw if key not in RANGE_KEYS]
     if unknown:
         raise UnitError(
@@ -376,10 +356,6 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
 
 
 def _num(name: str, raw: object) -> int:
-    """Return the number of values of a range that a user wrote; raise `UnitError` unless 2 or more.
-
-    `name` is the parameter.
-    """
     if isinstance(raw, bool) or not isinstance(raw, int) or raw < 2:
         raise UnitError(
             f"num of {name} is {str(raw)[:40]!r}, not a number of values",
@@ -391,15 +367,11 @@ def _num(name: str, raw: object) -> int:
 def _step(
     name: str, quantity: Quantity, start: float, stop: float, raw: object
 ) -> tuple[float, int]:
-    """Return the last value of a range with a step, and the number of its values.
-
-    The last value is `stop` if steps from `start` reach it, else the last one before; `raw` is the
-    step as the user wrote it. Raises `UnitError` if it is no step of the parameter `name`, or
-    larger than the range.
-    """
     # A step is a difference: it may be smaller than a strict lower bound allows a value to be.
-    step = read_number(f"step of {name}", as_difference(quantity), raw)
-    first, apart = as_typed(start), as_typed(step)
+    first, apart = (
+        as_typed(start),
+        as_typed(read_number(f"step of {name}", as_difference(quantity), raw)),
+    )
     steps = (as_typed(stop) - first) / apart
     if steps > MAX_POINTS:
         return stop, int(min(steps, Fraction(10**18))) + 1
@@ -418,7 +390,4 @@ def as_difference(quantity: Quantity) -> Quantity:
     It is used to read a step of a range or a standard deviation, whose bounds are not the
     quantity's own.
     """
-    return Quantity(
-        quantity.unit, quantity.symbol, quantity.label, quantity.description, 0.0, strict=True,
-        examples=quantity.examples,
-    )  # fmt: skip
+    return replace(quantity, lower=0.0, upper=math.inf, strict=True)

@@ -13,7 +13,7 @@ from vibrafeed.core.plan.plan import choose_scene
 from vibrafeed.core.plan.prepared import plan_study
 from vibrafeed.core.reduce.checks import problems_of, problems_of_names
 from vibrafeed.core.scenes import SCENES
-from vibrafeed.core.study.sweep_study import SweepStudy
+from vibrafeed.core.study.sweep_and_simulate import SweepStudy
 from vibrafeed.core.sweep.plain import DerivedSweep, ReducedSweep, Sweep
 from vibrafeed.core.watch import Watch
 

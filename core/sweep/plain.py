@@ -19,7 +19,7 @@ from vibrafeed.core.plan.sample import Sample
 from vibrafeed.core.plan.shares import SHARDS
 from vibrafeed.core.plan.tiles import Tiled
 from vibrafeed.core.reduce.reduced import Reduced
-from vibrafeed.core.study.sweep_study import SweepStudy
+from vibrafeed.core.study.sweep_and_simulate import SweepStudy
 from vibrafeed.core.sweep.cells import attributes_of, compute, label
 from vibrafeed.core.sweep.shares import Shards
 from vibrafeed.core.sweep.verify import verified

@@ -15,9 +15,9 @@ import vibrafeed
 from recordings import signal_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.intake.observed import read_rows
+from vibrafeed.core.intake.sections import read_rows
 from vibrafeed.core.measured import Recording, fit_drive
-from vibrafeed.core.measured.marks import contradictions
+from vibrafeed.core.measured.csv_table import contradictions
 from vibrafeed.core.study.unusual import questions
 
 GRAVITY = 9.80665

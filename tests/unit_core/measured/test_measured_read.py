@@ -14,8 +14,8 @@ from scipy.spatial.transform import Rotation
 from recordings import DRIVE, csv_of, signal_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.measured import Recording, fit_drive, read, read_signal, read_table
-from vibrafeed.core.measured.read import name_and_unit
+from vibrafeed.core.measured import Recording, csv_table, fit_drive, read_signal, read_table
+from vibrafeed.core.measured.csv_table import name_and_unit
 
 PLAIN = "time [s],ax [g],ay\n0,1,2\n0.1,3,-4e-1\n"
 TEXT = csv_of(signal_of(DRIVE, count=400))
@@ -213,12 +213,12 @@ def test_files_that_are_too_large_or_no_text_are_refused(tmp_path, monkeypatch):
     assert refused(file) == [
         "recording: the file is not a text file. Export the recording as CSV, in UTF-8."
     ]
-    monkeypatch.setattr("vibrafeed.core.measured.read.MAX_BYTES", 1000)
+    monkeypatch.setattr("vibrafeed.core.measured.csv_table.MAX_BYTES", 1000)
     file.write_bytes(TEXT.encode())
     for source in (file, TEXT):
         assert "MB, the limit is 0 MB. Shorten the recording" in refused(source)[0]
     monkeypatch.undo()
-    monkeypatch.setattr("vibrafeed.core.measured.read.MAX_ROWS", 100)
+    monkeypatch.setattr("vibrafeed.core.measured.csv_table.MAX_ROWS", 100)
     told = refused(TEXT)[0]
     assert told.startswith("recording: it has more than 100 rows. Shorten the recording")
 
@@ -429,7 +429,7 @@ def test_a_heading_has_a_name_and_perhaps_a_unit(heading, name, unit):
 
 def test_no_pattern_of_headings_tries_one_place_after_the_other():
     """Blanks between name and bracket, 20,000 of them, held the interpreter for seconds."""
-    source = Path(read.__file__).read_text()
+    source = Path(csv_table.__file__).read_text()
     patterns = re.findall(r're\.compile\(r"(.*?)"\)', source)
     assert patterns
     for pattern in patterns:

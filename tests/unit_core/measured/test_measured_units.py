@@ -7,7 +7,7 @@ import pytest
 
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake.forms import resolve_files
-from vibrafeed.core.intake.observed import read_rows
+from vibrafeed.core.intake.sections import read_rows
 from vibrafeed.core.measured import Recording, read_signal
 
 TIMES = np.arange(200) / 2000

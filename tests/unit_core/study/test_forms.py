@@ -19,7 +19,7 @@ from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import forms, parse_study, read_content, read_json, read_toml
 from vibrafeed.core.intake.forms import FORMS, REQUESTS, resolve_files, to_curl, to_powershell
 from vibrafeed.core.kinds import KINDS
-from vibrafeed.core.study.drive import names_recording
+from vibrafeed.core.study.grid_study import names_recording
 
 CONFIGS = sorted((Path(__file__).parents[3] / "configs").rglob("*.toml"))
 PLANE = {

@@ -10,14 +10,12 @@ from vibrafeed.app.cli.questions import QUESTIONS
 from vibrafeed.core.catalogue import describe_all
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, prepare_content, read_content
-from vibrafeed.core.intake.keywords import KEYS
+from vibrafeed.core.intake.forms import keys_of_studies
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.optimise.methods import METHODS
 from vibrafeed.core.quantities import QUANTITIES, WORD_OF
-from vibrafeed.core.study.drive import RecordedDrive
-from vibrafeed.core.study.grid_study import PARAMETERS
-from vibrafeed.core.study.section_names import CRITERIA
+from vibrafeed.core.study.grid_study import CRITERIA, PARAMETERS, RecordedDrive
 from vibrafeed.core.study.units import UnitError
 from vibrafeed.core.study.unusual import questions
 from vibrafeed.core.study.values import position_on_axis
@@ -48,7 +46,7 @@ def test_other_names_stand_for_names_that_there_are():
     known = {
         *QUANTITIES,
         *scenes,
-        *KEYS,
+        *keys_of_studies(),
         *RecordedDrive.model_fields,
         *KINDS,
         *CRITERIA,

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import vibrafeed
 from vibrafeed.core.dataset.frame import FrameColumn, heading
 from vibrafeed.core.dataset.table import TableVariable, quantity_attributes
-from vibrafeed.core.measured.read import name_and_unit
+from vibrafeed.core.measured.csv_table import name_and_unit
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.study.shown import SI, SMALLER, TRADE, ShownUnits, read_shown
 from vibrafeed.core.study.units import UnitError, read_number, unit_factor, with_unit

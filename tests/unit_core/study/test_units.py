@@ -6,7 +6,7 @@ import pytest
 
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import parse_study, read_json
-from vibrafeed.core.intake.text import read_toml
+from vibrafeed.core.intake.forms import read_toml
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.study.units import UnitError, read_number
 

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import os
 import re
+import warnings
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.intake.messages import problems_of
+from vibrafeed.core.intake.forms import read_content, read_json, read_toml
 from vibrafeed.core.intake.recorded import channel_questions, tilt_questions
-from vibrafeed.core.intake.section import Stranger
+from vibrafeed.core.intake.section import Stranger, problems_of
 from vibrafeed.core.intake.sections import SECTIONS, in_letters, words_in
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plan.kind import Sketch
@@ -24,8 +27,9 @@ from vibrafeed.core.study.unusual import questions
 from vibrafeed.core.suggestions import nearest
 
 if TYPE_CHECKING:
-    from vibrafeed.core.measured.drive import Fit
+    from vibrafeed.core.measured.fit import Fit
     from vibrafeed.core.plan.kind import Kind
+    from vibrafeed.core.study.sweep_and_simulate import SimulateStudy
 
 
 _LETTER = re.compile(rf"\b(?:{'|'.join(WORD_OF)})\b")
@@ -40,13 +44,13 @@ class Draft:
     Attributes
     ----------
     content : object
-        Content of the file or request; after `resolve` with the numbers of files in it.
+        Of the file or request; after `resolve` with the numbers of files in it.
     problems : list of Problem
-        Problems of the files that the study names.
+        Those of the files that the study names.
     unread : set of str
         Sections whose files could not be read: no further problem of them is reported.
     fit : Fit or None
-        Fit of the recording, if the study names one.
+        Of the recording, if the study names one.
     words : dict of str to str
         The words that the study has for angles, by their letters.
     """
@@ -71,19 +75,19 @@ class Draft:
     @property
     def questions(self) -> tuple[str, ...]:
         """Questions about values that are allowed and unusual, those of files as those typed."""
-        asked = (
-            *questions(self.content),
-            *channel_questions(self.fit),
-            *tilt_questions(self.fit, self.content),
+        return tuple(
+            map(
+                self._in_words,
+                (
+                    *questions(self.content),
+                    *channel_questions(self.fit),
+                    *tilt_questions(self.fit, self.content),
+                ),
+            )
         )
-        return tuple(map(self._in_words, asked))
 
     def resolve(self, *, files: bool) -> Draft:
-        """Return this draft of a study with file names replaced by the numbers in the files.
-
-        `files` is True if files of this machine may be read, which a study from the network may not
-        ask for. Changes the draft, and adds the problems found.
-        """
+        """Put the numbers in files for their names, if they may be read; return this draft."""
         keys = _keys_of(self.kind) if self.kind else SECTIONS
         for key, section in SECTIONS.items():
             there = isinstance(self.content, Mapping) and key in self.content and key in keys
@@ -96,26 +100,27 @@ class Draft:
         return self
 
     def check(self) -> Study:
-        """Return the validated study of this draft, of the model of its kind.
+        """Return the valid study; raise `StudyError` with all problems of values, keys and files.
 
-        Raises `StudyError` with all problems of values, keys and files. Without a known kind, the
-        values are checked by the kind that was probably intended.
+        Without a known kind, the values are checked by the kind that was probably intended.
         """
         if not isinstance(self.content, Mapping):
-            fix = "Write keys with values: kind, scene, outputs, ..."
             raise StudyError(
                 [
-                    Problem("study", "the study is not an object with keys and values", fix),
+                    Problem(
+                        "study",
+                        "the study is not an object with keys and values",
+                        "Write keys with values: kind, scene, outputs, ...",
+                    ),
                     *self.problems,
                 ]
             )
-        if self.kind is None:
-            problem, likely = _no_kind(self.content)
-            content = {**self.content, "kind": likely.name}
-            _, found = self._validated(likely, content)
-            raise self._error([problem, *found, *self.problems])
-        study, problems = self._validated(self.kind, self.content)
-        problems += self.problems
+        kind, problems = self.kind, list[Problem]()
+        if kind is None:
+            problem, kind = _no_kind(self.content)
+            problems = [problem]
+        study, found = self._validated(kind, {**self.content, "kind": kind.name})
+        problems += [*found, *self.problems]
         if study is None or problems:
             raise self._error(problems)
         return study
@@ -136,11 +141,11 @@ class Draft:
             prepared = KINDS[study.kind].prepare(study)
         except StudyError as error:
             raise self._error(error.problems) from None
-        asked = map(self._in_words, prepared.questions)
-        return replace(prepared, questions=(*self.questions, *asked))
+        return replace(
+            prepared, questions=(*self.questions, *map(self._in_words, prepared.questions))
+        )
 
     def _error(self, problems: Iterable[Problem]) -> StudyError:
-        """Return the error with problems of this study, which name angles as the user did."""
         said = self._in_words
         return StudyError(
             replace(one, place=said(one.place), message=said(one.message), fix=said(one.fix))
@@ -148,55 +153,46 @@ class Draft:
         )
 
     def _in_words(self, text: str) -> str:
-        """Return a message with the words that the study has for angles in place of letters."""
         return _LETTER.sub(lambda found: self.words.get(found[0], found[0]), text)
 
     def _validated(
         self, kind: Kind, content: Mapping[str, Any]
     ) -> tuple[Study | None, list[Problem]]:
-        """Return the study if its content is valid, else None, and the problems of its content.
-
-        `kind` is the kind of study whose model checks the `content`. Problems of keys that could
-        not be read are left out, as they are known.
-        """
         keys = _keys_of(kind)
 
         def unknown(stranger: Stranger) -> Problem:
-            """Return the problem of an unknown key at the top level of the study."""
             name, section = stranger.name, SECTIONS.get(stranger.name)
             if section is not None and section.absent is not None:
                 return section.absent(stranger)
-            message = f"'{name}' is not a key of kind '{kind.name}'"
-            return Problem(stranger.place, message, stranger.suggest(name, keys))
+            return Problem(
+                stranger.place,
+                f"'{name}' is not a key of kind '{kind.name}'",
+                stranger.suggest(name, keys),
+            )
 
         try:
             return kind.model.model_validate(content), []
         except ValidationError as error:
-            problems = problems_of(error, SECTIONS, unknown, keys, self._parameters())
-            return None, [one for one in problems if one.place not in self.unread]
+            return None, [
+                one
+                for one in problems_of(error, SECTIONS, unknown, keys, self._parameters())
+                if one.place not in self.unread
+            ]
 
     def _parameters(self) -> Collection[str]:
-        """Return the names of the parameters of the scene that the study names, for suggestions.
-
-        A misspelt parameter is compared with them. They are all parameters of all scenes if the
-        scene is unknown.
-        """
         names: set[str] = set()
         for scenes in self.kind.scenes if self.kind else ():
             scene = scenes.get(str(self.content.get("scene"))[:100])
             if scene is not None:
                 named = str(self.content.get(scene.choice))[:100]
-                chosen = named if named in scene.variants else scene.default_variant
-                names |= {*scene_parameters(scene, chosen)}
+                names |= {
+                    *scene_parameters(
+                        scene, named if named in scene.variants else scene.default_variant
+                    )
+                }
         return names or PARAMETERS
 
     def _objections(self, known: StudyError) -> list[Problem]:
-        """Return problems that planning the study would find, as far as it can be read.
-
-        So a study with errors of form shows those of its plan at the same time. `known` is the
-        error that checking the form has raised; fields that it names are left out, and nothing is
-        found where kind, scene or parameters cannot be read.
-        """
         kind = self.kind
         if kind is None or not isinstance(self.content.get("parameters"), Mapping):
             return []
@@ -209,10 +205,6 @@ class Draft:
         variant, method = (text if isinstance(text, str) else None for text in texts)
 
         def written(parameters: Collection[str]) -> list[str]:
-            """Return the parameters that the sections of the study give or leave open, as written.
-
-            `parameters` are those of the scene, or none while the scene is not known.
-            """
             some = (
                 section.names(self.content.get(key), parameters)
                 for key, section in sections.items()
@@ -220,14 +212,15 @@ class Draft:
             return [str(name) for names in some for name in names]
 
         def names(parameters: Collection[str]) -> list[str]:
-            """Return the same parameters, misspelt ones corrected."""
             return [*dict.fromkeys(names_intended(written(parameters)))]
 
         try:
-            sketch = Sketch(scene, variant, method, outputs, names(()))
-            chosen, variant, problems = kind.choose(sketch)
-            given = names(scene_parameters(chosen, variant))
-            plan_scene(chosen, variant, outputs[:MAX_OUTPUTS], given)
+            chosen, variant, problems = kind.choose(
+                Sketch(scene, variant, method, outputs, names(()))
+            )
+            plan_scene(
+                chosen, variant, outputs[:MAX_OUTPUTS], names(scene_parameters(chosen, variant))
+            )
         except StudyError as error:
             problems = [*problems, *error.problems]
         places = [problem.place for problem in known.problems]
@@ -236,11 +229,6 @@ class Draft:
         return [problem for problem in problems if problem.place not in places]
 
     def _outputs(self, kind: Kind) -> Iterable[Any]:
-        """Yield the names of all outputs that a study asks for, in whatever section.
-
-        If the key `outputs` is missing, those that its `kind` has by default come first. The values
-        are those of the unchecked content, and need not be texts.
-        """
         keys = _keys_of(kind)
         if "outputs" in keys and "outputs" not in self.content:
             default = kind.model.model_fields["outputs"].get_default()
@@ -251,16 +239,10 @@ class Draft:
 
 
 def _keys_of(kind: Kind) -> Collection[str]:
-    """Return the keys of studies of a kind."""
     return tuple(kind.model.model_fields)
 
 
 def _no_kind(content: Mapping[str, Any]) -> tuple[Problem, Kind]:
-    """Return the problem of an unknown or missing kind of study, and the kind probably intended.
-
-    That is the kind with the most similar name, else the one that has most of the keys in
-    `content`, the unchecked study; its rules find further problems.
-    """
     kind = content.get("kind")
     missing = kind is None
     said = None if missing else nearest(str(kind), KINDS)
@@ -271,3 +253,115 @@ def _no_kind(content: Mapping[str, Any]) -> tuple[Problem, Kind]:
     )
     shared = {name: len(set(_keys_of(one)) & set(content)) for name, one in KINDS.items()}
     return problem, KINDS[said or max(KINDS, key=lambda name: shared[name])]
+
+
+# --- Studies from files, requests and programs, with every problem of them at once.
+
+
+CALLER = 3
+"""Calls from a warning to who called a function of `vibrafeed` that reads a study here."""
+
+
+def load_study(path: str | os.PathLike[str]) -> Study:
+    """Return the study in a TOML or JSON file; a named recording is fitted.
+
+    Raises
+    ------
+    StudyError
+        With every problem of the file.
+
+    Examples
+    --------
+    >>> import vibrafeed
+    >>> study = vibrafeed.load_study("configs/figures/fig-5-1.toml")
+    >>> study.kind, study.scene
+    ('sweep', 'cylinder-on-plane')
+    """
+    return study_of(read_content(Path(path)))
+
+
+def study_of(content: object) -> Study:
+    """Return the study that a mapping describes, with the content of the files that it names.
+
+    Warns of values that are allowed and unusual.
+
+    Raises
+    ------
+    StudyError
+        With every problem.
+    """
+    draft = Draft(content).resolve(files=True)
+    study = draft.check()
+    for question in draft.questions:
+        warnings.warn(question, stacklevel=CALLER)
+    return study
+
+
+def parse_study(content: object) -> Study:
+    """Return the study that a mapping describes; raise `StudyError` with every problem of it.
+
+    A study that names files is refused: this is for content from the network.
+    """
+    return Draft(content).check()
+
+
+def parse_toml(text: str) -> Study:
+    """Return the study in a TOML text; raise `StudyError` with every problem of it."""
+    return parse_study(read_toml(text))
+
+
+def parse_json(text: str | bytes) -> Study:
+    """Return the study in a JSON text; raise `StudyError` with every problem of it."""
+    return parse_study(read_json(text))
+
+
+def study_and_fit(content: object) -> tuple[SimulateStudy, Fit]:
+    """Return a study of motion, and the fit of the recording from which its drive comes.
+
+    `content` holds the keys and values of the study; files of this machine are read.
+
+    Raises
+    ------
+    StudyError
+        With every problem, also if the study names no recording.
+    """
+    draft = Draft(content).resolve(files=True)
+    if draft.fit is None and not draft.problems:
+        draft.problems += [
+            Problem(
+                "drive",
+                "the drive of this study names no recording to fit",
+                "Give the file of a study, or a mapping, whose drive has file or data",
+            )
+        ]
+    study: SimulateStudy = draft.check()  # type: ignore[assignment] # whose kind is given
+    for question in draft.questions:
+        warnings.warn(question, stacklevel=CALLER)
+    assert draft.fit is not None  # else there is a problem
+    return study, draft.fit
+
+
+def prepare_content(content: object, only: str | None = None, *, files: bool = False) -> Prepared:
+    """Return the prepared study that the content of a file or request describes.
+
+    `content` holds the keys and values. `only` is the one accepted kind, whose cells are to be read
+    one by one; by default every kind is accepted. `files` is True if files of this machine may be
+    read, which no study from the network may ask for.
+
+    Raises
+    ------
+    StudyError
+        With every problem, those of single values and those of the study as a whole.
+    """
+    named = content.get("kind") if isinstance(content, Mapping) else None
+    draft = Draft(content)
+    if only is not None and draft.kind is not None and named != only:
+        draft.problems.append(
+            Problem(
+                "kind", f"'{named}' is not the kind that is wanted here", f"Set kind = '{only}'"
+            )
+        )
+    prepared = draft.resolve(files=files).prepare()
+    if only is not None:
+        prepared.check_lazy(f"Leave it out, or POST to /processes/{only}/execution")
+    return prepared

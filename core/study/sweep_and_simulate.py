@@ -7,31 +7,65 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import AliasChoices, Field, PlainValidator, WithJsonSchema
-from pydantic_core import PydanticCustomError
+from pydantic import AfterValidator, AliasChoices, Field, PlainValidator, WithJsonSchema
 
-from vibrafeed.core.study.grid_study import MAX_OUTPUTS, DrivenStudy, Frozen, OutputNames
+from vibrafeed.core.study.grid_study import (
+    MAX_OUTPUTS,
+    DrivenStudy,
+    Frozen,
+    OutputNames,
+    Study,
+    refusal,
+)
 from vibrafeed.core.study.reduction import Reduction
-from vibrafeed.core.study.sensitivities import Sensitivities
+
+# --- The key `sensitivities` of sweeps and simulations: what outputs are derived by.
+
+
+MAX_PARAMETERS = 30
+
+
+def _read_sensitivities(raw: object) -> bool | tuple[str, ...] | None:
+    if raw is None or isinstance(raw, bool):
+        return raw or None
+    names = tuple(raw) if isinstance(raw, list | tuple) else ()
+    if 0 < len(names) <= MAX_PARAMETERS and all(isinstance(name, str) for name in names):
+        return tuple(dict.fromkeys(names))
+    raise refusal(
+        f"{reprlib.repr(raw)[:40]} is neither true nor a list of parameter names",
+        'Write true for all parameters that the study gives, or a list such as ["friction"]',
+    )
+
+
+Sensitivities = Annotated[
+    bool | tuple[str, ...] | None,
+    PlainValidator(_read_sensitivities),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "boolean"},
+                {
+                    "type": "array",
+                    "items": {"type": "string", "maxLength": 100},
+                    "minItems": 1,
+                    "maxItems": MAX_PARAMETERS,
+                },
+                {"type": "null"},
+            ]
+        }
+    ),
+    Field(
+        description="Also give the derivative of each output by these parameters, and its "
+        "elasticity d ln(output)/d ln(parameter): true for all that the study gives, or a list of "
+        "names."
+    ),
+]
 
 MAX_SAMPLES = 100_000
 LATEST = 1e6  # s, latest time of a trajectory: eleven days, to which floats resolve a microsecond
-_TRAJECTORY_SCHEMA = {
-    "anyOf": [
-        {"type": "integer", "minimum": 2, "maximum": MAX_SAMPLES},
-        {
-            "type": "array",
-            "items": {"type": "number", "minimum": 0},
-            "minItems": 1,
-            "maxItems": MAX_SAMPLES,
-        },
-        {"type": "null"},
-    ]
-}
 
 
 def _are_times(raw: Sequence[object]) -> bool:
-    """True if values that a user wrote are ascending times from 0 to `LATEST`, in seconds."""
     numbers = [x for x in raw if isinstance(x, int | float) and not isinstance(x, bool)]
     if not 0 < len(raw) <= MAX_SAMPLES or len(numbers) < len(raw):
         return False
@@ -40,23 +74,15 @@ def _are_times(raw: Sequence[object]) -> bool:
 
 
 def _read_trajectory(raw: object) -> int | tuple[float, ...] | None:
-    """Return a trajectory's number of steps, or its times in seconds; None for none.
-
-    Raises a validation error for anything else, or for times that do not rise.
-    """
     whole = isinstance(raw, int) and not isinstance(raw, bool)
     if raw is None or (whole and 2 <= raw <= MAX_SAMPLES):  # type: ignore[operator]
         return raw  # type: ignore[return-value]
     if isinstance(raw, list | tuple) and _are_times(raw):
         return tuple(float(number) for number in raw)
-    raise PydanticCustomError(
-        "value",
-        "{message}",
-        {
-            "message": f"{reprlib.repr(raw)[:40]} is neither a number of steps nor a list of times",
-            "fix": f"Write a whole number from 2 to {MAX_SAMPLES:,}, or times in seconds that rise"
-            " from 0 or later",
-        },
+    raise refusal(
+        f"{reprlib.repr(raw)[:40]} is neither a number of steps nor a list of times",
+        f"Write a whole number from 2 to {MAX_SAMPLES:,}, or times in seconds that rise"
+        " from 0 or later",
     )
 
 
@@ -100,8 +126,7 @@ class MotionSettings(Frozen):
 
     def settings(self) -> dict[str, float]:
         """Return the settings in the study, by their names as quantities."""
-        given = {name: getattr(self, name) for name in SETTINGS}
-        return {name: float(value) for name, value in given.items() if value is not None}
+        return {n: float(one) for n in SETTINGS if (one := getattr(self, n)) is not None}
 
 
 class _Asked(FollowedStudy):
@@ -121,11 +146,54 @@ class SimulateStudy(MotionSettings, _Asked):
     trajectory: Annotated[
         int | tuple[float, ...] | None,
         PlainValidator(_read_trajectory),
-        WithJsonSchema(_TRAJECTORY_SCHEMA),
+        WithJsonSchema(
+            {
+                "anyOf": [
+                    {"type": "integer", "minimum": 2, "maximum": MAX_SAMPLES},
+                    {
+                        "type": "array",
+                        "items": {"type": "number", "minimum": 0},
+                        "minItems": 1,
+                        "maxItems": MAX_SAMPLES,
+                    },
+                    {"type": "null"},
+                ]
+            }
+        ),
     ] = Field(
         None,
         description="Also give the motion in time of the one point of the study: at this number of "
         "equal steps of its cycle, or at these times in seconds since the start of a period.",
+    )
+    reduce: Reduction | None = Field(
+        None, description="Statistics over some axes instead of all cells: docs/reduce.md."
+    )
+
+
+# --- The study of closed forms over a grid.
+
+
+class SweepStudy(Study):
+    """Closed-form equations of one scene over a grid of parameters."""
+
+    kind: Literal["sweep"] = Field(description="The kind of study.")
+    variant: str | None = Field(
+        None,
+        description="thesis (as printed), derived (errors corrected) or physical; the scene's "
+        "default where left out.",
+        max_length=100,
+    )
+    outputs: OutputNames = Field(
+        description="Names of the outputs.", min_length=1, max_length=MAX_OUTPUTS
+    )
+    sensitivities: Sensitivities = None
+    precision: Annotated[
+        Literal["double", "single"] | None,
+        AfterValidator(lambda value: None if value == "double" else value),  # equal studies agree
+    ] = Field(
+        None,
+        description="double (64-bit floats, the default) or single: values are computed in double "
+        "and stored in 32 bits, half the bytes, each rounded once more by at most 6e-8 of itself.",
     )
     reduce: Reduction | None = Field(
         None, description="Statistics over some axes instead of all cells: docs/reduce.md."

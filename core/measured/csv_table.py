@@ -10,9 +10,11 @@ import codecs
 import csv
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from datetime import datetime
+from functools import partial
 from io import StringIO
 from pathlib import Path
 from typing import NamedTuple
@@ -21,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.measured.marks import ONE_MARK, contradictions
+from vibrafeed.core.study.units import UnitError, problem
 from vibrafeed.core.suggestions import suggestion
 
 MAX_BYTES = 50_000_000  # bytes of a file, or characters of a text
@@ -31,25 +33,17 @@ MAX_LETTERS = 20_000  # characters of a line
 SHOWN = 3  # faults of a column that are listed one by one
 SAMPLED = 50  # rows that show the form of most rows
 MAX_ABOVE = 1_000  # rows and remarks above the table
-REMARKS = ("comment", "comments", "remark", "remarks")
 
 _IN_BRACKETS = re.compile(r"(\[[^\[\]]*\]|[\[(][^\[\]()]*[\])])\Z")
-_UNITS_ONLY = re.compile(r"([\[(][^\[\]]*[\])])?")
-_BARE_UNIT = re.compile(
-    r"-?|[nuµμm]?s(?:ec)?|[mk]?[gG]n?|Gal|[mc]?m[/·* ]?s\S{0,3}[2²]|m?V|[k]?Hz|°C?"
+_UNITS_ONLY = re.compile(
+    r"([\[(][^\[\]]*[\])])?"
+    r"|-?|[nuµμm]?s(?:ec)?|[mk]?[gG]n?|Gal|[mc]?m[/·* ]?s\S{0,3}[2²]|m?V|[k]?Hz|°C?"
 )
 SEPARATOR = re.compile(r'"?sep=(.)"?', re.IGNORECASE)
 """A line on top of a table that names what separates its cells, as spreadsheets have it."""
+_REMARKS = ("comment", "comments", "remark", "remarks")
 _CLOCK = re.compile(r"(?:\d{4}-\d\d-\d\d[T ])?\d\d:\d\d(?::\d\d.*)?")
-_ENCODINGS = ("utf-8-sig", "cp1252")  # the second is what a spreadsheet in Europe writes
 _MINUS = "\u2212"  # the minus sign of word processors and PDF files
-
-
-class Fault(NamedTuple):
-    """A cell that is no finite number: its line in the file and its text."""
-
-    line: int
-    text: str
 
 
 @dataclass(frozen=True)
@@ -62,8 +56,8 @@ class RecordingColumn:
         As written in the file; NaN where a cell is faulty.
     unit : str
         What the header says in brackets; empty if it says nothing.
-    faults : tuple of Fault
-        The first faulty cells.
+    faults : tuple of (int, str)
+        Line and text of the first cells that are no finite numbers.
     faulty : int
         How many there are.
     contradiction : str
@@ -72,7 +66,7 @@ class RecordingColumn:
 
     values: NDArray[np.float64]
     unit: str
-    faults: tuple[Fault, ...] = ()
+    faults: tuple[tuple[int, str], ...] = ()
     faulty: int = 0
     contradiction: str = ""
 
@@ -84,30 +78,68 @@ class RecordingTable:
     columns: Mapping[str, RecordingColumn]
     lines: NDArray[np.int64]
 
-    def column(self, name: str, path: str, problems: list[Problem]) -> RecordingColumn | None:
-        """Return a recording's column by name; None if it is missing or has faulty cells.
+    def column(self, name: str, path: str) -> RecordingColumn:
+        """Return a column by name; raise `StudyError` if it is missing or has faulty cells.
 
-        Its problems are then added to `problems`, with the lines of the first faulty cells. `path`
-        is the place in the study where the column is named, for the messages.
+        `path` is the place in the study where the column is named, for the messages.
         """
         column = self.columns.get(name)
         if column is None:
-            message = f"the recording has no column '{name[:60]}'"
-            problems.append(Problem(path, message, suggestion(name, self.columns), name))
-            return None
-        if column.contradiction:
-            fix = ONE_MARK
-            problems.append(Problem(path, column.contradiction, fix, name))
-            return None
-        for fault in column.faults:
-            message = f"line {fault.line} of column '{name}' is not a number: {fault.text[:40]!r}"
-            problems.append(
-                Problem(path, message, "Correct the line of the recording, or remove it", name)
+            raise StudyError(
+                [
+                    Problem(
+                        path,
+                        f"the recording has no column '{name[:60]}'",
+                        suggestion(name, self.columns),
+                        name,
+                    )
+                ]
             )
+        if column.contradiction:
+            raise StudyError([Problem(path, column.contradiction, ONE_MARK, name)])
+        problems = [
+            Problem(
+                path,
+                f"line {line} of column '{name}' is not a number: {text[:40]!r}",
+                "Correct the line of the recording, or remove it",
+                name,
+            )
+            for line, text in column.faults
+        ]
         if column.faulty > SHOWN:
-            message = f"{column.faulty:,} cells of column '{name}' are not finite numbers"
-            problems.append(Problem(path, message, "Export the recording again", name))
-        return None if column.faulty else column
+            problems.append(
+                Problem(
+                    path,
+                    f"{column.faulty:,} cells of column '{name}' are not finite numbers",
+                    "Export the recording again",
+                    name,
+                )
+            )
+        if problems:
+            raise StudyError(problems)
+        return column
+
+
+@contextmanager
+def gathered(problems: list[Problem], path: str = "") -> Iterator[None]:
+    """Add the problems found within to `problems`, so that what follows is looked at as well.
+
+    `path` is the place in the study of a value that may have a wrong unit.
+    """
+    try:
+        yield
+    except UnitError as error:
+        problems.append(problem(path, error))
+    except StudyError as error:
+        problems += error.problems
+
+
+def refused(path: str, message: str, fix: str) -> StudyError:
+    """Return the error of a recording with one problem."""
+    return StudyError([Problem(path, message, fix)])
+
+
+_refused = partial(refused, "recording")
 
 
 def read_table(source: str | Path) -> RecordingTable:
@@ -120,11 +152,6 @@ def read_table(source: str | Path) -> RecordingTable:
     the names. Cells may be dates with times, or times of day, after ISO 8601: they become seconds
     from the first.
 
-    Parameters
-    ----------
-    source : str or Path
-        A text is the content itself, a Path the file that holds it.
-
     Raises
     ------
     StudyError
@@ -135,8 +162,13 @@ def read_table(source: str | Path) -> RecordingTable:
     lines = _lines(_text_of(source))
     header, below, body = _parted(lines)
     _check_header(header)
-    names, units = _names(header)
-    units = [unit or other for unit, other in zip(units, below or units, strict=False)]
+    headings = [name_and_unit(cell) for cell in header]
+    names = [name for name, _ in headings]
+    twice = sorted({name for name in names if names.count(name) > 1 and name})
+    if twice:
+        raise _refused(f"two columns have the name '{twice[0]}'", "Rename one")
+    under = below or [""] * len(headings)
+    units = [unit or other for (_, unit), other in zip(headings, under, strict=False)]
     if not body:
         raise _refused("the recording holds no numbers", "Give rows of numbers below the names")
     if len(body) > MAX_ROWS:
@@ -148,42 +180,35 @@ def read_table(source: str | Path) -> RecordingTable:
     numbers = np.array([line for line, _ in body])
     cells = dict(zip(names, zip(*(row for _, row in body), strict=True), strict=True))
     wrong = contradictions(cells)
-    columns = {}
-    for (name, texts), unit in zip(cells.items(), units, strict=True):
-        points = texts if lines.delimiter == "," else [text.replace(",", ".") for text in texts]
-        column = _column(texts, points, unit, numbers)
-        columns[name] = replace(column, contradiction=wrong.get(name, ""))
+    columns = {
+        name: _column(texts, lines.delimiter, unit, numbers, wrong.get(name, ""))
+        for (name, texts), unit in zip(cells.items(), units, strict=True)
+    }
     return RecordingTable(columns, numbers)
 
 
 class _Lines(NamedTuple):
-    """The lines of a recording, taken apart: number and cells of each row and of each remark.
-
-    Remarks, lines that begin with ``#``, are kept as far as they may hold the names of columns.
-    """
+    """The lines of a recording, taken apart: number and cells of each row and of each remark."""
 
     rows: list[tuple[int, list[str]]]
-    remarks: list[tuple[int, list[str]]]
+    remarks: list[tuple[int, list[str]]]  # those that may hold the names of columns
     delimiter: str
 
     def is_number(self, cell: str) -> bool:
-        """True if a cell is a number, with a decimal comma where commas do not part cells."""
         return _is_number(cell if self.delimiter == "," else cell.replace(",", "."))
 
     def first_of_body(self) -> int:
-        """Return the index of the first row that has the form of most rows: its numbers."""
         sampled = self.rows[:: -max(len(self.rows) // SAMPLED, 1)]
         forms = Counter(tuple(map(self.is_number, cells)) for _, cells in sampled)
         form = max(forms, key=lambda form: (forms[form], len(form)))
-        for index, (_, cells) in enumerate(self.rows):
-            if len(cells) == len(form) and all(
-                self.is_number(cell) for cell, held in zip(cells, form, strict=True) if held
-            ):
-                return index
-        return 0
+        return next(
+            index
+            for index, (_, cells) in enumerate(self.rows)
+            if len(cells) == len(form)
+            and all(self.is_number(cell) for cell, held in zip(cells, form, strict=True) if held)
+        )
 
     def can_name(self, cells: list[str], width: int) -> bool:
-        """True if cells may be the names of so many columns: texts that do not begin as numbers."""
         if len(cells) != width and len(_without_remark(cells)) != width:
             return False
         texts = [cell.strip() for cell in cells if cell.strip()]
@@ -193,11 +218,6 @@ class _Lines(NamedTuple):
 
 
 def _parted(lines: _Lines) -> tuple[list[str], list[str], list[tuple[int, list[str]]]]:
-    """Return the cells of a table's header, those of a row of units, if any, and the body.
-
-    The header is the last row above the numbers that can name their columns; without one, the last
-    such remark; else the first row, whatever it holds.
-    """
     rows = lines.rows
     if not rows:
         return [], [], []
@@ -215,7 +235,7 @@ def _parted(lines: _Lines) -> tuple[list[str], list[str], list[tuple[int, list[s
         heads = [0]
     header, end = heads[-1], heads[-1] + 1
     units: list[str] = []
-    if header - 1 in heads and _holds_units(rows[header][1]):
+    if header - 1 in heads and all(_UNITS_ONLY.fullmatch(one.strip()) for one in rows[header][1]):
         header -= 1
         units = [cell.strip(" []()") for cell in rows[header + 1][1]]
     named = rows[header][1]
@@ -223,26 +243,16 @@ def _parted(lines: _Lines) -> tuple[list[str], list[str], list[tuple[int, list[s
 
 
 def _without_remark(cells: list[str]) -> list[str]:
-    """Return the headings without a last one that recorders leave out of rows where it is empty."""
-    return cells[:-1] if cells[-1].strip().casefold() in REMARKS else cells
-
-
-def _holds_units(cells: Sequence[str]) -> bool:
-    """True if the cells of a row are units of columns, and nothing else."""
-    texts = [cell.strip() for cell in cells]
-    return all(_UNITS_ONLY.fullmatch(text) or _BARE_UNIT.fullmatch(text) for text in texts)
+    return cells[:-1] if cells[-1].strip().casefold() in _REMARKS else cells
 
 
 def _check_header(header: list[str]) -> None:
-    """Raise `StudyError` if the first row of a recording does not name its columns.
-
-    `header` holds the cells of that row. Also if it is empty or has too many columns.
-    """
     if not header:
         raise _refused("the recording is empty", "Give a row of names, and rows of numbers below")
     if len(header) > MAX_COLUMNS:
         raise _refused(
-            f"it has {len(header):,} columns", f"Keep the {MAX_COLUMNS} that are used at most"
+            f"it has {len(header):,} columns",
+            f"Keep the {MAX_COLUMNS} that are used at most",
         )
     if all(_is_number(cell) for cell in header):
         raise _refused(
@@ -252,10 +262,6 @@ def _check_header(header: list[str]) -> None:
 
 
 def _text_of(source: str | Path) -> str:
-    """Return the text of a recording, from a text itself or a file, without byte order mark.
-
-    Raises `StudyError` if it is too long, or the file is not text in a known encoding.
-    """
     if isinstance(source, str):
         if len(source) > MAX_BYTES:
             raise _too_long(len(source))
@@ -267,23 +273,21 @@ def _text_of(source: str | Path) -> str:
     try:
         return decoded(raw)
     except ValueError:
-        fix = "Export the recording as CSV, in UTF-8"
-        raise _refused("the file is not a text file", fix) from None
+        raise _refused(
+            "the file is not a text file", "Export the recording as CSV, in UTF-8"
+        ) from None
 
 
 def decoded(raw: bytes) -> str:
     """Return the text of a table as recorders and spreadsheets write it, with plain minus signs.
 
     Its encoding is UTF-8, with or without a byte order mark, UTF-16 with one, or Windows-1252.
-
-    Raises
-    ------
-    ValueError
-        If it is none of them.
+    Raises `ValueError` if it is none of them.
     """
     is_wide = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     if is_wide or b"\0" not in raw:
-        for encoding in ("utf-16",) if is_wide else _ENCODINGS:
+        # The last is what a spreadsheet in Europe writes.
+        for encoding in ("utf-16",) if is_wide else ("utf-8-sig", "cp1252"):
             try:
                 return raw.decode(encoding).replace(_MINUS, "-")
             except UnicodeDecodeError:
@@ -292,10 +296,6 @@ def decoded(raw: bytes) -> str:
 
 
 def _lines(text: str) -> _Lines:
-    """Return the lines of a recording, taken apart, without blank ones.
-
-    `text` is the whole file. A line ``sep=;`` on top, as spreadsheets have it, names the delimiter.
-    """
     rows: list[tuple[int, list[str]]] = []
     remarks: list[tuple[int, list[str]]] = []
     delimiter = ""
@@ -323,11 +323,6 @@ def _lines(text: str) -> _Lines:
 
 
 def _delimiter(line: str, text: str) -> str:
-    """Return the character that parts the cells of a recording: a tab, a semicolon or a comma.
-
-    `line` is its first row and `text` the whole: where the two differ in their number of cells,
-    something else stands on top, and the row in the middle decides.
-    """
     middle = text.rfind("\n", 0, len(text) // 2) + 1
     inner = text[middle : middle + MAX_LETTERS].partition("\n")[0]
     of_first, of_inner = (
@@ -337,10 +332,6 @@ def _delimiter(line: str, text: str) -> str:
 
 
 def _cells(number: int, line: str, delimiter: str) -> list[str]:
-    """Return the cells of a line of a recording, without empty ones at its end.
-
-    `number` is the line's number, for a message; `delimiter` is one character.
-    """
     row = _quoted(number, line, delimiter) if '"' in line else line.split(delimiter)
     while len(row) > 1 and not row[-1].strip():  # a recorder may end its lines with a delimiter
         row.pop()
@@ -348,31 +339,10 @@ def _cells(number: int, line: str, delimiter: str) -> list[str]:
 
 
 def _quoted(number: int, line: str, delimiter: str) -> list[str]:
-    """Return the cells of a line of a recording that contains quotes, by the rules of CSV.
-
-    `number` is the line's number, for the message of the `StudyError` that is raised if it cannot
-    be split; `delimiter` is one character.
-    """
     try:
         return next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
     except csv.Error as error:
         raise _refused(f"line {number} is not a row of cells", "Correct the line") from error
-
-
-def _names(header: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return names and units of the columns of a recording from its headings.
-
-    `header` holds a heading a column, such as "ax [m/s2]". Raises an error for a name given twice.
-    """
-    names, units = [], []
-    for cell in header:
-        name, unit = name_and_unit(cell)
-        names.append(name)
-        units.append(unit)
-    twice = sorted({name for name in names if names.count(name) > 1 and name})
-    if twice:
-        raise _refused(f"two columns have the name '{twice[0]}'", "Rename one")
-    return names, units
 
 
 def name_and_unit(heading: str) -> tuple[str, str]:
@@ -390,10 +360,6 @@ def name_and_unit(heading: str) -> tuple[str, str]:
 
 
 def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str]) -> None:
-    """Raise `StudyError` if rows of a recording differ from the header in their number of cells.
-
-    `body` holds the line number and the cells of each row, `names` the names of the columns.
-    """
     odd = [(line, len(row)) for line, row in body if len(row) != len(names)]
     problems = [
         Problem(
@@ -405,40 +371,41 @@ def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str])
         for line, count in odd[:SHOWN]
     ]
     if len(odd) > SHOWN:
-        fix = "Export it again; where a comma is a decimal comma, separate the cells by semicolons"
-        problems.append(Problem("recording", f"{len(odd):,} lines are not whole", fix))
+        problems.append(
+            Problem(
+                "recording",
+                f"{len(odd):,} lines are not whole",
+                "Export it again; where a comma is a decimal comma, separate the cells by "
+                "semicolons",
+            )
+        )
     if problems:
         raise StudyError(problems)
 
 
 def _column(
-    texts: Sequence[str], points: Sequence[str], unit: str, lines: NDArray[np.int64]
+    texts: Sequence[str], delimiter: str, unit: str, lines: NDArray[np.int64], contradiction: str
 ) -> RecordingColumn:
-    """Return one column of a recording: its values, unit, and the cells that are no numbers.
-
-    `texts` are the cells of the column as they were written and `points` those with decimal points,
-    `unit` is that of its heading, `lines` the line number of each cell in the file, for messages.
-    Values that are no finite number count as faults, of which the first `SHOWN` are kept with line
-    and text.
-    """
+    points = texts if delimiter == "," else [text.replace(",", ".") for text in texts]
     try:
         values = np.fromiter(map(float, points), np.float64, len(points))
     except ValueError:
         if all(_CLOCK.fullmatch(text.strip()) for text in points):
             seconds = _seconds(points)
             if seconds is not None:
-                return RecordingColumn(seconds, "s")
+                return RecordingColumn(seconds, "s", contradiction=contradiction)
         values = np.array([float(text) if _is_number(text) else np.nan for text in points])
     wrong = np.flatnonzero(~np.isfinite(values))
-    faults = tuple(Fault(int(lines[row]), texts[row].strip()) for row in wrong[:SHOWN])
-    return RecordingColumn(values, unit, faults, wrong.size)
+    return RecordingColumn(
+        values,
+        unit,
+        tuple((int(lines[row]), texts[row].strip()) for row in wrong[:SHOWN]),
+        wrong.size,
+        contradiction,
+    )
 
 
 def _seconds(texts: Sequence[str]) -> NDArray[np.float64] | None:
-    """Return dates with times, or times of day, after ISO 8601 as seconds from the first.
-
-    None if one is no such text.
-    """
     day = "" if len(texts[0].strip()) > len("00:00:00.000000000") else "2000-01-01T"
     try:
         times = [datetime.fromisoformat(day + text.strip()) for text in texts]
@@ -448,7 +415,6 @@ def _seconds(texts: Sequence[str]) -> NDArray[np.float64] | None:
 
 
 def _is_number(text: str) -> bool:
-    """True if a text is a number as Python reads it, NaN and infinity included."""
     try:
         float(text)
     except ValueError:
@@ -456,14 +422,71 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _refused(message: str, fix: str) -> StudyError:
-    """Return the error of a recording that cannot be read."""
-    return StudyError([Problem("recording", message, fix)])
-
-
 def _too_long(size: int) -> StudyError:
-    """Return the error of a recording of `size` bytes, which is more than the limit."""
     return _refused(
         f"the recording has {size / 1e6:,.0f} MB, the limit is {MAX_BYTES / 1e6:.0f} MB",
         "Shorten the recording: one second is enough",
     )
+
+
+# --- Decimal marks of a table's columns: a comma cannot part thousands here and decimals there.
+
+
+ONE_MARK = (
+    "Export it without separators of thousands, and the numbers of a column with equally many "
+    "decimals"
+)
+"""What to do where the marks of a table contradict each other."""
+_WITH_MARK = re.compile(r"[-+]?\d*([.,])\d*(?:[eE][-+]?\d+)?")
+_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}[.,]\d{3}")
+_WHOLE = re.compile(r"[-+]?\d+")
+
+
+def contradictions(columns: Mapping[str, Sequence[str]]) -> dict[str, str]:
+    """Return the contradictions of a table's decimal marks, in words, by the name of a column.
+
+    `columns` holds the cells of each column as they were written. In the cells that are numbers
+    either commas or points are decimal marks. Columns that disagree, or one that has both, part
+    thousands by one of the two; so does a column in which the mark stands before three digits
+    everywhere, never behind a zero, and is missing from whole numbers below a thousand only.
+    """
+    examples = {name: _examples(cells) for name, cells in columns.items()}
+    marked = {mark: [n for n, found in examples.items() if mark in found] for mark in ".,"}
+    faults: dict[str, str] = {}
+    for mark, other in (",.", ".,"):
+        for name in marked[mark]:
+            if marked[other]:
+                beside = next((n for n in marked[other] if n != name), name)
+                faults[name] = (
+                    f"column '{name}' has '{examples[name][mark]}' and column '{beside}' "
+                    f"'{examples[beside][other]}': one of the two marks separates thousands"
+                )
+    for name in {*marked[","], *marked["."]} - faults.keys():
+        short = _thousands(columns[name])
+        if short is not None:
+            seen = next(iter(examples[name].values()))
+            faults[name] = f"column '{name}' has '{seen}' beside '{short}': thousands are separated"
+    return faults
+
+
+def _examples(cells: Sequence[str]) -> dict[str, str]:
+    examples: dict[str, str] = {}
+    for cell in cells:
+        match = _WITH_MARK.fullmatch(cell.strip())
+        if match and match[1] not in examples:
+            examples[match[1]] = cell.strip()
+            if len(examples) > 1:
+                break
+    return examples
+
+
+def _thousands(cells: Sequence[str]) -> str | None:
+    short = None
+    for cell in map(str.strip, cells):
+        if _WHOLE.fullmatch(cell):
+            if len(cell.lstrip("+-")) > 3:
+                return None
+            short = cell
+        elif cell and not _THOUSANDS.fullmatch(cell):
+            return None
+    return short
