@@ -8,8 +8,9 @@ whole track from the motion at nodes along it.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,6 +27,7 @@ from vibrafeed.core.mechanics.bowl_drive_unit import (
     total_length,
 )
 from vibrafeed.core.motion.feeding import parts_per_minute
+from vibrafeed.core.motion.scales import product
 from vibrafeed.core.plan.equations import run
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.drive_unit import OF_STRETCHES
@@ -126,18 +128,19 @@ def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list
         for stem in OF_STRETCHES
     }
     count = max(n for which in own.values() for n in which)
-    problems = [] if of_bowl else [_without_bowl(matches[0][0])]
-    problems += [*_missing(own, count), *_twice(own, parameters)]
+    problems = [*_problems(own, count, parameters)]
+    if not of_bowl:
+        message = "stretches belong to the track of a bowl on its drive unit"
+        fix = (
+            "Add the parameters of the bowl drive unit: spring_radius, moving_inertia, base_inertia"
+        )
+        problems.insert(0, Problem(f"parameters.{matches[0][0]}", message, fix))
     return (None if problems else Track(count, own)), problems
 
 
-def _missing(own: Mapping[str, Sequence[int]], count: int) -> Iterator[Problem]:
-    """Yield a problem for each numbered parameter that a stretch of a bowl's track lacks.
-
-    Each stretch needs its turns and end radius; climb and friction may come from an earlier
-    stretch. `own` holds, by the stem of a parameter such as `stretch_climb`, the numbers of the
-    stretches that have it; `count` is the number of stretches.
-    """
+def _problems(
+    own: Mapping[str, Sequence[int]], count: int, names: Collection[str]
+) -> Iterator[Problem]:
     for stem in ("stretch_turns", "stretch_radius"):
         for n in range(1, count + 1):
             if n not in own[stem]:
@@ -147,30 +150,28 @@ def _missing(own: Mapping[str, Sequence[int]], count: int) -> Iterator[Problem]:
         if own[stem] and 1 not in own[stem]:
             message = "it is missing: the first stretch has none before it"
             yield Problem(f"parameters.{stem}_1", message, "Add it")
-
-
-def _twice(own: Mapping[str, Sequence[int]], names: Collection[str]) -> Iterator[Problem]:
-    """Yield a problem for each parameter in `names` that stretches of a bowl's track determine.
-
-    Such as a climb beside the climbs of stretches. `own` holds, by the stem of a parameter such as
-    `stretch_climb`, the numbers of the stretches that have it; `names` are those of the study.
-    """
     for stem, others in GIVES_WAY.items():
         for name in others:
             if own[stem] and name in names:
                 message = f"{name} follows from the stretches of the track ({stem}_{own[stem][0]})"
-                yield Problem(
-                    f"parameters.{name}", message, f"Remove {name}, or all parameters {stem}_..."
-                )
+                fix = f"Remove {name}, or all parameters {stem}_..."
+                yield Problem(f"parameters.{name}", message, fix)
 
 
-def _without_bowl(name: str) -> Problem:
-    message = "stretches belong to the track of a bowl on its drive unit"
-    return Problem(
-        f"parameters.{name}",
-        message,
-        "Add the parameters of the bowl drive unit: spring_radius, moving_inertia, base_inertia",
-    )
+def in_pieces(of_cells: Callable[..., Any], known: Mapping[str, Any], step: int) -> Any:
+    """Return a record of arrays over cells, computed for at most `step` cells together.
+
+    `of_cells` takes quantities by name, shape (cells,), and returns a named tuple of such arrays.
+    """
+    columns = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in known.values()))
+    shape = columns[0].shape
+    flat = {name: column.ravel() for name, column in zip(known, columns, strict=True)}
+    pieces = [
+        of_cells({name: values[at : at + step] for name, values in flat.items()})
+        for at in range(0, columns[0].size, step)
+    ]
+    parts = (np.concatenate(part).reshape(shape) for part in zip(*pieces, strict=True))
+    return pieces[0]._make(parts)
 
 
 # --- equations
@@ -179,11 +180,6 @@ def _without_bowl(name: str) -> Problem:
 def track_radius(*, track_fraction: Array, stretches: Stretches) -> Array:
     """Return the radius at a share of the track's length, r^2 linear within a stretch [m]."""
     return radius_at(track_fraction, stretches)
-
-
-def radius(*, track_radius: Array) -> Array:
-    """Return the radius of the track where the part is [m]."""
-    return track_radius
 
 
 def load_radius(*, load_fraction: Array, stretches: Stretches) -> Array:
@@ -326,7 +322,6 @@ def intervals_of(speeds: Speeds) -> Intervals:
     bend = np.fmax(bend - 3.0 * doubt, 0.0)
 
     def time(lower: Array | float) -> Array:
-        """Return the time from node to node with velocities that are lower by so much [s]."""
         return np.where(joined, way * slowness(v[:-1] - lower, v[1:] - lower), 0.0)
 
     with np.errstate(invalid="ignore"):  # of times that are infinite
@@ -369,28 +364,12 @@ class AlongTrack:
         From the quantities of `needs` by name; the cells are followed in pieces of `PIECE` motions.
         """
         settings = {name: inputs[name] for name in self.needs if name in SETTINGS}
-        names = [name for name in self.needs if name not in settings]
-        columns = np.broadcast_arrays(*(np.asarray(inputs[name], dtype=float) for name in names))
-        shape = columns[0].shape
-        flat = [column.ravel() for column in columns]
-        step = max(1, PIECE // self.nodes)
-        pieces = [
-            self._of_cells(
-                {n: v[at : at + step] for n, v in zip(names, flat, strict=True)}, settings
-            )
-            for at in range(0, len(flat[0]), step)
-        ]
-        return Passage._make(
-            np.concatenate(part).reshape(shape) for part in zip(*pieces, strict=True)
-        )
+        known = {name: inputs[name] for name in self.needs if name not in settings}
+        of_cells = partial(self._of_cells, settings)
+        passage: Passage = in_pieces(of_cells, known, max(1, PIECE // self.nodes))
+        return passage
 
-    def _of_cells(self, known: dict[str, Array], settings: dict[str, Any]) -> Passage:
-        """Return the passage of parts along the whole track of a bowl, for a piece of the cells.
-
-        The motion is followed at 17 places of each stretch, and in the middle of two as long as
-        time or least velocity may be wrong there. `known` holds the quantities of `needs` by name,
-        of shape (cells,), `settings` those of the method.
-        """
+    def _of_cells(self, settings: dict[str, Any], known: dict[str, Array]) -> Passage:
         cells, count = len(known["start_radius"]), self.track.count
         x = np.clip(np.linspace(0.0, 1.0, PARTS + 1), INSIDE, 1.0 - INSIDE)
         cell, stretch = np.divmod(np.repeat(np.arange(cells * count), len(x)), count)
@@ -508,7 +487,12 @@ def along_track(track: Track) -> tuple[Equation, ...]:
             says="Return the stretches of the track.",
         ),
         Equation("track_radius", track_radius, SOURCE),
-        Equation("radius", radius, SOURCE),
+        product(
+            "radius",
+            "track_radius",
+            source=SOURCE,
+            says="the radius of the track where the part is [m]",
+        ),
         *(
             _at_fraction(name, track.names(stem))
             for stem, names in own.items()
@@ -544,21 +528,3 @@ def along(track: Track, equations: Collection[Equation]) -> tuple[Equation, ...]
     whole = AlongTrack(track, way, tuple(sorted(given)))
     says = "Return what passes the whole track, from the motion at nodes along it."
     return (Equation("passage", whole.passage, SOURCE, needs=whole.needs, says=says), *RESULTS)
-
-
-@dataclass(frozen=True)
-class AtLoad:
-    """Tells where on a track the parts are that load it, as `part_load` takes it."""
-
-    track: Track
-    gives = ("track_fraction", "stretches")
-
-    @property
-    def inputs(self) -> tuple[str, ...]:
-        """The names of the inputs: share of the length, and those that give the stretches."""
-        return ("load_fraction", *self.track.inputs)
-
-    def __call__(self, known: Mapping[str, Array]) -> dict[str, Any]:
-        """Return the share of the length at which the load acts, and the stretches of the track."""
-        stretches = self.track.stretches(**{name: known[name] for name in self.track.inputs})
-        return {"track_fraction": known["load_fraction"], "stretches": stretches}

@@ -93,16 +93,10 @@ def velocities(prepared: Simulation, changes: Sequence[Mapping[str, float]]) -> 
 
 
 def _is_from(value: object, number: float) -> bool:
-    """True if a study's value is a number of the fitted drive, except for rounding."""
     return isinstance(value, Fixed) and abs(value.value - number) <= SAME * max(abs(number), 1e-30)
 
 
 def _check(prepared: Simulation, names: Sequence[str], draws: int) -> None:
-    """Raise `StudyError` if the error of a fitted drive cannot be computed for a study.
-
-    That is if it has several cells, uses none of the fitted numbers, or `draws` is out of range.
-    `prepared` is the simulation, `names` are the fitted numbers in use.
-    """
     problems = []
     for axis in prepared.grid.axes:
         message = f"{axis} has several values, but the error is computed for one cell"

@@ -104,10 +104,6 @@ def effective_distance(
 
 
 def _in_own_units(**values: Any) -> list[Any]:
-    """Return arguments of a function here, converted where an array carries another unit.
-
-    Raises `StudyError` for a unit of another quantity.
-    """
     read, problems = [], []
     for name, value in values.items():
         try:
@@ -120,10 +116,6 @@ def _in_own_units(**values: Any) -> list[Any]:
 
 
 def _spacing(length: Array, gap: Array | float) -> Array:
-    """Return the length of track that one part occupies, `length` plus `gap` [m].
-
-    Raises `StudyError` if it is not above 0.
-    """
     spacing = length + gap
     if np.any(spacing <= 0.0):
         fix = "Give length or gap above 0"
@@ -222,11 +214,6 @@ def travel_in_words(table: Table) -> str:
 
 
 def _rolling_in_words(table: Table) -> str:
-    """Return sentences on cells in which a round part is not conveyed; empty if it is in all.
-
-    It runs down the track, or nothing moves it. `table` is the result of a study, with the
-    variables `mean_acceleration` and `motion_status`.
-    """
     down = np.abs(table.variables["mean_acceleration"].values)
     status = table.variables["motion_status"].values
     runs, stays = status == STATUS["runaway"], status == STATUS["neutral"]
@@ -242,17 +229,11 @@ def _rolling_in_words(table: Table) -> str:
 
 
 def _between(values: NDArray[np.float64]) -> str:
-    """Return the smallest and the largest acceleration as text."""
     least, most = (f"{end:.2g}" for end in (values.min(initial=np.inf), values.max(initial=0.0)))
     return f"{most} m/s²" if least == most else f"{least} to {most} m/s²"
 
 
 def _share_backwards(table: Table) -> float:
-    """Return the share of the cells of a result that travel backwards, from 0 to 1.
-
-    By `direction` if the result has it, else by the mean velocity beyond its stated error, else by
-    the feed rate; 0 if it has none of these.
-    """
     values = {name: variable.values for name, variable in table.variables.items()}
     if "direction" in values:
         return float(np.mean(values["direction"] == DIRECTIONS["backwards"].value))
@@ -271,5 +252,4 @@ def _share_backwards(table: Table) -> float:
 
 
 def _is_single(table: Table) -> bool:
-    """True if a result has one cell only."""
     return all(not variable.dims for variable in table.variables.values())

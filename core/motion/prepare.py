@@ -11,8 +11,8 @@ from vibrafeed.core.motion.drive_units import on_unit, unit_of
 from vibrafeed.core.motion.drives import driven, shape_of, what_is_open
 from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.method import Method
-from vibrafeed.core.motion.rolling_scene import ROLLING
-from vibrafeed.core.motion.row_scene import ROW, choose_row, of_unit
+from vibrafeed.core.motion.rolling_scene import SCENES as ROLLING
+from vibrafeed.core.motion.row_scene import ROW, problems_of_load, problems_of_row, row_of
 from vibrafeed.core.motion.systems import (
     CONTACTS,
     FALLING,
@@ -98,28 +98,27 @@ def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> C
     """
     scene, method, problems = choose_scene(name, method, SYSTEMS)
     names = tuple(parameters)
-    if name == ROW:
-        scene, more_problems = choose_row(scene, names)
-        if more_problems:
-            raise StudyError([*problems, *more_problems])
     if name not in CONTACTS and name != ROW:
         return scene, method, problems
-    if FALLING in names and name in CONTACTS:
-        scene = with_falling_restitution(scene, names)
-    unit, more_problems = unit_of(names)
+    shape, of_shape = shape_of(names)
+    unit, of_unit = unit_of(names)
     if name == ROW:
-        shape, more = None, of_unit(unit, names)  # its drive is in place
-    else:
-        shape, more = shape_of(names) if unit is None else (None, [])
-    if more_problems or more:  # of which drive the others are missing, or too many, nobody knows
-        raise StudyError([*problems, *more_problems, *more])
+        scene, of_row = row_of(names), [*problems_of_row(names), *of_shape]
+        if of_row:
+            raise StudyError([*problems, *of_row])
+        of_unit += problems_of_load(names) if unit is not None and unit.loaded else []
+    elif FALLING in names:
+        scene = with_falling_restitution(scene, names)
+    if unit is None:  # of which drive the others are missing, or too many, nobody knows
+        of_unit += of_shape
+    if of_unit:
+        raise StudyError([*problems, *of_unit])
     if unit is not None:
-        return on_unit(scene, unit, CONTACTS.get(name, Contacts())), method, problems
+        scene = on_unit(scene, unit, CONTACTS.get(name, Contacts()))
     return (driven(scene, shape) if shape else scene), method, problems
 
 
 def _problems_of_settings(study: SimulateStudy, scene: Scene, method: str) -> Iterable[Problem]:
-    """Yield problems of the settings that the `method` of the `scene` does not use."""
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
     for name in study.settings():
         if name not in needed:
@@ -169,10 +168,6 @@ def prepare(study: SimulateStudy) -> Simulation:
 
 
 def _derivable(prepared: Simulation) -> Simulation:
-    """Return a simulation unchanged; raise `StudyError` if its derivatives cannot be computed.
-
-    That is if the motion has no cycle. `prepared` is the planned simulation.
-    """
     if prepared.derived is None:
         return prepared
     if "period_multiple" not in prepared.plan.scene.outputs(prepared.plan.variant):
@@ -199,11 +194,6 @@ def fix_for_unused_setting(scene: Scene, setting: str) -> str:
 
 
 def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> list[Problem]:
-    """Return the problems of the key `trajectory` of a study; empty if there are none.
-
-    It needs one value of every parameter, and a `method` of the `scene` that follows a part in
-    time, not one that gives means only.
-    """
     if study.trajectory is None:
         return []
     axes = [name for name, values in study.values().items() if not isinstance(values, Fixed)]
@@ -226,11 +216,6 @@ def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> 
 
 
 def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
-    """Return the problems of the key `reduce` of a study of motion; empty if there are none.
-
-    A reduction gives statistics over axes in place of all cells: derivatives and a trajectory are
-    refused beside it, and its names of outputs and axes must exist.
-    """
     if study.reduce is None:
         return []
     problems = problems_of_names(study.reduce, study.outputs, study.values())
@@ -244,10 +229,6 @@ def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
 
 
 def _shows_too_much(study: SimulateStudy, grid: Grid) -> Iterable[Problem]:
-    """Yield a problem of a study whose trajectory has more periods than any method follows.
-
-    `grid` has the frequency of the trajectory's one cell.
-    """
     if not isinstance(study.trajectory, tuple):
         return
     shown = study.trajectory[-1] * grid.fixed.get("frequency", 0.0)

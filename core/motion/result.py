@@ -133,7 +133,6 @@ def checked(motion: Motion) -> Motion:
 
 
 def _on_floor(motion: Motion) -> Array:
-    """Return the share of the period in which the part is on the floor."""
     return motion.stick + motion.forward + motion.backward
 
 

@@ -7,24 +7,27 @@ one of its variants. Nothing that computes is loaded before it is called.
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
-from vibrafeed.core.mechanics import soft_contact, vibration
+from vibrafeed.core.mechanics import soft_contact
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.motion import feeding, groups, limits, scales
+from vibrafeed.core.motion import drives, feeding, groups, rolling_scene, scales, tumbling_scene
+from vibrafeed.core.motion.events import EVENTS
 from vibrafeed.core.motion.feeding import RESOLVED
 from vibrafeed.core.motion.groups import SOLID_CYLINDER, Contacts, Groups
 from vibrafeed.core.motion.method import Method
-from vibrafeed.core.motion.methods import METHODS
+from vibrafeed.core.motion.reference import REFERENCE
 from vibrafeed.core.motion.result import Motion, has_status
-from vibrafeed.core.motion.rolling_scene import ROLLING, rolling_scenes
-from vibrafeed.core.motion.row_scene import ROW, row_scene
-from vibrafeed.core.motion.tumbling_scene import cylinder, rectangle, tumbling_scene
+from vibrafeed.core.motion.row_scene import ROW, row_of
+from vibrafeed.core.motion.rows import EVENTS as ROW_EVENTS
+from vibrafeed.core.motion.scales import DRIVEN, PLANAR_SCALES, product
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
@@ -68,11 +71,11 @@ def _leaves_the_wall(*, motion: Motion, drive_number: Array) -> Mask:
 
 
 RESULTS = (
-    Equation("conveying_velocity", scales.conveying_velocity, "theory 13.8"),
-    Equation("conveying_velocity_spread", scales.conveying_velocity_spread, "theory 13.8"),
-    Equation("conveying_velocity_error", scales.conveying_velocity_error, "theory 13.8"),
+    scales.CONVEYING_VELOCITY,
+    scales.CONVEYING_VELOCITY_SPREAD,
+    scales.CONVEYING_VELOCITY_ERROR,
     Equation("efficiency", scales.efficiency, "theory 13.10"),
-    Equation("share_of_fastest", limits.share_of_fastest, "docs/best-wave.md"),
+    Equation("share_of_fastest", drives.share_of_fastest, "docs/best-wave.md"),
     *fields(
         "motion",
         "theory 13.2",
@@ -97,16 +100,25 @@ RESULTS = (
             "after how many periods of the drive the motion repeats; 0 where it does not [1]",
         ),
     ),
-    Equation("landing_speed", scales.landing_speed, "theory 13.4"),
-    Equation("hop_height", scales.hop_height, "theory 13.2"),
+    product(
+        "landing_speed", "motion.landing_speed", "velocity_scale", source="theory 13.4",
+        says="the largest speed normal to the floor before an impact [m s-1]",
+    ),
+    product(
+        "hop_height", "motion.hop_height", "length_scale", source="theory 13.2",
+        says="the largest distance from the floor [m]",
+    ),
     *fields(
         "motion",
         "theory 13.8",
         motion_status=("status", "how the motion ended, as a status"),
     ),
     *feeding.RESULTS,
-)
-ACROSS = Equation("velocity_across", scales.velocity_across, "theory 13.8")
+)  # fmt: skip
+ACROSS = product(
+    "velocity_across", "motion.across", "velocity_scale", source="theory 13.8",
+    says="the mean velocity across the track, towards +y, over whole cycles [m s-1]",
+)  # fmt: skip
 """Not of a part that rolls across: it keeps the speed at which it happens to."""
 ANY_RESULT = frozenset(
     equation.gives
@@ -133,46 +145,27 @@ CONDITIONS = (
 LEAVES_THE_WALL = Condition("wall_lost", _leaves_the_wall, ANY_RESULT)
 """Condition of a track: the part leaves it sideways; the results hold on an endless floor."""
 
-PLANAR_SCALES = (
-    Equation("vibration_acceleration", vibration.vibration_acceleration, "theory 0.2"),
-    Equation("drive_number", scales.drive_number, "theory 13.10"),
-    Equation("drive_number_along", scales.drive_number_along, "theory 13.2"),
-    Equation("drive_number_normal", scales.drive_number_normal, "theory 13.2"),
-    Equation("gravity_number_along", scales.gravity_number_along, "theory 13.2"),
-    Equation("gravity_number_normal", scales.gravity_number_normal, "theory 13.2"),
-    Equation("acceleration_scale", scales.acceleration_scale, "theory 13.8"),
-    Equation("hold_down", scales.hold_down, "theory 13.1"),
-    Equation("hold_down_number", scales.hold_down_number, "theory 13.1"),
-    Equation("load_number", scales.load_number, "theory 13.1"),
-    Equation("throw_number", scales.throw_number, "theory 13.10"),
-    Equation("velocity_scale", scales.velocity_scale, "theory 13.8"),
-    Equation("length_scale", scales.length_scale, "theory 13.8"),
-)
-
 SPATIAL_SCALES = (
     *PLANAR_SCALES,
     Equation("drive_number_across", scales.drive_number_across, "theory 13.1"),
-    *limits.equations("sine"),
-    Equation("fastest_velocity", limits.fastest_velocity, "docs/best-wave.md"),
+    *drives.limits("sine"),
+    Equation("fastest_velocity", drives.fastest_velocity, "docs/best-wave.md"),
 )
 TRACK_SCALES = (
     *(e for e in SPATIAL_SCALES if e.gives != "gravity_number_normal"),
     Equation("gravity_number_across", scales.gravity_number_across, "theory 13.1"),
     Equation("gravity_number_normal", scales.leaning_gravity_number_normal, "theory 13.1"),
     Equation("curvature_number", scales.curvature_number, "theory 13.10"),
-    Equation("wall_friction", scales.wall_friction, "theory 13.1"),
-    Equation("wall_restitution", scales.wall_restitution, "theory 13.1"),
-)
+    scales.WALL_FRICTION,
+    product(
+        "wall_restitution", "restitution", source="theory 13.1",
+        says="the floor's restitution, for a wall of the same material [1]",
+    ),
+)  # fmt: skip
 
 ON_FLOOR = (*SPATIAL_SCALES, Equation("groups", groups.floor_groups, "theory 13.1"))
 ON_TRACK = (*TRACK_SCALES, Equation("groups", groups.track_groups, "theory 13.1"))
 
-DRIVEN = Constraint(
-    ("frequency",),
-    lambda least, largest: least >= 1e-9 and largest <= 1e12,
-    "there is no period to take a mean over, or it is outside the range of double precision",
-    "Give a frequency from 1e-9 Hz to 1e12 Hz",
-)
 DEFAULTS = {
     "alpha": 0.0,
     "gamma": 0.0,
@@ -187,35 +180,40 @@ VALIDITY = (
 )
 
 
+METHODS: dict[str, dict[str, Method]] = {
+    "conveying": {"events": EVENTS, "reference": REFERENCE},
+    "tumbling": {"events": tumbling_scene.EVENTS},
+    "row": {"events": ROW_EVENTS},
+    "rolling": rolling_scene.METHODS,
+}
+"""The methods by what they follow: a conveyed part, one that tumbles, a row, a round part."""
+
+
 def _conveying(
     name: str,
     title: str,
-    contacts: Contacts,
     *,
     in_space: tuple[Equation, ...],
     defaults: Mapping[str, float] = MappingProxyType({}),
     more: str = "",
 ) -> Scene:
-    """Return a scene in which a part is conveyed: its equations and conditions for each method.
-
-    Only methods that can follow a part with these `contacts` are in it. `name` and `title` identify
-    the scene; `in_space` are the equations of its scales and dimensionless groups, `defaults` its
-    default values beside those of all scenes, `more` a text added to its range of validity.
-    """
+    contacts = CONTACTS[name]
     methods = [one for one in METHODS["conveying"].values() if one.follows(contacts)]
 
+    def equation(gives: str, function: Callable[..., Any], source: str) -> Equation:
+        says = inspect.getdoc(function) or ""
+        return Equation(gives, partial(function, contacts=contacts), source, says=says)
+
     def equations(method: Method) -> tuple[Equation, ...]:
-        """Return the equations of the system with a method."""
-        conveying = [Equation("motion", method.follow(contacts), method.source), *RESULTS]
+        conveying = [equation("motion", method.follow, method.source), *RESULTS]
         if not contacts.rolling:
             conveying.append(ACROSS)
         if method.energy is not None:
-            energy = Equation("energy", method.energy(contacts), scales.ENERGY_SOURCE)
+            energy = equation("energy", method.energy, scales.ENERGY_SOURCE)
             conveying += [energy, *scales.ENERGY_RESULTS]
         return (*in_space, *conveying)
 
     def conditions(method: Method) -> tuple[Condition, ...]:
-        """Return the conditions of the system with a method."""
         more = [LEAVES_THE_WALL] if contacts.wall else []
         if method.energy is not None:
             more.append(scales.WORK_UNBOUNDED)
@@ -284,15 +282,7 @@ def with_falling_restitution(system: Scene, parameters: Collection[str]) -> Scen
 
 @cache
 def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
-    """Return the function of the groups' equation for a part whose restitution falls with speed.
-
-    `groups` is the function for a constant restitution. The new one takes the damping of the
-    contact law and the scale g/w of velocity (w = 2 pi f), too; restitution is 0 where the damping
-    is infinite, else 1, as the law of the damping takes its place.
-    """
-
     def falling(*, impact_damping: Array, velocity_scale: Array, **numbers: Array) -> Groups:
-        """Return the groups of the part, with the law's damping."""
         found = groups(**numbers)
         damping = impact_damping * velocity_scale
         endless = np.isinf(damping)
@@ -304,7 +294,6 @@ def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
 
 
 def _refusals(parameters: Collection[str]) -> list[Constraint]:
-    """Return the constraints of the law, which is known only for motion in the plane."""
     message = "restitution that falls with speed is known for motion in the plane of the track"
     nothing = [
         Constraint(
@@ -333,33 +322,25 @@ SYSTEMS: dict[str, Scene] = {
     "rectangle-on-plane": _conveying(
         "rectangle-on-plane",
         "Motion in time of a rectangular part on a plane",
-        CONTACTS["rectangle-on-plane"],
         in_space=ON_FLOOR,
     ),
     "cylinder-on-plane": _conveying(
         "cylinder-on-plane",
         "Motion in time of a cylinder on a plane, its axis along the track",
-        CONTACTS["cylinder-on-plane"],
         in_space=ON_FLOOR,
     ),
     "rectangle-on-track": _conveying(
         "rectangle-on-track",
         "Motion in time of a rectangular part on the track, with floor and wall",
-        CONTACTS["rectangle-on-track"],
         in_space=ON_TRACK,
         defaults={"delta": 0.0, "curvature_number": 0.0},
         more=" The wall has the kinetic friction and the restitution of the floor unless the study "
         "gives its own; its static friction is its kinetic one. The track is straight unless the "
         "study gives its radius.",
     ),
-    "rectangle-isolated": tumbling_scene(
-        "rectangle-isolated", "Tumbling rectangular part on a plane", rectangle
-    ),
-    "cylinder-isolated": tumbling_scene(
-        "cylinder-isolated", "Tumbling cylindrical part on a plane", cylinder
-    ),
-    ROW: row_scene(PLANAR_SCALES, DRIVEN),
-    **rolling_scenes(PLANAR_SCALES, DRIVEN),
+    **tumbling_scene.SCENES,
+    ROW: row_of(()),
+    **rolling_scene.SCENES,
 }
 """Every system that can be simulated, by the name of its scene."""
 
@@ -371,6 +352,6 @@ def methods_of(scene: str) -> Mapping[str, Method]:
     """
     if scene == ROW:
         return METHODS["row"]
-    if scene in ROLLING:
+    if scene in rolling_scene.SCENES:
         return METHODS["rolling"]
     return METHODS["conveying" if scene in CONTACTS else "tumbling"]

@@ -188,19 +188,6 @@ def _with_worst(
     theirs: Mapping[str, Array],
     exact: NDArray[np.bool_],
 ) -> Comparison:
-    """Return the comparison with the output that differs most, relative to its largest size.
-
-    Parameters
-    ----------
-    agreement
-        The comparison so far.
-    outputs
-        Names of the outputs to compare.
-    got, theirs
-        The outputs to verify, and those of the other method.
-    exact
-        Mask of the cells that count.
-    """
     for name in outputs:
         right = np.where(exact, theirs[name], 0.0)
         size = float(np.abs(right).max()) or 1.0
@@ -220,12 +207,6 @@ def _with_worst(
 
 
 def _reasons(method: str, ours: Array, theirs: Array) -> dict[str, int]:
-    """Return the reasons why cells could not be judged by two methods, with the number of each.
-
-    `ours` and `theirs` are the statuses of these cells by the study's method and by the other,
-    `method` is the other's name. A status without a mean is a reason, else the lack of a stated
-    error.
-    """
     names = {value: name for name, value in STATUS.items()}
     reasons = Counter[str]()
     for mine, other in zip(ours.tolist(), theirs.tolist(), strict=True):
@@ -246,21 +227,6 @@ def _follow_cells(
     count: int,
     watch: Watch | None,
 ) -> dict[str, Array]:
-    """Return the outputs of some cells as a method computes them, in the units of studies.
-
-    To compare two methods. Outputs that the method does not give are left out.
-
-    Parameters
-    ----------
-    scene, method
-        The system, and the name of the method.
-    outputs
-        Names of the outputs to compare.
-    cells, count
-        Parameters of the cells in SI units, and the number of cells.
-    watch
-        Shows progress, and may stop the work.
-    """
     asked = tuple(name for name in outputs if name in scene.outputs(method))
     parameters = [name for name in cells if name in scene_parameters(scene, method)]
     plan = plan_scene(scene, method, asked, parameters)
@@ -274,12 +240,6 @@ def _follow_cells(
 def _velocity_difference(
     ours: Mapping[str, Array], theirs: Mapping[str, Array]
 ) -> tuple[Array, Array]:
-    """Return the difference of two methods' mean velocities, and that which their errors allow.
-
-    In m/s, one value a cell: the second is the sum of both stated errors and 1e-9 of the drive's
-    speed. 0 and infinity if a method states no error. `ours` and `theirs` hold the outputs of both
-    methods by name.
-    """
     if not {VELOCITY, ERROR} <= set(ours) or not {VELOCITY, ERROR} <= set(theirs):
         nothing = np.zeros_like(theirs["motion_status"])
         return nothing, nothing + np.inf
@@ -289,11 +249,6 @@ def _velocity_difference(
 
 
 def _other_multiple(got: Mapping[str, Array], theirs: Mapping[str, Array]) -> NDArray[np.bool_]:
-    """Return a mask of cells whose motions repeat after other numbers of periods by two methods.
-
-    `got` and `theirs` hold the outputs of both methods by name, shape (n,). All False if
-    `period_multiple` is not among them, or where a motion does not repeat (0).
-    """
     multiple = got.get("period_multiple")
     if multiple is None:
         return np.zeros(theirs["motion_status"].shape, dtype=np.bool_)

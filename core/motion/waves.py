@@ -63,7 +63,6 @@ class Wave(NamedTuple):
 
 
 def _broadcast_cells(part: Array, own: int, shape: tuple[int, ...]) -> Array:
-    """Return an array broadcast from the right to a shape, its `own` leading axes kept."""
     axes, cells = part.shape[:own], part.shape[own:]
     missing = (1,) * (len(shape) - len(cells))
     return np.broadcast_to(part.reshape(*axes, *missing, *cells), (*axes, *shape))
@@ -149,13 +148,6 @@ def position_at(wave: Wave, axis: int, phase: ArrayLike) -> Array:
 
 
 def _harmonic(wave: Wave, axis: int, tau: Array, integrals: int) -> Array:
-    """Return the sines of a drive's push at a phase, integrated over the phase `integrals` times.
-
-    The push, minus the track's acceleration per weight, has sines and steps; these are the sines
-    alone, without constants of integration; -1 is the derivative. `axis` is `ALONG`, `ACROSS` or
-    `NORMAL`, `tau` in rad; phases and cells of the wave broadcast to the shape of the result, in g.
-    `wave` has their coefficients.
-    """
     total = np.zeros(np.broadcast_shapes(tau.shape, wave.harmonics.shape[3:]))
     for k, (sine, cosine) in enumerate(zip(*wave.harmonics[axis], strict=True), start=1):
         turned = k * tau - integrals * np.pi / 2
@@ -164,24 +156,6 @@ def _harmonic(wave: Wave, axis: int, tau: Array, integrals: int) -> Array:
 
 
 def _at_step(wave: Wave, values: Array, tau: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Return a quantity of the steps of a drive over phases, and the index of the step in force.
-
-    Both are arguments of `np.take_along_axis`, which then picks the value at each phase. `wave` has
-    the phases at which steps end.
-
-    Parameters
-    ----------
-    values : ndarray, shape (steps, ...)
-        A value for each step and cell, such as the acceleration.
-    tau : ndarray
-        Phases of the drive [rad], of any turn; they broadcast with the cells.
-
-    Returns
-    -------
-    tuple of ndarray
-        The values broadcast to (steps, *phases and cells), and the index, shape (1, *phases and
-        cells).
-    """
     within = np.mod(tau, TURN)
     ends = wave.steps[ENDS]
     shape = np.broadcast_shapes(within.shape, ends.shape[1:])
@@ -194,12 +168,6 @@ def _at_step(wave: Wave, values: Array, tau: Array) -> tuple[Array, NDArray[np.i
 
 
 def _stepped(wave: Wave, axis: int, tau: Array) -> tuple[Array, Array]:
-    """Return velocity and displacement of a track whose drive has steps of constant acceleration.
-
-    Both are without mean over the period, in g/w and g/w^2 with w = 2 pi f. `axis` is `ALONG`,
-    `ACROSS` or `NORMAL`; `tau` are phases [rad], which broadcast with the cells of the wave to the
-    shape of the results. `wave` has the acceleration and the end of each step.
-    """
     level, ends = wave.steps[axis], wave.steps[ENDS]
     starts = np.concatenate([np.zeros_like(ends[:1]), ends[:-1]])
     last = ends - starts
@@ -286,14 +254,6 @@ integrates the push."""
 
 
 def _extremes(wave: Wave, axis: int, of: str) -> Iterator[Array]:
-    """Yield phases [rad] among which are all those where a quantity of a drive has an extreme.
-
-    `of` is the quantity, a key of `COURSES` such as ``"push"`` or ``"place"`` (the displacement),
-    and `axis` the direction, `ALONG`, `ACROSS` or `NORMAL`. Each array broadcasts with the cells of
-    the wave. For sines these are the zeros of the derivative; for steps the start of each, and the
-    phase inside it at which the track turns round. `wave` has the push of the drive, minus the
-    track's acceleration per weight, as sines and steps.
-    """
     if wave.harmonics.shape[2]:
         yield from _turns(wave, axis, COURSES[of][1])
     start = np.zeros(())
@@ -306,13 +266,6 @@ def _extremes(wave: Wave, axis: int, of: str) -> Iterator[Array]:
 
 
 def _turns(wave: Wave, axis: int, integrals: int) -> Array:
-    """Return the phases [rad] where the sines of a wave have an extreme, shape (2 orders, cells).
-
-    With `integrals` 0 it is the push itself whose extremes are found, with 1 the speed and with 2
-    the displacement of the track, which are its integrals; with -1 its derivative. They are roots
-    of a polynomial in exp(i tau) with tau the phase. Cells with fewer extremes have zeros. `axis`
-    is `ALONG`, `ACROSS` or `NORMAL`. `wave` has the coefficients of the sines.
-    """
     sines, cosines = wave.harmonics[axis]
     orders = np.arange(1, len(sines) + 1).reshape(-1, *(1,) * (sines.ndim - 1))
     shape = wave.cells
@@ -330,12 +283,6 @@ def _turns(wave: Wave, axis: int, integrals: int) -> Array:
 
 
 def _angles(slopes: NDArray[np.complex128]) -> Array:
-    """Return the phases [rad] at which sums of harmonics are 0, shape (n, 2 orders), for extremes.
-
-    The sum is Re sum of b_k exp(i k tau), k from 1; b_k are the columns of `slopes`, shape (n,
-    orders). The roots are eigenvalues of companion matrices, then improved by two steps of
-    Newton's. Roots off the unit circle give phases at which the sum is not 0.
-    """
     count, order = slopes.shape
     rows = np.concatenate([slopes[:, ::-1], np.zeros((count, 1)), slopes.conj()], axis=1)
     matrices = np.zeros((count, 2 * order, 2 * order), dtype=np.complex128)

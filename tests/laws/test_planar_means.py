@@ -16,6 +16,7 @@ from night import count
 from vibrafeed.core.compiled import compiled
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
+from vibrafeed.core.motion.events import planar_motion, waves_of
 from vibrafeed.core.motion.groups import Groups, cells_of
 from vibrafeed.core.motion.kernels.arrays import Floats
 from vibrafeed.core.motion.kernels.cells import Cell, cell_of
@@ -28,8 +29,6 @@ from vibrafeed.core.motion.kernels.planar.stays import rests
 from vibrafeed.core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS
 from vibrafeed.core.motion.kernels.planar.wave import wave_of
 from vibrafeed.core.motion.kernels.rebounds import SETTLED_EXACTLY
-from vibrafeed.core.motion.methods.events import planar_motion
-from vibrafeed.core.motion.planar import waves_of
 from vibrafeed.core.motion.result import STATUS, Motion
 
 CELLS = count(day=150, night=10_000)

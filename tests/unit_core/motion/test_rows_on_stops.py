@@ -13,7 +13,7 @@ from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.mechanics.row import HELD_FROM
 from vibrafeed.core.motion.kernels.rows import path_of_row
 from vibrafeed.core.motion.kernels.rows.tables import IN_SPACE, ON_TRACK
-from vibrafeed.core.motion.row_parts import drawn_deviations
+from vibrafeed.core.motion.row_scene import drawn_deviations
 from vibrafeed.core.quantities import REGIMES
 
 G = 9.80665

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.methods.reference.laws import SPIN, UX, UY, UZ, ReferenceLaws, X, Y, Z
-from vibrafeed.core.motion.methods.reference.part import FailedError, Part, Tally
-from vibrafeed.core.motion.methods.reference.stretch import FINER, USUAL, Care
+from vibrafeed.core.motion.reference.laws import SPIN, UX, UY, UZ, ReferenceLaws, X, Y, Z
+from vibrafeed.core.motion.reference.part import FailedError, Part, Tally
+from vibrafeed.core.motion.reference.stretch import FINER, USUAL, Care
 from vibrafeed.core.motion.waves import size
 from vibrafeed.core.watch import Watch
 
@@ -124,7 +124,6 @@ class ReferenceRun:
     """
 
     def __init__(self, laws: ReferenceLaws, watch: Watch) -> None:
-        """Start a run from rest, with scales for comparing states."""
         self.laws, self.watch = laws, watch
         self.part = Part(laws, np.zeros(7), watch=watch)
         p = laws.groups

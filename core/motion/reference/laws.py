@@ -195,7 +195,6 @@ class ReferenceLaws:
         contacts: Contacts,
         drive: Sine | Piece | None = None,
     ) -> None:
-        """Keep the part's numbers, its contacts and the piece of its drive."""
         self.groups, self.contacts = groups, contacts
         self.drive = drive or next(pieces(groups, 0.0, TURN))[0]
         self.response = 1.0 + contacts.rolling

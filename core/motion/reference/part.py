@@ -8,18 +8,21 @@ import numpy as np
 
 from vibrafeed.core.mechanics import soft_contact
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.methods.reference.laws import SPIN, UX, UY, UZ, Mode, ReferenceLaws, Y, Z
-from vibrafeed.core.motion.methods.reference.polynomials import (
+from vibrafeed.core.motion.reference.laws import SPIN, UX, UY, UZ, Mode, ReferenceLaws, Y, Z
+from vibrafeed.core.motion.reference.stretch import (
     AT,
     FROM_NODES,
     MEAN,
     MEAN_TWICE,
+    USUAL,
+    Care,
+    Stretch,
     crossings,
     fall_from_start,
     first_fall,
+    solve,
     values,
 )
-from vibrafeed.core.motion.methods.reference.stretch import USUAL, Care, Stretch, solve
 from vibrafeed.core.watch import Watch
 
 STOPPED = 1e-13
@@ -50,7 +53,6 @@ class Tally:
     """The sums of a run: phases spent in each way, impacts, extremes, contact with the wall."""
 
     def __init__(self) -> None:
-        """Begin with all sums at 0."""
         self.stick = self.forward = self.backward = self.flight = 0.0
         self.impacts, self.landing_speed, self.hop_height = 0, 0.0, 0.0
         self.at_wall, self.nearest = False, math.inf
@@ -70,7 +72,6 @@ class Part:
     def __init__(
         self, laws: ReferenceLaws, state: Array, care: Care = USUAL, watch: Watch | None = None
     ) -> None:
-        """Start a part in a state at phase 0, with an empty tally."""
         self.laws, self.state, self.phase, self.tally = laws, state, 0.0, Tally()
         self.care, self.reach, self.watch = care, care.longest, watch or Watch()
         self.until = math.inf  # the phase at which the push may jump
@@ -159,7 +160,6 @@ class Part:
         events = [(1.0, "")]
 
         def ask(name: str, condition: Array) -> None:
-            """Add the first fall of a condition to the events."""
             events.append((fall_from_start(condition), name))
 
         phases = stretch.start + stretch.length * AT
