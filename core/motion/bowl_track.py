@@ -27,12 +27,13 @@ from vibrafeed.core.mechanics.bowl_drive_unit import (
     total_length,
 )
 from vibrafeed.core.motion.feeding import parts_per_minute
+from vibrafeed.core.motion.result import where
 from vibrafeed.core.motion.scales import product
 from vibrafeed.core.plan.equations import run
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.drive_unit import OF_STRETCHES
 from vibrafeed.core.scenes.graph import between
-from vibrafeed.core.scenes.scene import Condition, Equation, fields
+from vibrafeed.core.scenes.scene import Equation, fields
 from vibrafeed.core.study.simulate_study import SETTINGS
 
 SOURCE = "theory 15.6"
@@ -195,16 +196,6 @@ def track_length(*, stretches: Stretches) -> Array:
 def track_feed_rate(*, passage: Passage, length: Array, occupancy: Array) -> Array:
     """Return the number of parts per minute at the bottleneck, 60 v occupancy/length [min-1]."""
     return parts_per_minute(velocity=passage.slowest, length=length / occupancy)
-
-
-def stalls(*, passage: Passage) -> Mask:
-    """True where parts stop or travel backwards somewhere on the track."""
-    return passage.slowest <= 0.0
-
-
-def is_unknown(*, passage: Passage) -> Mask:
-    """True where a place of the track was met at which the motion has no mean velocity."""
-    return np.isnan(passage.slowest)
 
 
 class Passage(NamedTuple):
@@ -462,9 +453,15 @@ RESULTS = (
 DEFAULTS = {"track_fraction": 0.0, "load_fraction": 0.5}
 _OF_PASSAGE = frozenset(one.gives for one in RESULTS if one.gives != "track_length")
 CONDITIONS = (
-    Condition("unresolved", is_unknown, _OF_PASSAGE, otherwise="passes"),
-    Condition("stalls", stalls, _OF_PASSAGE),
-)
+    where(
+        "unresolved", "a place of the track was met at which the motion has no mean velocity",
+        lambda *, passage: np.isnan(passage.slowest), _OF_PASSAGE, otherwise="passes",
+    ),
+    where(
+        "stalls", "parts stop or travel backwards somewhere on the track",
+        lambda *, passage: passage.slowest <= 0.0, _OF_PASSAGE,
+    ),
+)  # fmt: skip
 
 
 def along_track(track: Track) -> tuple[Equation, ...]:

@@ -12,12 +12,13 @@ from typing import NamedTuple
 
 from vibrafeed.core.errors import Problem
 from vibrafeed.core.mechanics import bowl_drive_unit, drive_unit
-from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion import bowl_track
 from vibrafeed.core.motion.bowl_track import Track, track_of
 from vibrafeed.core.motion.drives import SINE, HalfWave, Shape, under_wave
 from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.part_load import Load, part_load
+from vibrafeed.core.motion.result import where
 from vibrafeed.core.motion.scales import product
 from vibrafeed.core.quantities.drive import DRIVE
 from vibrafeed.core.quantities.drive_unit import DRIVE_UNIT
@@ -117,21 +118,6 @@ def loaded_inertia(
     )
 
 
-def has_several_amplitudes(*, part_load: Load) -> Mask:
-    """True where drive and parts agree on several amplitudes; the smallest is reported."""
-    return part_load.several
-
-
-def hunts(*, part_load: Load) -> Mask:
-    """True where the parts' motion changes abruptly at the amplitude where both would agree."""
-    return part_load.hunts
-
-
-def is_thrown_hard(*, part_load: Load) -> Mask:
-    """True where thrown parts disturb the track, whose motion is assumed to be a sine."""
-    return part_load.thrown
-
-
 _LOADED = {
     "loaded_mass": Equation("loaded_mass", loaded_mass, SOURCE),
     "loaded_inertia": Equation("loaded_inertia", loaded_inertia, SOURCE),
@@ -190,13 +176,28 @@ def _conditions(unit: ChosenUnit, of_part: tuple[Condition, ...]) -> tuple[Condi
         kept += bowl_track.CONDITIONS
     if not unit.loaded:
         return (*kept, *of_part)
-    any_result = frozenset().union(*(condition.outputs for condition in of_part))
+    any_result = {name for condition in of_part for name in condition.outputs}
     return (
         *kept,
         *of_part[:1],
-        Condition("hunting", hunts, any_result),
-        Condition("several_amplitudes", has_several_amplitudes, any_result),
-        Condition("thrown_load", is_thrown_hard, any_result),
+        where(
+            "hunting",
+            "the parts' motion changes abruptly at the amplitude where both would agree",
+            lambda *, part_load: part_load.hunts,
+            any_result,
+        ),
+        where(
+            "several_amplitudes",
+            "drive and parts agree on several amplitudes; the smallest is reported",
+            lambda *, part_load: part_load.several,
+            any_result,
+        ),
+        where(
+            "thrown_load",
+            "thrown parts disturb the track, whose motion is assumed to be a sine",
+            lambda *, part_load: part_load.thrown,
+            any_result,
+        ),
         *of_part[1:],
     )
 

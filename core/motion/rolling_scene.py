@@ -22,12 +22,11 @@ from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Groups, cells_of
 from vibrafeed.core.motion.kernels.planar.tables import PIECE
 from vibrafeed.core.motion.method import Follow, Method
 from vibrafeed.core.motion.reference import REFERENCE
-from vibrafeed.core.motion.result import ANSWERED, STATUS, Motion, has_status
+from vibrafeed.core.motion.result import ANSWERED, STATUS, Motion, where, with_status
 from vibrafeed.core.quantities import MOTION_MODES
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
     STATIC_ABOVE_KINETIC,
-    Condition,
     Equation,
     Scene,
     fields,
@@ -211,16 +210,6 @@ def wall_contact(
     )  # fmt: skip
 
 
-def leaves_wall(*, gravity_number_across: Array) -> Mask:
-    """True where nothing presses the disc onto the wall: the track leans the other way."""
-    return gravity_number_across < 0
-
-
-def rests(*, motion: Motion) -> Mask:
-    """True where rolling resistance, or the wall, holds the part all the time."""
-    return motion.only("stick")
-
-
 RESULTS = (
     replace(scales.CONVEYING_VELOCITY, source=SOURCE),
     replace(scales.CONVEYING_VELOCITY_ERROR, source=SOURCE),
@@ -241,17 +230,21 @@ RESULTS = (
 )
 ANY_RESULT = frozenset(one.gives for one in RESULTS) - {"occupancy"} | {"regime"}
 CONDITIONS = (
-    Condition(
-        "unresolved", has_status("not_computed", "limit_reached", "no_solution"), ANY_RESULT, "roll"
+    with_status("unresolved", ("not_computed", "limit_reached", "no_solution",), ANY_RESULT, "roll"
     ),
-    Condition("runaway", has_status("runaway"), ANY_RESULT),
-    Condition("rolls_and_slips", has_status("rolls_and_slips"), ANY_RESULT),
-    Condition("neutral", has_status("neutral"), ANY_RESULT),
-    Condition("stick", rests, ANY_RESULT),
-)
-LEAVES_THE_WALL = Condition(
-    "wall_lost", leaves_wall, ANY_RESULT | {"mean_acceleration"}, otherwise="contact"
-)
+    with_status("runaway", ("runaway",), ANY_RESULT),
+    with_status("rolls_and_slips", ("rolls_and_slips",), ANY_RESULT),
+    with_status("neutral", ("neutral",), ANY_RESULT),
+    where(
+        "stick", "rolling resistance, or the wall, holds the part all the time",
+        lambda *, motion: motion.only("stick"), ANY_RESULT,
+    ),
+)  # fmt: skip
+LEAVES_THE_WALL = where(
+    "wall_lost", "nothing presses the disc onto the wall: the track leans the other way",
+    lambda *, gravity_number_across: gravity_number_across < 0, ANY_RESULT | {"mean_acceleration"},
+    otherwise="contact",
+)  # fmt: skip
 VALIDITY = (
     "Motion along the track. Rolling resistance is a couple c r n against the turning, r the "
     "radius and n the load. A part without any is not conveyed, whatever the drive and the "

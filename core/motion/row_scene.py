@@ -14,8 +14,8 @@ from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
 from vibrafeed.core.motion import scales
 from vibrafeed.core.motion.drives import limits
 from vibrafeed.core.motion.feeding import DEFAULTS, occupancy, parts_per_minute
-from vibrafeed.core.motion.groups import row_groups
-from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.groups import of_quantities
+from vibrafeed.core.motion.result import STATUS, where
 from vibrafeed.core.motion.rows import EVENTS, RowMotion, RowParts
 from vibrafeed.core.motion.scales import product
 from vibrafeed.core.quantities.row import MAX_NUMBERED, NUMBERS
@@ -45,7 +45,7 @@ def feed_rate(
     platoons leave to both sides, and below 0 where all travel back.
     """
     last = np.maximum(motion.slowest, 0.0) + np.minimum(motion.fastest, 0.0)
-    velocity = np.where(separates(motion=motion), last * velocity_scale, conveying_velocity)
+    velocity = np.where(motion.platoons > 1, last * velocity_scale, conveying_velocity)
     return parts_per_minute(velocity=velocity, length=length / occupancy)
 
 
@@ -57,11 +57,6 @@ def own_masses(*, motion: RowMotion) -> Array:
 def impact_energy(*, motion: RowMotion, mass_scale: Array, velocity_scale: Array) -> Array:
     """Return the energy that collisions of parts take in a period of the drive [J]."""
     return motion.impact * mass_scale * np.square(velocity_scale)
-
-
-def rebounds(*, restitution: Array) -> Mask:
-    """True where parts rebound from the floor, so that they hop separately."""
-    return restitution > 0.0
 
 
 def tips(*, row: RowParts, friction_static: Array, height: Array, length: Array) -> Mask:
@@ -81,50 +76,8 @@ def tips(*, row: RowParts, friction_static: Array, height: Array, length: Array)
     return most * height > length
 
 
-def is_blocked(*, motion: RowMotion) -> Mask:
-    """True where a stop at rest in space holds the row."""
-    return motion.stop_contact > 0.0
-
-
-def is_unresolved(*, motion: RowMotion) -> Mask:
-    """True where no motion was found."""
-    none = ("not_computed", "limit_reached", "no_drive")
-    return np.isin(motion.status, [STATUS[name] for name in none])
-
-
-def runs_away(*, motion: RowMotion) -> Mask:
-    """True where the parts gain speed for ever."""
-    return motion.status == STATUS["runaway"]
-
-
-def may_hop_in_turn(*, throw_number: Array) -> Mask:
-    """True where hops take two periods, so that parts may hop in turn."""
-    return throw_number > IN_TURN
-
-
-def separates(*, motion: RowMotion) -> Mask:
-    """True where platoons leave each other for ever."""
-    return motion.platoons > 1
-
-
-def does_not_repeat(*, motion: RowMotion) -> Mask:
-    """True where the motion of the row does not repeat."""
-    return np.isin(motion.status, [STATUS["aperiodic"], STATUS["sensitive"]])
-
-
-def takes_several_periods(*, motion: RowMotion) -> Mask:
-    """True where the motion of the row repeats after two periods of the drive or more."""
-    return motion.multiple > 1
-
-
-def hops(*, motion: RowMotion) -> Mask:
-    """True where the parts are in the air for a part of the period."""
-    return motion.flight > 0
-
-
-def rests(*, motion: RowMotion) -> Mask:
-    """True where friction holds all parts all the time."""
-    return motion.status == STATUS["at_rest"]
+def _has(motion: RowMotion, *names: str) -> Mask:
+    return np.isin(motion.status, [STATUS[name] for name in names])
 
 
 STOP_GAPS = {"track_stop_gap": "track", "fixed_stop_gap": "space"}
@@ -331,24 +284,57 @@ RESULTS = (
 )  # fmt: skip
 ANY_RESULT = frozenset(one.gives for one in RESULTS if one.gives != "occupancy") | {"regime"}
 CONDITIONS = (
-    Condition("not_supported", rebounds, ANY_RESULT),
-    Condition("unresolved", is_unresolved, ANY_RESULT, otherwise="slip"),
-    Condition("runaway", runs_away, ANY_RESULT),
-    Condition("out_of_phase_possible", may_hop_in_turn, ANY_RESULT),
-    Condition("separating", separates, ANY_RESULT),
-    Condition("aperiodic", does_not_repeat, ANY_RESULT),
-    Condition("period_doubled", takes_several_periods, ANY_RESULT),
-    Condition("hopping", hops, ANY_RESULT),
-    Condition("stick", rests, ANY_RESULT),
-)
+    where(
+        "not_supported", "parts rebound from the floor, so that they hop separately",
+        lambda *, restitution: restitution > 0.0, ANY_RESULT,
+    ),
+    where(
+        "unresolved", "no motion was found",
+        lambda *, motion: _has(motion, "not_computed", "limit_reached", "no_drive"), ANY_RESULT,
+        otherwise="slip",
+    ),
+    where(
+        "runaway", "the parts gain speed for ever",
+        lambda *, motion: _has(motion, "runaway"), ANY_RESULT,
+    ),
+    where(
+        "out_of_phase_possible", "hops take two periods, so that parts may hop in turn",
+        lambda *, throw_number: throw_number > IN_TURN, ANY_RESULT,
+    ),
+    where(
+        "separating", "platoons leave each other for ever",
+        lambda *, motion: motion.platoons > 1, ANY_RESULT,
+    ),
+    where(
+        "aperiodic", "the motion of the row does not repeat",
+        lambda *, motion: _has(motion, "aperiodic", "sensitive"), ANY_RESULT,
+    ),
+    where(
+        "period_doubled", "the motion of the row repeats after two periods of the drive or more",
+        lambda *, motion: motion.multiple > 1, ANY_RESULT,
+    ),
+    where(
+        "hopping", "the parts are in the air for a part of the period",
+        lambda *, motion: motion.flight > 0, ANY_RESULT,
+    ),
+    where(
+        "stick", "friction holds all parts all the time",
+        lambda *, motion: _has(motion, "at_rest"), ANY_RESULT,
+    ),
+)  # fmt: skip
 
 
 BEFORE_MOTION = 3
 """Conditions that say there is no motion; what a study's names add comes behind them."""
 HELD: dict[str, Condition] = {
-    "track_stop_gap": Condition("indeterminate_force", is_blocked, ANY_RESULT),
-    "fixed_stop_gap": Condition("blocked", is_blocked, ANY_RESULT),
-}
+    gap: where(
+        regime, "a stop at rest in space holds the row",
+        lambda *, motion: motion.stop_contact > 0.0, ANY_RESULT,
+    )
+    for gap, regime in {
+        "track_stop_gap": "indeterminate_force", "fixed_stop_gap": "blocked"
+    }.items()
+}  # fmt: skip
 """Conditions of a row that touches its stop, by the parameter that gives the stop."""
 
 
@@ -379,8 +365,18 @@ _IN_PLANE = (
     *(one for one in scales.PLANAR_SCALES if one.gives != "drive_number_along"),
     Equation("drive_number_along", scales.drive_number_in_plane, SOURCE),
     *limits("sine", ("along", "normal")),
-    Equation("groups", row_groups, SOURCE),
-)
+    Equation(
+        "groups",
+        of_quantities,
+        SOURCE,
+        needs=(
+            "drive_number_along", "drive_number_normal", "gravity_number_along", "load_number",
+            "friction_static", "friction_kinetic", "restitution",
+        ),
+        says="Return the dimensionless groups of the parts of a row, as one record for the "
+        "kernels.",
+    ),
+)  # fmt: skip
 
 
 def row_of(names: tuple[str, ...]) -> Scene:

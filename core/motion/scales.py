@@ -15,10 +15,10 @@ import numpy as np
 
 from vibrafeed.core.mechanics import vibration
 from vibrafeed.core.mechanics.angles import cosine, sine
-from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
+from vibrafeed.core.mechanics.arrays import Array, ratio
 from vibrafeed.core.mechanics.vibration import throw
-from vibrafeed.core.motion.result import Energy, Motion
-from vibrafeed.core.scenes.scene import Condition, Constraint, Equation
+from vibrafeed.core.motion.result import Energy, Motion, where
+from vibrafeed.core.scenes.scene import Constraint, Equation
 
 
 def product(gives: str, *factors: str, says: str, source: str) -> Equation:
@@ -130,11 +130,6 @@ def efficiency(*, motion: Motion, drive_number_along: Array) -> Array:
         return np.where(v != 0, ratio(v, drive_number_along, beyond), 0.0)
 
 
-def efficiency_is_unbounded(*, efficiency: Array) -> Mask:
-    """True where the part moves and the drive along the track is 0, or next to nothing."""
-    return np.isinf(efficiency)
-
-
 CONVEYING_VELOCITY = product(
     "conveying_velocity", "motion.velocity", "velocity_scale", source="theory 13.8",
     says="the mean velocity along the track, over whole cycles of the motion [m s-1]",
@@ -226,11 +221,6 @@ def effective_mass_ratio(*, energy: Energy, drive_number: Array) -> Array:
     return 1.0 + ratio(2.0 * energy.swing, np.square(drive_number), 0.0)
 
 
-def work_is_unbounded(*, energy: Energy, motion: Motion) -> Mask:
-    """True where the drive works on a part that does not travel."""
-    return np.isinf(_a_metre(energy.drive, motion))
-
-
 ENERGY_RESULTS = (
     *(Equation(f"{kind}_power", _power(kind), ENERGY_SOURCE) for kind in WORKS),
     *(Equation(f"{kind}_work", _work(kind), ENERGY_SOURCE) for kind in WORKS),
@@ -251,8 +241,9 @@ ENERGY_RESULTS = (
 )
 """What a method tells that tells the energy."""
 
-WORK_UNBOUNDED = Condition(
+WORK_UNBOUNDED = where(
     "unbounded",
-    work_is_unbounded,
-    frozenset(f"{whose}{kind}_work" for kind in WORKS for whose in ("", "part_")),
+    "the drive works on a part that does not travel",
+    lambda *, energy, motion: np.isinf(_a_metre(energy.drive, motion)),
+    [f"{whose}{kind}_work" for kind in WORKS for whose in ("", "part_")],
 )

@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 
 from vibrafeed.core.mechanics import soft_contact
-from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion import drives, feeding, groups, rolling_scene, scales, tumbling_scene
 from vibrafeed.core.motion.events import EVENTS
 from vibrafeed.core.motion.feeding import RESOLVED
 from vibrafeed.core.motion.groups import SOLID_CYLINDER, Contacts, Groups
 from vibrafeed.core.motion.method import Method
 from vibrafeed.core.motion.reference import REFERENCE
-from vibrafeed.core.motion.result import Motion, has_status
+from vibrafeed.core.motion.result import where, with_status
 from vibrafeed.core.motion.row_scene import ROW, row_of
 from vibrafeed.core.motion.rows import EVENTS as ROW_EVENTS
 from vibrafeed.core.motion.scales import DRIVEN, PLANAR_SCALES, product
@@ -38,37 +38,6 @@ from vibrafeed.core.scenes.scene import (
     Scene,
     fields,
 )
-
-
-def _is_stuck(*, motion: Motion) -> Mask:
-    """True where friction holds the part all the time."""
-    return motion.only("stick")
-
-
-def _is_period_doubled(*, motion: Motion) -> Mask:
-    """True where the motion repeats after two periods of the drive or more."""
-    return motion.multiple > 1
-
-
-def _hops_on(*, motion: Motion) -> Mask:
-    """True where the part is in the air all the time but for impacts."""
-    return motion.only("flight")
-
-
-def _hops(*, motion: Motion) -> Mask:
-    """True where the part is in the air for a part of the period."""
-    return motion.flight > 0
-
-
-def _sticks(*, motion: Motion) -> Mask:
-    """True where friction holds the part for a part of the period."""
-    return motion.stick > 0
-
-
-def _leaves_the_wall(*, motion: Motion, drive_number: Array) -> Mask:
-    """True where the part moves away from the wall in every cycle, and never comes back."""
-    return motion.across > RESOLVED * np.asarray(drive_number)
-
 
 RESULTS = (
     scales.CONVEYING_VELOCITY,
@@ -127,22 +96,41 @@ ANY_RESULT = frozenset(
 ) | {"regime"}
 
 CONDITIONS = (
-    Condition(
-        "unresolved",
-        has_status("not_computed", "limit_reached", "no_solution", "no_drive"),
+    with_status("unresolved", ("not_computed", "limit_reached", "no_solution", "no_drive",),
         ANY_RESULT,
         otherwise="slip",
     ),
-    Condition("runaway", has_status("runaway"), ANY_RESULT),
-    Condition("unbounded", scales.efficiency_is_unbounded, frozenset(("efficiency",))),
-    Condition("aperiodic", has_status("aperiodic", "sensitive"), ANY_RESULT),
-    Condition("period_doubled", _is_period_doubled, ANY_RESULT),
-    Condition("hop_after_hop", _hops_on, ANY_RESULT),
-    Condition("hopping", _hops, ANY_RESULT),
-    Condition("stick", _is_stuck, ANY_RESULT),
-    Condition("stick_slip", _sticks, ANY_RESULT),
-)
-LEAVES_THE_WALL = Condition("wall_lost", _leaves_the_wall, ANY_RESULT)
+    with_status("runaway", ("runaway",), ANY_RESULT),
+    where(
+        "unbounded", "the part moves and the drive along the track is 0, or next to nothing",
+        lambda *, efficiency: np.isinf(efficiency), ("efficiency",),
+    ),
+    with_status("aperiodic", ("aperiodic", "sensitive",), ANY_RESULT),
+    where(
+        "period_doubled", "the motion repeats after two periods of the drive or more",
+        lambda *, motion: motion.multiple > 1, ANY_RESULT,
+    ),
+    where(
+        "hop_after_hop", "the part is in the air all the time but for impacts",
+        lambda *, motion: motion.only("flight"), ANY_RESULT,
+    ),
+    where(
+        "hopping", "the part is in the air for a part of the period",
+        lambda *, motion: motion.flight > 0, ANY_RESULT,
+    ),
+    where(
+        "stick", "friction holds the part all the time",
+        lambda *, motion: motion.only("stick"), ANY_RESULT,
+    ),
+    where(
+        "stick_slip", "friction holds the part for a part of the period",
+        lambda *, motion: motion.stick > 0, ANY_RESULT,
+    ),
+)  # fmt: skip
+LEAVES_THE_WALL = where(
+    "wall_lost", "the part moves away from the wall in every cycle, and never comes back",
+    lambda *, motion, drive_number: motion.across > RESOLVED * np.asarray(drive_number), ANY_RESULT,
+)  # fmt: skip
 """Condition of a track: the part leaves it sideways; the results hold on an endless floor."""
 
 SPATIAL_SCALES = (
@@ -163,8 +151,31 @@ TRACK_SCALES = (
     ),
 )  # fmt: skip
 
-ON_FLOOR = (*SPATIAL_SCALES, Equation("groups", groups.floor_groups, "theory 13.1"))
-ON_TRACK = (*TRACK_SCALES, Equation("groups", groups.track_groups, "theory 13.1"))
+_ON_FLOOR = (
+    "drive_number_along", "drive_number_across", "drive_number_normal", "gravity_number_along",
+    "load_number", "friction_static", "friction_kinetic", "restitution",
+)  # fmt: skip
+_ON_TRACK = (
+    "drive_number_along", "drive_number_across", "drive_number_normal", "gravity_number_along",
+    "gravity_number_across", "load_number", "curvature_number", "friction_static",
+    "friction_kinetic", "wall_friction", "restitution", "wall_restitution",
+)  # fmt: skip
+ON_FLOOR = (
+    *SPATIAL_SCALES,
+    Equation(
+        "groups", groups.of_quantities, "theory 13.1", needs=_ON_FLOOR,
+        says="Return the dimensionless groups of a part that moves in space on a floor without "
+        "wall.",
+    ),
+)  # fmt: skip
+ON_TRACK = (
+    *TRACK_SCALES,
+    Equation(
+        "groups", groups.of_quantities, "theory 13.1", needs=_ON_TRACK,
+        says="Return the dimensionless groups of a part on floor and wall, as one record for the "
+        "kernels.",
+    ),
+)  # fmt: skip
 
 DEFAULTS = {
     "alpha": 0.0,

@@ -29,13 +29,12 @@ from vibrafeed.core.motion import kernel_calls
 from vibrafeed.core.motion.groups import Contacts, table
 from vibrafeed.core.motion.kernel_calls import run_cells
 from vibrafeed.core.motion.method import TIME, Method, Trajectory, TrajectoryRequest
-from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.result import STATUS, where
 from vibrafeed.core.motion.scales import product
 from vibrafeed.core.scenes import isolated
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
     STATIC_ABOVE_KINETIC,
-    Condition,
     Equation,
     Scene,
     fields,
@@ -336,14 +335,6 @@ EVENTS = Method(
 # --- the system
 
 
-def _ended(name: str) -> Callable[..., Mask]:
-    def ended(*, tumble: Tumble) -> Mask:
-        return tumble.status == STATUS[name]
-
-    ended.__doc__ = f"Return where the status is {name}."
-    return ended
-
-
 RESULTS = (
     *fields(
         "tumble",
@@ -396,10 +387,19 @@ RESULTS = (
 )  # fmt: skip
 ANY_RESULT = frozenset(equation.gives for equation in RESULTS) | {"regime"}
 
-CONDITIONS = (
-    Condition("no_solution", _ended("no_solution"), ANY_RESULT, otherwise="unresolved"),
-    Condition("rests", _ended("settled"), ANY_RESULT),
-    Condition("tumbles", _ended("moving"), ANY_RESULT),
+CONDITIONS = tuple(
+    where(
+        regime,
+        f"the status is {status}",
+        lambda *, tumble, status=status: tumble.status == STATUS[status],
+        ANY_RESULT,
+        otherwise,
+    )
+    for regime, status, otherwise in (
+        ("no_solution", "no_solution", "unresolved"),
+        ("rests", "settled", ""),
+        ("tumbles", "moving", ""),
+    )
 )
 
 

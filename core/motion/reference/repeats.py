@@ -396,7 +396,8 @@ class ReferenceRun:
         """
         start, end, flags = self.before[-multiple], self.after[-1], self.flags[-multiple]
         fixed = ([Z, UZ] if flags[0] else []) + ([Y, UY] if flags[1] else [])
-        if self.laws.groups.planar:
+        p = self.laws.groups
+        if not (p.drive_number_across or p.gravity_number_across):
             fixed += [Y, UY]
         indices = [index for index in self.indices(multiple) if index not in fixed]
         growth = np.zeros((len(indices), len(indices)))
