@@ -71,9 +71,8 @@ class Simulation(Prepared):
 def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method | None:
     """Return the method by which motions of a grid can be verified; None if there is none.
 
-    The first of those by which the method of the `plan` is checked that the scene has and whose
-    limits the `grid` of parameters respects. `free` are names of parameters that are not on the
-    grid and take any value.
+    The scene has it, and the `grid` respects its limits. `free` are names of parameters that are
+    not on the grid and take any value.
     """
     scene, methods = plan.scene, methods_of(plan.scene.name)
     for name in methods[plan.variant].checked_by:
@@ -87,14 +86,9 @@ def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method |
 def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> Chosen:
     """Return the scene for a study of motion, the name of its method, and problems with that name.
 
-    `name` is the scene's name, `method` that of the method (None for the default). The names of the
-    study's `parameters` decide what the equations are: the drive may be a sine, another wave, or a
-    drive unit; restitution may fall with speed.
-
-    Raises
-    ------
-    StudyError
-        If there is no such scene, or the parameters are those of two kinds of drive.
+    The names of the study's `parameters` decide what the equations are: the drive may be a sine,
+    another wave, or a drive unit; restitution may fall with speed. Raises `StudyError` if there is
+    no such scene, or the parameters are those of two kinds of drive.
     """
     scene, method, problems = choose_scene(name, method, SYSTEMS)
     names = tuple(parameters)
@@ -129,29 +123,24 @@ def _problems_of_settings(study: SimulateStudy, scene: Scene, method: str) -> It
 def prepare(study: SimulateStudy) -> Simulation:
     """Return the prepared simulation of a study: its scene and method, plan of equations, and grid.
 
-    Raises
-    ------
-    StudyError
-        With every problem of scene, method, outputs, settings and parameters, found before anything
-        is computed.
+    Raises `StudyError` with every problem of scene, method, outputs, settings and parameters.
     """
     chosen = choose_system(study.scene, study.method, study.values())
     scene, method, _ = chosen
     if study.drive is not None and scene.name not in CONTACTS:
-        fix = f"Choose among {', '.join(CONTACTS)}"
-        raise StudyError(
-            [Problem("drive", f"{scene.name} takes only a sine drive, not a section drive", fix)]
-        )
+        message = f"{scene.name} takes only a sine drive, not a section drive"
+        raise StudyError([Problem("drive", message, f"Choose among {', '.join(CONTACTS)}")])
     settings = study.settings()
-    more = never_left_out(scene, method) if study.reduce is None else ()
+    never_left_out = ("motion_status", "mean_acceleration") if study.reduce is None else ()
+    more = [name for name in never_left_out if name in scene.outputs(method)]
     asked = tuple(dict.fromkeys((*study.outputs, *more)))
     if study.trajectory is not None:  # its way back to metres and seconds has to be planned
         asked += tuple(n for n in SCALES if n not in asked and n in scene.outputs(method))
     problems = [
         *_problems_of_settings(study, scene, method),
         *_problems_of_trajectory(study, scene, method),
+        *_problems_of_reduction(study),
     ]
-    problems += _problems_of_reduction(study)
     try:
         plan, grid = plan_study(study, asked, chosen)
     except StudyError as error:
@@ -164,27 +153,12 @@ def prepare(study: SimulateStudy) -> Simulation:
     if problems:
         raise StudyError(problems)
     plan = replace(plan, defaults={**plan.defaults, **settings})
-    return _derivable(Simulation(study, plan, grid)).check_verification()
-
-
-def _derivable(prepared: Simulation) -> Simulation:
-    if prepared.derived is None:
-        return prepared
-    if "period_multiple" not in prepared.plan.scene.outputs(prepared.plan.variant):
-        message = f"the motion of {prepared.plan.scene.name} is followed for a time, not a cycle"
-        cyclic = (*CONTACTS, *ROLLING, ROW)
-        fix = f"Leave it out, or choose among {', '.join(cyclic)}"
+    prepared = Simulation(study, plan, grid)
+    if prepared.derived is not None and "period_multiple" not in scene.outputs(method):
+        message = f"the motion of {scene.name} is followed for a time, not a cycle"
+        fix = f"Leave it out, or choose among {', '.join((*CONTACTS, *ROLLING, ROW))}"
         raise StudyError([Problem("sensitivities", message, fix)])
-    return prepared
-
-
-def never_left_out(scene: Scene, method: str) -> tuple[str, ...]:
-    """Return the outputs that are always computed: the status, and the mean acceleration if any.
-
-    For a scene and the name of its method; they are added to those that a study asks for.
-    """
-    more = ("mean_acceleration",) if "mean_acceleration" in scene.outputs(method) else ()
-    return ("motion_status", *more)
+    return prepared.check_verification()
 
 
 def fix_for_unused_setting(scene: Scene, setting: str) -> str:
@@ -200,12 +174,9 @@ def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> 
     problems = []
     if axes:
         ranged = ", ".join(QUANTITIES[name].label.lower() for name in axes)
+        message = f"trajectory shows one point, but {ranged} has a range of values"
         fix = f"Give one value of {', '.join(axes)}, or leave trajectory out"
-        problems.append(
-            Problem(
-                "trajectory", f"trajectory shows one point, but {ranged} has a range of values", fix
-            )
-        )
+        problems.append(Problem("trajectory", message, fix))
     methods = methods_of(scene.name)
     followed = [name for name in scene.variants if methods[name].course is not None]
     if method not in followed:
