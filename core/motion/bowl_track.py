@@ -62,6 +62,8 @@ GIVES_WAY = {"stretch_climb": ("gamma",), "stretch_friction": ("friction", "fric
 """Parameters that a study may not give beside a quantity of the stretches, which takes their
 place."""
 
+OF_TRACK = ("stretch_radius", "stretch_turns", "stretch_climb")
+
 _NUMBERED = re.compile(rf"({'|'.join(OF_STRETCHES)})_(\d+)")
 
 
@@ -69,13 +71,8 @@ _NUMBERED = re.compile(rf"({'|'.join(OF_STRETCHES)})_(\d+)")
 class Track:
     """The stretches of a track that the names of parameters give.
 
-    Attributes
-    ----------
-    count
-        Number of stretches.
-    own
-        By the stem of a parameter (`stretch_climb`, ...), the numbers of the stretches that have
-        their own value of it.
+    `own` has, by the stem of a parameter (`stretch_climb`, ...), the numbers of the stretches that
+    have their own value of it.
     """
 
     count: int
@@ -84,39 +81,27 @@ class Track:
     def names(self, stem: str) -> tuple[str, ...]:
         """Return the parameter that gives a quantity on each stretch: its own, or an earlier one's.
 
-        `stem` is the parameter's name without number; on stretch 3 a climb may come from stretch 1.
+        `stem` is the parameter's name without number. Climbs that are not given are `gamma`.
         """
-        return tuple(
-            f"{stem}_{max(k for k in self.own[stem] if k <= n)}" for n in range(1, self.count + 1)
-        )
-
-    @property
-    def climbs(self) -> tuple[str, ...]:
-        """The parameters that give the climbs, one a stretch."""
-        if self.own["stretch_climb"]:
-            return self.names("stretch_climb")
-        return ("gamma",) * self.count
+        own = self.own[stem]
+        if not own:
+            return ("gamma",) * self.count
+        return tuple(f"{stem}_{max(k for k in own if k <= n)}" for n in range(1, self.count + 1))
 
     @property
     def inputs(self) -> tuple[str, ...]:
         """The names of the quantities that its stretches are computed from."""
-        stems = ("stretch_radius", "stretch_turns")
-        return ("start_radius", *(n for stem in stems for n in self.names(stem)), *self.climbs)
+        return ("start_radius", *(name for stem in OF_TRACK for name in self.names(stem)))
 
     def stretches(self, **inputs: Any) -> Stretches:
         """Return the stretches of the track from the values of its `inputs`, by name."""
-        radii, turns = (
-            [inputs[name] for name in self.names(stem)]
-            for stem in ("stretch_radius", "stretch_turns")
-        )
-        climbs = [inputs[name] for name in self.climbs]
-        return stretches_of(inputs["start_radius"], radii, turns, climbs)
+        columns = ([inputs[name] for name in self.names(stem)] for stem in OF_TRACK)
+        return stretches_of(inputs["start_radius"], *columns)
 
 
 def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list[Problem]]:
     """Return the track that a study's parameter names define (None if none), and their problems.
 
-    Names such as `stretch_turns_1` say how many stretches there are and what each has of its own.
     `of_bowl` is True if the study has a bowl drive unit, without which stretches are a problem;
     None is returned if there are problems.
     """

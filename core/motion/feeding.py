@@ -118,14 +118,8 @@ def _in_own_units(**values: Any) -> list[Any]:
 def _spacing(length: Array, gap: Array | float) -> Array:
     spacing = length + gap
     if np.any(spacing <= 0.0):
-        fix = "Give length or gap above 0"
-        raise StudyError(
-            [
-                Problem(
-                    "length", "length plus gap, the track that one part takes, is not above 0", fix
-                )
-            ]
-        )
+        message = "length plus gap, the track that one part takes, is not above 0"
+        raise StudyError([Problem("length", message, "Give length or gap above 0")])
     return spacing
 
 
@@ -202,54 +196,44 @@ def travel_in_words(table: Table) -> str:
     It goes by `direction` if the result has that, else by its mean velocity or its feed rate;
     speeds below the stated error, or a nanometre a second, are those of parts that rest.
     """
-    if "mean_acceleration" in table.variables:
+    variables = table.variables
+    if "mean_acceleration" in variables:
         return _rolling_in_words(table)
-    share = _share_backwards(table)
+    if "direction" in variables:
+        backwards = variables["direction"].values == DIRECTIONS["backwards"].value
+    elif "conveying_velocity" in variables:
+        velocity, error = variables["conveying_velocity"], variables.get("conveying_velocity_error")
+        stated = error is not None and error.dims == velocity.dims
+        least = np.fmax(error.values, SLOWEST) if error is not None and stated else SLOWEST
+        backwards = velocity.values < -least
+    elif "feed_rate" in variables:
+        # Of parts of a metre: shorter ones give a higher rate at the same speed.
+        backwards = variables["feed_rate"].values < -60.0 * SLOWEST
+    else:
+        return ""
+    share = float(np.mean(backwards))
     if not share:
         return ""
-    which = "The part travels" if share == 1 else f"{percent(share)} of the cells travel"
-    if share == 1 and not _is_single(table):
-        which = "All cells travel"
+    which = f"{percent(share)} of the cells travel"
+    if share == 1:
+        single = all(not variable.dims for variable in variables.values())
+        which = "The part travels" if single else "All cells travel"
     return f"{which} backwards, against x."
 
 
 def _rolling_in_words(table: Table) -> str:
+    # Of cells in which a round part is not conveyed: it runs down, or nothing moves it.
     down = np.abs(table.variables["mean_acceleration"].values)
     status = table.variables["motion_status"].values
-    runs, stays = status == STATUS["runaway"], status == STATUS["neutral"]
+    runs = down[down > 0]
+    least, most = (f"{end:.2g}" for end in (runs.min(initial=np.inf), runs.max(initial=0.0)))
+    between = most if least == most else f"{least} to {most}"
     sentences = []
-    for share, words in (
-        (float(np.mean(runs)), f"it runs down at {_between(down[down > 0])}"),
-        (float(np.mean(stays)), "nothing conveys it, and it keeps the speed that it has"),
+    for name, words in (
+        ("runaway", f"it runs down at {between} m/s²"),
+        ("neutral", "nothing conveys it, and it keeps the speed that it has"),
     ):
-        if share:
+        if share := float(np.mean(status == STATUS[name])):
             where = "" if share == 1 else f" in {percent(share)} of the cells"
             sentences.append(f"The part does not travel{where}: {words}.")
     return " ".join(sentences)
-
-
-def _between(values: NDArray[np.float64]) -> str:
-    least, most = (f"{end:.2g}" for end in (values.min(initial=np.inf), values.max(initial=0.0)))
-    return f"{most} m/s²" if least == most else f"{least} to {most} m/s²"
-
-
-def _share_backwards(table: Table) -> float:
-    values = {name: variable.values for name, variable in table.variables.items()}
-    if "direction" in values:
-        return float(np.mean(values["direction"] == DIRECTIONS["backwards"].value))
-    if "conveying_velocity" in values:
-        error = values.get("conveying_velocity_error")
-        least = SLOWEST
-        if error is not None and table.variables["conveying_velocity_error"].dims == (
-            table.variables["conveying_velocity"].dims
-        ):
-            least = np.fmax(error, SLOWEST)
-        return float(np.mean(values["conveying_velocity"] < -least))
-    if "feed_rate" in values:
-        # Of parts of a metre: shorter ones give a higher rate at the same speed.
-        return float(np.mean(values["feed_rate"] < -60.0 * SLOWEST))
-    return 0.0
-
-
-def _is_single(table: Table) -> bool:
-    return all(not variable.dims for variable in table.variables.values())

@@ -10,7 +10,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -264,49 +264,18 @@ FALLING = "restitution_speed"
 def with_falling_restitution(system: Scene, parameters: Collection[str]) -> Scene:
     """Return a system whose restitution falls with the speed of impact, given that at one speed.
 
-    `parameters` are the names of the study's parameters; those that the law does not allow are
-    refused.
+    Parameters that the law does not allow are refused.
     """
     law = Equation("impact_damping", soft_contact.impact_damping, "theory 18.3")
 
-    def changed(known: tuple[Equation, ...]) -> tuple[Equation, ...]:
-        others = [
-            replace(
-                one,
-                function=_with_damping(one.function),
-                says=one.summary,
-                needs=("impact_damping", "velocity_scale", *one.inputs),
-            )
-            if one.gives == "groups"
-            else one
-            for one in known
-        ]
-        return (law, *others)
+    def changed(one: Equation) -> Equation:
+        if one.gives != "groups":
+            return one
+        needs = ("impact_damping", "velocity_scale", *one.inputs)
+        return replace(one, function=_falling_groups, says=one.summary, needs=needs)
 
-    return replace(
-        system,
-        variants={name: changed(known) for name, known in system.variants.items()},
-        defaults={n: value for n, value in system.defaults.items() if n != "restitution"},
-        constraints=(*system.constraints, *_refusals(parameters)),
-    )
-
-
-@cache
-def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
-    def falling(*, impact_damping: Array, velocity_scale: Array, **numbers: Array) -> Groups:
-        found = groups(**numbers)
-        damping = impact_damping * velocity_scale
-        endless = np.isinf(damping)
-        return found._replace(
-            restitution=np.where(endless, 0.0, 1.0), impact_damping=np.where(endless, 0.0, damping)
-        )
-
-    return falling
-
-
-def _refusals(parameters: Collection[str]) -> list[Constraint]:
     message = "restitution that falls with speed is known for motion in the plane of the track"
-    nothing = [
+    refusals = [
         Constraint(
             (FALLING, name),
             lambda _, __, least, largest: least == largest == 0.0,
@@ -315,11 +284,25 @@ def _refusals(parameters: Collection[str]) -> list[Constraint]:
         )
         for name in ("alpha", "delta")
     ]
-    across = [n for n in parameters if n == "radius" or "_across_" in n]
-    return nothing + [
+    refusals += [
         Constraint((FALLING, name), lambda *_: False, message, f"Leave it or {name} out")
-        for name in across
+        for name in parameters
+        if name == "radius" or "_across_" in name
     ]
+    return replace(
+        system,
+        variants={name: (law, *map(changed, known)) for name, known in system.variants.items()},
+        defaults={n: value for n, value in system.defaults.items() if n != "restitution"},
+        constraints=(*system.constraints, *refusals),
+    )
+
+
+def _falling_groups(*, impact_damping: Array, velocity_scale: Array, **numbers: Array) -> Groups:
+    damping = impact_damping * velocity_scale
+    endless = np.isinf(damping)
+    return groups.of_quantities(**numbers)._replace(
+        restitution=np.where(endless, 0.0, 1.0), impact_damping=np.where(endless, 0.0, damping)
+    )
 
 
 CONTACTS: dict[str, Contacts] = {
@@ -361,8 +344,5 @@ def methods_of(scene: str) -> Mapping[str, Method]:
 
     `scene` is the name of the scene: a row of parts, rolling, conveying, or tumbling.
     """
-    if scene == ROW:
-        return METHODS["row"]
-    if scene in rolling_scene.SCENES:
-        return METHODS["rolling"]
-    return METHODS["conveying" if scene in CONTACTS else "tumbling"]
+    of = "row" if scene == ROW else "conveying" if scene in CONTACTS else "tumbling"
+    return METHODS["rolling" if scene in rolling_scene.SCENES else of]

@@ -35,6 +35,7 @@ class Sine:
     """The plain sine of a drive; `numbers` are its amplitudes along, across and normal, in g."""
 
     numbers: tuple[float, float, float]
+    order = 1
 
     def push(self, phase: Numbers) -> Three:
         """Return the push along, across and normal at a phase in rad, in g."""
@@ -45,11 +46,6 @@ class Sine:
     def speed(self, phase: Numbers) -> Numbers:
         """Return the velocity of the track along at a phase."""
         return self.numbers[ALONG] * np.cos(phase)
-
-    @property
-    def order(self) -> int:
-        """The highest harmonic order of the drive."""
-        return 1
 
     @property
     def steepest(self) -> float:

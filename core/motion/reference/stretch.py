@@ -98,10 +98,6 @@ def values(coefficients: Array, at: float) -> Array:
     return coefficients @ np.cos(angle * _DEGREES)
 
 
-def _sense(rises: bool) -> int:
-    return 1 if rises else -1
-
-
 def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
     """Yield the roots of a polynomial in order, from 0 to 1, each with 1 (rising) or -1 (falling).
 
@@ -119,7 +115,7 @@ def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
             continue
         if abs(first) > others:
             if above is not None and above != (first > 0.0):
-                yield start, _sense(first > 0.0)
+                yield start, 1 if first > 0.0 else -1
             above = first > 0.0
             continue
         slope = SLOPE @ c
@@ -133,14 +129,14 @@ def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
         low, high = float(c[::2].sum() - c[1::2].sum()), float(c.sum())
         if low != 0.0:
             if above is not None and above != (low > 0.0):
-                yield start, _sense(low > 0.0)
+                yield start, 1 if low > 0.0 else -1
             above = low > 0.0
         if high == 0.0:
             continue
         rises = high > 0.0
         if above is not None and above != rises:
             at = start + width * _root(c, slope, low, high) if low * high < 0.0 else start
-            yield at, _sense(rises)
+            yield at, 1 if rises else -1
         above = rises
 
 
