@@ -184,21 +184,11 @@ def track_feed_rate(*, passage: Passage, length: Array, occupancy: Array) -> Arr
 
 
 class Passage(NamedTuple):
-    """The passage of parts along a whole track; arrays of one shape.
+    """The passage of parts along a whole track; arrays of one shape, NaN without a mean velocity.
 
-    Attributes
-    ----------
-    time : ndarray
-        Of a part from start to exit [s]; infinite where it stops on the way. NaN, as all others,
-        where a place has no mean velocity.
-    time_error : ndarray
-        Bound of its error that the speeds between the nodes leave, as far as they bend [s].
-    slowest : ndarray
-        The least mean velocity [m s-1].
-    slowest_error : ndarray
-        How far below it a place between the nodes may lie, in the same way [m s-1].
-    fraction, radius : ndarray
-        Share of the length, and radius [m], at which that is.
+    Time of a part from start to exit [s], infinite where it stops on the way, and the bound of its
+    error that the speeds between the nodes leave; the least mean velocity [m s-1], and how far
+    below it a place between the nodes may lie; share of the length, and radius [m], where that is.
     """
 
     time: Array
@@ -329,11 +319,6 @@ class AlongTrack:
     way: tuple[Equation, ...]
     needs: tuple[str, ...]
 
-    @property
-    def nodes(self) -> int:
-        """The least number of motions that are followed in each cell, at points along the track."""
-        return self.track.count * (PARTS + 1)
-
     def passage(self, **inputs: Any) -> Passage:
         """Return the passage of parts along the whole track, for every cell.
 
@@ -342,7 +327,8 @@ class AlongTrack:
         settings = {name: inputs[name] for name in self.needs if name in SETTINGS}
         known = {name: inputs[name] for name in self.needs if name not in settings}
         of_cells = partial(self._of_cells, settings)
-        passage: Passage = in_pieces(of_cells, known, max(1, PIECE // self.nodes))
+        step = max(1, PIECE // (self.track.count * (PARTS + 1)))
+        passage: Passage = in_pieces(of_cells, known, step)
         return passage
 
     def _of_cells(self, settings: dict[str, Any], known: dict[str, Array]) -> Passage:
@@ -476,7 +462,13 @@ def along_track(track: Track) -> tuple[Equation, ...]:
             says="the radius of the track where the part is [m]",
         ),
         *(
-            _at_fraction(name, track.names(stem))
+            Equation(
+                name,
+                partial(_at_fraction, track.names(stem)),
+                SOURCE,
+                needs=("track_fraction", "stretches", *track.names(stem)),
+                says="Return what the stretch has at this place.",
+            )
             for stem, names in own.items()
             if track.own[stem]
             for name in names
@@ -484,13 +476,10 @@ def along_track(track: Track) -> tuple[Equation, ...]:
     )
 
 
-def _at_fraction(name: str, own: tuple[str, ...]) -> Equation:
-    def value(*, track_fraction: Array, stretches: Stretches, **inputs: Array) -> Array:
-        return picked(track_fraction, stretches, [inputs[name] for name in own])
-
-    needs = ("track_fraction", "stretches", *own)
-    says = "Return what the stretch has at this place."
-    return Equation(name, value, SOURCE, needs=needs, says=says)
+def _at_fraction(
+    own: tuple[str, ...], *, track_fraction: Array, stretches: Stretches, **inputs: Array
+) -> Array:
+    return picked(track_fraction, stretches, [inputs[name] for name in own])
 
 
 def along(track: Track, equations: Collection[Equation]) -> tuple[Equation, ...]:

@@ -378,15 +378,14 @@ def efficiency(*, motion: Motion, wave: Wave) -> Array:
     return np.where(v != 0, ratio(v, fastest, beyond), 0.0)
 
 
-def _where_driven(follow: Any) -> Any:
-    def driven_motion(*, groups: Groups, watch: Watch | None = None, **settings: Array) -> Motion:
-        found: Motion = follow(groups=groups, watch=watch, **settings)
-        assert groups.wave is not None
-        none = np.isnan(waves.size(groups.wave))
-        status = np.where(none, np.int8(STATUS["no_drive"]), found.status)
-        return found._replace(status=status)
-
-    return driven_motion
+def _driven_motion(
+    follow: Any, *, groups: Groups, watch: Watch | None = None, **settings: Array
+) -> Motion:
+    # No track can do what has a mean acceleration: its numbers are NaN.
+    found: Motion = follow(groups=groups, watch=watch, **settings)
+    assert groups.wave is not None
+    none = np.isnan(waves.size(groups.wave))
+    return found._replace(status=np.where(none, np.int8(STATUS["no_drive"]), found.status))
 
 
 @cache
@@ -436,7 +435,8 @@ def under_wave(shape: Shape, known: Collection[Equation]) -> tuple[Equation, ...
     for equation in known:
         if equation.gives in ("groups", "motion"):
             of_motion = equation.gives == "motion"
-            function = (_where_driven if of_motion else _with_wave)(equation.function)
+            given = equation.function
+            function = partial(_driven_motion, given) if of_motion else _with_wave(given)
             needs = equation.inputs if of_motion else ("wave", *equation.inputs)
             equation = replace(equation, function=function, needs=needs, says=equation.summary)
         if equation.gives != "vibration_acceleration":

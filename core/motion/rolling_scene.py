@@ -8,6 +8,7 @@ resists its rolling, the mean is known without following it, or is none. Its sli
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from vibrafeed.core.motion.drives import limits
 from vibrafeed.core.motion.events import EVENTS, follow, planar_motion
 from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Groups, cells_of
 from vibrafeed.core.motion.kernels.planar.tables import PIECE
-from vibrafeed.core.motion.method import Follow, Method
+from vibrafeed.core.motion.method import Method
 from vibrafeed.core.motion.reference import REFERENCE
 from vibrafeed.core.motion.result import ANSWERED, STATUS, Motion, where, with_status
 from vibrafeed.core.quantities import MOTION_MODES
@@ -253,36 +254,31 @@ VALIDITY = (
 )
 
 
-def _round(method: Method) -> Follow:
-    def motion(
-        *, groups: Groups, rolling_contact: RollingContact, mean_acceleration: Array,
-        watch: Watch | None = None, **settings: Any,
-    ) -> Motion:  # fmt: skip
-        contact = rolling_contact
-        block: Motion = method.follow(
-            groups=groups, contacts=BLOCK_ON_FLOOR, watch=watch, **settings
-        )
-        rolls = always_rolls(contact, watch) & ~np.isnan(mean_acceleration)
-        status = np.where(
-            np.abs(mean_acceleration) > 0, STATUS["runaway"],
-            np.where(contact.free, STATUS["neutral"],
-                     np.where(rolls, block.status, STATUS["rolls_and_slips"])),
-        ).astype(np.int8)  # fmt: skip
-        none = np.isin(status, [STATUS["runaway"], STATUS["rolls_and_slips"]])
-        found = {}
-        for name, values in block._asdict().items():
-            # A rolling part has the share kap/(1 + kap) of its block's velocity, kap = m r^2/I.
-            scale = contact.share if name in ("velocity", "spread", "error") else 1.0
-            own = np.where(status == STATUS["neutral"], 0.0, scale * values)
-            found[name] = np.broadcast_to(np.where(none, np.nan, own), status.shape)
-        found["across"] = np.broadcast_to(np.where(none, np.nan, 0.0), status.shape)
-        return Motion(**{**found, "status": status})
-
-    return motion
+def _motion(
+    method: Method, *, groups: Groups, rolling_contact: RollingContact, mean_acceleration: Array,
+    watch: Watch | None = None, **settings: Any,
+) -> Motion:  # fmt: skip
+    contact = rolling_contact
+    block: Motion = method.follow(groups=groups, contacts=BLOCK_ON_FLOOR, watch=watch, **settings)
+    rolls = always_rolls(contact, watch) & ~np.isnan(mean_acceleration)
+    status = np.where(
+        np.abs(mean_acceleration) > 0, STATUS["runaway"],
+        np.where(contact.free, STATUS["neutral"],
+                 np.where(rolls, block.status, STATUS["rolls_and_slips"])),
+    ).astype(np.int8)  # fmt: skip
+    none = np.isin(status, [STATUS["runaway"], STATUS["rolls_and_slips"]])
+    found = {}
+    for name, values in block._asdict().items():
+        # A rolling part has the share kap/(1 + kap) of its block's velocity, kap = m r^2/I.
+        scale = contact.share if name in ("velocity", "spread", "error") else 1.0
+        own = np.where(status == STATUS["neutral"], 0.0, scale * values)
+        found[name] = np.broadcast_to(np.where(none, np.nan, own), status.shape)
+    found["across"] = np.broadcast_to(np.where(none, np.nan, 0.0), status.shape)
+    return Motion(**{**found, "status": status})
 
 
 METHODS = {
-    method.name: replace(method, follow=_round(method), course=None, energy=None)
+    method.name: replace(method, follow=partial(_motion, method), course=None, energy=None)
     for method in (EVENTS, REFERENCE)
 }
 """The methods for round parts: a block is followed, and its motion read as that of the part."""

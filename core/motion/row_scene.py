@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -210,21 +211,14 @@ def problems_of_load(names: tuple[str, ...]) -> list[Problem]:
     return [Problem("parameters.conveyed_mass", message, fix)]
 
 
-def _of_platoon(number: int) -> tuple[Equation, Equation]:
-    def size(*, motion: RowMotion) -> Array:
-        return (motion.part_platoon == number).sum(axis=0).astype(float)
+def _platoon_size(number: int, *, motion: RowMotion) -> Array:
+    return (motion.part_platoon == number).sum(axis=0).astype(float)
 
-    def velocity(*, motion: RowMotion, velocity_scale: Array) -> Array:
-        inside = motion.part_platoon == number
-        total = np.where(inside, motion.part_velocity, 0.0).sum(axis=0)
-        return ratio(total, inside.sum(axis=0), np.nan) * velocity_scale
 
-    size.__doc__ = f"Return the parts of platoon {number} from the rear; 0 if there is none [1]."
-    velocity.__doc__ = "Return its mean velocity, NaN if there is none [m s-1]."
-    return (
-        Equation(f"platoon_size_{number}", size, SOURCE),
-        Equation(f"platoon_velocity_{number}", velocity, SOURCE),
-    )
+def _platoon_velocity(number: int, *, motion: RowMotion, velocity_scale: Array) -> Array:
+    inside = motion.part_platoon == number
+    total = np.where(inside, motion.part_velocity, 0.0).sum(axis=0)
+    return ratio(total, inside.sum(axis=0), np.nan) * velocity_scale
 
 
 RESULTS = (
@@ -263,7 +257,16 @@ RESULTS = (
     ),
     Equation("occupancy", occupancy, "theory 13.12"),
     Equation("feed_rate", feed_rate, SOURCE),
-    *(one for n in range(1, MAX_NUMBERED + 1) for one in _of_platoon(n)),
+    *(
+        Equation(f"platoon_{what}_{n}", partial(function, n), SOURCE, says=says.format(n))
+        for n in range(1, MAX_NUMBERED + 1)
+        for what, function, says in (
+            ("size", _platoon_size,
+             "Return the parts of platoon {} from the rear; 0 if there is none [1]."),
+            ("velocity", _platoon_velocity,
+             "Return its mean velocity, NaN if there is none [m s-1]."),
+        )
+    ),
     product(
         "mean_gap", "motion.gap", "length_scale", source=SOURCE,
         says="the mean gap between neighbours of one platoon, NaN if all are apart [m]",

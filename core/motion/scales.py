@@ -6,8 +6,7 @@ and the curvature are left. All functions take and return broadcastable float64 
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import reduce
+from functools import partial, reduce
 from operator import mul
 from typing import Any
 
@@ -27,13 +26,13 @@ def product(gives: str, *factors: str, says: str, source: str) -> Equation:
     `says` is what it gives, as one says after "Return".
     """
     paths = [factor.split(".") for factor in factors]
-
-    def value(**known: Any) -> Array:
-        values: Array = reduce(mul, (reduce(getattr, path, known[name]) for name, *path in paths))
-        return values
-
     needs = tuple(name for name, *_ in paths)
-    return Equation(gives, value, source, needs=needs, says=f"Return {says}.")
+    return Equation(gives, partial(_product, paths), source, needs=needs, says=f"Return {says}.")
+
+
+def _product(paths: list[list[str]], **known: Any) -> Array:
+    values: Array = reduce(mul, (reduce(getattr, path, known[name]) for name, *path in paths))
+    return values
 
 
 def drive_number(*, vibration_acceleration: Array, gravity: Array) -> Array:
@@ -185,25 +184,13 @@ WORKS = {
 """Fields of `Energy`, and what they are."""
 
 
-def _power(kind: str) -> Callable[..., Array]:
-    def power(*, energy: Energy, gravity: Array, velocity_scale: Array) -> Array:
-        power: Array = getattr(energy, kind) * (gravity * velocity_scale)
-        return power
-
-    power.__doc__ = f"Return {WORKS[kind]}, mean over the cycle, per mass [W kg-1]."
+def _power(kind: str, *, energy: Energy, gravity: Array, velocity_scale: Array) -> Array:
+    power: Array = getattr(energy, kind) * (gravity * velocity_scale)
     return power
 
 
-def _work(kind: str) -> Callable[..., Array]:
-    def work(*, energy: Energy, motion: Motion, gravity: Array) -> Array:
-        return _a_metre(getattr(energy, kind), motion) * gravity
-
-    work.__doc__ = f"""Return {WORKS[kind]}, per mass and metre travelled [J kg-1 m-1].
-
-    Either way along the track. Infinite (regime `unbounded`) where it is done without travel; NaN
-    where neither is.
-    """
-    return work
+def _work(kind: str, *, energy: Energy, motion: Motion, gravity: Array) -> Array:
+    return _a_metre(getattr(energy, kind), motion) * gravity
 
 
 def _a_metre(energy: Array, motion: Motion) -> Array:
@@ -222,8 +209,21 @@ def effective_mass_ratio(*, energy: Energy, drive_number: Array) -> Array:
 
 
 ENERGY_RESULTS = (
-    *(Equation(f"{kind}_power", _power(kind), ENERGY_SOURCE) for kind in WORKS),
-    *(Equation(f"{kind}_work", _work(kind), ENERGY_SOURCE) for kind in WORKS),
+    *(
+        Equation(
+            f"{kind}_power", partial(_power, kind), ENERGY_SOURCE,
+            says=f"Return {says}, mean over the cycle, per mass [W kg-1].",
+        )
+        for kind, says in WORKS.items()
+    ),
+    *(
+        # Infinite (regime `unbounded`) where it is done without travel, NaN where neither is.
+        Equation(
+            f"{kind}_work", partial(_work, kind), ENERGY_SOURCE,
+            says=f"Return {says}, per mass and metre travelled [J kg-1 m-1].",
+        )
+        for kind, says in WORKS.items()
+    ),
     *(
         product(f"part_{of}", of, "mass", source=ENERGY_SOURCE, says=says)
         for of, says in {
@@ -238,7 +238,7 @@ ENERGY_RESULTS = (
         }.items()
     ),
     Equation("effective_mass_ratio", effective_mass_ratio, ENERGY_SOURCE),
-)
+)  # fmt: skip
 """What a method tells that tells the energy."""
 
 WORK_UNBOUNDED = where(
