@@ -245,8 +245,10 @@ def shape_of(parameters: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
         return None, [_mixed(name, "the plain sine", other, _NO_SINE[other]) for name in sines]
     if terms:
         return Harmonics(tuple(sorted(terms, key=_by_axis))), []
-    if not steps:
-        return None, []
+    return _steps_of(steps) if steps else (None, [])
+
+
+def _steps_of(steps: list[re.Match[str]]) -> tuple[Steps | None, list[Problem]]:
     levels = {(m[1], int(m[2])) for m in steps if m[1]}
     count = max(int(m[2]) for m in steps)
     if levels and count > 1:
@@ -391,14 +393,14 @@ def _driven_motion(
 @cache
 def _with_wave(groups: Any) -> Any:
     def waved(*, wave: Wave, **numbers: Array) -> Groups:
-        found: Groups = groups(**numbers)
-        static: Array = found.friction_static
+        part: Groups = groups(**numbers)
+        static: Array = part.friction_static
         if wave.steps.shape[1]:
             # A sine passes the limit at a phase, but a step may lie on it as long as it lasts, as
             # the best drives do; the last bit of a sum would decide the motion.
             raised = static * (1.0 + AT_LIMIT)
-            static = np.where(static > found.friction_kinetic, raised, static)
-        return found._replace(wave=wave, friction_static=static)
+            static = np.where(static > part.friction_kinetic, raised, static)
+        return part._replace(wave=wave, friction_static=static)
 
     return waved
 

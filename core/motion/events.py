@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion import kernel_calls
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of, groups_of, in_plane
-from vibrafeed.core.motion.kernel_calls import Kernel, run_cells
+from vibrafeed.core.motion.kernel_calls import run_cells
 from vibrafeed.core.motion.kernels.results import RESULTS
 from vibrafeed.core.motion.method import Method, Path, Trajectory, TrajectoryRequest
 from vibrafeed.core.motion.result import STATUS, Energy, Motion, motion_of
@@ -168,7 +168,7 @@ MAX_TURNS = 100_000
 """Periods of the drive that a trajectory may show, as many as a study may follow a part."""
 
 
-def _in_space(kernel: Callable[..., Any], contacts: Contacts) -> Kernel:
+def _in_space(kernel: Callable[..., Any], contacts: Contacts) -> Callable[..., Any]:
     return partial(kernel, contacts.wall, float(contacts.rolling))
 
 
@@ -315,7 +315,7 @@ def _average_spent(groups: NDArray[np.float64], *found: Any) -> None:
     kernel_calls.unrepeated.average_spent(groups, waves_of(groups), *found)
 
 
-def _course(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
+def _trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
     settings: dict[str, Any] = {name: asked.setting(name) for name in ("tolerance", "max_periods")}
     settings |= {"phases": asked.times()[1], "watch": asked.watch}
     if in_plane(asked.groups, contacts):
@@ -333,7 +333,7 @@ EVENTS = Method(
     accuracy="rounding, where the motion repeats",
     seconds_a_cell=1e-4,
     defaults={"tolerance": 1e-12, "max_periods": 1000.0},
-    course=_course,
+    course=_trajectory,
     energy=energy_by_events,
     checked_by=("reference",),
 )

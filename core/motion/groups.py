@@ -160,6 +160,6 @@ def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
     return map(of, rows), shape
 
 
-def of_quantities(*, load_number: Array, **numbers: Array) -> Groups:
+def of_quantities(*, load_number: Array, **numbers: Any) -> Groups:
     """Return the groups from quantities of their names; `load_number` is gravity onto the floor."""
     return Groups(gravity_number_normal=load_number, **numbers)

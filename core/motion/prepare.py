@@ -7,11 +7,11 @@ from dataclasses import replace
 from functools import cached_property
 
 from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.motion import rolling_scene
 from vibrafeed.core.motion.drive_units import on_unit, unit_of
 from vibrafeed.core.motion.drives import driven, shape_of, what_is_open
 from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.method import Method
-from vibrafeed.core.motion.rolling_scene import SCENES as ROLLING
 from vibrafeed.core.motion.row_scene import ROW, problems_of_load, problems_of_row, row_of
 from vibrafeed.core.motion.systems import (
     CONTACTS,
@@ -156,7 +156,7 @@ def prepare(study: SimulateStudy) -> Simulation:
     prepared = Simulation(study, plan, grid)
     if prepared.derived is not None and "period_multiple" not in scene.outputs(method):
         message = f"the motion of {scene.name} is followed for a time, not a cycle"
-        fix = f"Leave it out, or choose among {', '.join((*CONTACTS, *ROLLING, ROW))}"
+        fix = f"Leave it out, or choose among {', '.join((*CONTACTS, *rolling_scene.SCENES, ROW))}"
         raise StudyError([Problem("sensitivities", message, fix)])
     return prepared.check_verification()
 

@@ -267,14 +267,14 @@ def _motion(
                  np.where(rolls, block.status, STATUS["rolls_and_slips"])),
     ).astype(np.int8)  # fmt: skip
     none = np.isin(status, [STATUS["runaway"], STATUS["rolls_and_slips"]])
-    found = {}
+    means = {}
     for name, values in block._asdict().items():
         # A rolling part has the share kap/(1 + kap) of its block's velocity, kap = m r^2/I.
         scale = contact.share if name in ("velocity", "spread", "error") else 1.0
         own = np.where(status == STATUS["neutral"], 0.0, scale * values)
-        found[name] = np.broadcast_to(np.where(none, np.nan, own), status.shape)
-    found["across"] = np.broadcast_to(np.where(none, np.nan, 0.0), status.shape)
-    return Motion(**{**found, "status": status})
+        means[name] = np.broadcast_to(np.where(none, np.nan, own), status.shape)
+    means["across"] = np.broadcast_to(np.where(none, np.nan, 0.0), status.shape)
+    return Motion(**{**means, "status": status})
 
 
 METHODS = {

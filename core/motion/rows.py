@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion import kernel_calls
-from vibrafeed.core.motion.events import EVENTS as SINGLE
+from vibrafeed.core.motion import events, kernel_calls
 from vibrafeed.core.motion.events import motion_by_events
 from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, table
 from vibrafeed.core.motion.kernel_calls import run_cells
@@ -242,7 +241,7 @@ def _as_one(
     own = kernel_calls.rows.OWN
     static, kinetic = (_own(rows, n)[:, 0].reshape(shape) for n in (own.static, own.kinetic))
     one = groups._replace(friction_static=static, friction_kinetic=kinetic, restitution=0.0)
-    settings: dict[str, Any] = dict(SINGLE.defaults)
+    settings: dict[str, Any] = dict(events.EVENTS.defaults)
     motion = motion_by_events(one, BLOCK_ON_FLOOR, watch=watch, **settings)
     names = ("velocity", "spread", "error", "flight", "multiple", "status")
     velocity, spread, error, flight, multiple, status = (
@@ -290,7 +289,7 @@ def _cells(groups: Groups, parts: RowParts, max_periods: Array) -> tuple[Array, 
     return rows, shape
 
 
-def _course(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
+def _trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
     # Positions count from the place in which the rear part starts, with the lengths of parts
     # between them if the study gives these.
     del contacts
@@ -323,5 +322,5 @@ EVENTS = Method(
     "of the mean of batches of periods where it does not",
     seconds_a_cell=5e-3,
     defaults={"max_periods": PERIODS},
-    course=_course,
+    course=_trajectory,
 )

@@ -18,7 +18,15 @@ import numpy as np
 
 from vibrafeed.core.mechanics import soft_contact
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion import drives, feeding, groups, rolling_scene, scales, tumbling_scene
+from vibrafeed.core.motion import (
+    drives,
+    feeding,
+    groups,
+    rolling_scene,
+    rows,
+    scales,
+    tumbling_scene,
+)
 from vibrafeed.core.motion.events import EVENTS
 from vibrafeed.core.motion.feeding import RESOLVED
 from vibrafeed.core.motion.groups import SOLID_CYLINDER, Contacts, Groups
@@ -26,7 +34,6 @@ from vibrafeed.core.motion.method import Method
 from vibrafeed.core.motion.reference import REFERENCE
 from vibrafeed.core.motion.result import where, with_status
 from vibrafeed.core.motion.row_scene import ROW, row_of
-from vibrafeed.core.motion.rows import EVENTS as ROW_EVENTS
 from vibrafeed.core.motion.scales import DRIVEN, PLANAR_SCALES, product
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes.scene import (
@@ -194,7 +201,7 @@ VALIDITY = (
 METHODS: dict[str, dict[str, Method]] = {
     "conveying": {"events": EVENTS, "reference": REFERENCE},
     "tumbling": {"events": tumbling_scene.EVENTS},
-    "row": {"events": ROW_EVENTS},
+    "row": {"events": rows.EVENTS},
     "rolling": rolling_scene.METHODS,
 }
 """The methods by what they follow: a conveyed part, one that tumbles, a row, a round part."""
@@ -268,11 +275,11 @@ def with_falling_restitution(system: Scene, parameters: Collection[str]) -> Scen
     """
     law = Equation("impact_damping", soft_contact.impact_damping, "theory 18.3")
 
-    def changed(one: Equation) -> Equation:
-        if one.gives != "groups":
-            return one
-        needs = ("impact_damping", "velocity_scale", *one.inputs)
-        return replace(one, function=_falling_groups, says=one.summary, needs=needs)
+    def changed(equation: Equation) -> Equation:
+        if equation.gives != "groups":
+            return equation
+        needs, says = ("impact_damping", "velocity_scale", *equation.inputs), equation.summary
+        return replace(equation, function=_falling_groups, says=says, needs=needs)
 
     message = "restitution that falls with speed is known for motion in the plane of the track"
     refusals = [

@@ -252,7 +252,7 @@ def tumbling_path(throw: Throw, *, times: ArrayLike, watch: Watch | None = None)
     if _can_be_followed(cells)[0]:
         with (watch or Watch()).flag() as stop:
             kernel_calls.tumbling.path_events(cells[0], moments, rows, stop)
-    return TumblePath(moments, *rows.T[1:9].copy(), touching=rows[:, 9:] == 1)
+    return TumblePath._make([moments, *rows.T[1:9].copy(), rows[:, 9:] == 1])
 
 
 def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
@@ -262,22 +262,22 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
     if throw.friction_static is None:
         throw = throw._replace(friction_static=throw.friction_kinetic)
     part, *numbers = throw
-    given = {
+    values = {
         name: np.asarray(number, dtype=float)
         for name, number in zip(Throw._fields[1:], numbers, strict=True)
     }
-    circular_frequency = 2 * np.pi * given["frequency"]
-    acceleration = given["amplitude"] * circular_frequency**2
-    step = STEP_IN_FALLS * np.sqrt(part.half_diagonal / given["gravity"])
+    circular_frequency = 2 * np.pi * values["frequency"]
+    acceleration = values["amplitude"] * circular_frequency**2
+    step = STEP_IN_FALLS * np.sqrt(part.half_diagonal / values["gravity"])
     with np.errstate(divide="ignore"):
         turn = 2 * np.pi / STEPS_A_PERIOD / np.where(acceleration > 0, circular_frequency, 0.0)
     inputs: dict[str, Any] = {
-        **given,
+        **values,
         **part._asdict(),
-        "pull_along": given["gravity"] * sine(given["gamma"]),
-        "pull_normal": given["gravity"] * cosine(given["gamma"]),
-        "drive_along": acceleration * cosine(given["beta"]),
-        "drive_normal": acceleration * sine(given["beta"]),
+        "pull_along": values["gravity"] * sine(values["gamma"]),
+        "pull_normal": values["gravity"] * cosine(values["gamma"]),
+        "drive_along": acceleration * cosine(values["beta"]),
+        "drive_normal": acceleration * sine(values["beta"]),
         "circular_frequency": circular_frequency,
         "start_phase": 0.0,
         "time_step": np.minimum(step, turn),
@@ -285,7 +285,7 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
     names = kernel_calls.tumbling.Cell._fields
     rows, shape = table(inputs[name] for name in names)
     named = dict(zip(names, rows.T, strict=True))
-    if not all(np.isfinite(named[name]).all() for name in (*given, "turning") if name in named):
+    if not all(np.isfinite(named[name]).all() for name in (*values, "turning") if name in named):
         raise ValueError("every argument has to be a finite number")
     for name in ("gap_normal", "friction_kinetic", "restitution"):
         if not np.all(named[name] >= 0):
@@ -304,7 +304,7 @@ def _can_be_followed(rows: NDArray[np.float64]) -> Mask:
     return np.logical_and.reduce([np.isfinite(rows).all(axis=1), *above])
 
 
-def _course(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
+def _trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
     del contacts
     throw: Throw = asked.arguments["throw"]
     times = np.array(asked.samples)
@@ -328,7 +328,7 @@ EVENTS = Method(
     accuracy="of fourth order in the step while a corner or a side is on the plane, some 1e-8 of "
     "the energy; exact in flight; endless runs of impacts are cut off at 1e-6 of the fall's speed",
     seconds_a_cell=1e-3,
-    course=_course,
+    course=_trajectory,
 )
 
 
