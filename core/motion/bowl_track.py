@@ -173,11 +173,6 @@ def load_radius(*, load_fraction: Array, stretches: Stretches) -> Array:
     return radius_at(load_fraction, stretches)
 
 
-def track_length(*, stretches: Stretches) -> Array:
-    """Return the length of the track, the sum of pi n (r_1 + r_2)/cos(gamma) [m]."""
-    return total_length(stretches)
-
-
 def track_feed_rate(*, passage: Passage, length: Array, occupancy: Array) -> Array:
     """Return the number of parts per minute at the bottleneck, 60 v occupancy/length [min-1]."""
     return parts_per_minute(velocity=passage.slowest, length=length / occupancy)
@@ -217,18 +212,9 @@ def slowness(first: Array, last: Array) -> Array:
 class Speeds(NamedTuple):
     """Mean velocities along stretches of tracks; arrays of one shape (n,).
 
-    The nodes of a cell follow each other, from the start of the track to its exit.
-
-    Attributes
-    ----------
-    cell, stretch : ndarray of int
-        The stretch of the track, from 0.
-    at, length : ndarray
-        Share of the stretch's length, and that length [m].
-    velocity, error : ndarray
-        Mean velocity, NaN where there is none, and its own error [m s-1].
-    throw, multiple : ndarray
-        Throw number, and periods after which the motion repeats [1].
+    The nodes of a cell follow each other, from the start of the track to its exit: `stretch` counts
+    from 0, `at` is a share of its `length` [m]. Mean `velocity`, NaN where there is none, and its
+    own `error` [m s-1]; throw number, and periods after which the motion repeats.
     """
 
     cell: NDArray[np.intp]
@@ -244,19 +230,10 @@ class Speeds(NamedTuple):
 class Intervals(NamedTuple):
     """Times and least velocities between neighbouring nodes of `Speeds`; arrays of one shape (n,).
 
-    An interval belongs to the node at its start. Those that lead to another stretch or cell have no
-    length, and take no time.
-
-    Attributes
-    ----------
-    width : ndarray
-        Share of the stretch.
-    time : ndarray
-        Time of a part [s].
-    late, later : ndarray
-        Time that a bend of the velocity between the nodes may add; with their own errors [s].
-    lower, lowest : ndarray
-        Least velocity that such a bend leaves possible; with those errors [m s-1].
+    An interval belongs to the node at its start; those that lead to another stretch or cell have no
+    length, and take no time. `width` is a share of the stretch, `time` that of a part [s]; `late`
+    is what a bend of the velocity between the nodes may add, `later` with their own errors; `lower`
+    the least velocity that such a bend leaves possible, `lowest` with those errors [m s-1].
     """
 
     width: Array
@@ -402,7 +379,12 @@ class AlongTrack:
 
 
 RESULTS = (
-    Equation("track_length", track_length, SOURCE),
+    Equation(
+        "track_length",
+        total_length,
+        SOURCE,
+        says="Return the length of the track, the sum of pi n (r_1 + r_2)/cos(gamma) [m].",
+    ),
     *fields(
         "passage",
         SOURCE,

@@ -14,7 +14,6 @@ from vibrafeed.core.errors import Problem
 from vibrafeed.core.mechanics import bowl_drive_unit, drive_unit
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion import bowl_track
-from vibrafeed.core.motion.bowl_track import Track, track_of
 from vibrafeed.core.motion.drives import SINE, HalfWave, Shape, under_wave
 from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.part_load import Load, part_load
@@ -47,7 +46,7 @@ class ChosenUnit(NamedTuple):
     variant: str
     loaded: bool
     shape: Shape | None
-    track: Track | None
+    track: bowl_track.Track | None
 
 
 def unit_of(parameters: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]]:
@@ -57,7 +56,7 @@ def unit_of(parameters: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]
     """
     names = tuple(parameters)
     of_unit = [name for name in names if name in PARAMETERS_OF_UNIT]
-    track, problems_of_track = track_of(names, of_bowl=bool({*OF_BOWLS} & {*of_unit}))
+    track, problems_of_track = bowl_track.track_of(names, of_bowl=bool({*OF_BOWLS} & {*of_unit}))
     if not of_unit:
         return None, problems_of_track
     name = "bowl-drive-unit" if {*OF_BOWLS} & {*of_unit} else "linear-drive-unit"

@@ -20,7 +20,6 @@ from vibrafeed.core.mechanics.arrays import Array, ratio
 from vibrafeed.core.motion import waves
 from vibrafeed.core.motion.groups import Contacts, Groups, in_plane
 from vibrafeed.core.motion.result import STATUS, Motion
-from vibrafeed.core.motion.waves import TURN, Wave
 from vibrafeed.core.quantities.drive import AXES, DRIVE, WHERE
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.scenes.scene import Equation, arguments_of
@@ -66,20 +65,22 @@ class Harmonics:
         """Default values of quantities that a study may omit, SI units."""
         return {"drive_factor": 1.0, **{f"phase_{axis}_{k}": 0.0 for axis, k in self.terms}}
 
-    def wave(self, **inputs: Array) -> Wave:
+    def wave(self, **inputs: Array) -> waves.Wave:
         """Return the drive of harmonics: push k^2 w^2 A_k sin(k tau + phi_k)/g on each axis.
 
         Summed over the orders k. `inputs` are arrays by name in SI units; w = 2 pi f.
         """
         inputs, shape = _aligned(inputs)
         harmonics = np.zeros((3, 2, max(k for _, k in self.terms), *shape))
-        unit = inputs["drive_factor"] * np.square(TURN * inputs["frequency"]) / inputs["gravity"]
+        unit = (
+            inputs["drive_factor"] * np.square(waves.TURN * inputs["frequency"]) / inputs["gravity"]
+        )
         for axis, k in self.terms:
             size = k * k * inputs[f"amplitude_{axis}_{k}"] * unit
             phase = inputs[f"phase_{axis}_{k}"]
             harmonics[AXES.index(axis), 0, k - 1] = size * cosine(phase)
             harmonics[AXES.index(axis), 1, k - 1] = size * sine(phase)
-        return Wave(harmonics, np.zeros((4, 0, *shape)))
+        return waves.Wave(harmonics, np.zeros((4, 0, *shape)))
 
 
 @dataclass(frozen=True)
@@ -118,7 +119,7 @@ class Steps:
         """Default values of quantities that a study may omit, SI units."""
         return {"drive_factor": 1.0, **{f"duration_{n}": 1.0 for n in range(1, self.count + 1)}}
 
-    def wave(self, **inputs: Array) -> Wave:
+    def wave(self, **inputs: Array) -> waves.Wave:
         """Return the drive whose acceleration is constant from step to step, over one period.
 
         `inputs` are arrays by name; of durations only ratios count. Steps shorter than `SHORTEST`
@@ -133,10 +134,10 @@ class Steps:
         steps = np.zeros((4, self.count, *shape))
         for axis in dict.fromkeys(axis for axis, _ in self.levels):
             steps[AXES.index(axis)] = self._levels(axis, inputs, last)
-        ends = TURN * np.cumsum(last, axis=0)
-        ends[-1] = np.where(np.isnan(ends[-1]), np.nan, TURN)
+        ends = waves.TURN * np.cumsum(last, axis=0)
+        ends[-1] = np.where(np.isnan(ends[-1]), np.nan, waves.TURN)
         steps[waves.ENDS] = ends
-        return Wave(np.zeros((3, 2, 0, *shape)), steps)
+        return waves.Wave(np.zeros((3, 2, 0, *shape)), steps)
 
     def _levels(self, axis: str, inputs: dict[str, Array], last: Array) -> Array:
         # The push, minus the track's acceleration over gravity, step by step; `last` are the shares
@@ -173,7 +174,7 @@ class HalfWave:
     )
     defaults: ClassVar = {"alpha": 0.0, "drive_factor": 1.0}
 
-    def wave(self, **inputs: Any) -> Wave:
+    def wave(self, **inputs: Any) -> waves.Wave:
         """Return the drive of a track under a force with a second harmonic, such as a magnet's.
 
         Its push is w^2 A sin(tau)/g, and 4 w^2 A (s, c)/g at 2 tau, along the line of vibration.
@@ -191,7 +192,7 @@ class HalfWave:
         ]
         harmonics = np.stack(np.broadcast_arrays(*numbers))
         shape = harmonics.shape[1:]
-        return Wave(harmonics.reshape(3, 2, 2, *shape), np.zeros((4, 0, *shape)))
+        return waves.Wave(harmonics.reshape(3, 2, 2, *shape), np.zeros((4, 0, *shape)))
 
 
 Shape = Harmonics | Steps | HalfWave
@@ -280,7 +281,7 @@ def _by_axis(term: tuple[str, int]) -> tuple[int, int]:
 # --- the demands of a drive on the machine, by axis
 
 
-LIMITS: dict[str, tuple[str, Callable[..., Array], float, Callable[[Wave, int], Array]]] = {
+LIMITS: dict[str, tuple[str, Callable[..., Array], float, Callable[[waves.Wave, int], Array]]] = {
     "largest_acceleration": (
         "largest acceleration of the track {} over a period [m s-2]",
         lambda *, gravity: gravity,
@@ -316,7 +317,7 @@ def _limit(name: str, axis: str, drive: str) -> Equation:
     def value(**known: Array) -> Array:
         drive_value = known.pop(drive_input)
         scale = scale_of(**known)
-        if isinstance(drive_value, Wave):
+        if isinstance(drive_value, waves.Wave):
             return of_wave(drive_value, AXES.index(axis)) * scale
         return of_sine * np.abs(drive_value) * scale
 
@@ -364,13 +365,13 @@ AT_LIMIT = 1e-13
 limit, so that rounding does not decide."""
 
 
-def throw_number(*, wave: Wave, load_number: Array) -> Array:
+def throw_number(*, wave: waves.Wave, load_number: Array) -> Array:
     """Return the throw number, the largest upward drive acceleration over the load number [1]."""
     most = np.maximum(waves.largest_over_period(wave, waves.NORMAL, "push"), 0.0)
     return ratio(most, load_number, np.where(most > 0.0, np.inf, 0.0))
 
 
-def efficiency(*, motion: Motion, wave: Wave) -> Array:
+def efficiency(*, motion: Motion, wave: waves.Wave) -> Array:
     """Return the conveying velocity over the largest speed of the track along x; 0 at rest [1].
 
     Infinite (regime `unbounded`) for a part that moves though the track does not move along x.
@@ -392,7 +393,7 @@ def _driven_motion(
 
 @cache
 def _with_wave(groups: Any) -> Any:
-    def waved(*, wave: Wave, **numbers: Array) -> Groups:
+    def waved(*, wave: waves.Wave, **numbers: Array) -> Groups:
         part: Groups = groups(**numbers)
         static: Array = part.friction_static
         if wave.steps.shape[1]:

@@ -316,8 +316,9 @@ def _average_spent(groups: NDArray[np.float64], *found: Any) -> None:
 
 
 def _trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
-    settings: dict[str, Any] = {name: asked.setting(name) for name in ("tolerance", "max_periods")}
-    settings |= {"phases": asked.times()[1], "watch": asked.watch}
+    settings: dict[str, Any] = {"phases": asked.times()[1], "watch": asked.watch}
+    for name in ("tolerance", "max_periods"):
+        settings[name] = np.asarray(asked.arguments[name]).item()
     if in_plane(asked.groups, contacts):
         path, modes = planar_path(asked.groups, **settings)
     else:

@@ -12,6 +12,7 @@ from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.mechanics.travel import distance_bound
 from vibrafeed.core.motion.result import ANSWERED, STATUS, Motion
+from vibrafeed.core.motion.scales import product
 from vibrafeed.core.quantities import DIRECTIONS, QUANTITIES
 from vibrafeed.core.scenes.scene import Equation
 from vibrafeed.core.study.units import UnitError, in_own_unit, problem
@@ -153,15 +154,6 @@ def line_feed_rate(*, feed_rate: Array, line_yield: Array) -> Array:
     return np.maximum(feed_rate, 0.0) * line_yield
 
 
-def oriented_feed_rate(*, line_feed_rate: Array, line_purity: Array) -> Array:
-    """Return the parts per minute that leave a line of devices as they are wanted [min-1].
-
-    The feed rate of the line times the purity of the line, the share of the leaving parts that lie
-    in the wanted aspect.
-    """
-    return line_feed_rate * line_purity
-
-
 def direction(*, motion: Motion, drive_number: Array) -> NDArray[np.int8]:
     """Return the direction of travel as a flag: forwards, backwards, at rest or unknown.
 
@@ -184,9 +176,12 @@ RESULTS = (
     Equation("occupancy", occupancy, "theory 13.12"),
     Equation("feed_rate", feed_rate, "theory 13.12"),
     Equation("line_feed_rate", line_feed_rate, "theory 16.3"),
-    Equation("oriented_feed_rate", oriented_feed_rate, "theory 16.3"),
+    product(
+        "oriented_feed_rate", "line_feed_rate", "line_purity", source="theory 16.3",
+        says="the parts per minute that leave a line of devices as they are wanted [min-1]",
+    ),
     Equation("direction", direction, "theory 13.12"),
-)
+)  # fmt: skip
 DEFAULTS = {"part_gap": 0.0}
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.waves import Wave, of_columns, of_row
+from vibrafeed.core.motion.waves import Wave, of_columns
 
 Numbers: TypeAlias = Any
 """An array of many parts, or the plain number of one."""
@@ -151,13 +151,13 @@ def groups_of(
 def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
     """Return an iterator over the groups of each cell as plain numbers, and the cells' shape."""
     rows, shape = cells_of(groups)
-    numbers = len(Groups._fields) - 1
+    whole, _ = groups_of(rows, groups.wave is not None)
 
-    def of(row: NDArray[np.float64]) -> Groups:
-        wave = of_row(row[numbers:]) if groups.wave is not None else None
-        return Groups._make((*row[:numbers].tolist(), wave))
+    def of(cell: int) -> Groups:
+        own = None if whole.wave is None else Wave(*(part[..., cell] for part in whole.wave))
+        return Groups._make((*(float(number[cell]) for number in whole.numbers), own))
 
-    return map(of, rows), shape
+    return map(of, range(len(rows))), shape
 
 
 def of_quantities(*, load_number: Array, **numbers: Any) -> Groups:

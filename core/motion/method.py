@@ -69,10 +69,6 @@ class TrajectoryRequest(NamedTuple):
         """The dimensionless numbers of the part that is followed."""
         return self.arguments["groups"].single()
 
-    def setting(self, name: str) -> float:
-        """Return a setting of the method by its name, such as `tolerance`."""
-        return np.asarray(self.arguments[name]).item()
-
     def scale(self, name: str) -> float:
         """Return a scale of the drive in SI units by its name, such as `velocity_scale` [m s-1]."""
         return self.known[name].item()

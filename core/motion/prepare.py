@@ -7,12 +7,11 @@ from dataclasses import replace
 from functools import cached_property
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.motion import rolling_scene
+from vibrafeed.core.motion import rolling_scene, row_scene
 from vibrafeed.core.motion.drive_units import on_unit, unit_of
 from vibrafeed.core.motion.drives import driven, shape_of, what_is_open
 from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.method import Method
-from vibrafeed.core.motion.row_scene import ROW, problems_of_load, problems_of_row, row_of
 from vibrafeed.core.motion.systems import (
     CONTACTS,
     FALLING,
@@ -92,15 +91,15 @@ def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> C
     """
     scene, method, problems = choose_scene(name, method, SYSTEMS)
     names = tuple(parameters)
-    if name not in CONTACTS and name != ROW:
+    if name not in CONTACTS and name != row_scene.ROW:
         return scene, method, problems
     shape, of_shape = shape_of(names)
     unit, of_unit = unit_of(names)
-    if name == ROW:
-        scene, of_row = row_of(names), [*problems_of_row(names), *of_shape]
+    if name == row_scene.ROW:
+        scene, of_row = row_scene.row_of(names), [*row_scene.problems_of_row(names), *of_shape]
         if of_row:
             raise StudyError([*problems, *of_row])
-        of_unit += problems_of_load(names) if unit is not None and unit.loaded else []
+        of_unit += row_scene.problems_of_load(names) if unit is not None and unit.loaded else []
     elif FALLING in names:
         scene = with_falling_restitution(scene, names)
     if unit is None:  # of which drive the others are missing, or too many, nobody knows
@@ -156,7 +155,7 @@ def prepare(study: SimulateStudy) -> Simulation:
     prepared = Simulation(study, plan, grid)
     if prepared.derived is not None and "period_multiple" not in scene.outputs(method):
         message = f"the motion of {scene.name} is followed for a time, not a cycle"
-        fix = f"Leave it out, or choose among {', '.join((*CONTACTS, *rolling_scene.SCENES, ROW))}"
+        fix = f"Leave it out, or choose among {', '.join((*CONTACTS, *rolling_scene.SCENES, row_scene.ROW))}"
         raise StudyError([Problem("sensitivities", message, fix)])
     return prepared.check_verification()
 

@@ -18,7 +18,6 @@ from vibrafeed.core.motion.feeding import DEFAULTS, occupancy, parts_per_minute
 from vibrafeed.core.motion.groups import of_quantities
 from vibrafeed.core.motion.result import STATUS, where
 from vibrafeed.core.motion.rows import EVENTS, RowMotion, RowParts
-from vibrafeed.core.motion.scales import product
 from vibrafeed.core.quantities.row import MAX_NUMBERED, NUMBERS
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
@@ -230,11 +229,11 @@ RESULTS = (
             scales.CONVEYING_VELOCITY_ERROR,
         )
     ),
-    product(
+    scales.product(
         "slowest_velocity", "motion.slowest", "velocity_scale", source=SOURCE,
         says="the mean velocity of the slowest part [m s-1]",
     ),
-    product(
+    scales.product(
         "fastest_part_velocity", "motion.fastest", "velocity_scale", source=SOURCE,
         says="the mean velocity of the fastest part [m s-1]",
     ),
@@ -267,20 +266,20 @@ RESULTS = (
              "Return its mean velocity, NaN if there is none [m s-1]."),
         )
     ),
-    product(
+    scales.product(
         "mean_gap", "motion.gap", "length_scale", source=SOURCE,
         says="the mean gap between neighbours of one platoon, NaN if all are apart [m]",
     ),
     Equation("impact_energy", impact_energy, SOURCE),
-    product(
+    scales.product(
         "stop_force", "motion.stop_force", "mass_scale", "acceleration_scale", source=SOURCE,
         says="the mean force on the stop, strokes included; the least on one of the track [N]",
     ),
-    product(
+    scales.product(
         "stop_force_peak", "motion.stop_peak", "mass_scale", "acceleration_scale", source=SOURCE,
         says="the largest force on the stop between strokes [N]",
     ),
-    product(
+    scales.product(
         "stop_impulse", "motion.stop_impulse", "mass_scale", "velocity_scale", source=SOURCE,
         says="the impulse of all strokes against the stop in a period of the drive [N s]",
     ),
@@ -348,7 +347,7 @@ TIPPING = Condition("tipping", tips, ANY_RESULT)
 def _equations_of_parts(parts: NumberedParts) -> tuple[Equation, ...]:
     says = "the {} friction of the rearmost part, where each part has its own [1]"
     own = (
-        product(f"friction_{one}", "part_friction_1", source=SOURCE, says=says.format(one))
+        scales.product(f"friction_{one}", "part_friction_1", source=SOURCE, says=says.format(one))
         for one in ("static", "kinetic")
     )
     says = "Return the parts of the row, from the rear on."
@@ -357,7 +356,7 @@ def _equations_of_parts(parts: NumberedParts) -> tuple[Equation, ...]:
         Equation("row", parts.row, SOURCE, needs=parts.inputs, says=says),
         Equation("mass_scale", own_masses, SOURCE)
         if parts.numbers["part_mass"]
-        else product(
+        else scales.product(
             "mass_scale", "mass", source=SOURCE,
             says="the common mass of equal parts, by which masses of the row are scaled [kg]",
         ),

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion import events, kernel_calls
-from vibrafeed.core.motion.events import motion_by_events
 from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, table
 from vibrafeed.core.motion.kernel_calls import run_cells
 from vibrafeed.core.motion.method import TIME, Method, Trajectory, TrajectoryRequest
@@ -242,7 +241,7 @@ def _as_one(
     static, kinetic = (_own(rows, n)[:, 0].reshape(shape) for n in (own.static, own.kinetic))
     one = groups._replace(friction_static=static, friction_kinetic=kinetic, restitution=0.0)
     settings: dict[str, Any] = dict(events.EVENTS.defaults)
-    motion = motion_by_events(one, BLOCK_ON_FLOOR, watch=watch, **settings)
+    motion = events.motion_by_events(one, BLOCK_ON_FLOOR, watch=watch, **settings)
     names = ("velocity", "spread", "error", "flight", "multiple", "status")
     velocity, spread, error, flight, multiple, status = (
         np.broadcast_to(getattr(motion, name), shape).ravel()[alike] for name in names

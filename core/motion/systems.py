@@ -20,21 +20,18 @@ from vibrafeed.core.mechanics import soft_contact
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion import (
     drives,
+    events,
     feeding,
     groups,
+    reference,
     rolling_scene,
+    row_scene,
     rows,
     scales,
     tumbling_scene,
 )
-from vibrafeed.core.motion.events import EVENTS
-from vibrafeed.core.motion.feeding import RESOLVED
-from vibrafeed.core.motion.groups import SOLID_CYLINDER, Contacts, Groups
 from vibrafeed.core.motion.method import Method
-from vibrafeed.core.motion.reference import REFERENCE
 from vibrafeed.core.motion.result import where, with_status
-from vibrafeed.core.motion.row_scene import ROW, row_of
-from vibrafeed.core.motion.scales import DRIVEN, PLANAR_SCALES, product
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
@@ -76,11 +73,11 @@ RESULTS = (
             "after how many periods of the drive the motion repeats; 0 where it does not [1]",
         ),
     ),
-    product(
+    scales.product(
         "landing_speed", "motion.landing_speed", "velocity_scale", source="theory 13.4",
         says="the largest speed normal to the floor before an impact [m s-1]",
     ),
-    product(
+    scales.product(
         "hop_height", "motion.hop_height", "length_scale", source="theory 13.2",
         says="the largest distance from the floor [m]",
     ),
@@ -91,7 +88,7 @@ RESULTS = (
     ),
     *feeding.RESULTS,
 )  # fmt: skip
-ACROSS = product(
+ACROSS = scales.product(
     "velocity_across", "motion.across", "velocity_scale", source="theory 13.8",
     says="the mean velocity across the track, towards +y, over whole cycles [m s-1]",
 )  # fmt: skip
@@ -136,12 +133,13 @@ CONDITIONS = (
 )  # fmt: skip
 LEAVES_THE_WALL = where(
     "wall_lost", "the part moves away from the wall in every cycle, and never comes back",
-    lambda *, motion, drive_number: motion.across > RESOLVED * np.asarray(drive_number), ANY_RESULT,
+    lambda *, motion, drive_number: motion.across > feeding.RESOLVED * np.asarray(drive_number),
+    ANY_RESULT,
 )  # fmt: skip
 """Condition of a track: the part leaves it sideways; the results hold on an endless floor."""
 
 SPATIAL_SCALES = (
-    *PLANAR_SCALES,
+    *scales.PLANAR_SCALES,
     Equation("drive_number_across", scales.drive_number_across, "theory 13.1"),
     *drives.limits("sine"),
     Equation("fastest_velocity", drives.fastest_velocity, "docs/best-wave.md"),
@@ -152,7 +150,7 @@ TRACK_SCALES = (
     Equation("gravity_number_normal", scales.leaning_gravity_number_normal, "theory 13.1"),
     Equation("curvature_number", scales.curvature_number, "theory 13.10"),
     scales.WALL_FRICTION,
-    product(
+    scales.product(
         "wall_restitution", "restitution", source="theory 13.1",
         says="the floor's restitution, for a wall of the same material [1]",
     ),
@@ -199,7 +197,7 @@ VALIDITY = (
 
 
 METHODS: dict[str, dict[str, Method]] = {
-    "conveying": {"events": EVENTS, "reference": REFERENCE},
+    "conveying": {"events": events.EVENTS, "reference": reference.REFERENCE},
     "tumbling": {"events": tumbling_scene.EVENTS},
     "row": {"events": rows.EVENTS},
     "rolling": rolling_scene.METHODS,
@@ -253,7 +251,7 @@ def _conveying(
         defaults={**DEFAULTS, **defaults},
         constraints=(
             STATIC_ABOVE_KINETIC,
-            DRIVEN,
+            scales.DRIVEN,
             *(refusal for method in methods for refusal in method.refuses),
         ),
         choice="method",
@@ -304,7 +302,9 @@ def with_falling_restitution(system: Scene, parameters: Collection[str]) -> Scen
     )
 
 
-def _falling_groups(*, impact_damping: Array, velocity_scale: Array, **numbers: Array) -> Groups:
+def _falling_groups(
+    *, impact_damping: Array, velocity_scale: Array, **numbers: Array
+) -> groups.Groups:
     damping = impact_damping * velocity_scale
     endless = np.isinf(damping)
     return groups.of_quantities(**numbers)._replace(
@@ -312,10 +312,10 @@ def _falling_groups(*, impact_damping: Array, velocity_scale: Array, **numbers: 
     )
 
 
-CONTACTS: dict[str, Contacts] = {
-    "rectangle-on-plane": Contacts(),
-    "cylinder-on-plane": Contacts(rolling=SOLID_CYLINDER),
-    "rectangle-on-track": Contacts(wall=True),
+CONTACTS: dict[str, groups.Contacts] = {
+    "rectangle-on-plane": groups.Contacts(),
+    "cylinder-on-plane": groups.Contacts(rolling=groups.SOLID_CYLINDER),
+    "rectangle-on-track": groups.Contacts(wall=True),
 }
 """What the parts that are conveyed can touch, by the name of their scene."""
 
@@ -340,7 +340,7 @@ SYSTEMS: dict[str, Scene] = {
         "study gives its radius.",
     ),
     **tumbling_scene.SCENES,
-    ROW: row_of(()),
+    row_scene.ROW: row_scene.row_of(()),
     **rolling_scene.SCENES,
 }
 """Every system that can be simulated, by the name of its scene."""
@@ -351,5 +351,5 @@ def methods_of(scene: str) -> Mapping[str, Method]:
 
     `scene` is the name of the scene: a row of parts, rolling, conveying, or tumbling.
     """
-    of = "row" if scene == ROW else "conveying" if scene in CONTACTS else "tumbling"
+    of = "row" if scene == row_scene.ROW else "conveying" if scene in CONTACTS else "tumbling"
     return METHODS["rolling" if scene in rolling_scene.SCENES else of]

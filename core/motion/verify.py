@@ -40,11 +40,10 @@ def accuracy(plan: Plan) -> str:
     It tells, too, if an output states the error of each cell.
     """
     text = methods_of(plan.scene.name)[plan.variant].accuracy
-    if ERROR in plan.outputs:
-        return f"{text}; {ERROR} states it for each cell"
-    if ERROR in plan.scene.outputs(plan.variant):
-        return f"{text}; the output {ERROR}, if asked for, states it for each cell"
-    return text
+    if ERROR not in plan.scene.outputs(plan.variant):
+        return text
+    told = ERROR if ERROR in plan.outputs else f"the output {ERROR}, if asked for,"
+    return f"{text}; {told} states it for each cell"
 
 
 NOT_JUDGED = "verified_not_judged"

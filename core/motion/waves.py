@@ -75,12 +75,6 @@ def of_columns(rows: NDArray[np.float64]) -> Wave:
     )
 
 
-def of_row(row: NDArray[np.float64]) -> Wave:
-    """Return the wave stored in one row, for a single cell."""
-    harmonics, steps = of_columns(row[np.newaxis])
-    return Wave(harmonics[..., 0], steps[..., 0])
-
-
 # --- how the track moves
 
 
