@@ -155,7 +155,8 @@ def prepare(study: SimulateStudy) -> Simulation:
     prepared = Simulation(study, plan, grid)
     if prepared.derived is not None and "period_multiple" not in scene.outputs(method):
         message = f"the motion of {scene.name} is followed for a time, not a cycle"
-        fix = f"Leave it out, or choose among {', '.join((*CONTACTS, *rolling_scene.SCENES, row_scene.ROW))}"
+        cyclic = (*CONTACTS, *rolling_scene.SCENES, row_scene.ROW)
+        fix = f"Leave it out, or choose among {', '.join(cyclic)}"
         raise StudyError([Problem("sensitivities", message, fix)])
     return prepared.check_verification()
 
