@@ -305,8 +305,7 @@ class AlongTrack:
         known = {name: inputs[name] for name in self.needs if name not in settings}
         of_cells = partial(self._of_cells, settings)
         step = max(1, PIECE // (self.track.count * (PARTS + 1)))
-        passage: Passage = in_pieces(of_cells, known, step)
-        return passage
+        return in_pieces(of_cells, known, step)
 
     def _of_cells(self, settings: dict[str, Any], known: dict[str, Array]) -> Passage:
         cells, count = len(known["start_radius"]), self.track.count

@@ -77,8 +77,8 @@ def unit_of(parameters: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]
     if loaded:
         problems += _problems_of_parts(of_unit, turning)
     shape = HalfWave() if "force_harmonic" in of_unit else None
-    problems += problems_of_track
-    return ChosenUnit(SCENES[name], variant, loaded, shape, track), problems
+    unit = ChosenUnit(SCENES[name], variant, loaded, shape, track)
+    return unit, [*problems, *problems_of_track]
 
 
 def _problems_of_parts(of_unit: list[str], turning: list[str]) -> list[Problem]:

@@ -179,8 +179,7 @@ class PartLoad:
 
     def load(self, **inputs: Any) -> Load:
         """Return the load of the parts in every cell, from the quantities of `needs` by name."""
-        load: Load = in_pieces(self._of_cells, {name: inputs[name] for name in self.needs}, PIECE)
-        return load
+        return in_pieces(self._of_cells, {name: inputs[name] for name in self.needs}, PIECE)
 
     def amplitude(self, known: Mapping[str, Array], mass: Array, damping: Array) -> tuple[Any, Any]:
         """Return amplitude [m] and angle [rad] of the track under a mass and damper of parts."""
@@ -216,10 +215,8 @@ class PartLoad:
         return {**known, "track_fraction": known["load_fraction"], "stretches": stretches}
 
     def _groups(self, known: Mapping[str, Array], amplitude: Array, angle: Array) -> Groups:
-        groups: Groups = run(
-            self.turn, {**self._placed(known), "amplitude": amplitude, "beta": angle}
-        )["groups"]
-        return groups
+        known = {**self._placed(known), "amplitude": amplitude, "beta": angle}
+        return run(self.turn, known)["groups"]
 
     def _of_cells(self, known: dict[str, Array]) -> Load:
         # The smallest amplitude at which the excess falls through 0 is where a unit comes to rest

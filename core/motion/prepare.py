@@ -200,9 +200,8 @@ def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
 
 
 def _shows_too_much(study: SimulateStudy, grid: Grid) -> Iterable[Problem]:
-    if not isinstance(study.trajectory, tuple):
-        return
-    shown = study.trajectory[-1] * grid.fixed.get("frequency", 0.0)
+    last = study.trajectory[-1] if isinstance(study.trajectory, tuple) else 0.0
+    shown = last * grid.fixed.get("frequency", 0.0)
     if shown > MAX_PERIODS:
         latest = MAX_PERIODS / grid.fixed["frequency"]
         message = f"its latest time is {shown:,.0f} periods of the drive from the first"

@@ -287,10 +287,7 @@ METHODS = {
 def _equations_of_method(block: Method, *, slips: bool) -> tuple[Equation, ...]:
     def slip_motion(*, slip_groups: Groups, watch: Watch | None = None, **settings: Any) -> Motion:
         """Return the slip of a round part's contact, computed as the motion of a block."""
-        motion: Motion = block.follow(
-            groups=slip_groups, contacts=BLOCK_ON_FLOOR, watch=watch, **settings
-        )
-        return motion
+        return block.follow(groups=slip_groups, contacts=BLOCK_ON_FLOOR, watch=watch, **settings)
 
     settings = tuple(block.defaults)
     needs = ("rolling_contact", "mean_acceleration", "groups", *settings)

@@ -31,8 +31,7 @@ def product(gives: str, *factors: str, says: str, source: str) -> Equation:
 
 
 def _product(paths: list[list[str]], **known: Any) -> Array:
-    values: Array = reduce(mul, (reduce(getattr, path, known[name]) for name, *path in paths))
-    return values
+    return reduce(mul, (reduce(getattr, path, known[name]) for name, *path in paths))
 
 
 def drive_number(*, vibration_acceleration: Array, gravity: Array) -> Array:
@@ -185,8 +184,7 @@ WORKS = {
 
 
 def _power(kind: str, *, energy: Energy, gravity: Array, velocity_scale: Array) -> Array:
-    power: Array = getattr(energy, kind) * (gravity * velocity_scale)
-    return power
+    return getattr(energy, kind) * (gravity * velocity_scale)
 
 
 def _work(kind: str, *, energy: Energy, motion: Motion, gravity: Array) -> Array:
