@@ -17,7 +17,7 @@ from benchmarks.timing import timed
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.motion.drives import driven, shape_of
-from vibrafeed.core.motion.methods.events import planar_path
+from vibrafeed.core.motion.events import planar_path
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.motion.waves import ALONG, speed
 from vibrafeed.core.plan.equations import run_equations
@@ -265,10 +265,10 @@ def course(drive: Mapping[str, float], phases: Array) -> tuple[Array, Array, flo
     given = {name: np.asarray(value).reshape(()) for name, value in given.items()}
     known = motions(("conveying_velocity",), given)
     settings = {name: known[name].item() for name in ("tolerance", "max_periods")}
-    path = planar_path(known["groups"].single(), **settings, phases=phases)
+    path, _ = planar_path(known["groups"].single(), **settings, phases=phases)
     scale = known["velocity_scale"] * 1e3
     track = speed(known["wave"], ALONG, phases) * scale
-    return track, track + path.velocity_along * scale, float(known["conveying_velocity"]) * 1e3
+    return track, track + path.velocity[:, 0] * scale, float(known["conveying_velocity"]) * 1e3
 
 
 def main() -> None:

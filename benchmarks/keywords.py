@@ -12,7 +12,7 @@ from pathlib import Path
 
 from vibrafeed.core.catalogue import scene_parameters
 from vibrafeed.core.motion.drive_units import PARAMETERS_OF_UNIT
-from vibrafeed.core.motion.row_parts import CHOOSING
+from vibrafeed.core.motion.row_scene import CHOOSING
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.drives import BOWL_TRACK, DRIVE

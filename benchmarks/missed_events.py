@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 
 from benchmarks.options import options
 from benchmarks.waves import PLANAR, SPATIAL, harmonics, parts, steps
-from vibrafeed.core.motion import planar, waves
+from vibrafeed.core.motion import events, waves
+from vibrafeed.core.motion.events import planar_motion, spatial_motion
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
 from vibrafeed.core.motion.kernels.constants import MODE, PIECE, TALLY
 from vibrafeed.core.motion.kernels.inputs import NEVER, cell_of
@@ -32,7 +33,6 @@ from vibrafeed.core.motion.kernels.track import push
 from vibrafeed.core.motion.kernels.track.push import at_rest, new_work
 from vibrafeed.core.motion.kernels.track.settling import new_history, settle
 from vibrafeed.core.motion.kernels.track.space_cells import FINE
-from vibrafeed.core.motion.methods.events import planar_motion, spatial_motion
 from vibrafeed.core.motion.result import STATUS
 from vibrafeed.core.motion.waves import TURN
 
@@ -154,7 +154,7 @@ def events_in_plane(groups: Groups) -> list[str]:
     rows, _ = cells_of(groups, **PLANAR)
     found = []
     for row in rows:
-        pieces, *_ = planar.follow(row, NEVER)
+        pieces, *_ = events.follow(row, NEVER)
         modes = pieces[:, PIECE.mode].astype(int).tolist()
         if len(modes) > 1 and modes[0] == modes[-1] == MODE.stick:
             del modes[0]

@@ -1,7 +1,7 @@
 """The functions of motion with every number by its name: for benchmarks and tests of single cells.
 
 Each takes the fields of `Groups` and `Contacts` beside the settings of its own, and returns what
-the function of that name in `vibrafeed.core.motion.methods` does.
+the function of that name in `vibrafeed.core.motion` does.
 """
 
 from __future__ import annotations
@@ -10,14 +10,11 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from vibrafeed.core.motion import events, reference
+from vibrafeed.core.motion import tumbling_scene as tumbling
 from vibrafeed.core.motion.groups import Contacts, Groups
-from vibrafeed.core.motion.methods import (
-    METHODS,
-    events,
-    reference,
-    tumbling,
-)
 from vibrafeed.core.motion.result import Motion
+from vibrafeed.core.motion.systems import METHODS
 
 
 def _sorted(numbers: dict[str, Any]) -> tuple[Groups, Contacts, dict[str, Any]]:
@@ -60,4 +57,4 @@ def tumbling_path(*, times: Any, **numbers: Any) -> tumbling.TumblePath:
 def follow(method: str, **numbers: Any) -> Motion:
     """Return the motion by a method of `METHODS`, as in the equation of a system."""
     groups, contacts, settings = _sorted(numbers)
-    return METHODS["conveying"][method].follow(contacts)(groups=groups, **settings)
+    return METHODS["conveying"][method].follow(groups=groups, contacts=contacts, **settings)

@@ -88,9 +88,8 @@ def compute(folder: Path) -> None:
     try:
         from vibrafeed.core.intake import prepare_content, read_toml
     except ModuleNotFoundError:  # of a checkout in which that room was not yet built
-        from vibrafeed.core.study.load import read_toml
-
-        from vibrafeed.core.kinds import prepare_content
+        from vibrafeed.core.intake.forms import read_toml
+        from vibrafeed.core.intake.studies import prepare_content
 
     contents: dict[str, Any] = json.loads((folder / "studies.json").read_text())
     for name, content in contents.items():

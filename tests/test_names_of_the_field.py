@@ -55,21 +55,18 @@ ALLOWED = {
     "vibrafeed.core.scenes.orienting_line.Device.place": "a key's number, as in `wiper_height_2`",
     # The rows set it, and are under other work: `trajectory` then.
     "vibrafeed.core.motion.method.Method.course": "of rows, too",
-    "vibrafeed.core.motion.method.FollowCourse": "the same",
-    "vibrafeed.core.motion.course": "the same",
     "vibrafeed.core.mechanics.rolling.RollingContact.runs_away": "a motion without bound",
     "vibrafeed.core.motion.kernels.means.runs_away": "the same",
     "vibrafeed.core.motion.kernels.planar.chaos.FollowedRun.runs_away": "the same",
     "vibrafeed.core.motion.kernels.planar.chaos.ran_away": "the same",
-    "vibrafeed.core.motion.kernels.planar.along.slides_away": "the same",
-    "vibrafeed.core.motion.methods.reference._slides_away": "the same",
+    "vibrafeed.core.motion.kernels.planar.settle.slides_away": "the same",
 }
 """Names that stay, by module and name, `*` for all of a module, each with its reason."""
 
 ROWS = (
     "vibrafeed.core.motion.kernels.rows.",
     "vibrafeed.core.motion.row_",
-    "vibrafeed.core.motion.methods.rows",
+    "vibrafeed.core.motion.rows",
 )
 """Rooms that are under other work."""
 MAX_ROWS = 19

@@ -14,15 +14,15 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from vibrafeed.core.motion.kind import KIND
     from vibrafeed.core.motion.prepare import Simulation
     from vibrafeed.core.motion.result import Motion
+    from vibrafeed.core.motion.simulate import KIND
     from vibrafeed.core.motion.systems import SYSTEMS
 else:
     __getattr__ = lazily(
         __name__,
         {
-            "kind": ("KIND",),
+            "simulate": ("KIND",),
             "prepare": ("Simulation",),
             "result": ("Motion",),
             "systems": ("SYSTEMS",),

@@ -8,8 +8,9 @@ whole track from the motion at nodes along it.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,10 +27,12 @@ from vibrafeed.core.mechanics.drive_unit import (
     total_length,
 )
 from vibrafeed.core.motion.feeding import parts_per_minute
+from vibrafeed.core.motion.result import where
+from vibrafeed.core.motion.scales import product
 from vibrafeed.core.plan.equations import run
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.drives import OF_STRETCHES
-from vibrafeed.core.scenes.scene import Condition, Equation, between, fields
+from vibrafeed.core.scenes.scene import Equation, between, fields
 from vibrafeed.core.study.sweep_and_simulate import SETTINGS
 
 SOURCE = "theory 15.6"
@@ -58,6 +61,8 @@ GIVES_WAY = {"stretch_climb": ("gamma",), "stretch_friction": ("friction", "fric
 """Parameters that a study may not give beside a quantity of the stretches, which takes their
 place."""
 
+OF_TRACK = ("stretch_radius", "stretch_turns", "stretch_climb")
+
 _NUMBERED = re.compile(rf"({'|'.join(OF_STRETCHES)})_(\d+)")
 
 
@@ -65,13 +70,8 @@ _NUMBERED = re.compile(rf"({'|'.join(OF_STRETCHES)})_(\d+)")
 class Track:
     """The stretches of a track that the names of parameters give.
 
-    Attributes
-    ----------
-    count
-        Number of stretches.
-    own
-        By the stem of a parameter (`stretch_climb`, ...), the numbers of the stretches that have
-        their own value of it.
+    `own` has, by the stem of a parameter (`stretch_climb`, ...), the numbers of the stretches that
+    have their own value of it.
     """
 
     count: int
@@ -80,39 +80,27 @@ class Track:
     def names(self, stem: str) -> tuple[str, ...]:
         """Return the parameter that gives a quantity on each stretch: its own, or an earlier one's.
 
-        `stem` is the parameter's name without number; on stretch 3 a climb may come from stretch 1.
+        `stem` is the parameter's name without number. Climbs that are not given are `gamma`.
         """
-        return tuple(
-            f"{stem}_{max(k for k in self.own[stem] if k <= n)}" for n in range(1, self.count + 1)
-        )
-
-    @property
-    def climbs(self) -> tuple[str, ...]:
-        """The parameters that give the climbs, one a stretch."""
-        if self.own["stretch_climb"]:
-            return self.names("stretch_climb")
-        return ("gamma",) * self.count
+        own = self.own[stem]
+        if not own:
+            return ("gamma",) * self.count
+        return tuple(f"{stem}_{max(k for k in own if k <= n)}" for n in range(1, self.count + 1))
 
     @property
     def inputs(self) -> tuple[str, ...]:
         """The names of the quantities that its stretches are computed from."""
-        stems = ("stretch_radius", "stretch_turns")
-        return ("start_radius", *(n for stem in stems for n in self.names(stem)), *self.climbs)
+        return ("start_radius", *(name for stem in OF_TRACK for name in self.names(stem)))
 
     def stretches(self, **inputs: Any) -> Stretches:
         """Return the stretches of the track from the values of its `inputs`, by name."""
-        radii, turns = (
-            [inputs[name] for name in self.names(stem)]
-            for stem in ("stretch_radius", "stretch_turns")
-        )
-        climbs = [inputs[name] for name in self.climbs]
-        return stretches_of(inputs["start_radius"], radii, turns, climbs)
+        columns = ([inputs[name] for name in self.names(stem)] for stem in OF_TRACK)
+        return stretches_of(inputs["start_radius"], *columns)
 
 
 def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list[Problem]]:
     """Return the track that a study's parameter names define (None if none), and their problems.
 
-    Names such as `stretch_turns_1` say how many stretches there are and what each has of its own.
     `of_bowl` is True if the study has a bowl drive unit, without which stretches are a problem;
     None is returned if there are problems.
     """
@@ -125,18 +113,19 @@ def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list
         for stem in OF_STRETCHES
     }
     count = max(n for which in own.values() for n in which)
-    problems = [] if of_bowl else [_without_bowl(matches[0][0])]
-    problems += [*_missing(own, count), *_twice(own, parameters)]
+    problems = [*_problems(own, count, parameters)]
+    if not of_bowl:
+        message = "stretches belong to the track of a bowl on its drive unit"
+        fix = (
+            "Add the parameters of the bowl drive unit: spring_radius, moving_inertia, base_inertia"
+        )
+        problems.insert(0, Problem(f"parameters.{matches[0][0]}", message, fix))
     return (None if problems else Track(count, own)), problems
 
 
-def _missing(own: Mapping[str, Sequence[int]], count: int) -> Iterator[Problem]:
-    """Yield a problem for each numbered parameter that a stretch of a bowl's track lacks.
-
-    Each stretch needs its turns and end radius; climb and friction may come from an earlier
-    stretch. `own` holds, by the stem of a parameter such as `stretch_climb`, the numbers of the
-    stretches that have it; `count` is the number of stretches.
-    """
+def _problems(
+    own: Mapping[str, Sequence[int]], count: int, names: Collection[str]
+) -> Iterator[Problem]:
     for stem in ("stretch_turns", "stretch_radius"):
         for n in range(1, count + 1):
             if n not in own[stem]:
@@ -146,30 +135,28 @@ def _missing(own: Mapping[str, Sequence[int]], count: int) -> Iterator[Problem]:
         if own[stem] and 1 not in own[stem]:
             message = "it is missing: the first stretch has none before it"
             yield Problem(f"parameters.{stem}_1", message, "Add it")
-
-
-def _twice(own: Mapping[str, Sequence[int]], names: Collection[str]) -> Iterator[Problem]:
-    """Yield a problem for each parameter in `names` that stretches of a bowl's track determine.
-
-    Such as a climb beside the climbs of stretches. `own` holds, by the stem of a parameter such as
-    `stretch_climb`, the numbers of the stretches that have it; `names` are those of the study.
-    """
     for stem, others in GIVES_WAY.items():
         for name in others:
             if own[stem] and name in names:
                 message = f"{name} follows from the stretches of the track ({stem}_{own[stem][0]})"
-                yield Problem(
-                    f"parameters.{name}", message, f"Remove {name}, or all parameters {stem}_..."
-                )
+                fix = f"Remove {name}, or all parameters {stem}_..."
+                yield Problem(f"parameters.{name}", message, fix)
 
 
-def _without_bowl(name: str) -> Problem:
-    message = "stretches belong to the track of a bowl on its drive unit"
-    return Problem(
-        f"parameters.{name}",
-        message,
-        "Add the parameters of the bowl drive unit: spring_radius, moving_inertia, base_inertia",
-    )
+def in_pieces(of_cells: Callable[..., Any], known: Mapping[str, Any], step: int) -> Any:
+    """Return a record of arrays over cells, computed for at most `step` cells together.
+
+    `of_cells` takes quantities by name, shape (cells,), and returns a named tuple of such arrays.
+    """
+    columns = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in known.values()))
+    shape = columns[0].shape
+    flat = {name: column.ravel() for name, column in zip(known, columns, strict=True)}
+    pieces = [
+        of_cells({name: values[at : at + step] for name, values in flat.items()})
+        for at in range(0, columns[0].size, step)
+    ]
+    parts = (np.concatenate(part).reshape(shape) for part in zip(*pieces, strict=True))
+    return pieces[0]._make(parts)
 
 
 # --- equations
@@ -180,19 +167,9 @@ def track_radius(*, track_fraction: Array, stretches: Stretches) -> Array:
     return radius_at(track_fraction, stretches)
 
 
-def radius(*, track_radius: Array) -> Array:
-    """Return the radius of the track where the part is [m]."""
-    return track_radius
-
-
 def load_radius(*, load_fraction: Array, stretches: Stretches) -> Array:
     """Return the radius at which the load on the whole track is taken to act [m]."""
     return radius_at(load_fraction, stretches)
-
-
-def track_length(*, stretches: Stretches) -> Array:
-    """Return the length of the track, the sum of pi n (r_1 + r_2)/cos(gamma) [m]."""
-    return total_length(stretches)
 
 
 def track_feed_rate(*, passage: Passage, length: Array, occupancy: Array) -> Array:
@@ -200,32 +177,12 @@ def track_feed_rate(*, passage: Passage, length: Array, occupancy: Array) -> Arr
     return parts_per_minute(velocity=passage.slowest, length=length / occupancy)
 
 
-def stalls(*, passage: Passage) -> Mask:
-    """True where parts stop or travel backwards somewhere on the track."""
-    return passage.slowest <= 0.0
-
-
-def is_unknown(*, passage: Passage) -> Mask:
-    """True where a place of the track was met at which the motion has no mean velocity."""
-    return np.isnan(passage.slowest)
-
-
 class Passage(NamedTuple):
-    """The passage of parts along a whole track; arrays of one shape.
+    """The passage of parts along a whole track; arrays of one shape, NaN without a mean velocity.
 
-    Attributes
-    ----------
-    time : ndarray
-        Of a part from start to exit [s]; infinite where it stops on the way. NaN, as all others,
-        where a place has no mean velocity.
-    time_error : ndarray
-        Bound of its error that the speeds between the nodes leave, as far as they bend [s].
-    slowest : ndarray
-        The least mean velocity [m s-1].
-    slowest_error : ndarray
-        How far below it a place between the nodes may lie, in the same way [m s-1].
-    fraction, radius : ndarray
-        Share of the length, and radius [m], at which that is.
+    Time of a part from start to exit [s], infinite where it stops on the way, and the bound of its
+    error that the speeds between the nodes leave; the least mean velocity [m s-1], and how far
+    below it a place between the nodes may lie; share of the length, and radius [m], where that is.
     """
 
     time: Array
@@ -254,18 +211,9 @@ def slowness(first: Array, last: Array) -> Array:
 class Speeds(NamedTuple):
     """Mean velocities along stretches of tracks; arrays of one shape (n,).
 
-    The nodes of a cell follow each other, from the start of the track to its exit.
-
-    Attributes
-    ----------
-    cell, stretch : ndarray of int
-        The stretch of the track, from 0.
-    at, length : ndarray
-        Share of the stretch's length, and that length [m].
-    velocity, error : ndarray
-        Mean velocity, NaN where there is none, and its own error [m s-1].
-    throw, multiple : ndarray
-        Throw number, and periods after which the motion repeats [1].
+    The nodes of a cell follow each other, from the start of the track to its exit: `stretch` counts
+    from 0, `at` is a share of its `length` [m]. Mean `velocity`, NaN where there is none, and its
+    own `error` [m s-1]; throw number, and periods after which the motion repeats.
     """
 
     cell: NDArray[np.intp]
@@ -281,19 +229,10 @@ class Speeds(NamedTuple):
 class Intervals(NamedTuple):
     """Times and least velocities between neighbouring nodes of `Speeds`; arrays of one shape (n,).
 
-    An interval belongs to the node at its start. Those that lead to another stretch or cell have no
-    length, and take no time.
-
-    Attributes
-    ----------
-    width : ndarray
-        Share of the stretch.
-    time : ndarray
-        Time of a part [s].
-    late, later : ndarray
-        Time that a bend of the velocity between the nodes may add; with their own errors [s].
-    lower, lowest : ndarray
-        Least velocity that such a bend leaves possible; with those errors [m s-1].
+    An interval belongs to the node at its start; those that lead to another stretch or cell have no
+    length, and take no time. `width` is a share of the stretch, `time` that of a part [s]; `late`
+    is what a bend of the velocity between the nodes may add, `later` with their own errors; `lower`
+    the least velocity that such a bend leaves possible, `lowest` with those errors [m s-1].
     """
 
     width: Array
@@ -325,7 +264,6 @@ def intervals_of(speeds: Speeds) -> Intervals:
     bend = np.fmax(bend - 3.0 * doubt, 0.0)
 
     def time(lower: Array | float) -> Array:
-        """Return the time from node to node with velocities that are lower by so much [s]."""
         return np.where(joined, way * slowness(v[:-1] - lower, v[1:] - lower), 0.0)
 
     with np.errstate(invalid="ignore"):  # of times that are infinite
@@ -357,39 +295,18 @@ class AlongTrack:
     way: tuple[Equation, ...]
     needs: tuple[str, ...]
 
-    @property
-    def nodes(self) -> int:
-        """The least number of motions that are followed in each cell, at points along the track."""
-        return self.track.count * (PARTS + 1)
-
     def passage(self, **inputs: Any) -> Passage:
         """Return the passage of parts along the whole track, for every cell.
 
         From the quantities of `needs` by name; the cells are followed in pieces of `PIECE` motions.
         """
         settings = {name: inputs[name] for name in self.needs if name in SETTINGS}
-        names = [name for name in self.needs if name not in settings]
-        columns = np.broadcast_arrays(*(np.asarray(inputs[name], dtype=float) for name in names))
-        shape = columns[0].shape
-        flat = [column.ravel() for column in columns]
-        step = max(1, PIECE // self.nodes)
-        pieces = [
-            self._of_cells(
-                {n: v[at : at + step] for n, v in zip(names, flat, strict=True)}, settings
-            )
-            for at in range(0, len(flat[0]), step)
-        ]
-        return Passage._make(
-            np.concatenate(part).reshape(shape) for part in zip(*pieces, strict=True)
-        )
+        known = {name: inputs[name] for name in self.needs if name not in settings}
+        of_cells = partial(self._of_cells, settings)
+        step = max(1, PIECE // (self.track.count * (PARTS + 1)))
+        return in_pieces(of_cells, known, step)
 
-    def _of_cells(self, known: dict[str, Array], settings: dict[str, Any]) -> Passage:
-        """Return the passage of parts along the whole track of a bowl, for a piece of the cells.
-
-        The motion is followed at 17 places of each stretch, and in the middle of two as long as
-        time or least velocity may be wrong there. `known` holds the quantities of `needs` by name,
-        of shape (cells,), `settings` those of the method.
-        """
+    def _of_cells(self, settings: dict[str, Any], known: dict[str, Array]) -> Passage:
         cells, count = len(known["start_radius"]), self.track.count
         x = np.clip(np.linspace(0.0, 1.0, PARTS + 1), INSIDE, 1.0 - INSIDE)
         cell, stretch = np.divmod(np.repeat(np.arange(cells * count), len(x)), count)
@@ -460,7 +377,12 @@ class AlongTrack:
 
 
 RESULTS = (
-    Equation("track_length", track_length, SOURCE),
+    Equation(
+        "track_length",
+        total_length,
+        SOURCE,
+        says="Return the length of the track, the sum of pi n (r_1 + r_2)/cos(gamma) [m].",
+    ),
     *fields(
         "passage",
         SOURCE,
@@ -482,9 +404,15 @@ RESULTS = (
 DEFAULTS = {"track_fraction": 0.0, "load_fraction": 0.5}
 _OF_PASSAGE = frozenset(one.gives for one in RESULTS if one.gives != "track_length")
 CONDITIONS = (
-    Condition("unresolved", is_unknown, _OF_PASSAGE, otherwise="passes"),
-    Condition("stalls", stalls, _OF_PASSAGE),
-)
+    where(
+        "unresolved", "a place of the track was met at which the motion has no mean velocity",
+        lambda *, passage: np.isnan(passage.slowest), _OF_PASSAGE, otherwise="passes",
+    ),
+    where(
+        "stalls", "parts stop or travel backwards somewhere on the track",
+        lambda *, passage: passage.slowest <= 0.0, _OF_PASSAGE,
+    ),
+)  # fmt: skip
 
 
 def along_track(track: Track) -> tuple[Equation, ...]:
@@ -507,9 +435,20 @@ def along_track(track: Track) -> tuple[Equation, ...]:
             says="Return the stretches of the track.",
         ),
         Equation("track_radius", track_radius, SOURCE),
-        Equation("radius", radius, SOURCE),
+        product(
+            "radius",
+            "track_radius",
+            source=SOURCE,
+            says="the radius of the track where the part is [m]",
+        ),
         *(
-            _at_fraction(name, track.names(stem))
+            Equation(
+                name,
+                partial(_at_fraction, track.names(stem)),
+                SOURCE,
+                needs=("track_fraction", "stretches", *track.names(stem)),
+                says="Return what the stretch has at this place.",
+            )
             for stem, names in own.items()
             if track.own[stem]
             for name in names
@@ -517,13 +456,10 @@ def along_track(track: Track) -> tuple[Equation, ...]:
     )
 
 
-def _at_fraction(name: str, own: tuple[str, ...]) -> Equation:
-    def value(*, track_fraction: Array, stretches: Stretches, **inputs: Array) -> Array:
-        return picked(track_fraction, stretches, [inputs[name] for name in own])
-
-    needs = ("track_fraction", "stretches", *own)
-    says = "Return what the stretch has at this place."
-    return Equation(name, value, SOURCE, needs=needs, says=says)
+def _at_fraction(
+    own: tuple[str, ...], *, track_fraction: Array, stretches: Stretches, **inputs: Array
+) -> Array:
+    return picked(track_fraction, stretches, [inputs[name] for name in own])
 
 
 def along(track: Track, equations: Collection[Equation]) -> tuple[Equation, ...]:
@@ -543,21 +479,3 @@ def along(track: Track, equations: Collection[Equation]) -> tuple[Equation, ...]
     whole = AlongTrack(track, way, tuple(sorted(given)))
     says = "Return what passes the whole track, from the motion at nodes along it."
     return (Equation("passage", whole.passage, SOURCE, needs=whole.needs, says=says), *RESULTS)
-
-
-@dataclass(frozen=True)
-class AtLoad:
-    """Tells where on a track the parts are that load it, as `part_load` takes it."""
-
-    track: Track
-    gives = ("track_fraction", "stretches")
-
-    @property
-    def inputs(self) -> tuple[str, ...]:
-        """The names of the inputs: share of the length, and those that give the stretches."""
-        return ("load_fraction", *self.track.inputs)
-
-    def __call__(self, known: Mapping[str, Array]) -> dict[str, Any]:
-        """Return the share of the length at which the load acts, and the stretches of the track."""
-        stretches = self.track.stretches(**{name: known[name] for name in self.track.inputs})
-        return {"track_fraction": known["load_fraction"], "stretches": stretches}

@@ -68,7 +68,12 @@ def drive_error(
     outputs = tuple(dict.fromkeys((VELOCITY, *study.outputs)))
     prepared = prepare(study.model_copy(update={"outputs": outputs, "reduce": None}))
     values, fitted = study.values(), fit.parameters()
-    names = [name for name in fitted if _is_from(values.get(name), fitted[name])]
+    names = [
+        name
+        for name, number in fitted.items()
+        if isinstance(value := values.get(name), Fixed)
+        and abs(value.value - number) <= SAME * max(abs(number), 1e-30)
+    ]
     _check(prepared, names, draws)
     drawn = fit.draw(rng or np.random.default_rng(0), draws)
     found = velocities(prepared, [{}, *({name: one[name] for name in names} for one in drawn)])
@@ -92,30 +97,15 @@ def velocities(prepared: Simulation, changes: Sequence[Mapping[str, float]]) -> 
     return np.broadcast_to(run_equations(plan, given)[VELOCITY], len(changes))
 
 
-def _is_from(value: object, number: float) -> bool:
-    """True if a study's value is a number of the fitted drive, except for rounding."""
-    return isinstance(value, Fixed) and abs(value.value - number) <= SAME * max(abs(number), 1e-30)
-
-
 def _check(prepared: Simulation, names: Sequence[str], draws: int) -> None:
-    """Raise `StudyError` if the error of a fitted drive cannot be computed for a study.
-
-    That is if it has several cells, uses none of the fitted numbers, or `draws` is out of range.
-    `prepared` is the simulation, `names` are the fitted numbers in use.
-    """
     problems = []
     for axis in prepared.grid.axes:
         message = f"{axis} has several values, but the error is computed for one cell"
         problems.append(Problem(f"parameters.{axis}", message, "Give one value"))
     if not names:
         message = "the study takes no number from the recording"
-        problems.append(
-            Problem(
-                "drive",
-                message,
-                "Remove the parameters of the drive, so that they come from the recording",
-            )
-        )
+        fix = "Remove the parameters of the drive, so that they come from the recording"
+        problems.append(Problem("drive", message, fix))
     if not LEAST_DRAWS <= draws <= MAX_DRAWS:
         fix = f"Give {LEAST_DRAWS} to {MAX_DRAWS:,} draws"
         problems.append(Problem("draws", f"draws is {draws:,}, which is outside the limits", fix))

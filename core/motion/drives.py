@@ -7,22 +7,21 @@ and its system carries nothing of what stands here.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
-from typing import Any, Protocol
+from functools import cache, partial
+from typing import Any, ClassVar
 
 import numpy as np
 
 from vibrafeed.core.errors import Problem
 from vibrafeed.core.mechanics.arrays import Array, cosine, ratio, sine
-from vibrafeed.core.motion import limits, waves
-from vibrafeed.core.motion.groups import Groups
+from vibrafeed.core.motion import waves
+from vibrafeed.core.motion.groups import Contacts, Groups, in_plane
 from vibrafeed.core.motion.result import STATUS, Motion
-from vibrafeed.core.motion.waves import TURN, Wave
-from vibrafeed.core.quantities.drives import AXES, DRIVE
+from vibrafeed.core.quantities.drives import AXES, DRIVE, WHERE
 from vibrafeed.core.scenes import Scene
-from vibrafeed.core.scenes.scene import Equation
+from vibrafeed.core.scenes.scene import Equation, arguments_of
 from vibrafeed.core.watch import Watch
 
 CLOSED = 1e-9
@@ -42,30 +41,12 @@ _HARMONIC = re.compile(r"(?:amplitude|phase)_(along|across|normal)_(\d+)")
 _STEP = re.compile(r"(?:acceleration_(along|across|normal)|duration)_(\d+)")
 
 
-class Shape(Protocol):
-    """The numbers that a drive has; its values are parameters like any other."""
-
-    @property
-    def inputs(self) -> tuple[str, ...]:
-        """Names of the quantities from which the wave is computed."""
-
-    @property
-    def defaults(self) -> dict[str, float]:
-        """Default values of the quantities that a study may omit, SI units."""
-
-    def wave(self, **inputs: Array) -> Wave:
-        """Return the wave for these quantities, arrays in SI units that broadcast."""
-
-
 @dataclass(frozen=True)
 class Harmonics:
     """Sines on each axis, at whole multiples of the frequency.
 
-    The displacement of the track along an axis is the sum of A_k sin(k w t + phi_k).
-
-    Attributes
-    ----------
-    terms : tuple of (axis, order)
+    The displacement of the track along an axis is the sum of A_k sin(k w t + phi_k); `terms` are
+    pairs of an axis and an order k.
     """
 
     terms: tuple[tuple[str, int], ...]
@@ -80,38 +61,33 @@ class Harmonics:
 
     @property
     def defaults(self) -> dict[str, float]:
-        """Default values of the phases, 0, and of the factor of the drive, 1."""
+        """Default values of quantities that a study may omit, SI units."""
         return {"drive_factor": 1.0, **{f"phase_{axis}_{k}": 0.0 for axis, k in self.terms}}
 
-    def wave(self, **inputs: Array) -> Wave:
+    def wave(self, **inputs: Array) -> waves.Wave:
         """Return the drive of harmonics: push k^2 w^2 A_k sin(k tau + phi_k)/g on each axis.
 
-        Summed over the orders k. `inputs` are arrays by name in SI units: the frequency f, w = 2 pi
-        f, amplitudes A_k of the track's displacement and phases phi_k, gravity g, and the factor of
-        the drive.
+        Summed over the orders k. `inputs` are arrays by name in SI units; w = 2 pi f.
         """
-        inputs = _aligned(inputs)
-        shape = np.broadcast_shapes(*(value.shape for value in inputs.values()))
+        inputs, shape = _aligned(inputs)
         harmonics = np.zeros((3, 2, max(k for _, k in self.terms), *shape))
-        unit = inputs["drive_factor"] * np.square(TURN * inputs["frequency"]) / inputs["gravity"]
+        unit = (
+            inputs["drive_factor"] * np.square(waves.TURN * inputs["frequency"]) / inputs["gravity"]
+        )
         for axis, k in self.terms:
             size = k * k * inputs[f"amplitude_{axis}_{k}"] * unit
             phase = inputs[f"phase_{axis}_{k}"]
             harmonics[AXES.index(axis), 0, k - 1] = size * cosine(phase)
             harmonics[AXES.index(axis), 1, k - 1] = size * sine(phase)
-        return Wave(harmonics, np.zeros((4, 0, *shape)))
+        return waves.Wave(harmonics, np.zeros((4, 0, *shape)))
 
 
 @dataclass(frozen=True)
 class Steps:
     """Constant acceleration, from step to step; where one level is left out it closes the wave.
 
-    Attributes
-    ----------
-    count : int
-        Steps of a period.
-    levels : tuple of (axis, step)
-        The accelerations that are given.
+    `count` are the steps of a period, `levels` pairs of an axis and a step whose acceleration is
+    given.
     """
 
     count: int
@@ -119,20 +95,14 @@ class Steps:
 
     @property
     def closing(self) -> dict[str, int]:
-        """The step on each axis whose acceleration is computed so that the mean is 0.
-
-        That is the step without its own acceleration, if there is exactly one.
-        """
+        """The step on each axis whose acceleration is computed so that the mean is 0, if any."""
         given = {axis: [n for a, n in self.levels if a == axis] for axis, _ in self.levels}
         missing = {axis: set(range(1, self.count + 1)) - set(n) for axis, n in given.items()}
         return {axis: min(left) for axis, left in missing.items() if len(left) == 1}
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Names of the quantities from which the wave is computed: levels and durations of steps.
-
-        The step on each axis whose acceleration makes the mean 0 has none.
-        """
+        """Names of the quantities from which the wave is computed: levels and durations."""
         axes = dict.fromkeys(axis for axis, _ in self.levels)
         levels = [
             f"acceleration_{axis}_{n}"
@@ -145,19 +115,16 @@ class Steps:
 
     @property
     def defaults(self) -> dict[str, float]:
-        """Default values of the durations and of the factor of the drive, all 1."""
+        """Default values of quantities that a study may omit, SI units."""
         return {"drive_factor": 1.0, **{f"duration_{n}": 1.0 for n in range(1, self.count + 1)}}
 
-    def wave(self, **inputs: Array) -> Wave:
+    def wave(self, **inputs: Array) -> waves.Wave:
         """Return the drive whose acceleration is constant from step to step, over one period.
 
-        `inputs` are arrays by name: accelerations of steps [m s-2], durations, of which only ratios
-        count, gravity and the factor of the drive; the acceleration that is left out on an axis
-        makes the mean 0. Steps shorter than `SHORTEST` of a period vanish. NaN in cells where a
-        mean acceleration is not 0: no track can do that.
+        `inputs` are arrays by name; of durations only ratios count. Steps shorter than `SHORTEST`
+        of a period vanish. NaN in cells where a mean acceleration is not 0: no track can do that.
         """
-        inputs = _aligned(inputs)
-        shape = np.broadcast_shapes(*(value.shape for value in inputs.values()))
+        inputs, shape = _aligned(inputs)
         last = np.stack([np.broadcast_to(inputs[f"duration_{n}"], shape)
                          for n in range(1, self.count + 1)])  # fmt: skip
         last = ratio(last, last.sum(axis=0), np.nan)
@@ -166,19 +133,14 @@ class Steps:
         steps = np.zeros((4, self.count, *shape))
         for axis in dict.fromkeys(axis for axis, _ in self.levels):
             steps[AXES.index(axis)] = self._levels(axis, inputs, last)
-        ends = TURN * np.cumsum(last, axis=0)
-        ends[-1] = np.where(np.isnan(ends[-1]), np.nan, TURN)
+        ends = waves.TURN * np.cumsum(last, axis=0)
+        ends[-1] = np.where(np.isnan(ends[-1]), np.nan, waves.TURN)
         steps[waves.ENDS] = ends
-        return Wave(np.zeros((3, 2, 0, *shape)), steps)
+        return waves.Wave(np.zeros((3, 2, 0, *shape)), steps)
 
     def _levels(self, axis: str, inputs: dict[str, Array], last: Array) -> Array:
-        """Return the push of a drive in steps on a part along one axis, step by step, in g.
-
-        Minus the acceleration of the track over gravity. `axis` is along, across or normal,
-        `inputs` are the quantities of the drive by name, `last` are the shares of the period that
-        the steps last, shape (steps, ...), as is the result. A step whose acceleration is left out
-        makes the mean 0. NaN in cells where the mean is not 0: no track can do that.
-        """
+        # The push, minus the track's acceleration over gravity, step by step; `last` are the shares
+        # of the period that the steps last, shape (steps, ...), as is the result.
         levels = np.zeros_like(last)
         closing = self.closing.get(axis, 0)
         for n in range(1, self.count + 1):
@@ -189,16 +151,56 @@ class Steps:
         mean = (levels * last).sum(axis=0)
         open_by = np.abs(mean) > CLOSED * (np.abs(levels) * last).sum(axis=0)
         levels = np.where(open_by, np.nan, levels - mean)
-        for n in range(1, self.count):  # a step of no length is one with a step beside it
-            levels[n] = np.where(last[n] == 0.0, levels[n - 1], levels[n])
-        for n in range(self.count - 2, -1, -1):
-            levels[n] = np.where(last[n] == 0.0, levels[n + 1], levels[n])
+        # A step of no length is one with a step beside it.
+        for n, beside in (
+            *((n, n - 1) for n in range(1, self.count)),
+            *((n, n + 1) for n in range(self.count - 2, -1, -1)),
+        ):
+            levels[n] = np.where(last[n] == 0.0, levels[beside], levels[n])
         return -levels * inputs["drive_factor"] / inputs["gravity"]
 
 
-def _aligned(inputs: dict[str, Array]) -> dict[str, Array]:
-    """Return the inputs as float arrays."""
-    return {name: np.asarray(value, dtype=float) for name, value in inputs.items()}
+class HalfWave:
+    """The drive of a unit whose force has a second harmonic, as a magnet's on a half wave has.
+
+    Its displacement along the line of the vibration is A (sin(tau) + s sin(2 tau) + c cos(2 tau)),
+    with s and c of `track_harmonic`.
+    """
+
+    inputs = (
+        *("amplitude", "beta", "alpha", "track_harmonic", "circular_frequency", "gravity"),
+        "drive_factor",
+    )
+    defaults: ClassVar = {"alpha": 0.0, "drive_factor": 1.0}
+
+    def wave(self, **inputs: Any) -> waves.Wave:
+        """Return the drive of a track under a force with a second harmonic, such as a magnet's.
+
+        Its push is w^2 A sin(tau)/g, and 4 w^2 A (s, c)/g at 2 tau, along the line of vibration.
+        """
+        s, c = inputs.pop("track_harmonic")
+        inputs, _ = _aligned(inputs)
+        rate = np.square(inputs["circular_frequency"]) / inputs["gravity"]
+        size = inputs["drive_factor"] * inputs["amplitude"] * rate
+        level = size * cosine(inputs["beta"])
+        along, across = level * cosine(inputs["alpha"]), level * sine(inputs["alpha"])
+        numbers = [
+            number
+            for one in (along, across, size * sine(inputs["beta"]))
+            for number in (one, 4.0 * one * s, 0.0 * one, 4.0 * one * c)
+        ]
+        harmonics = np.stack(np.broadcast_arrays(*numbers))
+        shape = harmonics.shape[1:]
+        return waves.Wave(harmonics.reshape(3, 2, 2, *shape), np.zeros((4, 0, *shape)))
+
+
+Shape = Harmonics | Steps | HalfWave
+"""The numbers that a drive has; its values are parameters like any other."""
+
+
+def _aligned(inputs: dict[str, Array]) -> tuple[dict[str, Array], tuple[int, ...]]:
+    arrays = {name: np.asarray(value, dtype=float) for name, value in inputs.items()}
+    return arrays, np.broadcast_shapes(*(value.shape for value in arrays.values()))
 
 
 def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
@@ -213,13 +215,8 @@ def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
         return []
     if np.all(np.isnan(wave.steps[waves.ENDS])):
         message = "all steps of the drive have a duration of 0"
-        return [
-            Problem(
-                "parameters.duration_1",
-                message,
-                "Give at least one step of the drive a duration above 0",
-            )
-        ]
+        fix = "Give at least one step of the drive a duration above 0"
+        return [Problem("parameters.duration_1", message, fix)]
     axis = next(axis for i, axis in enumerate(AXES) if np.all(np.isnan(wave.steps[i]).any(axis=0)))
     message = f"the mean acceleration {axis} is not 0: the track would run away"
     fix = (
@@ -232,8 +229,7 @@ def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
 def shape_of(parameters: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
     """Return the kind of drive that a study's parameter names define, and problems of these names.
 
-    Harmonics such as `amplitude_along_2`, steps such as `acceleration_along_1`, or None for the
-    plain sine; also None if there are problems, such as names of two kinds.
+    None for the plain sine, and if there are problems, such as names of two kinds.
     """
     known = {*DRIVE, *SINE}
     names = [name for name in parameters if name in known]
@@ -241,14 +237,25 @@ def shape_of(parameters: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
     steps = list(filter(None, map(_STEP.fullmatch, names)))
     sines = [name for name in SINE if name in names]
     if terms and steps:
-        fix = "Give one kind of drive"
-        return None, [_mixed(steps[0][0], "a drive in steps", "harmonics", fix)]
+        return None, [
+            _mixed(steps[0][0], "a drive in steps", "harmonics", "Give one kind of drive")
+        ]
     if sines and (terms or steps):
         other = "harmonics" if terms else "steps"
         return None, [_mixed(name, "the plain sine", other, _NO_SINE[other]) for name in sines]
     if terms:
         return Harmonics(tuple(sorted(terms, key=_by_axis))), []
     return _steps_of(steps) if steps else (None, [])
+
+
+def _steps_of(steps: list[re.Match[str]]) -> tuple[Steps | None, list[Problem]]:
+    levels = {(m[1], int(m[2])) for m in steps if m[1]}
+    count = max(int(m[2]) for m in steps)
+    if levels and count > 1:
+        return Steps(count, tuple(sorted(levels, key=_by_axis))), []
+    message = "a single step is not a complete drive" if levels else "steps need an acceleration"
+    fix = "Add, for example, acceleration_along_1, duration_1 and duration_2"
+    return None, [Problem(f"parameters.{steps[0][0]}", message, fix)]
 
 
 _NO_SINE = {
@@ -261,37 +268,92 @@ _NO_SINE = {
 """What to do where a study gives the plain sine beside another drive."""
 
 
-def _steps_of(names: list[re.Match[str]]) -> tuple[Steps | None, list[Problem]]:
-    """Return the drive in steps that parameter names define (None if incomplete), and problems.
-
-    `names` are matches of the pattern of such names, such as `acceleration_along_1` and
-    `duration_2`: group 1 is the axis, None for a duration, group 2 the number of the step.
-    """
-    levels = {(m[1], int(m[2])) for m in names if m[1]}
-    count = max(int(m[2]) for m in names)
-    if not levels or count == 1:
-        message = (
-            "a single step is not a complete drive" if levels else "steps need an acceleration"
-        )
-        fix = "Add, for example, acceleration_along_1, duration_1 and duration_2"
-        return None, [Problem(f"parameters.{names[0][0]}", message, fix)]
-    return Steps(count, tuple(sorted(levels, key=_by_axis))), []
-
-
 def _mixed(name: str, kind: str, other: str, fix: str) -> Problem:
-    """Return the problem of a parameter `name` that belongs to another kind of drive.
-
-    `kind` is the drive that it belongs to, `other` the one that the study gives too, `fix` the
-    remedy.
-    """
-    return Problem(
-        f"parameters.{name}", f"{name} belongs to {kind}, but the study also gives {other}", fix
-    )
+    message = f"{name} belongs to {kind}, but the study also gives {other}"
+    return Problem(f"parameters.{name}", message, fix)
 
 
 def _by_axis(term: tuple[str, int]) -> tuple[int, int]:
-    """Return the sort key of an axis and an order."""
     return AXES.index(term[0]), term[1]
+
+
+# --- the demands of a drive on the machine, by axis
+
+
+LIMITS: dict[str, tuple[str, Callable[..., Array], float, Callable[[waves.Wave, int], Array]]] = {
+    "largest_acceleration": (
+        "largest acceleration of the track {} over a period [m s-2]",
+        lambda *, gravity: gravity,
+        1.0,
+        lambda wave, axis: waves.largest_over_period(wave, axis, "push size"),
+    ),
+    "stroke": (
+        "stroke of the drive {}, peak to peak [m]",
+        lambda *, length_scale: length_scale,
+        2.0,
+        waves.stroke,
+    ),
+    "largest_jerk": (
+        "largest jerk of the drive {}, infinite where its acceleration jumps [m s-3]",
+        lambda *, gravity, frequency: gravity * (waves.TURN * frequency),
+        1.0,
+        waves.jerk,
+    ),
+}
+"""What each is, with {} for the axis, and its unit; its scale, of quantities by name; its value in
+that scale of a sine, over the drive number of the axis, and of a wave on an axis."""
+
+
+def limits(drive: str, axes: tuple[str, ...] = AXES) -> tuple[Equation, ...]:
+    """Return the equations of the limits of the drive on some axes, for a "sine" or a "wave"."""
+    return tuple(_limit(name, axis, drive) for name in LIMITS for axis in axes)
+
+
+def _limit(name: str, axis: str, drive: str) -> Equation:
+    says, scale_of, of_sine, of_wave = LIMITS[name]
+    drive_input = "wave" if drive == "wave" else f"drive_number_{axis}"
+
+    def value(**known: Array) -> Array:
+        drive_value = known.pop(drive_input)
+        scale = scale_of(**known)
+        if isinstance(drive_value, waves.Wave):
+            return of_wave(drive_value, AXES.index(axis)) * scale
+        return of_sine * np.abs(drive_value) * scale
+
+    needs, says = (drive_input, *arguments_of(scale_of)), says.format(WHERE[axis])
+    return Equation(
+        f"{name}_{axis}", value, "theory 13.14", needs=needs, says=f"Return the {says}."
+    )
+
+
+# --- the fastest that any drive along the track conveys a part (docs/best-wave.md)
+
+
+def fastest_velocity(
+    *, groups: Groups, largest_acceleration_along: Array, frequency: Array, gravity: Array
+) -> Array:
+    """Return the largest mean velocity that any drive with a bounded acceleration gives [m s-1].
+
+    `largest_acceleration_along` bounds the acceleration of the track [m s-2], `frequency` [Hz] is
+    that of the drive, `groups` are the dimensionless groups of the part. A study's own drive is
+    compared with it. 0 where no such drive frees the part forward. NaN where the bound does not
+    hold: something drives the part off the floor or across, the track falls, or it is too steep for
+    the part to lie on.
+    """
+    along, onto = map(np.asarray, (groups.gravity_number_along, groups.gravity_number_normal))
+    most = largest_acceleration_along / gravity
+    holding, braking = groups.friction_static * onto - along, groups.friction_kinetic * onto + along
+    share = ratio(holding, holding + braking, 0.0)
+    best = share**2 * ratio(most**2 - braking**2, 4 * most, 0.0) * gravity / frequency
+    freed = most > groups.friction_static * onto + along
+    holds = (along >= 0.0) & (holding >= 0.0) & (np.asarray(groups.drive_number_normal) == 0.0)
+    holds = holds & in_plane(groups, Contacts(wall=True))
+    return np.where(holds & ~np.isnan(most), np.where(freed, best, 0.0), np.nan)
+
+
+def share_of_fastest(*, conveying_velocity: Array, fastest_velocity: Array) -> Array:
+    """Return the conveying velocity over the largest that the same acceleration can give [1]."""
+    return ratio(conveying_velocity, fastest_velocity, np.nan)
 
 
 # --- the system of a part under such a drive: the same equations around a wave
@@ -302,33 +364,13 @@ AT_LIMIT = 1e-13
 limit, so that rounding does not decide."""
 
 
-def drive_number(*, wave: Wave) -> Array:
-    """Return an upper bound of the track's speed, over g/w [1]."""
-    return waves.size(wave)
-
-
-def drive_number_along(*, wave: Wave) -> Array:
-    """Return an upper bound of the drive acceleration along the track, over gravity [1]."""
-    return waves.bound(wave, waves.ALONG)
-
-
-def drive_number_across(*, wave: Wave) -> Array:
-    """Return an upper bound of the drive acceleration across the track, over gravity [1]."""
-    return waves.bound(wave, waves.ACROSS)
-
-
-def drive_number_normal(*, wave: Wave) -> Array:
-    """Return an upper bound of the drive acceleration normal to the floor, over gravity [1]."""
-    return waves.bound(wave, waves.NORMAL)
-
-
-def throw_number(*, wave: Wave, load_number: Array) -> Array:
+def throw_number(*, wave: waves.Wave, load_number: Array) -> Array:
     """Return the throw number, the largest upward drive acceleration over the load number [1]."""
     most = np.maximum(waves.largest_over_period(wave, waves.NORMAL, "push"), 0.0)
     return ratio(most, load_number, np.where(most > 0.0, np.inf, 0.0))
 
 
-def efficiency(*, motion: Motion, wave: Wave) -> Array:
+def efficiency(*, motion: Motion, wave: waves.Wave) -> Array:
     """Return the conveying velocity over the largest speed of the track along x; 0 at rest [1].
 
     Infinite (regime `unbounded`) for a part that moves though the track does not move along x.
@@ -338,54 +380,50 @@ def efficiency(*, motion: Motion, wave: Wave) -> Array:
     return np.where(v != 0, ratio(v, fastest, beyond), 0.0)
 
 
-def _where_driven(follow: Any) -> Any:
-    """Return the function of a motion equation, extended by status `no_drive` for invalid waves.
-
-    `follow` is the function for valid ones. A wave is invalid if its mean acceleration is not 0: no
-    track can do that; its numbers are then NaN.
-    """
-
-    def driven_motion(*, groups: Groups, watch: Watch | None = None, **settings: Array) -> Motion:
-        found: Motion = follow(groups=groups, watch=watch, **settings)
-        assert groups.wave is not None
-        none = np.isnan(waves.size(groups.wave))
-        status = np.where(none, np.int8(STATUS["no_drive"]), found.status)
-        return found._replace(status=status)
-
-    return driven_motion
-
-
-def _held_at_its_limit(groups: Groups, wave: Wave) -> Array:
-    """Return the static friction, raised by a rounding where a step needs exactly its limit.
-
-    A sine passes the limit at a phase, but a step may lie on it as long as it lasts, as the best
-    drives do; where kinetic friction is smaller, the last bit of a sum would decide the motion.
-    """
-    static: Array = groups.friction_static
-    if not wave.steps.shape[1]:
-        return static
-    return np.where(static > groups.friction_kinetic, static * (1.0 + AT_LIMIT), static)
+def _driven_motion(
+    follow: Any, *, groups: Groups, watch: Watch | None = None, **settings: Array
+) -> Motion:
+    # No track can do what has a mean acceleration: its numbers are NaN.
+    found: Motion = follow(groups=groups, watch=watch, **settings)
+    assert groups.wave is not None
+    none = np.isnan(waves.size(groups.wave))
+    return found._replace(status=np.where(none, np.int8(STATUS["no_drive"]), found.status))
 
 
 @cache
 def _with_wave(groups: Any) -> Any:
-    """Return the function of the equation for a part's groups, with the wave of a drive added.
-
-    `groups` is the function under a sine; the new one takes the argument `wave`, too.
-    """
-
-    def waved(*, wave: Wave, **numbers: Array) -> Groups:
-        found: Groups = groups(**numbers)
-        return found._replace(wave=wave, friction_static=_held_at_its_limit(found, wave))
+    def waved(*, wave: waves.Wave, **numbers: Array) -> Groups:
+        part: Groups = groups(**numbers)
+        static: Array = part.friction_static
+        if wave.steps.shape[1]:
+            # A sine passes the limit at a phase, but a step may lie on it as long as it lasts, as
+            # the best drives do; the last bit of a sum would decide the motion.
+            raised = static * (1.0 + AT_LIMIT)
+            static = np.where(static > part.friction_kinetic, raised, static)
+        return part._replace(wave=wave, friction_static=static)
 
     return waved
 
 
-_OTHERS = {one.gives: one for one in limits.equations("wave")} | {
-    function.__name__: Equation(function.__name__, function, "theory 13.14")
-    for function in (
-        drive_number, drive_number_along, drive_number_across, drive_number_normal, throw_number,
-        efficiency,
+_OTHERS = {
+    one.gives: one
+    for one in (
+        *limits("wave"),
+        Equation(
+            "drive_number", waves.size, "theory 13.14",
+            says="Return an upper bound of the track's speed, over g/w [1].",
+        ),
+        *(
+            Equation(
+                f"drive_number_{axis}", partial(waves.bound, axis=place), "theory 13.14",
+                says=f"Return an upper bound of the drive acceleration {where}, over gravity [1].",
+            )
+            for place, (axis, where) in enumerate(
+                (WHERE | {"normal": "normal to the floor"}).items()
+            )
+        ),
+        Equation("throw_number", throw_number, "theory 13.14"),
+        Equation("efficiency", efficiency, "theory 13.14"),
     )
 }  # fmt: skip
 
@@ -393,17 +431,16 @@ _OTHERS = {one.gives: one for one in limits.equations("wave")} | {
 def under_wave(shape: Shape, known: Collection[Equation]) -> tuple[Equation, ...]:
     """Return the equations of a conveying system with a wave in place of the sine drive.
 
-    `shape` tells the kind of wave and its parameters; `known` are the equations under a sine, of
-    which those that hold for any drive stay.
+    Of `known`, those under a sine, stay those that hold for any drive.
     """
     changed = []
     for equation in known:
-        if equation.gives == "groups":
-            waved, needs = _with_wave(equation.function), ("wave", *equation.inputs)
-            equation = replace(equation, function=waved, needs=needs, says=equation.summary)
-        if equation.gives == "motion":
-            follow, needs = _where_driven(equation.function), equation.inputs
-            equation = replace(equation, function=follow, needs=needs, says=equation.summary)
+        if equation.gives in ("groups", "motion"):
+            of_motion = equation.gives == "motion"
+            given = equation.function
+            function = partial(_driven_motion, given) if of_motion else _with_wave(given)
+            needs = equation.inputs if of_motion else ("wave", *equation.inputs)
+            equation = replace(equation, function=function, needs=needs, says=equation.summary)
         if equation.gives != "vibration_acceleration":
             changed.append(_OTHERS.get(equation.gives, equation))
     says = "Return the push of the drive on a part, per weight."
@@ -414,9 +451,7 @@ def under_wave(shape: Shape, known: Collection[Equation]) -> tuple[Equation, ...
 def driven(system: Scene, shape: Shape) -> Scene:
     """Return a copy of a scene of motion in which another drive takes the place of the sine.
 
-    `system` is the scene with its equations for each method (`variants`) and default values;
-    `shape` is the kind of drive with its own parameters and defaults. The default of `alpha`, the
-    azimuth of the sine, is dropped.
+    The default of `alpha`, the azimuth of the sine, is dropped.
     """
     return replace(
         system,

@@ -12,6 +12,7 @@ from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.mechanics.travel import distance_bound
 from vibrafeed.core.motion.result import ANSWERED, STATUS, Motion
+from vibrafeed.core.motion.scales import product
 from vibrafeed.core.quantities import DIRECTIONS, QUANTITIES
 from vibrafeed.core.scenes.scene import Equation
 from vibrafeed.core.study.units import UnitError, in_own_unit, problem
@@ -104,10 +105,6 @@ def effective_distance(
 
 
 def _in_own_units(**values: Any) -> list[Any]:
-    """Return arguments of a function here, converted where an array carries another unit.
-
-    Raises `StudyError` for a unit of another quantity.
-    """
     read, problems = [], []
     for name, value in values.items():
         try:
@@ -120,20 +117,10 @@ def _in_own_units(**values: Any) -> list[Any]:
 
 
 def _spacing(length: Array, gap: Array | float) -> Array:
-    """Return the length of track that one part occupies, `length` plus `gap` [m].
-
-    Raises `StudyError` if it is not above 0.
-    """
     spacing = length + gap
     if np.any(spacing <= 0.0):
-        fix = "Give length or gap above 0"
-        raise StudyError(
-            [
-                Problem(
-                    "length", "length plus gap, the track that one part takes, is not above 0", fix
-                )
-            ]
-        )
+        message = "length plus gap, the track that one part takes, is not above 0"
+        raise StudyError([Problem("length", message, "Give length or gap above 0")])
     return spacing
 
 
@@ -167,15 +154,6 @@ def line_feed_rate(*, feed_rate: Array, line_yield: Array) -> Array:
     return np.maximum(feed_rate, 0.0) * line_yield
 
 
-def oriented_feed_rate(*, line_feed_rate: Array, line_purity: Array) -> Array:
-    """Return the parts per minute that leave a line of devices as they are wanted [min-1].
-
-    The feed rate of the line times the purity of the line, the share of the leaving parts that lie
-    in the wanted aspect.
-    """
-    return line_feed_rate * line_purity
-
-
 def direction(*, motion: Motion, drive_number: Array) -> NDArray[np.int8]:
     """Return the direction of travel as a flag: forwards, backwards, at rest or unknown.
 
@@ -198,9 +176,12 @@ RESULTS = (
     Equation("occupancy", occupancy, "theory 13.12"),
     Equation("feed_rate", feed_rate, "theory 13.12"),
     Equation("line_feed_rate", line_feed_rate, "theory 16.3"),
-    Equation("oriented_feed_rate", oriented_feed_rate, "theory 16.3"),
+    product(
+        "oriented_feed_rate", "line_feed_rate", "line_purity", source="theory 16.3",
+        says="the parts per minute that leave a line of devices as they are wanted [min-1]",
+    ),
     Equation("direction", direction, "theory 13.12"),
-)
+)  # fmt: skip
 DEFAULTS = {"part_gap": 0.0}
 
 
@@ -210,66 +191,44 @@ def travel_in_words(table: Table) -> str:
     It goes by `direction` if the result has that, else by its mean velocity or its feed rate;
     speeds below the stated error, or a nanometre a second, are those of parts that rest.
     """
-    if "mean_acceleration" in table.variables:
+    variables = table.variables
+    if "mean_acceleration" in variables:
         return _rolling_in_words(table)
-    share = _share_backwards(table)
+    if "direction" in variables:
+        backwards = variables["direction"].values == DIRECTIONS["backwards"].value
+    elif "conveying_velocity" in variables:
+        velocity, error = variables["conveying_velocity"], variables.get("conveying_velocity_error")
+        stated = error is not None and error.dims == velocity.dims
+        least = np.fmax(error.values, SLOWEST) if error is not None and stated else SLOWEST
+        backwards = velocity.values < -least
+    elif "feed_rate" in variables:
+        # Of parts of a metre: shorter ones give a higher rate at the same speed.
+        backwards = variables["feed_rate"].values < -60.0 * SLOWEST
+    else:
+        return ""
+    share = float(np.mean(backwards))
     if not share:
         return ""
-    which = "The part travels" if share == 1 else f"{percent(share)} of the cells travel"
-    if share == 1 and not _is_single(table):
-        which = "All cells travel"
+    which = f"{percent(share)} of the cells travel"
+    if share == 1:
+        single = all(not variable.dims for variable in variables.values())
+        which = "The part travels" if single else "All cells travel"
     return f"{which} backwards, against x."
 
 
 def _rolling_in_words(table: Table) -> str:
-    """Return sentences on cells in which a round part is not conveyed; empty if it is in all.
-
-    It runs down the track, or nothing moves it. `table` is the result of a study, with the
-    variables `mean_acceleration` and `motion_status`.
-    """
+    # Of cells in which a round part is not conveyed: it runs down, or nothing moves it.
     down = np.abs(table.variables["mean_acceleration"].values)
     status = table.variables["motion_status"].values
-    runs, stays = status == STATUS["runaway"], status == STATUS["neutral"]
+    runs = down[down > 0]
+    least, most = (f"{end:.2g}" for end in (runs.min(initial=np.inf), runs.max(initial=0.0)))
+    between = most if least == most else f"{least} to {most}"
     sentences = []
-    for share, words in (
-        (float(np.mean(runs)), f"it runs down at {_between(down[down > 0])}"),
-        (float(np.mean(stays)), "nothing conveys it, and it keeps the speed that it has"),
+    for name, words in (
+        ("runaway", f"it runs down at {between} m/s²"),
+        ("neutral", "nothing conveys it, and it keeps the speed that it has"),
     ):
-        if share:
+        if share := float(np.mean(status == STATUS[name])):
             where = "" if share == 1 else f" in {percent(share)} of the cells"
             sentences.append(f"The part does not travel{where}: {words}.")
     return " ".join(sentences)
-
-
-def _between(values: NDArray[np.float64]) -> str:
-    """Return the smallest and the largest acceleration as text."""
-    least, most = (f"{end:.2g}" for end in (values.min(initial=np.inf), values.max(initial=0.0)))
-    return f"{most} m/s²" if least == most else f"{least} to {most} m/s²"
-
-
-def _share_backwards(table: Table) -> float:
-    """Return the share of the cells of a result that travel backwards, from 0 to 1.
-
-    By `direction` if the result has it, else by the mean velocity beyond its stated error, else by
-    the feed rate; 0 if it has none of these.
-    """
-    values = {name: variable.values for name, variable in table.variables.items()}
-    if "direction" in values:
-        return float(np.mean(values["direction"] == DIRECTIONS["backwards"].value))
-    if "conveying_velocity" in values:
-        error = values.get("conveying_velocity_error")
-        least = SLOWEST
-        if error is not None and table.variables["conveying_velocity_error"].dims == (
-            table.variables["conveying_velocity"].dims
-        ):
-            least = np.fmax(error, SLOWEST)
-        return float(np.mean(values["conveying_velocity"] < -least))
-    if "feed_rate" in values:
-        # Of parts of a metre: shorter ones give a higher rate at the same speed.
-        return float(np.mean(values["feed_rate"] < -60.0 * SLOWEST))
-    return 0.0
-
-
-def _is_single(table: Table) -> bool:
-    """True if a result has one cell only."""
-    return all(not variable.dims for variable in table.variables.values())

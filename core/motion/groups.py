@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.waves import Wave, of_columns, of_row
+from vibrafeed.core.motion.waves import Wave, of_columns
 
 Numbers: TypeAlias = Any
 """An array of many parts, or the plain number of one."""
@@ -73,21 +73,8 @@ class Groups(NamedTuple):
         """The drive numbers along, across and normal."""
         return self.drive_number_along, self.drive_number_across, self.drive_number_normal
 
-    @property
-    def gravity(self) -> tuple[Numbers, Numbers, Numbers]:
-        """The gravity numbers along, across and normal."""
-        return self.gravity_number_along, self.gravity_number_across, self.gravity_number_normal
-
-    @property
-    def planar(self) -> bool:
-        """True if neither drive nor gravity acts across the track in any cell."""
-        return not (np.any(self.drive_number_across) or np.any(self.gravity_number_across))
-
     def flat(self) -> Groups:
-        """Return the groups with the numbers set to 0 that planar motion does not use.
-
-        Cells that are equal but for that are then computed once.
-        """
+        """Return the groups with the numbers set to 0 that planar motion does not use."""
         nothing: dict[str, Any] = dict.fromkeys(ACROSS, 0.0)
         return self._replace(**nothing)
 
@@ -107,12 +94,8 @@ ACROSS = (
 class Contacts(NamedTuple):
     """The surfaces that a part can touch, and how: no number of a cell but what a system is.
 
-    Attributes
-    ----------
-    wall : bool
-        Whether there is a wall beside the floor.
-    rolling : float
-        m r^2/I for a cylinder whose axis lies along the track; 0 for a block.
+    A wall beside the floor, or none; rolling m r^2/I for a cylinder whose axis lies along the
+    track, 0 for a block.
     """
 
     wall: bool = False
@@ -126,9 +109,7 @@ SOLID_CYLINDER = 2.0  # m r^2/I of a solid cylinder about its axis
 def in_plane(groups: Groups, contacts: Contacts) -> NDArray[np.bool_]:
     """Return a mask of the cells whose motion stays in the vertical plane along the track.
 
-    Nothing pushes such a part across: no drive, no lean and, with a wall, no curve. Its motion has
-    closed forms. `groups` are the dimensionless groups of the cells, `contacts` the surfaces that
-    it can touch.
+    Nothing pushes such a part across: no drive, no lean and, with a wall, no curve.
     """
     pushed = np.not_equal(groups.drive_number_across, 0.0) | np.not_equal(
         groups.gravity_number_across, 0.0
@@ -147,9 +128,8 @@ def table(columns: Iterable[ArrayLike]) -> tuple[NDArray[np.float64], tuple[int,
 def cells_of(groups: Groups, **settings: ArrayLike) -> tuple[NDArray[np.float64], tuple[int, ...]]:
     """Return the input of kernels, a row of numbers for each cell, and the shape of the cells.
 
-    The columns are the dimensionless `groups`, the `settings` of a method by name, which are
-    numbers or arrays, and those of the wave, if there is one; all are broadcast. The first columns
-    are those of `kernels.cells.Cell`.
+    The columns are the `groups`, the `settings` of a method, as in `kernels.cells.Cell`, and those
+    of the wave, if there is one; all are broadcast.
     """
     columns, wave = (*groups.numbers, *settings.values()), groups.wave
     if wave is None:
@@ -161,12 +141,7 @@ def cells_of(groups: Groups, **settings: ArrayLike) -> tuple[NDArray[np.float64]
 def groups_of(
     rows: NDArray[np.float64], waved: bool, more: int = 0
 ) -> tuple[Groups, NDArray[np.float64]]:
-    """Return the dimensionless groups of cells from the rows of a kernel's input, and settings.
-
-    The inverse of `cells_of`. `rows`, shape (cells, columns), hold the fields of `Groups`, then
-    `more` further numbers, which are the second result, one array each, and, if `waved` is True,
-    the columns of a wave.
-    """
+    """Return the groups of cells, and `more` settings, an array each; inverse of `cells_of`."""
     numbers = len(Groups._fields) - 1
     columns = rows.T
     wave = of_columns(rows[:, numbers + more :]) if waved else None
@@ -176,105 +151,15 @@ def groups_of(
 def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
     """Return an iterator over the groups of each cell as plain numbers, and the cells' shape."""
     rows, shape = cells_of(groups)
-    numbers = len(Groups._fields) - 1
+    whole, _ = groups_of(rows, groups.wave is not None)
 
-    def of(row: NDArray[np.float64]) -> Groups:
-        wave = of_row(row[numbers:]) if groups.wave is not None else None
-        return Groups._make((*row[:numbers].tolist(), wave))
+    def of(cell: int) -> Groups:
+        own = None if whole.wave is None else Wave(*(part[..., cell] for part in whole.wave))
+        return Groups._make((*(float(number[cell]) for number in whole.numbers), own))
 
-    return map(of, rows), shape
-
-
-# --- as equations of a system
+    return map(of, range(len(rows))), shape
 
 
-def floor_groups(
-    *,
-    drive_number_along: Array,
-    drive_number_across: Array,
-    drive_number_normal: Array,
-    gravity_number_along: Array,
-    load_number: Array,
-    friction_static: Array,
-    friction_kinetic: Array,
-    restitution: Array,
-) -> Groups:
-    """Return the dimensionless groups of a part that moves in space on a floor without wall.
-
-    As one record for the kernels. All arguments are arrays [1]: drive and gravity numbers are
-    shares of g along the track, across it and normal to the floor; `load_number` is gravity onto
-    the floor with any hold-down force.
-    """
-    return Groups(
-        drive_number_along=drive_number_along,
-        drive_number_normal=drive_number_normal,
-        gravity_number_along=gravity_number_along,
-        gravity_number_normal=load_number,
-        friction_static=friction_static,
-        friction_kinetic=friction_kinetic,
-        restitution=restitution,
-        drive_number_across=drive_number_across,
-    )
-
-
-def track_groups(
-    *,
-    drive_number_along: Array,
-    drive_number_across: Array,
-    drive_number_normal: Array,
-    gravity_number_along: Array,
-    gravity_number_across: Array,
-    load_number: Array,
-    curvature_number: Array,
-    friction_static: Array,
-    friction_kinetic: Array,
-    wall_friction: Array,
-    restitution: Array,
-    wall_restitution: Array,
-) -> Groups:
-    """Return the dimensionless groups of a part on floor and wall, as one record for the kernels.
-
-    All arguments are arrays [1]. Drive and gravity numbers are shares of g along the track, across
-    it and normal to the floor; `load_number` is gravity onto the floor with any hold-down force,
-    `curvature_number` g/(w^2 R) with w = 2 pi f and the radius R of the bowl.
-    """
-    return Groups(
-        drive_number_along=drive_number_along,
-        drive_number_normal=drive_number_normal,
-        gravity_number_along=gravity_number_along,
-        gravity_number_normal=load_number,
-        friction_static=friction_static,
-        friction_kinetic=friction_kinetic,
-        restitution=restitution,
-        drive_number_across=drive_number_across,
-        gravity_number_across=gravity_number_across,
-        curvature_number=curvature_number,
-        wall_friction=wall_friction,
-        wall_restitution=wall_restitution,
-    )
-
-
-def row_groups(
-    *,
-    drive_number_along: Array,
-    drive_number_normal: Array,
-    gravity_number_along: Array,
-    load_number: Array,
-    friction_static: Array,
-    friction_kinetic: Array,
-    restitution: Array,
-) -> Groups:
-    """Return the dimensionless groups of the parts of a row, as one record for the kernels.
-
-    All arguments are arrays [1]: drive and gravity numbers are shares of g along the track and
-    normal to the floor, `load_number` is gravity onto the floor. There is no motion across.
-    """
-    return Groups(
-        drive_number_along=drive_number_along,
-        drive_number_normal=drive_number_normal,
-        gravity_number_along=gravity_number_along,
-        gravity_number_normal=load_number,
-        friction_static=friction_static,
-        friction_kinetic=friction_kinetic,
-        restitution=restitution,
-    )
+def of_quantities(*, load_number: Array, **numbers: Any) -> Groups:
+    """Return the groups from quantities of their names; `load_number` is gravity onto the floor."""
+    return Groups(gravity_number_normal=load_number, **numbers)

@@ -8,17 +8,18 @@ repeat, in a straight line between two of the table, whose means scatter by some
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.motion.bowl_track import Track, in_pieces
+from vibrafeed.core.motion.events import EVENTS, energy_by_events, motion_by_events
 from vibrafeed.core.motion.groups import Contacts, Groups
-from vibrafeed.core.motion.methods.events import EVENTS, energy_by_events, motion_by_events
 from vibrafeed.core.plan.equations import run
 from vibrafeed.core.scenes.scene import Equation, between
 
@@ -127,45 +128,19 @@ class LoadCurve(NamedTuple):
         return self.joined & self.exact & (size[1:] + size[:-1] < reach)
 
 
-class PartLocation(Protocol):
-    """Tells where the parts are that load a unit, of which a study looks at parts all along."""
-
-    @property
-    def gives(self) -> tuple[str, ...]:
-        """The quantities that set the position of the loading parts."""
-        ...
-
-    @property
-    def inputs(self) -> tuple[str, ...]:
-        """The quantities that the position is computed from."""
-        ...
-
-    def __call__(self, known: Mapping[str, Array]) -> dict[str, Any]:
-        """Return the quantities at the position of the loading parts."""
-        ...
-
-
 def part_load(
     of_unit: Collection[Equation],
     of_part: Collection[Equation],
     contacts: Contacts,
-    location: PartLocation | None = None,
+    track: Track | None,
 ) -> PartLoad:
     """Return the load of conveyed parts on their drive unit, at the amplitude at which both agree.
 
-    The load depends on the amplitude of the track and the amplitude on the load.
-
-    Parameters
-    ----------
-    of_unit, of_part : collection of Equation
-        Equations of the unit, which lead from a load to amplitude and angle of the track; and those
-        of a part, from these to its dimensionless groups. Only the ones on this way are kept.
-    contacts : Contacts
-        The surfaces that a part can touch.
-    location : PartLocation, optional
-        Position of the parts on the track; by default that of the study.
+    The equations lead from a load to amplitude and angle of the track, and from these to the groups
+    of a part; only those on this way are kept. On a bowl's `track` with stretches the load acts at
+    its own place, else where the part is.
     """
-    at = location.gives if location else ()
+    at = ("track_fraction", "stretches") if track else ()
     respond = between(of_unit, ("part_load", *at), ("track_amplitude", "vibration_angle"))
     turn = between(of_part, ("amplitude", "beta", *at), ("groups",))
     inputs = {"conveyed_mass", "moving_mass", "circular_frequency", "gravity"}
@@ -173,8 +148,8 @@ def part_load(
     inputs -= {one.gives for one in (*respond, *turn)} | {"part_load", "amplitude", "beta", *at}
     if not any(one.gives == "vibration_angle" for one in respond):
         inputs.add("vibration_angle")
-    inputs |= {*location.inputs} if location else set()
-    return PartLoad(respond, turn, contacts, tuple(sorted(inputs)), location)
+    inputs |= {"load_fraction", *track.inputs} if track else set()
+    return PartLoad(respond, turn, contacts, tuple(sorted(inputs)), track)
 
 
 @dataclass(frozen=True)
@@ -191,52 +166,39 @@ class PartLoad:
         What a part can touch.
     needs : tuple of str
         Quantities that both need from outside.
-    location : PartLocation or None
-        As in `part_load`.
+    track : Track or None
+        Of a bowl, with stretches.
     """
 
     respond: tuple[Equation, ...]
     turn: tuple[Equation, ...]
     contacts: Contacts
     needs: tuple[str, ...]
-    location: PartLocation | None = None
+    track: Track | None
 
     def load(self, **inputs: Any) -> Load:
         """Return the load of the parts in every cell, from the quantities of `needs` by name."""
-        columns = np.broadcast_arrays(
-            *(np.asarray(inputs[name], dtype=float) for name in self.needs)
-        )
-        shape = columns[0].shape
-        flat = [column.ravel() for column in columns]
-        pieces = [self._of_cells(dict(zip(self.needs, some, strict=True))) for some in _cut(flat)]
-        return Load._make(np.concatenate(part).reshape(shape) for part in zip(*pieces, strict=True))
+        return in_pieces(self._of_cells, {name: inputs[name] for name in self.needs}, PIECE)
 
     def amplitude(self, known: Mapping[str, Array], mass: Array, damping: Array) -> tuple[Any, Any]:
-        """Return amplitude [m] and angle [rad] of the track of a drive unit under a load of parts.
-
-        `known` are the quantities of the unit by name, SI units; `mass` [kg] and `damping` [N s
-        m-1] are what the unit feels of the parts.
-        """
+        """Return amplitude [m] and angle [rad] of the track under a mass and damper of parts."""
         none = np.zeros(mass.shape, dtype=bool)
         some = Load(mass, damping, mass, none, none, none)
         found = run(self.respond, {**self._placed(known), "part_load": some})
         return found["track_amplitude"], found["vibration_angle"]
 
     def carried(self, known: Mapping[str, Array], amplitude: Array) -> tuple[Array, Array, Mask]:
-        """Return effective mass and damping of parts on a track, and if their motions repeat.
+        """Return mass and damper [kg, N s m-1] that parts are on a track, and if they repeat.
 
-        What a drive unit feels of conveyed parts at given amplitudes of its track, `amplitude` in
-        m, in kg and N s m-1: the mass m (1 + 2 <u.b'>/p^2) and the damper 2 m w drive/p^2 (w = 2 pi
-        f), with the mass m of the parts, the drive number p, and the mean `swing` <u.b'> and power
-        `drive` of a part's motion, which is followed for this (theory 13.15). `known` are the
-        quantities of `needs` by name, SI units.
+        At given amplitudes [m]: the mass m (1 + 2 <u.b'>/p^2) and the damper 2 m w drive/p^2 (w = 2
+        pi f), with the mass m of the parts, the drive number p, and the mean `swing` <u.b'> and
+        power `drive` of a part's motion, which is followed for this (theory 13.15).
         """
         mass, damping = known["conveyed_mass"], np.zeros_like(known["conveyed_mass"])
         turns = any(one.gives == "vibration_angle" for one in self.respond)
         for _ in range(PASSES if turns else 1):
             _, angle = self.amplitude(known, mass, damping)
-            found = run(self.turn, {**self._placed(known), "amplitude": amplitude, "beta": angle})
-            groups: Groups = found["groups"]
+            groups = self._groups(known, amplitude, angle)
             square = sum(np.square(number) for number in groups.drive)
             motion = motion_by_events(groups, self.contacts, **SETTINGS)
             energy = energy_by_events(groups, self.contacts, motion, **SETTINGS, averages=True)
@@ -246,15 +208,18 @@ class PartLoad:
         return mass, damping, motion.multiple > 0
 
     def _placed(self, known: Mapping[str, Array]) -> dict[str, Any]:
-        return {**known, **(self.location(known) if self.location else {})}
+        if self.track is None:
+            return {**known}
+        stretches = self.track.stretches(**{name: known[name] for name in self.track.inputs})
+        return {**known, "track_fraction": known["load_fraction"], "stretches": stretches}
+
+    def _groups(self, known: Mapping[str, Array], amplitude: Array, angle: Array) -> Groups:
+        known = {**self._placed(known), "amplitude": amplitude, "beta": angle}
+        return run(self.turn, known)["groups"]
 
     def _of_cells(self, known: dict[str, Array]) -> Load:
-        """Return the load of conveyed parts on their drive unit, for cells in 1-d arrays.
-
-        The smallest amplitude at which the excess h(A) falls through 0 is where a unit comes to
-        rest when it is switched on. NaN where there is none. `known` holds the quantities of
-        `needs` by name, shape (cells,).
-        """
+        # The smallest amplitude at which the excess falls through 0 is where a unit comes to rest
+        # when it is switched on. NaN where there is none.
         curve = self._curve(known)
         falls = (curve.excess[:-1] > 0.0) & (curve.excess[1:] <= 0.0) & curve.joined
         rises = (curve.excess[:-1] <= 0.0) & (curve.excess[1:] > 0.0) & curve.joined
@@ -283,11 +248,6 @@ class PartLoad:
         return load
 
     def _curve(self, known: dict[str, Array]) -> LoadCurve:
-        """Return the load of parts over the amplitude of their track, fine near its agreements.
-
-        It begins with a table of some 200 amplitudes and halves intervals in which drive and parts
-        may agree. `known` holds the quantities of `needs` by name, shape (cells,).
-        """
         least, most = self._extremes(known)
         # Cells that differ in what the motion does not know share its amplitudes, and its motions.
         bottom, top = np.floor(np.log(least) / STEP), np.ceil(np.log(most) / STEP)
@@ -312,16 +272,9 @@ class PartLoad:
         return LoadCurve(cell, at, mass, damping, self._left(here, mass, damping, at), repeats)
 
     def _thrown(self, known: dict[str, Array], mass: Array, damping: Array) -> Mask:
-        """True where conveyed parts are thrown so hard that they disturb the swing of their track.
-
-        The track is taken to move as a sine. Parts thrown beyond a throw number of 2 that weigh
-        more than 1 % of the moving mass move it by more than 0.1 % beside that. `mass` [kg] and
-        `damping` [N s m-1] are the load that the unit feels, `known` the quantities of `needs` by
-        name.
-        """
+        # The track is taken to move as a sine: parts thrown far, and heavy, disturb that.
         amplitude, angle = self.amplitude(known, mass, damping)
-        placed = {**self._placed(known), "amplitude": amplitude, "beta": angle}
-        groups: Groups = run(self.turn, placed)["groups"]
+        groups = self._groups(known, amplitude, angle)
         high = np.abs(groups.drive_number_normal) > THROWN * groups.gravity_number_normal
         heavy = known["conveyed_mass"] > FELT * known["moving_mass"]
         return np.asarray(high & heavy)
@@ -329,12 +282,6 @@ class PartLoad:
     def _agreement(
         self, known: dict[str, Array], curve: LoadCurve, index: NDArray[np.intp]
     ) -> tuple[Array, Array, Array, Mask]:
-        """Return amplitude, mass and damping at which drive and parts agree, and a mask of jumps.
-
-        In the intervals `index` of the curve, shape (n,) as of the quantities of `needs` in
-        `known`. Where motions do not repeat, or the load jumps within, the agreement lies on the
-        line between both ends.
-        """
         low, mass, damping = (part[index] for part in curve[1:4])
         high, next_mass, next_damping = (part[index + 1] for part in curve[1:4])
         exact = curve.exact[index]
@@ -355,22 +302,8 @@ class PartLoad:
         self, logarithm: Array, known: Mapping[str, Array], exact: Mask, low: Array, mass: Array,
         damping: Array, high: Array, next_mass: Array, next_damping: Array,
     ) -> tuple[Array, Array]:  # fmt: skip
-        """Return mass [kg] and damping [N s m-1] of the load between two known amplitudes.
-
-        Where motions repeat (`exact`) they are followed anew at the amplitude; elsewhere, where
-        means scatter, the load is interpolated between two neighbours of the table.
-
-        Parameters
-        ----------
-        logarithm
-            Logarithms of the amplitudes, shape (cells,), as of all others.
-        known
-            Quantities of `needs` by name.
-        low, mass, damping
-            Logarithm of the lower amplitude, and the load there.
-        high, next_mass, next_damping
-            The same of the higher amplitude.
-        """
+        # Between two known amplitudes: motions that repeat (`exact`) are followed anew, the means
+        # of others scatter.
         share = (logarithm - low) / (high - low)
         mass = mass + share * (next_mass - mass)
         damping = damping + share * (next_damping - damping)
@@ -380,11 +313,6 @@ class PartLoad:
         return mass, damping
 
     def _excess(self, logarithm: Array, *columns: Array) -> Array:
-        """Return ln(A_unit(load(A))/A) at logarithms of amplitudes: 0 where drive and parts agree.
-
-        `columns` are those of `_load`, then the quantities of `needs`, as scipy's root finder hands
-        them. `logarithm` is ln A.
-        """
         line: Any = columns[: -len(self.needs)]
         known = dict(zip(self.needs, columns[len(line) :], strict=True))
         return self._left(known, *self._load(logarithm, known, *line), logarithm)
@@ -392,29 +320,16 @@ class PartLoad:
     def _left(
         self, known: Mapping[str, Array], mass: Array, damping: Array, logarithm: Array
     ) -> Array:
-        """Return ln(A_unit/A) for given mass and damping, at logarithms of amplitudes A.
-
-        A_unit is the amplitude of the unit under that load. `logarithm` is ln A, `known` are the
-        quantities of `needs` by name.
-        """
         with np.errstate(invalid="ignore"):
             return np.asarray(np.log(self.amplitude(known, mass, damping)[0]) - logarithm)
 
     def _extremes(self, known: dict[str, Array]) -> tuple[Array, Array]:
-        """Return the least and the largest amplitude [m] of the table of each cell.
-
-        From those of a load that moves with the track, of `SHARES` of the parts' mass, and of the
-        share between them that brings the unit to its resonance.
-        """
-
         def amplitude(share: Array, *columns: Array) -> Array:
-            """Return the amplitude of the track if a share of the parts sticks to it [m]."""
             here = dict(zip(self.needs, columns, strict=True))
             mass = share * here["conveyed_mass"]
             return np.asarray(self.amplitude(here, mass, np.zeros_like(mass))[0])
 
         def softness(share: Array, most: Array, *columns: Array) -> Array:
-            """Return 1/A^2, all but a parabola over the share, in units of that of the table."""
             return np.square(most / amplitude(share, *columns))
 
         columns = tuple(known[name] for name in self.needs)
@@ -435,8 +350,3 @@ def _elementwise() -> ModuleType:
     from scipy.optimize import elementwise
 
     return elementwise
-
-
-def _cut(columns: list[Array]) -> Iterator[list[Array]]:
-    for start in range(0, len(columns[0]), PIECE):
-        yield [column[start : start + PIECE] for column in columns]

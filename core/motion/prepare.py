@@ -7,12 +7,11 @@ from dataclasses import replace
 from functools import cached_property
 
 from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.motion import rolling_scene, row_scene
 from vibrafeed.core.motion.drive_units import on_unit, unit_of
 from vibrafeed.core.motion.drives import driven, shape_of, what_is_open
 from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.method import Method
-from vibrafeed.core.motion.rolling_scene import ROLLING
-from vibrafeed.core.motion.row_scene import ROW, choose_row, of_unit
 from vibrafeed.core.motion.systems import (
     CONTACTS,
     FALLING,
@@ -71,9 +70,8 @@ class Simulation(Prepared):
 def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method | None:
     """Return the method by which motions of a grid can be verified; None if there is none.
 
-    The first of those by which the method of the `plan` is checked that the scene has and whose
-    limits the `grid` of parameters respects. `free` are names of parameters that are not on the
-    grid and take any value.
+    The scene has it, and the `grid` respects its limits. `free` are names of parameters that are
+    not on the grid and take any value.
     """
     scene, methods = plan.scene, methods_of(plan.scene.name)
     for name in methods[plan.variant].checked_by:
@@ -87,39 +85,33 @@ def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method |
 def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> Chosen:
     """Return the scene for a study of motion, the name of its method, and problems with that name.
 
-    `name` is the scene's name, `method` that of the method (None for the default). The names of the
-    study's `parameters` decide what the equations are: the drive may be a sine, another wave, or a
-    drive unit; restitution may fall with speed.
-
-    Raises
-    ------
-    StudyError
-        If there is no such scene, or the parameters are those of two kinds of drive.
+    The names of the study's `parameters` decide what the equations are: the drive may be a sine,
+    another wave, or a drive unit; restitution may fall with speed. Raises `StudyError` if there is
+    no such scene, or the parameters are those of two kinds of drive.
     """
     scene, method, problems = choose_scene(name, method, SYSTEMS)
     names = tuple(parameters)
-    if name == ROW:
-        scene, more_problems = choose_row(scene, names)
-        if more_problems:
-            raise StudyError([*problems, *more_problems])
-    if name not in CONTACTS and name != ROW:
+    if name not in CONTACTS and name != row_scene.ROW:
         return scene, method, problems
-    if FALLING in names and name in CONTACTS:
+    shape, of_shape = shape_of(names)
+    unit, of_unit = unit_of(names)
+    if name == row_scene.ROW:
+        scene, of_row = row_scene.row_of(names), [*row_scene.problems_of_row(names), *of_shape]
+        if of_row:
+            raise StudyError([*problems, *of_row])
+        of_unit += row_scene.problems_of_load(names) if unit is not None and unit.loaded else []
+    elif FALLING in names:
         scene = with_falling_restitution(scene, names)
-    unit, more_problems = unit_of(names)
-    if name == ROW:
-        shape, more = None, of_unit(unit, names)  # its drive is in place
-    else:
-        shape, more = shape_of(names) if unit is None else (None, [])
-    if more_problems or more:  # of which drive the others are missing, or too many, nobody knows
-        raise StudyError([*problems, *more_problems, *more])
+    if unit is None:  # of which drive the others are missing, or too many, nobody knows
+        of_unit += of_shape
+    if of_unit:
+        raise StudyError([*problems, *of_unit])
     if unit is not None:
-        return on_unit(scene, unit, CONTACTS.get(name, Contacts())), method, problems
+        scene = on_unit(scene, unit, CONTACTS.get(name, Contacts()))
     return (driven(scene, shape) if shape else scene), method, problems
 
 
 def _problems_of_settings(study: SimulateStudy, scene: Scene, method: str) -> Iterable[Problem]:
-    """Yield problems of the settings that the `method` of the `scene` does not use."""
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
     for name in study.settings():
         if name not in needed:
@@ -130,29 +122,24 @@ def _problems_of_settings(study: SimulateStudy, scene: Scene, method: str) -> It
 def prepare(study: SimulateStudy) -> Simulation:
     """Return the prepared simulation of a study: its scene and method, plan of equations, and grid.
 
-    Raises
-    ------
-    StudyError
-        With every problem of scene, method, outputs, settings and parameters, found before anything
-        is computed.
+    Raises `StudyError` with every problem of scene, method, outputs, settings and parameters.
     """
     chosen = choose_system(study.scene, study.method, study.values())
     scene, method, _ = chosen
     if study.drive is not None and scene.name not in CONTACTS:
-        fix = f"Choose among {', '.join(CONTACTS)}"
-        raise StudyError(
-            [Problem("drive", f"{scene.name} takes only a sine drive, not a section drive", fix)]
-        )
+        message = f"{scene.name} takes only a sine drive, not a section drive"
+        raise StudyError([Problem("drive", message, f"Choose among {', '.join(CONTACTS)}")])
     settings = study.settings()
-    more = never_left_out(scene, method) if study.reduce is None else ()
+    never_left_out = ("motion_status", "mean_acceleration") if study.reduce is None else ()
+    more = [name for name in never_left_out if name in scene.outputs(method)]
     asked = tuple(dict.fromkeys((*study.outputs, *more)))
     if study.trajectory is not None:  # its way back to metres and seconds has to be planned
         asked += tuple(n for n in SCALES if n not in asked and n in scene.outputs(method))
     problems = [
         *_problems_of_settings(study, scene, method),
         *_problems_of_trajectory(study, scene, method),
+        *_problems_of_reduction(study),
     ]
-    problems += _problems_of_reduction(study)
     try:
         plan, grid = plan_study(study, asked, chosen)
     except StudyError as error:
@@ -165,31 +152,13 @@ def prepare(study: SimulateStudy) -> Simulation:
     if problems:
         raise StudyError(problems)
     plan = replace(plan, defaults={**plan.defaults, **settings})
-    return _derivable(Simulation(study, plan, grid)).check_verification()
-
-
-def _derivable(prepared: Simulation) -> Simulation:
-    """Return a simulation unchanged; raise `StudyError` if its derivatives cannot be computed.
-
-    That is if the motion has no cycle. `prepared` is the planned simulation.
-    """
-    if prepared.derived is None:
-        return prepared
-    if "period_multiple" not in prepared.plan.scene.outputs(prepared.plan.variant):
-        message = f"the motion of {prepared.plan.scene.name} is followed for a time, not a cycle"
-        cyclic = (*CONTACTS, *ROLLING, ROW)
+    prepared = Simulation(study, plan, grid)
+    if prepared.derived is not None and "period_multiple" not in scene.outputs(method):
+        message = f"the motion of {scene.name} is followed for a time, not a cycle"
+        cyclic = (*CONTACTS, *rolling_scene.SCENES, row_scene.ROW)
         fix = f"Leave it out, or choose among {', '.join(cyclic)}"
         raise StudyError([Problem("sensitivities", message, fix)])
-    return prepared
-
-
-def never_left_out(scene: Scene, method: str) -> tuple[str, ...]:
-    """Return the outputs that are always computed: the status, and the mean acceleration if any.
-
-    For a scene and the name of its method; they are added to those that a study asks for.
-    """
-    more = ("mean_acceleration",) if "mean_acceleration" in scene.outputs(method) else ()
-    return ("motion_status", *more)
+    return prepared.check_verification()
 
 
 def fix_for_unused_setting(scene: Scene, setting: str) -> str:
@@ -199,23 +168,15 @@ def fix_for_unused_setting(scene: Scene, setting: str) -> str:
 
 
 def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> list[Problem]:
-    """Return the problems of the key `trajectory` of a study; empty if there are none.
-
-    It needs one value of every parameter, and a `method` of the `scene` that follows a part in
-    time, not one that gives means only.
-    """
     if study.trajectory is None:
         return []
     axes = [name for name, values in study.values().items() if not isinstance(values, Fixed)]
     problems = []
     if axes:
         ranged = ", ".join(QUANTITIES[name].label.lower() for name in axes)
+        message = f"trajectory shows one point, but {ranged} has a range of values"
         fix = f"Give one value of {', '.join(axes)}, or leave trajectory out"
-        problems.append(
-            Problem(
-                "trajectory", f"trajectory shows one point, but {ranged} has a range of values", fix
-            )
-        )
+        problems.append(Problem("trajectory", message, fix))
     methods = methods_of(scene.name)
     followed = [name for name in scene.variants if methods[name].course is not None]
     if method not in followed:
@@ -226,11 +187,6 @@ def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> 
 
 
 def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
-    """Return the problems of the key `reduce` of a study of motion; empty if there are none.
-
-    A reduction gives statistics over axes in place of all cells: derivatives and a trajectory are
-    refused beside it, and its names of outputs and axes must exist.
-    """
     if study.reduce is None:
         return []
     problems = problems_of_names(study.reduce, study.outputs, study.values())
@@ -244,13 +200,8 @@ def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
 
 
 def _shows_too_much(study: SimulateStudy, grid: Grid) -> Iterable[Problem]:
-    """Yield a problem of a study whose trajectory has more periods than any method follows.
-
-    `grid` has the frequency of the trajectory's one cell.
-    """
-    if not isinstance(study.trajectory, tuple):
-        return
-    shown = study.trajectory[-1] * grid.fixed.get("frequency", 0.0)
+    last = study.trajectory[-1] if isinstance(study.trajectory, tuple) else 0.0
+    shown = last * grid.fixed.get("frequency", 0.0)
     if shown > MAX_PERIODS:
         latest = MAX_PERIODS / grid.fixed["frequency"]
         message = f"its latest time is {shown:,.0f} periods of the drive from the first"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.quantities import MOTION_STATUSES
+from vibrafeed.core.scenes.scene import Condition
 
 
 class Motion(NamedTuple):
@@ -124,17 +125,13 @@ def checked(motion: Motion) -> Motion:
     """
     answered = np.isin(motion.status, [STATUS[name] for name in ANSWERED])
     finite = np.logical_and.reduce([np.isfinite(field) for field in motion[:-1]])
-    never_landed = (motion.flight > 0) & (motion.impacts == 0) & (_on_floor(motion) == 0)
+    on_floor = motion.stick + motion.forward + motion.backward
+    never_landed = (motion.flight > 0) & (motion.impacts == 0) & (on_floor == 0)
     lost = answered & (~finite | never_landed)
     status = np.where(lost, np.int8(STATUS["limit_reached"]), motion.status)
     none = status == STATUS["limit_reached"]
     fields = [np.where(none, np.nan, field) for field in motion[:-1]]
     return with_whole_shares(Motion._make([*fields, status]))
-
-
-def _on_floor(motion: Motion) -> Array:
-    """Return the share of the period in which the part is on the floor."""
-    return motion.stick + motion.forward + motion.backward
 
 
 def with_whole_shares(motion: Motion) -> Motion:
@@ -147,16 +144,22 @@ def with_whole_shares(motion: Motion) -> Motion:
     return motion._replace(**whole)
 
 
-def has_status(*names: str) -> Callable[..., Mask]:
-    """Return the function of a condition: True where the motion of a cell has one of some statuses.
+def where(
+    regime: str,
+    says: str,
+    holds: Callable[..., Mask],
+    outputs: Collection[str],
+    otherwise: str = "",
+) -> Condition:
+    """Return the condition of a regime; `says` is as one says after "True where"."""
+    holds.__doc__ = f"True where {says}."
+    return Condition(regime, holds, frozenset(outputs), otherwise)
 
-    `names` are those of the statuses, such as "runaway". Regimes of a result are made from such
-    conditions.
-    """
+
+def with_status(
+    regime: str, names: tuple[str, ...], outputs: Collection[str], otherwise: str = ""
+) -> Condition:
+    """Return the condition of a regime in which the motion has one of some statuses."""
     values = [STATUS[name] for name in names]
-
-    def has_status(*, motion: Motion) -> Mask:
-        return np.isin(motion.status, values)
-
-    has_status.__doc__ = f"Return where the status is {' or '.join(names)}."
-    return has_status
+    says = f"the status is {' or '.join(names)}"
+    return where(regime, says, lambda *, motion: np.isin(motion.status, values), outputs, otherwise)

@@ -1,33 +1,178 @@
-"""The systems of round parts that roll along the track: ball, roller, disc on its edge (18.2)."""
+"""The systems of round parts that roll along the track: ball, roller, disc on its edge (18.2).
+
+There is no kernel of their own. In pure rolling a part moves as a block whose friction is the
+rolling resistance, kap/(1 + kap) times as fast; where it cannot roll all the time, or nothing
+resists its rolling, the mean is known without following it, or is none. Its slip is a block, too.
+"""
 
 from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from vibrafeed.core.mechanics import round_parts
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.mechanics.rolling import RollingContact
-from vibrafeed.core.motion import feeding, limits, scales
-from vibrafeed.core.motion.feeding import DEFAULTS
-from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Groups
+from vibrafeed.core.motion import feeding, scales
+from vibrafeed.core.motion.drives import limits
+from vibrafeed.core.motion.events import EVENTS, follow, planar_motion
+from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Groups, cells_of
+from vibrafeed.core.motion.kernels.constants import PIECE
 from vibrafeed.core.motion.method import Method
-from vibrafeed.core.motion.methods import METHODS, rolling
-from vibrafeed.core.motion.result import Motion, has_status
-from vibrafeed.core.motion.row_scene import drive_number_along
+from vibrafeed.core.motion.reference import REFERENCE
+from vibrafeed.core.motion.result import ANSWERED, STATUS, Motion, where, with_status
+from vibrafeed.core.quantities import MOTION_MODES
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
     STATIC_ABOVE_KINETIC,
-    Condition,
-    Constraint,
     Equation,
     Scene,
-    arguments_of,
     fields,
 )
+from vibrafeed.core.watch import Watch
 
 SOURCE = "theory 18.2"
 BALL, ROLLER, DISC = "sphere-on-plane", "roller-on-plane", "disc-on-edge"
-ROLLING = (BALL, ROLLER, DISC)
+
+
+WAYS = {MOTION_MODES["forward"].value: 1.0, MOTION_MODES["backward"].value: -1.0}
+"""Sign of the velocity by motion mode."""
+SETTINGS: dict[str, Any] = dict(EVENTS.defaults)
+"""By which a block is followed once more."""
+ROUNDING = 1e-12
+"""Relative excess over the friction that counts as rounding."""
+
+
+def block_groups(rolling_contact: RollingContact) -> Groups:
+    """Return the groups of the block that moves like the rolling part.
+
+    Its friction is the rolling resistance c; its load is the part's, and w/c for the friction w of
+    the wall. Without rolling resistance its friction is the wall's alone, on a floor under the
+    part's load. A part whose motion is known without it is replaced by a block at rest (theory
+    18.2).
+    """
+    contact = rolling_contact
+    known = contact.free | contact.lifts | contact.runs_away
+    rubs = contact.resistance > 0
+    resistance = np.where(rubs, contact.resistance, 1.0)
+    friction = np.where(rubs, resistance, contact.drag / np.where(rubs, 1.0, contact.load))
+    return Groups(
+        drive_number_along=np.where(known, 0.0, contact.along),
+        drive_number_normal=np.where(known | ~rubs, 0.0, contact.normal),
+        gravity_number_along=np.where(known, 0.0, contact.uphill),
+        gravity_number_normal=contact.load + np.where(rubs, contact.drag / resistance, 0.0),
+        friction_static=friction,
+        friction_kinetic=friction,
+    )
+
+
+def slip_groups(rolling_contact: RollingContact) -> Groups:
+    """Return the groups of the block that moves as the contact point of a round part slips.
+
+    s' = D + (1 + kap) f, with kap = m r^2/I: the friction of the block is 1 + kap times that of the
+    floor. A part that runs down turns one way, so that rolling resistance c and the friction w of
+    the wall join the push D: w uphill, kap c n downhill, at most kap mu_k n, with which the part
+    does not turn. On other parts both are left out.
+    """
+    contact = rolling_contact
+    way = np.where(contact.runs_away, np.sign(contact.uphill), 0.0)
+    turning = way * contact.factor * np.minimum(contact.resistance, contact.kinetic)
+    return Groups(
+        drive_number_along=contact.along + turning * contact.normal,
+        drive_number_normal=contact.normal,
+        gravity_number_along=contact.uphill + turning * contact.load - way * contact.drag,
+        gravity_number_normal=contact.load,
+        friction_static=(1 + contact.factor) * contact.static,
+        friction_kinetic=(1 + contact.factor) * contact.kinetic,
+        restitution=contact.restitution,
+    )
+
+
+def mean_acceleration(*, rolling_contact: RollingContact, gravity: Array) -> Array:
+    """Return the mean acceleration along the track in the long run [m s-2].
+
+    Of a part that runs down -kap/(1 + kap) (g sin(gamma) - c n - w), whatever the drive, friction
+    and rebounds, while the slip of its contact stays bounded; -(g sin(gamma) - mu n - w) where the
+    slip runs away, beyond g sin(gamma) = ((1 + kap) mu - kap c) n + w, with the load n and the
+    wall's friction w per mass; else 0. Where static friction would bound the slip and kinetic
+    friction would not, the slip is followed from rest. NaN if that has no exact answer: with
+    rolling resistance in hops, or beyond kinetic friction.
+    """
+    contact = rolling_contact
+    rolling, slipping = contact.rolling_down, contact.slipping_down
+    down = np.where(contact.unbounded_slip, slipping, rolling)
+    either = ~contact.unbounded_slip & (slipping > (1 + ROUNDING) * rolling) & ~contact.surely_rolls
+    if either.any():
+        wide = np.broadcast_arrays(*contact, either)
+        open_cells = RollingContact(*(field[either] for field in wide[:-1]))
+        down = np.broadcast_to(down, either.shape).copy()
+        down[either] = _down_by_slip(open_cells)
+    return gravity * np.asarray(0.0 - np.sign(contact.uphill) * down)  # no -0
+
+
+def _down_by_slip(contact: RollingContact) -> Array:
+    slip = planar_motion(slip_groups(contact), **SETTINGS)
+    exact = (contact.resistance == 0) | (~contact.lifts & (contact.resistance <= contact.kinetic))
+    bounded = exact & np.isin(slip.status, [STATUS[name] for name in ANSWERED])
+    away = exact & (slip.status == STATUS["runaway"])
+    unbounded = np.where(away, contact.slipping_down, np.nan)
+    return np.where(bounded, contact.rolling_down, unbounded)
+
+
+def always_rolls(contact: RollingContact, watch: Watch | None) -> Mask:
+    """True where a round part never slips: the floor's friction suffices over the whole cycle.
+
+    Bounds decide nearly all cells; the motion of each other cell is followed. Cells that `watch`
+    leaves undone are False.
+    """
+    rolls = contact.surely_rolls
+    open_cells = ~(rolls | contact.surely_slips | contact.free | contact.runs_away)
+    if not open_cells.any():
+        return rolls
+    wide = np.broadcast_arrays(*contact, rolls, open_cells)
+    *fields, known, unknown = (np.ravel(single) for single in wide)
+    always: Mask = known.copy()
+    watch = watch or Watch()
+    with watch.flag() as stop:
+        for cell_number in np.flatnonzero(unknown):
+            if watch.stopped():
+                break
+            single = RollingContact(*(field[cell_number] for field in fields))
+            (cell,), _ = cells_of(block_groups(single), **SETTINGS)
+            most = _most_traction(single, follow(cell, stop)[0])
+            always[cell_number] = most <= (1 + ROUNDING) * float(single.static)
+    return always.reshape(wide[0].shape)
+
+
+def _most_traction(contact: RollingContact, pieces: Array) -> float:
+    # The largest ratio of friction to load that rolling needs over a cycle of the block's motion:
+    # |D - w sgn(u) + kap c n sgn(u)|/((1 + kap) n) while it rolls, (|D| - w)/n at rest, with the
+    # push D along less gravity, the wall's friction w, kap = m r^2/I, the rolling resistance c, the
+    # load n and the velocity u. Infinite if the drive lifts the part.
+    # The pieces are those of a drive that points up and forwards: the mirror image, else.
+    normal = abs(float(contact.normal))
+    along = float(contact.along) * (-1.0 if contact.normal < 0 else 1.0)
+    uphill = float(contact.uphill) * (-1.0 if along < 0 else 1.0)
+    along, most = abs(along), 0.0
+    for piece in pieces:
+        start, way = piece[PIECE.phase], WAYS.get(int(piece[PIECE.mode]), 0.0)
+        end = start + piece[PIECE.span]
+        peaks = np.pi / 2 + np.pi * np.arange(-2, 8)
+        for phase in (start, end, *peaks[(peaks > start) & (peaks < end)]):
+            sine = np.sin(phase)
+            push, load = along * sine - uphill, float(contact.load) - normal * sine
+            if load <= 0.0:
+                return float("inf")
+            if way:
+                push += way * (contact.factor * contact.resistance * load - contact.drag)
+                needed = abs(push) / (1 + contact.factor)
+            else:
+                needed = max(0.0, abs(push) - contact.drag)
+            most = max(most, float(needed / load))
+    return most
 
 
 # --- equations
@@ -38,13 +183,7 @@ def floor_contact(
     friction_kinetic: Array, restitution: Array, rolling_resistance: Array, load_number: Array,
     gravity_number_along: Array, drive_number_along: Array, drive_number_normal: Array,
 ) -> RollingContact:  # fmt: skip
-    """Return the dimensionless numbers of the contact of a round part with the floor.
-
-    All arguments are arrays [1]: `rolling_factor` m r^2/I, `rolling_share` the share of a push that
-    accelerates a rolling part, friction, restitution and rolling resistance coefficients,
-    `load_number` gravity onto the floor, and gravity along, drive along and normal over g. There is
-    no wall, whose drag is 0.
-    """
+    """Return the dimensionless numbers of the contact of a round part with the floor."""
     return RollingContact(
         share=rolling_share, factor=rolling_factor, static=friction_static,
         kinetic=friction_kinetic, restitution=restitution, resistance=rolling_resistance,
@@ -61,10 +200,8 @@ def wall_contact(
 ) -> RollingContact:  # fmt: skip
     """Return the dimensionless numbers of the contacts of a disc on its edge with floor and wall.
 
-    All arguments are arrays [1]: `rolling_factor` m r^2/I, `rolling_share` the share of a push that
-    accelerates a rolling part, frictions and rolling resistance, `load_number` gravity onto the
-    floor, and gravity along and across, drive along and normal over g. The disc leans on the wall
-    with gravity across, whose friction is its drag. It lands without rebound.
+    The disc leans on the wall with gravity across, whose friction is its drag. It lands without
+    rebound.
     """
     return RollingContact(
         share=rolling_share, factor=rolling_factor, static=friction_static,
@@ -74,48 +211,9 @@ def wall_contact(
     )  # fmt: skip
 
 
-def rolling_groups(*, rolling_contact: RollingContact) -> Groups:
-    """Return the groups of the block that moves like the rolling part."""
-    return rolling.block_groups(rolling_contact)
-
-
-def slip_groups(*, rolling_contact: RollingContact) -> Groups:
-    """Return the groups of the block that moves as the contact point of a round part slips."""
-    return rolling.slip_groups(rolling_contact)
-
-
-def slip_velocity(*, slip_motion: Motion, velocity_scale: Array) -> Array:
-    """Return the mean slip velocity of the contact [m s-1].
-
-    Rolling resistance is left out where the part turns to and fro.
-    """
-    return slip_motion.velocity * velocity_scale
-
-
-def mean_acceleration(*, rolling_contact: RollingContact, gravity: Array) -> Array:
-    """Return the mean acceleration along the track in the long run [m s-2].
-
-    Of a part that runs down -kap/(1 + kap) (g sin(gamma) - c n - w), whatever the drive, friction
-    and rebounds, while the slip of its contact stays bounded; -(g sin(gamma) - mu n - w) where the
-    slip runs away, beyond g sin(gamma) = ((1 + kap) mu - kap c) n + w, with the load n and the
-    wall's friction w per mass; else 0.
-    """
-    return gravity * rolling.mean_acceleration(rolling_contact)
-
-
-def leaves_wall(*, gravity_number_across: Array) -> Mask:
-    """True where nothing presses the disc onto the wall: the track leans the other way."""
-    return gravity_number_across < 0
-
-
-def rests(*, motion: Motion) -> Mask:
-    """True where rolling resistance, or the wall, holds the part all the time."""
-    return motion.only("stick")
-
-
 RESULTS = (
-    Equation("conveying_velocity", scales.conveying_velocity, SOURCE),
-    Equation("conveying_velocity_error", scales.conveying_velocity_error, SOURCE),
+    replace(scales.CONVEYING_VELOCITY, source=SOURCE),
+    replace(scales.CONVEYING_VELOCITY_ERROR, source=SOURCE),
     Equation("efficiency", scales.efficiency, "theory 13.10"),
     *fields(
         "motion",
@@ -133,17 +231,21 @@ RESULTS = (
 )
 ANY_RESULT = frozenset(one.gives for one in RESULTS) - {"occupancy"} | {"regime"}
 CONDITIONS = (
-    Condition(
-        "unresolved", has_status("not_computed", "limit_reached", "no_solution"), ANY_RESULT, "roll"
+    with_status("unresolved", ("not_computed", "limit_reached", "no_solution",), ANY_RESULT, "roll"
     ),
-    Condition("runaway", has_status("runaway"), ANY_RESULT),
-    Condition("rolls_and_slips", has_status("rolls_and_slips"), ANY_RESULT),
-    Condition("neutral", has_status("neutral"), ANY_RESULT),
-    Condition("stick", rests, ANY_RESULT),
-)
-LEAVES_THE_WALL = Condition(
-    "wall_lost", leaves_wall, ANY_RESULT | {"mean_acceleration"}, otherwise="contact"
-)
+    with_status("runaway", ("runaway",), ANY_RESULT),
+    with_status("rolls_and_slips", ("rolls_and_slips",), ANY_RESULT),
+    with_status("neutral", ("neutral",), ANY_RESULT),
+    where(
+        "stick", "rolling resistance, or the wall, holds the part all the time",
+        lambda *, motion: motion.only("stick"), ANY_RESULT,
+    ),
+)  # fmt: skip
+LEAVES_THE_WALL = where(
+    "wall_lost", "nothing presses the disc onto the wall: the track leans the other way",
+    lambda *, gravity_number_across: gravity_number_across < 0, ANY_RESULT | {"mean_acceleration"},
+    otherwise="contact",
+)  # fmt: skip
 VALIDITY = (
     "Motion along the track. Rolling resistance is a couple c r n against the turning, r the "
     "radius and n the load. A part without any is not conveyed, whatever the drive and the "
@@ -152,100 +254,114 @@ VALIDITY = (
 )
 
 
-def rolling_scenes(
-    scales_of_drive: tuple[Equation, ...], driven_within: Constraint
-) -> dict[str, Scene]:
-    """Return the scenes in which round parts roll along a track, by name: ball, roller and disc.
+def _motion(
+    method: Method, *, groups: Groups, rolling_contact: RollingContact, mean_acceleration: Array,
+    watch: Watch | None = None, **settings: Any,
+) -> Motion:  # fmt: skip
+    contact = rolling_contact
+    block: Motion = method.follow(groups=groups, contacts=BLOCK_ON_FLOOR, watch=watch, **settings)
+    rolls = always_rolls(contact, watch) & ~np.isnan(mean_acceleration)
+    status = np.where(
+        np.abs(mean_acceleration) > 0, STATUS["runaway"],
+        np.where(contact.free, STATUS["neutral"],
+                 np.where(rolls, block.status, STATUS["rolls_and_slips"])),
+    ).astype(np.int8)  # fmt: skip
+    none = np.isin(status, [STATUS["runaway"], STATUS["rolls_and_slips"]])
+    means = {}
+    for name, values in block._asdict().items():
+        # A rolling part has the share kap/(1 + kap) of its block's velocity, kap = m r^2/I.
+        scale = contact.share if name in ("velocity", "spread", "error") else 1.0
+        own = np.where(status == STATUS["neutral"], 0.0, scale * values)
+        means[name] = np.broadcast_to(np.where(none, np.nan, own), status.shape)
+    means["across"] = np.broadcast_to(np.where(none, np.nan, 0.0), status.shape)
+    return Motion(**{**means, "status": status})
 
-    `scales_of_drive` are the equations of the drive's scales, such as g/w, `driven_within` is the
-    constraint on the drive's frequency.
-    """
-    planar = tuple(each for each in scales_of_drive if each.gives != "drive_number_along")
-    planar = (
-        *planar,
-        Equation("drive_number_along", drive_number_along, SOURCE),
-        *limits.equations("sine", ("along", "normal")),
-        Equation("rolling_share", round_parts.rolling_share, "theory 18.1"),
-        Equation("groups", rolling_groups, SOURCE),
-        Equation("mean_acceleration", mean_acceleration, SOURCE),
-    )
-    on_floor = (
-        *planar,
-        Equation("rolling_contact", floor_contact, SOURCE),
-    )
-    at_wall = (
-        *(each for each in planar if each.gives != "gravity_number_normal"),
-        Equation("gravity_number_across", scales.gravity_number_across, "theory 13.1"),
-        Equation("gravity_number_normal", scales.leaning_gravity_number_normal, "theory 13.1"),
-        Equation("wall_friction", scales.wall_friction, "theory 13.1"),
-        Equation("rolling_contact", wall_contact, SOURCE),
-    )
 
-    def scene(
-        name: str, title: str, numbers: tuple[Equation, ...], kap: float, more: str = ""
-    ) -> Scene:
-        """Return the system of one round part.
+METHODS = {
+    method.name: replace(method, follow=partial(_motion, method), course=None, energy=None)
+    for method in (EVENTS, REFERENCE)
+}
+"""The methods for round parts: a block is followed, and its motion read as that of the part."""
 
-        `numbers` are the equations of its dimensionless numbers, `kap` is m r^2/I of the full body,
-        `more` is added to its range of validity.
-        """
-        shape = round_parts.ball_factor if name == BALL else round_parts.tube_factor
-        own = (*numbers, Equation("rolling_factor", shape, "theory 18.1"))
-        leaning = {"delta": 0.0} if name == DISC else {}
-        return Scene(
-            name=name,
-            title=title,
-            source=SOURCE,
-            validity=VALIDITY + more,
-            variants={
-                method.name: (*own, *_equations_of_method(method, slips=name != DISC))
-                for method in METHODS["rolling"].values()
-            },
-            default_variant="events",
-            conditions=dict.fromkeys(
-                METHODS["rolling"], (LEAVES_THE_WALL, *CONDITIONS) if name == DISC else CONDITIONS
-            ),
-            defaults={
-                "gamma": 0.0, "gravity": STANDARD_GRAVITY, "hold_down_number": 0.0,
-                "rolling_resistance": 0.0, "inner_diameter": 0.0, "rolling_factor": kap,
-                "restitution": 0.0, **leaning, **DEFAULTS,
-            },
-            constraints=(
-                STATIC_ABOVE_KINETIC, driven_within,
-                *(each for method in METHODS["rolling"].values() for each in method.refuses),
-            ),
-            choice="method",
-            variant_defaults={m.name: m.defaults for m in METHODS["rolling"].values()},
-        )  # fmt: skip
 
-    return {
-        BALL: scene(BALL, "Motion in time of a ball that rolls on a plane", on_floor, 2.5),
-        ROLLER: scene(
-            ROLLER, "Motion in time of a roller or ring, its axis across the track", on_floor, 2.0
+def _equations_of_method(block: Method, *, slips: bool) -> tuple[Equation, ...]:
+    def slip_motion(*, slip_groups: Groups, watch: Watch | None = None, **settings: Any) -> Motion:
+        """Return the slip of a round part's contact, computed as the motion of a block."""
+        return block.follow(groups=slip_groups, contacts=BLOCK_ON_FLOOR, watch=watch, **settings)
+
+    settings = tuple(block.defaults)
+    needs = ("rolling_contact", "mean_acceleration", "groups", *settings)
+    says = "Return the motion of a round part, computed as that of its equivalent block."
+    motion = Equation("motion", METHODS[block.name].follow, SOURCE, needs=needs, says=says)
+    if not slips:
+        return (motion, *RESULTS)
+    return (
+        motion,
+        *RESULTS,
+        Equation("slip_groups", slip_groups, SOURCE),
+        Equation("slip_motion", slip_motion, SOURCE, needs=("slip_groups", *settings)),
+        scales.product(
+            "slip_velocity", "slip_motion.velocity", "velocity_scale", source=SOURCE,
+            says="the mean slip velocity of the contact [m s-1]",
         ),
-        DISC: scene(
-            DISC, "Motion in time of a disc on its edge, its face against the wall", at_wall, 2.0,
-            " The wall presses by the lean alone, through the centre, and rubs as the floor does "
-            "unless the study gives its own friction.",
+    )  # fmt: skip
+
+
+_IN_PLANE = (
+    *(each for each in scales.PLANAR_SCALES if each.gives != "drive_number_along"),
+    Equation("drive_number_along", scales.drive_number_in_plane, SOURCE),
+    *limits("sine", ("along", "normal")),
+    Equation("rolling_share", round_parts.rolling_share, "theory 18.1"),
+    Equation("groups", block_groups, SOURCE),
+    Equation("mean_acceleration", mean_acceleration, SOURCE),
+)
+_ON_FLOOR = (*_IN_PLANE, Equation("rolling_contact", floor_contact, SOURCE))
+_AT_WALL = (
+    *(each for each in _IN_PLANE if each.gives != "gravity_number_normal"),
+    Equation("gravity_number_across", scales.gravity_number_across, "theory 13.1"),
+    Equation("gravity_number_normal", scales.leaning_gravity_number_normal, "theory 13.1"),
+    scales.WALL_FRICTION,
+    Equation("rolling_contact", wall_contact, SOURCE),
+)
+
+
+def _scene(name: str, title: str, kap: float, more: str = "") -> Scene:
+    # `kap` is m r^2/I of the full body.
+    disc = name == DISC
+    shape = round_parts.ball_factor if name == BALL else round_parts.tube_factor
+    numbers = _AT_WALL if disc else _ON_FLOOR
+    own = (*numbers, Equation("rolling_factor", shape, "theory 18.1"))
+    return Scene(
+        name=name,
+        title=title,
+        source=SOURCE,
+        validity=VALIDITY + more,
+        variants={
+            block.name: (*own, *_equations_of_method(block, slips=not disc))
+            for block in (EVENTS, REFERENCE)
+        },
+        default_variant="events",
+        conditions=dict.fromkeys(METHODS, (LEAVES_THE_WALL, *CONDITIONS) if disc else CONDITIONS),
+        defaults={
+            "gamma": 0.0, "gravity": STANDARD_GRAVITY, "hold_down_number": 0.0,
+            "rolling_resistance": 0.0, "inner_diameter": 0.0, "rolling_factor": kap,
+            "restitution": 0.0, **({"delta": 0.0} if disc else {}), **feeding.DEFAULTS,
+        },
+        constraints=(
+            STATIC_ABOVE_KINETIC, scales.DRIVEN,
+            *(each for method in METHODS.values() for each in method.refuses),
         ),
-    }  # fmt: skip
+        choice="method",
+        variant_defaults={m.name: m.defaults for m in METHODS.values()},
+    )  # fmt: skip
 
 
-def _equations_of_method(method: Method, *, slips: bool) -> tuple[Equation, ...]:
-    """Return the equations for the motion of a round part by one method, and for its results.
-
-    `slips` is True if the slip of the contact is a result, too; it is followed as the motion of a
-    block.
-    """
-    block = METHODS["conveying"][method.name].follow(BLOCK_ON_FLOOR)
-    inputs = arguments_of(block)
-    needs = ("rolling_contact", "mean_acceleration", *inputs)
-    equations = [Equation("motion", method.follow(BLOCK_ON_FLOOR), SOURCE, needs=needs), *RESULTS]
-    if slips:
-        needs = ("slip_groups", *(one for one in inputs if one != "groups"))
-        equations += [
-            Equation("slip_groups", slip_groups, SOURCE),
-            Equation("slip_motion", rolling.of_slip(block), SOURCE, needs=needs),
-            Equation("slip_velocity", slip_velocity, SOURCE),
-        ]
-    return tuple(equations)
+SCENES = {
+    BALL: _scene(BALL, "Motion in time of a ball that rolls on a plane", 2.5),
+    ROLLER: _scene(ROLLER, "Motion in time of a roller or ring, its axis across the track", 2.0),
+    DISC: _scene(
+        DISC, "Motion in time of a disc on its edge, its face against the wall", 2.0,
+        " The wall presses by the lean alone, through the centre, and rubs as the floor does "
+        "unless the study gives its own friction.",
+    ),
+}  # fmt: skip

@@ -2,56 +2,36 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from vibrafeed.core.errors import Problem
-from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, ratio
-from vibrafeed.core.motion import limits, scales
-from vibrafeed.core.motion.drive_units import ChosenUnit
-from vibrafeed.core.motion.drives import driven, shape_of
+from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
+from vibrafeed.core.motion import scales
+from vibrafeed.core.motion.drives import limits
 from vibrafeed.core.motion.feeding import DEFAULTS, occupancy, parts_per_minute
-from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, row_groups
-from vibrafeed.core.motion.methods import METHODS
-from vibrafeed.core.motion.methods.rows import RowMotion, RowParts
-from vibrafeed.core.motion.result import STATUS
-from vibrafeed.core.motion.row_parts import NumberedParts, contradictions, numbered
-from vibrafeed.core.quantities.row import MAX_NUMBERED
+from vibrafeed.core.motion.groups import of_quantities
+from vibrafeed.core.motion.result import STATUS, where
+from vibrafeed.core.motion.rows import EVENTS, RowMotion, RowParts
+from vibrafeed.core.quantities.row import MAX_NUMBERED, NUMBERS
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
     STATIC_ABOVE_KINETIC,
     Condition,
-    Constraint,
     Equation,
     Scene,
     fields,
 )
 
+ROW = "row-on-plane"
 SOURCE = "theory 17"
 IN_TURN = 3.7241
 """The throw number above which hops take two periods: parts that start apart may hop in turn."""
-
-
-def own_static(*, part_friction_1: Array) -> Array:
-    """Return the static friction of the rearmost part, where each part has its own [1]."""
-    return part_friction_1
-
-
-def own_kinetic(*, part_friction_1: Array) -> Array:
-    """Return the kinetic friction of the rearmost part, where each part has its own [1]."""
-    return part_friction_1
-
-
-def slowest_velocity(*, motion: RowMotion, velocity_scale: Array) -> Array:
-    """Return the mean velocity of the slowest part [m s-1]."""
-    return motion.slowest * velocity_scale
-
-
-def fastest_part_velocity(*, motion: RowMotion, velocity_scale: Array) -> Array:
-    """Return the mean velocity of the fastest part [m s-1]."""
-    return motion.fastest * velocity_scale
 
 
 def feed_rate(
@@ -65,18 +45,8 @@ def feed_rate(
     platoons leave to both sides, and below 0 where all travel back.
     """
     last = np.maximum(motion.slowest, 0.0) + np.minimum(motion.fastest, 0.0)
-    velocity = np.where(separates(motion=motion), last * velocity_scale, conveying_velocity)
+    velocity = np.where(motion.platoons > 1, last * velocity_scale, conveying_velocity)
     return parts_per_minute(velocity=velocity, length=length / occupancy)
-
-
-def mean_gap(*, motion: RowMotion, length_scale: Array) -> Array:
-    """Return the mean gap between neighbours of one platoon, NaN if all are apart [m]."""
-    return motion.gap * length_scale
-
-
-def common_mass(*, mass: Array) -> Array:
-    """Return the common mass of equal parts, by which masses of the row are scaled [kg]."""
-    return mass
 
 
 def own_masses(*, motion: RowMotion) -> Array:
@@ -87,26 +57,6 @@ def own_masses(*, motion: RowMotion) -> Array:
 def impact_energy(*, motion: RowMotion, mass_scale: Array, velocity_scale: Array) -> Array:
     """Return the energy that collisions of parts take in a period of the drive [J]."""
     return motion.impact * mass_scale * np.square(velocity_scale)
-
-
-def stop_force(*, motion: RowMotion, mass_scale: Array, acceleration_scale: Array) -> Array:
-    """Return the mean force on the stop, strokes included; the least on one of the track [N]."""
-    return motion.stop_force * mass_scale * acceleration_scale
-
-
-def stop_force_peak(*, motion: RowMotion, mass_scale: Array, acceleration_scale: Array) -> Array:
-    """Return the largest force on the stop between strokes [N]."""
-    return motion.stop_peak * mass_scale * acceleration_scale
-
-
-def stop_impulse(*, motion: RowMotion, mass_scale: Array, velocity_scale: Array) -> Array:
-    """Return the impulse of all strokes against the stop in a period of the drive [N s]."""
-    return motion.stop_impulse * mass_scale * velocity_scale
-
-
-def rebounds(*, restitution: Array) -> Mask:
-    """True where parts rebound from the floor, so that they hop separately."""
-    return restitution > 0.0
 
 
 def tips(*, row: RowParts, friction_static: Array, height: Array, length: Array) -> Mask:
@@ -126,58 +76,167 @@ def tips(*, row: RowParts, friction_static: Array, height: Array, length: Array)
     return most * height > length
 
 
-def is_blocked(*, motion: RowMotion) -> Mask:
-    """True where a stop at rest in space holds the row."""
-    return motion.stop_contact > 0.0
+def _has(motion: RowMotion, *names: str) -> Mask:
+    return np.isin(motion.status, [STATUS[name] for name in names])
 
 
-def is_unresolved(*, motion: RowMotion) -> Mask:
-    """True where no motion was found."""
-    none = ("not_computed", "limit_reached", "no_drive")
-    return np.isin(motion.status, [STATUS[name] for name in none])
+STOP_GAPS = {"track_stop_gap": "track", "fixed_stop_gap": "space"}
+"""Parameters that put a stop in front of a row, and which; at most one of them is given."""
+
+CHOOSING = ("friction_spread", "friction_seed", *STOP_GAPS)
+"""Parameters without a number that a row has only where a study gives them."""
+
+MAX_DEVIATIONS = 3.0
+"""Standard deviations at which sampled frictions are cut off."""
+DRAWN = 256
+"""Deviations sampled for a seed: enough for the longest row after the cut."""
+
+_NUMBERED = re.compile(rf"({'|'.join(NUMBERS)})_(\d+)")
 
 
-def runs_away(*, motion: RowMotion) -> Mask:
-    """True where the parts gain speed for ever."""
-    return motion.status == STATUS["runaway"]
+@dataclass(frozen=True)
+class NumberedParts:
+    """The numbers that the parts of a row have of their own.
+
+    Attributes
+    ----------
+    numbers
+        By the stem of a parameter (`part_friction`, ...), the parts with their own value of it.
+    count
+        Smallest number of parts that these numbers imply; 0 if there are none.
+    counted
+        If the study gives the number of parts, too.
+    stop_gap
+        Parameter that puts a stop in front of the row; empty if none does.
+    drawn
+        If the frictions of the parts are sampled at random.
+    """
+
+    numbers: Mapping[str, tuple[int, ...]]
+    count: int
+    counted: bool
+    stop_gap: str = ""
+    drawn: bool = False
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the quantities that the parts are made from, as an equation takes them."""
+        numbered = [f"{stem}_{n}" for stem, which in self.numbers.items() for n in which]
+        common = ["mass"] if self.numbers["part_mass"] and not self.gives_all("part_mass") else []
+        counted = ["parts"] if self.counted or not self.count else []
+        drawn = ["friction_spread", "friction_seed"] if self.drawn else []
+        stop = [self.stop_gap] if self.stop_gap else []
+        return (*counted, *numbered, *common, *drawn, *stop, "part_restitution", "length_scale")
+
+    def gives_all(self, stem: str) -> bool:
+        """True if every part has its own number, such as a `part_mass`."""
+        return not self.counted and 0 < len(self.numbers[stem]) == self.count
+
+    def row(self, **given: Any) -> RowParts:
+        """Return the parts of the row, from the quantities of `inputs` by name.
+
+        A fractional number of parts is rounded up.
+        """
+        count = np.ceil(np.asarray(given.get("parts", float(self.count)), dtype=float))
+        most = max(self.count, int(count.max()))
+        places = range(1, most + 1)
+        scale = given["length_scale"]
+        common = given.get("mass", np.ones(()))
+        parts = RowParts(
+            number=np.maximum(count, self.count),
+            friction=tuple(given.get(f"part_friction_{n}", np.full((), np.nan)) for n in places),
+            mass=tuple(given.get(f"part_mass_{n}", common) for n in places),
+            gap=tuple(given.get(f"part_gap_{n}", np.zeros(())) / scale for n in places),
+            restitution=given["part_restitution"],
+        )
+        if self.drawn:
+            shift = drawn_deviations(given["friction_seed"], most) * given["friction_spread"]
+            parts = parts._replace(shift=tuple(shift))
+        if self.stop_gap:
+            gap = given[self.stop_gap] / scale
+            parts = parts._replace(stop=STOP_GAPS[self.stop_gap], stop_gap=gap)
+        return parts
 
 
-def may_hop_in_turn(*, throw_number: Array) -> Mask:
-    """True where hops take two periods, so that parts may hop in turn."""
-    return throw_number > IN_TURN
+def drawn_deviations(seed: Array, parts: int) -> Array:
+    """Return random deviations of the friction of parts in a row, in standard deviations.
+
+    Shape (parts, ...), with the shape of `seed` behind. Those of a longer row begin with those of a
+    shorter one, so that rows can be compared.
+    """
+    seeds, where = np.unique(np.asarray(seed), return_inverse=True)
+    rows = [np.random.default_rng(int(one)).standard_normal(DRAWN) for one in seeds]
+    drawn: Array = np.array([row[np.abs(row) <= MAX_DEVIATIONS][:parts] for row in rows]).T
+    return drawn[:, where.reshape(np.shape(seed))]
 
 
-def separates(*, motion: RowMotion) -> Mask:
-    """True where platoons leave each other for ever."""
-    return motion.platoons > 1
+def numbered(names: tuple[str, ...]) -> NumberedParts:
+    """Return the numbers of their own that a study's parameter names give to parts of a row."""
+    found = [match for match in map(_NUMBERED.fullmatch, names) if match]
+    numbers = {
+        stem: tuple(sorted(int(match[2]) for match in found if match[1] == stem))
+        for stem in NUMBERS
+    }
+    behind = max(
+        (n + (stem == "part_gap") for stem, which in numbers.items() for n in which), default=0
+    )
+    stop = next((name for name in STOP_GAPS if name in names), "")
+    return NumberedParts(numbers, behind, "parts" in names, stop, "friction_spread" in names)
 
 
-def does_not_repeat(*, motion: RowMotion) -> Mask:
-    """True where the motion of the row does not repeat."""
-    return np.isin(motion.status, [STATUS["aperiodic"], STATUS["sensitive"]])
+def problems_of_row(names: tuple[str, ...]) -> list[Problem]:
+    """Return the problems of a row's parameters that exclude each other."""
+    problems = []
+    if all(name in names for name in STOP_GAPS):
+        message = "a row has one stop, and the study gives two"
+        problems.append(Problem("parameters.track_stop_gap", message, "Remove one of them"))
+    own = [name for name in names if name.startswith("part_friction_")]
+    if "friction_spread" in names and own:
+        message = f"the frictions are drawn, and {own[0]} is given"
+        fix = "Give either friction_spread or the frictions of single parts"
+        problems.append(Problem("parameters.friction_spread", message, fix))
+    return problems
 
 
-def takes_several_periods(*, motion: RowMotion) -> Mask:
-    """True where the motion of the row repeats after two periods of the drive or more."""
-    return motion.multiple > 1
+def problems_of_load(names: tuple[str, ...]) -> list[Problem]:
+    """Return the problem of a row whose load on its drive unit is not modelled, if it is not."""
+    parts = numbered(names)
+    if not (parts.drawn or parts.stop_gap or parts.numbers["part_friction"]):
+        return []
+    message = (
+        "the effect of a row on its drive unit is modelled only for free parts of one friction"
+    )
+    fix = "Give load_mass in its place, or one friction and no stop"
+    return [Problem("parameters.conveyed_mass", message, fix)]
 
 
-def hops(*, motion: RowMotion) -> Mask:
-    """True where the parts are in the air for a part of the period."""
-    return motion.flight > 0
+def _platoon_size(number: int, *, motion: RowMotion) -> Array:
+    return (motion.part_platoon == number).sum(axis=0).astype(float)
 
 
-def rests(*, motion: RowMotion) -> Mask:
-    """True where friction holds all parts all the time."""
-    return motion.status == STATUS["at_rest"]
+def _platoon_velocity(number: int, *, motion: RowMotion, velocity_scale: Array) -> Array:
+    inside = motion.part_platoon == number
+    total = np.where(inside, motion.part_velocity, 0.0).sum(axis=0)
+    return ratio(total, inside.sum(axis=0), np.nan) * velocity_scale
 
 
 RESULTS = (
-    Equation("conveying_velocity", scales.conveying_velocity, SOURCE),
-    Equation("conveying_velocity_spread", scales.conveying_velocity_spread, SOURCE),
-    Equation("conveying_velocity_error", scales.conveying_velocity_error, SOURCE),
-    Equation("slowest_velocity", slowest_velocity, SOURCE),
-    Equation("fastest_part_velocity", fastest_part_velocity, SOURCE),
+    *(
+        replace(one, source=SOURCE)
+        for one in (
+            scales.CONVEYING_VELOCITY,
+            scales.CONVEYING_VELOCITY_SPREAD,
+            scales.CONVEYING_VELOCITY_ERROR,
+        )
+    ),
+    scales.product(
+        "slowest_velocity", "motion.slowest", "velocity_scale", source=SOURCE,
+        says="the mean velocity of the slowest part [m s-1]",
+    ),
+    scales.product(
+        "fastest_part_velocity", "motion.fastest", "velocity_scale", source=SOURCE,
+        says="the mean velocity of the fastest part [m s-1]",
+    ),
     *fields(
         "motion",
         SOURCE,
@@ -197,63 +256,87 @@ RESULTS = (
     ),
     Equation("occupancy", occupancy, "theory 13.12"),
     Equation("feed_rate", feed_rate, SOURCE),
-)
-
-
-def _of_platoon(number: int) -> tuple[Equation, Equation]:
-    """Return the equations of size and mean velocity of one platoon of a row of parts.
-
-    A platoon is a group of parts that stay together; `number` counts them from 1 at the rear.
-    Without such a platoon the size is 0 and the velocity NaN.
-    """
-
-    def size(*, motion: RowMotion) -> Array:
-        """Return the number of parts in the platoon."""
-        return (motion.part_platoon == number).sum(axis=0).astype(float)
-
-    def velocity(*, motion: RowMotion, velocity_scale: Array) -> Array:
-        """Return the mean velocity of the platoon [m s-1]."""
-        inside = motion.part_platoon == number
-        total = np.where(inside, motion.part_velocity, 0.0).sum(axis=0)
-        return ratio(total, inside.sum(axis=0), np.nan) * velocity_scale
-
-    size.__doc__ = f"Return the parts of platoon {number} from the rear; 0 if there is none [1]."
-    velocity.__doc__ = "Return its mean velocity, NaN if there is none [m s-1]."
-    return (
-        Equation(f"platoon_size_{number}", size, SOURCE),
-        Equation(f"platoon_velocity_{number}", velocity, SOURCE),
-    )
-
-
-RESULTS = (
-    *RESULTS,
-    *(one for n in range(1, MAX_NUMBERED + 1) for one in _of_platoon(n)),
-    Equation("mean_gap", mean_gap, SOURCE),
     *(
-        Equation(one.__name__, one, SOURCE)
-        for one in (impact_energy, stop_force, stop_force_peak, stop_impulse)
+        Equation(f"platoon_{what}_{n}", partial(function, n), SOURCE, says=says.format(n))
+        for n in range(1, MAX_NUMBERED + 1)
+        for what, function, says in (
+            ("size", _platoon_size,
+             "Return the parts of platoon {} from the rear; 0 if there is none [1]."),
+            ("velocity", _platoon_velocity,
+             "Return its mean velocity, NaN if there is none [m s-1]."),
+        )
     ),
-)
+    scales.product(
+        "mean_gap", "motion.gap", "length_scale", source=SOURCE,
+        says="the mean gap between neighbours of one platoon, NaN if all are apart [m]",
+    ),
+    Equation("impact_energy", impact_energy, SOURCE),
+    scales.product(
+        "stop_force", "motion.stop_force", "mass_scale", "acceleration_scale", source=SOURCE,
+        says="the mean force on the stop, strokes included; the least on one of the track [N]",
+    ),
+    scales.product(
+        "stop_force_peak", "motion.stop_peak", "mass_scale", "acceleration_scale", source=SOURCE,
+        says="the largest force on the stop between strokes [N]",
+    ),
+    scales.product(
+        "stop_impulse", "motion.stop_impulse", "mass_scale", "velocity_scale", source=SOURCE,
+        says="the impulse of all strokes against the stop in a period of the drive [N s]",
+    ),
+)  # fmt: skip
 ANY_RESULT = frozenset(one.gives for one in RESULTS if one.gives != "occupancy") | {"regime"}
 CONDITIONS = (
-    Condition("not_supported", rebounds, ANY_RESULT),
-    Condition("unresolved", is_unresolved, ANY_RESULT, otherwise="slip"),
-    Condition("runaway", runs_away, ANY_RESULT),
-    Condition("out_of_phase_possible", may_hop_in_turn, ANY_RESULT),
-    Condition("separating", separates, ANY_RESULT),
-    Condition("aperiodic", does_not_repeat, ANY_RESULT),
-    Condition("period_doubled", takes_several_periods, ANY_RESULT),
-    Condition("hopping", hops, ANY_RESULT),
-    Condition("stick", rests, ANY_RESULT),
-)
+    where(
+        "not_supported", "parts rebound from the floor, so that they hop separately",
+        lambda *, restitution: restitution > 0.0, ANY_RESULT,
+    ),
+    where(
+        "unresolved", "no motion was found",
+        lambda *, motion: _has(motion, "not_computed", "limit_reached", "no_drive"), ANY_RESULT,
+        otherwise="slip",
+    ),
+    where(
+        "runaway", "the parts gain speed for ever",
+        lambda *, motion: _has(motion, "runaway"), ANY_RESULT,
+    ),
+    where(
+        "out_of_phase_possible", "hops take two periods, so that parts may hop in turn",
+        lambda *, throw_number: throw_number > IN_TURN, ANY_RESULT,
+    ),
+    where(
+        "separating", "platoons leave each other for ever",
+        lambda *, motion: motion.platoons > 1, ANY_RESULT,
+    ),
+    where(
+        "aperiodic", "the motion of the row does not repeat",
+        lambda *, motion: _has(motion, "aperiodic", "sensitive"), ANY_RESULT,
+    ),
+    where(
+        "period_doubled", "the motion of the row repeats after two periods of the drive or more",
+        lambda *, motion: motion.multiple > 1, ANY_RESULT,
+    ),
+    where(
+        "hopping", "the parts are in the air for a part of the period",
+        lambda *, motion: motion.flight > 0, ANY_RESULT,
+    ),
+    where(
+        "stick", "friction holds all parts all the time",
+        lambda *, motion: _has(motion, "at_rest"), ANY_RESULT,
+    ),
+)  # fmt: skip
 
 
 BEFORE_MOTION = 3
 """Conditions that say there is no motion; what a study's names add comes behind them."""
 HELD: dict[str, Condition] = {
-    "track_stop_gap": Condition("indeterminate_force", is_blocked, ANY_RESULT),
-    "fixed_stop_gap": Condition("blocked", is_blocked, ANY_RESULT),
-}
+    gap: where(
+        regime, "a stop at rest in space holds the row",
+        lambda *, motion: motion.stop_contact > 0.0, ANY_RESULT,
+    )
+    for gap, regime in {
+        "track_stop_gap": "indeterminate_force", "fixed_stop_gap": "blocked"
+    }.items()
+}  # fmt: skip
 """Conditions of a row that touches its stop, by the parameter that gives the stop."""
 
 
@@ -261,25 +344,53 @@ TIPPING = Condition("tipping", tips, ANY_RESULT)
 """Condition of a study that gives the height of the parts."""
 
 
-ROW = "row-on-plane"
+def _equations_of_parts(parts: NumberedParts) -> tuple[Equation, ...]:
+    says = "the {} friction of the rearmost part, where each part has its own [1]"
+    own = (
+        scales.product(f"friction_{one}", "part_friction_1", source=SOURCE, says=says.format(one))
+        for one in ("static", "kinetic")
+    )
+    says = "Return the parts of the row, from the rear on."
+    return (
+        *(own if parts.gives_all("part_friction") else ()),
+        Equation("row", parts.row, SOURCE, needs=parts.inputs, says=says),
+        Equation("mass_scale", own_masses, SOURCE)
+        if parts.numbers["part_mass"]
+        else scales.product(
+            "mass_scale", "mass", source=SOURCE,
+            says="the common mass of equal parts, by which masses of the row are scaled [kg]",
+        ),
+    )  # fmt: skip
 
 
-def drive_number_along(*, drive_number: Array, beta: Array) -> Array:
-    """Return the drive number along the track, p cos(beta) [1]."""
-    return drive_number * cosine(beta)
+_IN_PLANE = (
+    *(one for one in scales.PLANAR_SCALES if one.gives != "drive_number_along"),
+    Equation("drive_number_along", scales.drive_number_in_plane, SOURCE),
+    *limits("sine", ("along", "normal")),
+    Equation(
+        "groups",
+        of_quantities,
+        SOURCE,
+        needs=(
+            "drive_number_along", "drive_number_normal", "gravity_number_along", "load_number",
+            "friction_static", "friction_kinetic", "restitution",
+        ),
+        says="Return the dimensionless groups of the parts of a row, as one record for the "
+        "kernels.",
+    ),
+)  # fmt: skip
 
 
-def row_scene(scales_of_drive: tuple[Equation, ...], driven_within: Constraint) -> Scene:
-    """Return the scene in which a row of equal parts moves along a track, with its equations.
+def row_of(names: tuple[str, ...]) -> Scene:
+    """Return the scene of the row of parts that a study's parameter names define, under a sine.
 
-    `scales_of_drive` are the equations of the drive's scales, such as g/w, `driven_within` is the
-    constraint on the drive's frequency. Parts with numbers of their own change it later.
+    They say which numbers each part has of its own, if a stop stands in front, and if parts may
+    tip.
     """
-    in_space = (
-        *(one for one in scales_of_drive if one.gives != "drive_number_along"),
-        Equation("drive_number_along", drive_number_along, SOURCE),
-        *limits.equations("sine", ("along", "normal")),
-        Equation("groups", row_groups, SOURCE),
+    parts = numbered(names)
+    more = (
+        *((TIPPING,) if "height" in names else ()),
+        *((HELD[parts.stop_gap],) if parts.stop_gap else ()),
     )
     return Scene(
         name=ROW,
@@ -292,11 +403,15 @@ def row_scene(scales_of_drive: tuple[Equation, ...], driven_within: Constraint) 
         "fixed_stop_gap or track_stop_gap put a stop in front of the row, friction_spread draws "
         "the frictions of its parts; with height, tipping is where friction can tip a part.",
         variants={
-            name: (*in_space, *_equations_of_parts(numbered(())), *_equations_of_method(method))
-            for name, method in METHODS["row"].items()
+            "events": (
+                *_IN_PLANE,
+                *_equations_of_parts(parts),
+                Equation("motion", EVENTS.follow, SOURCE),
+                *RESULTS,
+            )
         },
         default_variant="events",
-        conditions=dict.fromkeys(METHODS["row"], CONDITIONS),
+        conditions={"events": (*CONDITIONS[:BEFORE_MOTION], *more, *CONDITIONS[BEFORE_MOTION:])},
         defaults={
             "gamma": 0.0,
             "gravity": STANDARD_GRAVITY,
@@ -306,87 +421,7 @@ def row_scene(scales_of_drive: tuple[Equation, ...], driven_within: Constraint) 
             "friction_seed": 0.0,
             **DEFAULTS,
         },
-        constraints=(
-            STATIC_ABOVE_KINETIC,
-            driven_within,
-            *(refusal for method in METHODS["row"].values() for refusal in method.refuses),
-        ),
+        constraints=(STATIC_ABOVE_KINETIC, scales.DRIVEN),
         choice="method",
-        variant_defaults={name: method.defaults for name, method in METHODS["row"].items()},
+        variant_defaults={"events": EVENTS.defaults},
     )
-
-
-def _equations_of_method(method: Any) -> tuple[Equation, ...]:
-    """Return the equations of the motion by a method, and of its results."""
-    return (Equation("motion", method.follow(BLOCK_ON_FLOOR), method.source), *RESULTS)
-
-
-def _equations_of_parts(parts: NumberedParts) -> tuple[Equation, ...]:
-    """Return the equations that give the parts of a row, and the scale of their masses.
-
-    `parts` says which numbers the parts have of their own. If every part has its own friction, that
-    of the track need not be given.
-    """
-    own = (
-        Equation("friction_static", own_static, SOURCE),
-        Equation("friction_kinetic", own_kinetic, SOURCE),
-    )
-    return (
-        *(own if parts.has_all_frictions else ()),
-        Equation(
-            "row",
-            parts.row,
-            SOURCE,
-            needs=parts.inputs,
-            says="Return the parts of the row, from the rear on.",
-        ),
-        Equation("mass_scale", own_masses if parts.has_own_masses else common_mass, SOURCE),
-    )
-
-
-def choose_row(system: Scene, names: tuple[str, ...]) -> tuple[Scene, list[Problem]]:
-    """Return the scene of the row of parts that a study's parameter names define, and problems.
-
-    The names say which numbers each part has of its own, whether a stop stands in front, whether
-    parts may tip, and what the drive is. `system` is the scene of rows in general. The problems are
-    names that exclude each other or define no drive.
-    """
-    parts, problems = numbered(names), contradictions(names)
-    known = {
-        name: tuple(
-            one
-            for equation in equations
-            if equation.gives != "mass_scale"
-            for one in (_equations_of_parts(parts) if equation.gives == "row" else (equation,))
-        )
-        for name, equations in system.variants.items()
-    }
-    system = replace(system, variants=known)
-    more = (
-        *((TIPPING,) if "height" in names else ()),
-        *((HELD[parts.stop_gap],) if parts.stop_gap else ()),
-    )
-    said = (*CONDITIONS[:BEFORE_MOTION], *more, *CONDITIONS[BEFORE_MOTION:])
-    system = replace(system, conditions=dict.fromkeys(system.conditions, said))
-    shape, wrong = shape_of(names)
-    if shape is not None:
-        system = driven(system, shape)
-    return system, [*problems, *wrong]
-
-
-def of_unit(unit: ChosenUnit | None, names: tuple[str, ...]) -> list[Problem]:
-    """Return the problems of a drive unit whose load by a row of such parts is not modelled.
-
-    `unit` is the drive unit of the study, `names` are its parameter names. Empty if there is no
-    unit, or no problem.
-    """
-    if unit is None:
-        return []
-    problems, parts = [], numbered(names)
-    if unit.loaded and (parts.drawn or parts.stop_gap or parts.numbers["part_friction"]):
-        message = (
-            "the effect of a row on its drive unit is modelled only for free parts of one friction"
-        )
-        fix = "Give load_mass in its place, or one friction and no stop"
-        problems.append(Problem("parameters.conveyed_mass", message, fix))
-    return problems

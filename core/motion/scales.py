@@ -6,14 +6,31 @@ and the curvature are left. All functions take and return broadcastable float64 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import partial, reduce
+from operator import mul
+from typing import Any
 
 import numpy as np
 
-from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, ratio, sine
+from vibrafeed.core.mechanics import floor
+from vibrafeed.core.mechanics.arrays import Array, cosine, ratio, sine
 from vibrafeed.core.mechanics.floor import throw
-from vibrafeed.core.motion.result import Energy, Motion
-from vibrafeed.core.scenes.scene import Condition, Equation
+from vibrafeed.core.motion.result import Energy, Motion, where
+from vibrafeed.core.scenes.scene import Constraint, Equation
+
+
+def product(gives: str, *factors: str, says: str, source: str) -> Equation:
+    """Return the equation of a product of quantities; `motion.velocity` is a field of one.
+
+    `says` is what it gives, as one says after "Return".
+    """
+    paths = [factor.split(".") for factor in factors]
+    needs = tuple(name for name, *_ in paths)
+    return Equation(gives, partial(_product, paths), source, needs=needs, says=f"Return {says}.")
+
+
+def _product(paths: list[list[str]], **known: Any) -> Array:
+    return reduce(mul, (reduce(getattr, path, known[name]) for name, *path in paths))
 
 
 def drive_number(*, vibration_acceleration: Array, gravity: Array) -> Array:
@@ -51,24 +68,14 @@ def gravity_number_normal(*, gamma: Array) -> Array:
     return cosine(gamma)
 
 
+def drive_number_in_plane(*, drive_number: Array, beta: Array) -> Array:
+    """Return the drive number along the track, p cos(beta) [1]."""
+    return drive_number * cosine(beta)
+
+
 def leaning_gravity_number_normal(*, gamma: Array, delta: Array) -> Array:
     """Return the share of gravity onto the floor, cos(gamma) cos(delta) [1]."""
     return cosine(gamma) * cosine(delta)
-
-
-def wall_friction(*, friction_kinetic: Array) -> Array:
-    """Return the floor's kinetic friction, for a wall of the same material [1]."""
-    return friction_kinetic
-
-
-def wall_restitution(*, restitution: Array) -> Array:
-    """Return the floor's restitution, for a wall of the same material [1]."""
-    return restitution
-
-
-def acceleration_scale(*, gravity: Array) -> Array:
-    """Return the acceleration of gravity, g [m s-2]."""
-    return gravity
 
 
 def hold_down(*, hold_down_force: Array, mass: Array) -> Array:
@@ -106,26 +113,6 @@ def curvature_number(*, length_scale: Array, radius: Array) -> Array:
     return length_scale / radius
 
 
-def conveying_velocity(*, motion: Motion, velocity_scale: Array) -> Array:
-    """Return the mean velocity along the track, over whole cycles of the motion [m s-1]."""
-    return motion.velocity * velocity_scale
-
-
-def conveying_velocity_spread(*, motion: Motion, velocity_scale: Array) -> Array:
-    """Return the standard deviation of means of runs from several phases [m s-1]."""
-    return motion.spread * velocity_scale
-
-
-def conveying_velocity_error(*, motion: Motion, velocity_scale: Array) -> Array:
-    """Return the method's own estimate of the error of the conveying velocity [m s-1]."""
-    return motion.error * velocity_scale
-
-
-def velocity_across(*, motion: Motion, velocity_scale: Array) -> Array:
-    """Return the mean velocity across the track, towards +y, over whole cycles [m s-1]."""
-    return motion.across * velocity_scale
-
-
 def efficiency(*, motion: Motion, drive_number_along: Array) -> Array:
     """Return the conveying velocity over the track's largest velocity along itself; 0 at rest [1].
 
@@ -140,19 +127,46 @@ def efficiency(*, motion: Motion, drive_number_along: Array) -> Array:
         return np.where(v != 0, ratio(v, drive_number_along, beyond), 0.0)
 
 
-def efficiency_is_unbounded(*, efficiency: Array) -> Mask:
-    """True where the part moves and the drive along the track is 0, or next to nothing."""
-    return np.isinf(efficiency)
-
-
-def landing_speed(*, motion: Motion, velocity_scale: Array) -> Array:
-    """Return the largest speed normal to the floor before an impact [m s-1]."""
-    return motion.landing_speed * velocity_scale
-
-
-def hop_height(*, motion: Motion, length_scale: Array) -> Array:
-    """Return the largest distance from the floor [m]."""
-    return motion.hop_height * length_scale
+CONVEYING_VELOCITY = product(
+    "conveying_velocity", "motion.velocity", "velocity_scale", source="theory 13.8",
+    says="the mean velocity along the track, over whole cycles of the motion [m s-1]",
+)  # fmt: skip
+CONVEYING_VELOCITY_SPREAD = product(
+    "conveying_velocity_spread", "motion.spread", "velocity_scale", source="theory 13.8",
+    says="the standard deviation of means of runs from several phases [m s-1]",
+)  # fmt: skip
+CONVEYING_VELOCITY_ERROR = product(
+    "conveying_velocity_error", "motion.error", "velocity_scale", source="theory 13.8",
+    says="the method's own estimate of the error of the conveying velocity [m s-1]",
+)  # fmt: skip
+WALL_FRICTION = product(
+    "wall_friction", "friction_kinetic", source="theory 13.1",
+    says="the floor's kinetic friction, for a wall of the same material [1]",
+)  # fmt: skip
+PLANAR_SCALES = (
+    Equation("vibration_acceleration", floor.vibration_acceleration, "theory 0.2"),
+    Equation("drive_number", drive_number, "theory 13.10"),
+    Equation("drive_number_along", drive_number_along, "theory 13.2"),
+    Equation("drive_number_normal", drive_number_normal, "theory 13.2"),
+    Equation("gravity_number_along", gravity_number_along, "theory 13.2"),
+    Equation("gravity_number_normal", gravity_number_normal, "theory 13.2"),
+    product(
+        "acceleration_scale", "gravity", source="theory 13.8",
+        says="the acceleration of gravity, g [m s-2]",
+    ),
+    Equation("hold_down", hold_down, "theory 13.1"),
+    Equation("hold_down_number", hold_down_number, "theory 13.1"),
+    Equation("load_number", load_number, "theory 13.1"),
+    Equation("throw_number", throw_number, "theory 13.10"),
+    Equation("velocity_scale", velocity_scale, "theory 13.8"),
+    Equation("length_scale", length_scale, "theory 13.8"),
+)  # fmt: skip
+DRIVEN = Constraint(
+    ("frequency",),
+    lambda least, largest: least >= 1e-9 and largest <= 1e12,
+    "there is no period to take a mean over, or it is outside the range of double precision",
+    "Give a frequency from 1e-9 Hz to 1e12 Hz",
+)
 
 
 # --- the energy that a motion takes (theory 13.15)
@@ -168,45 +182,15 @@ WORKS = {
 """Fields of `Energy`, and what they are."""
 
 
-def _power(kind: str) -> Callable[..., Array]:
-    """Return the function of the equation for one kind of mean power of a part, per mass.
-
-    `kind` is a field of the record `Energy`, such as friction, impact or drive. The function takes
-    the means over a cycle in the scale of the drive, and returns W kg-1.
-    """
-
-    def power(*, energy: Energy, gravity: Array, velocity_scale: Array) -> Array:
-        power: Array = getattr(energy, kind) * (gravity * velocity_scale)
-        return power
-
-    power.__doc__ = f"Return {WORKS[kind]}, mean over the cycle, per mass [W kg-1]."
-    return power
+def _power(kind: str, *, energy: Energy, gravity: Array, velocity_scale: Array) -> Array:
+    return getattr(energy, kind) * (gravity * velocity_scale)
 
 
-def _work(kind: str) -> Callable[..., Array]:
-    """Return the function of the equation for one kind of work of a part, per mass and way.
-
-    `kind` is a field of the record `Energy`, such as friction, impact or drive. The function takes
-    the means of this work and of the motion, and gravity, and returns J kg-1 m-1.
-    """
-
-    def work(*, energy: Energy, motion: Motion, gravity: Array) -> Array:
-        return _a_metre(getattr(energy, kind), motion) * gravity
-
-    work.__doc__ = f"""Return {WORKS[kind]}, per mass and metre travelled [J kg-1 m-1].
-
-    Either way along the track. Infinite (regime `unbounded`) where it is done without travel; NaN
-    where neither is.
-    """
-    return work
+def _work(kind: str, *, energy: Energy, motion: Motion, gravity: Array) -> Array:
+    return _a_metre(getattr(energy, kind), motion) * gravity
 
 
 def _a_metre(energy: Array, motion: Motion) -> Array:
-    """Return an energy per distance travelled; infinite or NaN without travel.
-
-    `energy` is a mean power per mass in g^2/w (w = 2 pi f), divided by the mean velocity in g/w:
-    the result is in g. Infinite if it is above 0 without travel, NaN if both are 0.
-    """
     beyond = np.where(energy > 0, np.inf, np.nan)
     with np.errstate(over="ignore"):
         return ratio(energy, np.abs(motion.velocity), beyond)
@@ -221,61 +205,42 @@ def effective_mass_ratio(*, energy: Energy, drive_number: Array) -> Array:
     return 1.0 + ratio(2.0 * energy.swing, np.square(drive_number), 0.0)
 
 
-def part_drive_power(*, drive_power: Array, mass: Array) -> Array:
-    """Return the work of the track on a part, mean over the cycle [W]."""
-    return drive_power * mass
-
-
-def part_friction_power(*, friction_power: Array, mass: Array) -> Array:
-    """Return the power of friction on a part while contacts slip, mean over the cycle [W]."""
-    return friction_power * mass
-
-
-def part_impact_power(*, impact_power: Array, mass: Array) -> Array:
-    """Return the power that impacts take from a part, mean over the cycle [W]."""
-    return impact_power * mass
-
-
-def part_drive_work(*, drive_work: Array, mass: Array) -> Array:
-    """Return the work of the track on a part, per metre travelled [J m-1]."""
-    return drive_work * mass
-
-
-def part_friction_work(*, friction_work: Array, mass: Array) -> Array:
-    """Return the work of friction on a part while contacts slip, per metre travelled [J m-1]."""
-    return friction_work * mass
-
-
-def part_impact_work(*, impact_work: Array, mass: Array) -> Array:
-    """Return the work of impacts on a part, per metre travelled [J m-1]."""
-    return impact_work * mass
-
-
-def work_is_unbounded(*, energy: Energy, motion: Motion) -> Mask:
-    """True where the drive works on a part that does not travel."""
-    return np.isinf(_a_metre(energy.drive, motion))
-
-
 ENERGY_RESULTS = (
-    *(Equation(f"{kind}_power", _power(kind), ENERGY_SOURCE) for kind in WORKS),
-    *(Equation(f"{kind}_work", _work(kind), ENERGY_SOURCE) for kind in WORKS),
     *(
-        Equation(function.__name__, function, ENERGY_SOURCE)
-        for function in (
-            part_friction_power,
-            part_impact_power,
-            part_drive_power,
-            part_friction_work,
-            part_impact_work,
-            part_drive_work,
-            effective_mass_ratio,
+        Equation(
+            f"{kind}_power", partial(_power, kind), ENERGY_SOURCE,
+            says=f"Return {says}, mean over the cycle, per mass [W kg-1].",
         )
+        for kind, says in WORKS.items()
     ),
-)
+    *(
+        # Infinite (regime `unbounded`) where it is done without travel, NaN where neither is.
+        Equation(
+            f"{kind}_work", partial(_work, kind), ENERGY_SOURCE,
+            says=f"Return {says}, per mass and metre travelled [J kg-1 m-1].",
+        )
+        for kind, says in WORKS.items()
+    ),
+    *(
+        product(f"part_{of}", of, "mass", source=ENERGY_SOURCE, says=says)
+        for of, says in {
+            "friction_power": "the power of friction on a part while contacts slip, mean over the "
+            "cycle [W]",
+            "impact_power": "the power that impacts take from a part, mean over the cycle [W]",
+            "drive_power": "the work of the track on a part, mean over the cycle [W]",
+            "friction_work": "the work of friction on a part while contacts slip, per metre "
+            "travelled [J m-1]",
+            "impact_work": "the work of impacts on a part, per metre travelled [J m-1]",
+            "drive_work": "the work of the track on a part, per metre travelled [J m-1]",
+        }.items()
+    ),
+    Equation("effective_mass_ratio", effective_mass_ratio, ENERGY_SOURCE),
+)  # fmt: skip
 """What a method tells that tells the energy."""
 
-WORK_UNBOUNDED = Condition(
+WORK_UNBOUNDED = where(
     "unbounded",
-    work_is_unbounded,
-    frozenset(f"{whose}{kind}_work" for kind in WORKS for whose in ("", "part_")),
+    "the drive works on a part that does not travel",
+    lambda *, energy, motion: np.isinf(_a_metre(energy.drive, motion)),
+    [f"{whose}{kind}_work" for kind in WORKS for whose in ("", "part_")],
 )

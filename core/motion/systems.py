@@ -7,24 +7,30 @@ one of its variants. Nothing that computes is loaded before it is called.
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
-from functools import cache
+from functools import partial
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
-from vibrafeed.core.mechanics import floor
-from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.motion import feeding, groups, limits, scales
-from vibrafeed.core.motion.feeding import RESOLVED
-from vibrafeed.core.motion.groups import SOLID_CYLINDER, Contacts, Groups
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion import (
+    drives,
+    events,
+    feeding,
+    groups,
+    reference,
+    rolling_scene,
+    row_scene,
+    rows,
+    scales,
+    tumbling_scene,
+)
 from vibrafeed.core.motion.method import Method
-from vibrafeed.core.motion.methods import METHODS
-from vibrafeed.core.motion.result import Motion, has_status
-from vibrafeed.core.motion.rolling_scene import ROLLING, rolling_scenes
-from vibrafeed.core.motion.row_scene import ROW, row_scene
-from vibrafeed.core.motion.tumbling_scene import cylinder, rectangle, tumbling_scene
+from vibrafeed.core.motion.result import where, with_status
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
@@ -37,43 +43,12 @@ from vibrafeed.core.scenes.scene import (
 )
 from vibrafeed.core.scenes.soft_contact import impact_damping
 
-
-def _is_stuck(*, motion: Motion) -> Mask:
-    """True where friction holds the part all the time."""
-    return motion.only("stick")
-
-
-def _is_period_doubled(*, motion: Motion) -> Mask:
-    """True where the motion repeats after two periods of the drive or more."""
-    return motion.multiple > 1
-
-
-def _hops_on(*, motion: Motion) -> Mask:
-    """True where the part is in the air all the time but for impacts."""
-    return motion.only("flight")
-
-
-def _hops(*, motion: Motion) -> Mask:
-    """True where the part is in the air for a part of the period."""
-    return motion.flight > 0
-
-
-def _sticks(*, motion: Motion) -> Mask:
-    """True where friction holds the part for a part of the period."""
-    return motion.stick > 0
-
-
-def _leaves_the_wall(*, motion: Motion, drive_number: Array) -> Mask:
-    """True where the part moves away from the wall in every cycle, and never comes back."""
-    return motion.across > RESOLVED * np.asarray(drive_number)
-
-
 RESULTS = (
-    Equation("conveying_velocity", scales.conveying_velocity, "theory 13.8"),
-    Equation("conveying_velocity_spread", scales.conveying_velocity_spread, "theory 13.8"),
-    Equation("conveying_velocity_error", scales.conveying_velocity_error, "theory 13.8"),
+    scales.CONVEYING_VELOCITY,
+    scales.CONVEYING_VELOCITY_SPREAD,
+    scales.CONVEYING_VELOCITY_ERROR,
     Equation("efficiency", scales.efficiency, "theory 13.10"),
-    Equation("share_of_fastest", limits.share_of_fastest, "docs/best-wave.md"),
+    Equation("share_of_fastest", drives.share_of_fastest, "docs/best-wave.md"),
     *fields(
         "motion",
         "theory 13.2",
@@ -98,16 +73,25 @@ RESULTS = (
             "after how many periods of the drive the motion repeats; 0 where it does not [1]",
         ),
     ),
-    Equation("landing_speed", scales.landing_speed, "theory 13.4"),
-    Equation("hop_height", scales.hop_height, "theory 13.2"),
+    scales.product(
+        "landing_speed", "motion.landing_speed", "velocity_scale", source="theory 13.4",
+        says="the largest speed normal to the floor before an impact [m s-1]",
+    ),
+    scales.product(
+        "hop_height", "motion.hop_height", "length_scale", source="theory 13.2",
+        says="the largest distance from the floor [m]",
+    ),
     *fields(
         "motion",
         "theory 13.8",
         motion_status=("status", "how the motion ended, as a status"),
     ),
     *feeding.RESULTS,
-)
-ACROSS = Equation("velocity_across", scales.velocity_across, "theory 13.8")
+)  # fmt: skip
+ACROSS = scales.product(
+    "velocity_across", "motion.across", "velocity_scale", source="theory 13.8",
+    says="the mean velocity across the track, towards +y, over whole cycles [m s-1]",
+)  # fmt: skip
 """Not of a part that rolls across: it keeps the speed at which it happens to."""
 ANY_RESULT = frozenset(
     equation.gives
@@ -116,64 +100,88 @@ ANY_RESULT = frozenset(
 ) | {"regime"}
 
 CONDITIONS = (
-    Condition(
-        "unresolved",
-        has_status("not_computed", "limit_reached", "no_solution", "no_drive"),
+    with_status("unresolved", ("not_computed", "limit_reached", "no_solution", "no_drive",),
         ANY_RESULT,
         otherwise="slip",
     ),
-    Condition("runaway", has_status("runaway"), ANY_RESULT),
-    Condition("unbounded", scales.efficiency_is_unbounded, frozenset(("efficiency",))),
-    Condition("aperiodic", has_status("aperiodic", "sensitive"), ANY_RESULT),
-    Condition("period_doubled", _is_period_doubled, ANY_RESULT),
-    Condition("hop_after_hop", _hops_on, ANY_RESULT),
-    Condition("hopping", _hops, ANY_RESULT),
-    Condition("stick", _is_stuck, ANY_RESULT),
-    Condition("stick_slip", _sticks, ANY_RESULT),
-)
-LEAVES_THE_WALL = Condition("wall_lost", _leaves_the_wall, ANY_RESULT)
+    with_status("runaway", ("runaway",), ANY_RESULT),
+    where(
+        "unbounded", "the part moves and the drive along the track is 0, or next to nothing",
+        lambda *, efficiency: np.isinf(efficiency), ("efficiency",),
+    ),
+    with_status("aperiodic", ("aperiodic", "sensitive",), ANY_RESULT),
+    where(
+        "period_doubled", "the motion repeats after two periods of the drive or more",
+        lambda *, motion: motion.multiple > 1, ANY_RESULT,
+    ),
+    where(
+        "hop_after_hop", "the part is in the air all the time but for impacts",
+        lambda *, motion: motion.only("flight"), ANY_RESULT,
+    ),
+    where(
+        "hopping", "the part is in the air for a part of the period",
+        lambda *, motion: motion.flight > 0, ANY_RESULT,
+    ),
+    where(
+        "stick", "friction holds the part all the time",
+        lambda *, motion: motion.only("stick"), ANY_RESULT,
+    ),
+    where(
+        "stick_slip", "friction holds the part for a part of the period",
+        lambda *, motion: motion.stick > 0, ANY_RESULT,
+    ),
+)  # fmt: skip
+LEAVES_THE_WALL = where(
+    "wall_lost", "the part moves away from the wall in every cycle, and never comes back",
+    lambda *, motion, drive_number: motion.across > feeding.RESOLVED * np.asarray(drive_number),
+    ANY_RESULT,
+)  # fmt: skip
 """Condition of a track: the part leaves it sideways; the results hold on an endless floor."""
 
-PLANAR_SCALES = (
-    Equation("vibration_acceleration", floor.vibration_acceleration, "theory 0.2"),
-    Equation("drive_number", scales.drive_number, "theory 13.10"),
-    Equation("drive_number_along", scales.drive_number_along, "theory 13.2"),
-    Equation("drive_number_normal", scales.drive_number_normal, "theory 13.2"),
-    Equation("gravity_number_along", scales.gravity_number_along, "theory 13.2"),
-    Equation("gravity_number_normal", scales.gravity_number_normal, "theory 13.2"),
-    Equation("acceleration_scale", scales.acceleration_scale, "theory 13.8"),
-    Equation("hold_down", scales.hold_down, "theory 13.1"),
-    Equation("hold_down_number", scales.hold_down_number, "theory 13.1"),
-    Equation("load_number", scales.load_number, "theory 13.1"),
-    Equation("throw_number", scales.throw_number, "theory 13.10"),
-    Equation("velocity_scale", scales.velocity_scale, "theory 13.8"),
-    Equation("length_scale", scales.length_scale, "theory 13.8"),
-)
-
 SPATIAL_SCALES = (
-    *PLANAR_SCALES,
+    *scales.PLANAR_SCALES,
     Equation("drive_number_across", scales.drive_number_across, "theory 13.1"),
-    *limits.equations("sine"),
-    Equation("fastest_velocity", limits.fastest_velocity, "docs/best-wave.md"),
+    *drives.limits("sine"),
+    Equation("fastest_velocity", drives.fastest_velocity, "docs/best-wave.md"),
 )
 TRACK_SCALES = (
     *(e for e in SPATIAL_SCALES if e.gives != "gravity_number_normal"),
     Equation("gravity_number_across", scales.gravity_number_across, "theory 13.1"),
     Equation("gravity_number_normal", scales.leaning_gravity_number_normal, "theory 13.1"),
     Equation("curvature_number", scales.curvature_number, "theory 13.10"),
-    Equation("wall_friction", scales.wall_friction, "theory 13.1"),
-    Equation("wall_restitution", scales.wall_restitution, "theory 13.1"),
-)
+    scales.WALL_FRICTION,
+    scales.product(
+        "wall_restitution", "restitution", source="theory 13.1",
+        says="the floor's restitution, for a wall of the same material [1]",
+    ),
+)  # fmt: skip
 
-ON_FLOOR = (*SPATIAL_SCALES, Equation("groups", groups.floor_groups, "theory 13.1"))
-ON_TRACK = (*TRACK_SCALES, Equation("groups", groups.track_groups, "theory 13.1"))
+_ON_FLOOR = (
+    "drive_number_along", "drive_number_across", "drive_number_normal", "gravity_number_along",
+    "load_number", "friction_static", "friction_kinetic", "restitution",
+)  # fmt: skip
+_ON_TRACK = (
+    "drive_number_along", "drive_number_across", "drive_number_normal", "gravity_number_along",
+    "gravity_number_across", "load_number", "curvature_number", "friction_static",
+    "friction_kinetic", "wall_friction", "restitution", "wall_restitution",
+)  # fmt: skip
+ON_FLOOR = (
+    *SPATIAL_SCALES,
+    Equation(
+        "groups", groups.of_quantities, "theory 13.1", needs=_ON_FLOOR,
+        says="Return the dimensionless groups of a part that moves in space on a floor without "
+        "wall.",
+    ),
+)  # fmt: skip
+ON_TRACK = (
+    *TRACK_SCALES,
+    Equation(
+        "groups", groups.of_quantities, "theory 13.1", needs=_ON_TRACK,
+        says="Return the dimensionless groups of a part on floor and wall, as one record for the "
+        "kernels.",
+    ),
+)  # fmt: skip
 
-DRIVEN = Constraint(
-    ("frequency",),
-    lambda least, largest: least >= 1e-9 and largest <= 1e12,
-    "there is no period to take a mean over, or it is outside the range of double precision",
-    "Give a frequency from 1e-9 Hz to 1e12 Hz",
-)
 DEFAULTS = {
     "alpha": 0.0,
     "gamma": 0.0,
@@ -188,35 +196,40 @@ VALIDITY = (
 )
 
 
+METHODS: dict[str, dict[str, Method]] = {
+    "conveying": {"events": events.EVENTS, "reference": reference.REFERENCE},
+    "tumbling": {"events": tumbling_scene.EVENTS},
+    "row": {"events": rows.EVENTS},
+    "rolling": rolling_scene.METHODS,
+}
+"""The methods by what they follow: a conveyed part, one that tumbles, a row, a round part."""
+
+
 def _conveying(
     name: str,
     title: str,
-    contacts: Contacts,
     *,
     in_space: tuple[Equation, ...],
     defaults: Mapping[str, float] = MappingProxyType({}),
     more: str = "",
 ) -> Scene:
-    """Return a scene in which a part is conveyed: its equations and conditions for each method.
-
-    Only methods that can follow a part with these `contacts` are in it. `name` and `title` identify
-    the scene; `in_space` are the equations of its scales and dimensionless groups, `defaults` its
-    default values beside those of all scenes, `more` a text added to its range of validity.
-    """
+    contacts = CONTACTS[name]
     methods = [one for one in METHODS["conveying"].values() if one.follows(contacts)]
 
+    def equation(gives: str, function: Callable[..., Any], source: str) -> Equation:
+        says = inspect.getdoc(function) or ""
+        return Equation(gives, partial(function, contacts=contacts), source, says=says)
+
     def equations(method: Method) -> tuple[Equation, ...]:
-        """Return the equations of the system with a method."""
-        conveying = [Equation("motion", method.follow(contacts), method.source), *RESULTS]
+        conveying = [equation("motion", method.follow, method.source), *RESULTS]
         if not contacts.rolling:
             conveying.append(ACROSS)
         if method.energy is not None:
-            energy = Equation("energy", method.energy(contacts), scales.ENERGY_SOURCE)
+            energy = equation("energy", method.energy, scales.ENERGY_SOURCE)
             conveying += [energy, *scales.ENERGY_RESULTS]
         return (*in_space, *conveying)
 
     def conditions(method: Method) -> tuple[Condition, ...]:
-        """Return the conditions of the system with a method."""
         more = [LEAVES_THE_WALL] if contacts.wall else []
         if method.energy is not None:
             more.append(scales.WORK_UNBOUNDED)
@@ -238,7 +251,7 @@ def _conveying(
         defaults={**DEFAULTS, **defaults},
         constraints=(
             STATIC_ABOVE_KINETIC,
-            DRIVEN,
+            scales.DRIVEN,
             *(refusal for method in methods for refusal in method.refuses),
         ),
         choice="method",
@@ -256,58 +269,18 @@ FALLING = "restitution_speed"
 def with_falling_restitution(system: Scene, parameters: Collection[str]) -> Scene:
     """Return a system whose restitution falls with the speed of impact, given that at one speed.
 
-    `parameters` are the names of the study's parameters; those that the law does not allow are
-    refused.
+    Parameters that the law does not allow are refused.
     """
     law = Equation("impact_damping", impact_damping, "theory 18.3")
 
-    def changed(known: tuple[Equation, ...]) -> tuple[Equation, ...]:
-        others = [
-            replace(
-                one,
-                function=_with_damping(one.function),
-                says=one.summary,
-                needs=("impact_damping", "velocity_scale", *one.inputs),
-            )
-            if one.gives == "groups"
-            else one
-            for one in known
-        ]
-        return (law, *others)
+    def changed(equation: Equation) -> Equation:
+        if equation.gives != "groups":
+            return equation
+        needs, says = ("impact_damping", "velocity_scale", *equation.inputs), equation.summary
+        return replace(equation, function=_falling_groups, says=says, needs=needs)
 
-    return replace(
-        system,
-        variants={name: changed(known) for name, known in system.variants.items()},
-        defaults={n: value for n, value in system.defaults.items() if n != "restitution"},
-        constraints=(*system.constraints, *_refusals(parameters)),
-    )
-
-
-@cache
-def _with_damping(groups: Callable[..., Groups]) -> Callable[..., Groups]:
-    """Return the function of the groups' equation for a part whose restitution falls with speed.
-
-    `groups` is the function for a constant restitution. The new one takes the damping of the
-    contact law and the scale g/w of velocity (w = 2 pi f), too; restitution is 0 where the damping
-    is infinite, else 1, as the law of the damping takes its place.
-    """
-
-    def falling(*, impact_damping: Array, velocity_scale: Array, **numbers: Array) -> Groups:
-        """Return the groups of the part, with the law's damping."""
-        found = groups(**numbers)
-        damping = impact_damping * velocity_scale
-        endless = np.isinf(damping)
-        return found._replace(
-            restitution=np.where(endless, 0.0, 1.0), impact_damping=np.where(endless, 0.0, damping)
-        )
-
-    return falling
-
-
-def _refusals(parameters: Collection[str]) -> list[Constraint]:
-    """Return the constraints of the law, which is known only for motion in the plane."""
     message = "restitution that falls with speed is known for motion in the plane of the track"
-    nothing = [
+    refusals = [
         Constraint(
             (FALLING, name),
             lambda _, __, least, largest: least == largest == 0.0,
@@ -316,17 +289,33 @@ def _refusals(parameters: Collection[str]) -> list[Constraint]:
         )
         for name in ("alpha", "delta")
     ]
-    across = [n for n in parameters if n == "radius" or "_across_" in n]
-    return nothing + [
+    refusals += [
         Constraint((FALLING, name), lambda *_: False, message, f"Leave it or {name} out")
-        for name in across
+        for name in parameters
+        if name == "radius" or "_across_" in name
     ]
+    return replace(
+        system,
+        variants={name: (law, *map(changed, known)) for name, known in system.variants.items()},
+        defaults={n: value for n, value in system.defaults.items() if n != "restitution"},
+        constraints=(*system.constraints, *refusals),
+    )
 
 
-CONTACTS: dict[str, Contacts] = {
-    "rectangle-on-plane": Contacts(),
-    "cylinder-on-plane": Contacts(rolling=SOLID_CYLINDER),
-    "rectangle-on-track": Contacts(wall=True),
+def _falling_groups(
+    *, impact_damping: Array, velocity_scale: Array, **numbers: Array
+) -> groups.Groups:
+    damping = impact_damping * velocity_scale
+    endless = np.isinf(damping)
+    return groups.of_quantities(**numbers)._replace(
+        restitution=np.where(endless, 0.0, 1.0), impact_damping=np.where(endless, 0.0, damping)
+    )
+
+
+CONTACTS: dict[str, groups.Contacts] = {
+    "rectangle-on-plane": groups.Contacts(),
+    "cylinder-on-plane": groups.Contacts(rolling=groups.SOLID_CYLINDER),
+    "rectangle-on-track": groups.Contacts(wall=True),
 }
 """What the parts that are conveyed can touch, by the name of their scene."""
 
@@ -334,33 +323,25 @@ SYSTEMS: dict[str, Scene] = {
     "rectangle-on-plane": _conveying(
         "rectangle-on-plane",
         "Motion in time of a rectangular part on a plane",
-        CONTACTS["rectangle-on-plane"],
         in_space=ON_FLOOR,
     ),
     "cylinder-on-plane": _conveying(
         "cylinder-on-plane",
         "Motion in time of a cylinder on a plane, its axis along the track",
-        CONTACTS["cylinder-on-plane"],
         in_space=ON_FLOOR,
     ),
     "rectangle-on-track": _conveying(
         "rectangle-on-track",
         "Motion in time of a rectangular part on the track, with floor and wall",
-        CONTACTS["rectangle-on-track"],
         in_space=ON_TRACK,
         defaults={"delta": 0.0, "curvature_number": 0.0},
         more=" The wall has the kinetic friction and the restitution of the floor unless the study "
         "gives its own; its static friction is its kinetic one. The track is straight unless the "
         "study gives its radius.",
     ),
-    "rectangle-isolated": tumbling_scene(
-        "rectangle-isolated", "Tumbling rectangular part on a plane", rectangle
-    ),
-    "cylinder-isolated": tumbling_scene(
-        "cylinder-isolated", "Tumbling cylindrical part on a plane", cylinder
-    ),
-    ROW: row_scene(PLANAR_SCALES, DRIVEN),
-    **rolling_scenes(PLANAR_SCALES, DRIVEN),
+    **tumbling_scene.SCENES,
+    row_scene.ROW: row_scene.row_of(()),
+    **rolling_scene.SCENES,
 }
 """Every system that can be simulated, by the name of its scene."""
 
@@ -370,8 +351,5 @@ def methods_of(scene: str) -> Mapping[str, Method]:
 
     `scene` is the name of the scene: a row of parts, rolling, conveying, or tumbling.
     """
-    if scene == ROW:
-        return METHODS["row"]
-    if scene in ROLLING:
-        return METHODS["rolling"]
-    return METHODS["conveying" if scene in CONTACTS else "tumbling"]
+    of = "row" if scene == row_scene.ROW else "conveying" if scene in CONTACTS else "tumbling"
+    return METHODS["rolling" if scene in rolling_scene.SCENES else of]

@@ -1,100 +1,337 @@
-"""The system of a tumbling part: its equations and conditions."""
+"""Tumbling: a part that falls on a plane, strikes it with its corners, rocks and comes to rest.
+
+Motion in the plane of the transport and the normal, with pitch (theory 2, 6); the plane may vibrate
+and climb. The part is a rectangle, or a cylinder seen along its side (a rectangle with the
+cylinder's moment of inertia). It is followed from event to event: free flight in closed form,
+motion on one corner or on a side with the contact laws of accelerations (theory 2.3, 2.4) by
+Runge-Kutta steps of order 4 in pitch and slide alone, so that nothing sinks; impacts, lift-off,
+stick and slip, and tipping at their own time, found within the step; impacts by the law of Pfeiffer
+and Glocker (theory 5.3). Endless series of ever smaller impacts, bounces as well as rocking, end
+where the velocity off the plane falls below 1e-6 of sqrt(acceleration * half diagonal). After many
+impacts with much restitution the motion is chaotic, and its details depend on the last digit.
+
+All values are SI, not in the scales of the drive: the size enters, the plane may be at rest, and it
+takes seconds, not periods. Its own scale is the time sqrt(half diagonal/gravity), the measure of
+the step and of the tolerances.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any, NamedTuple
 
-from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.motion.groups import Contacts
-from vibrafeed.core.motion.methods import METHODS
-from vibrafeed.core.motion.methods.tumbling import (
-    Part,
-    Throw,
-    Tumble,
-    TumblingCylinder,
-    TumblingRectangle,
-)
-from vibrafeed.core.motion.result import STATUS
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, sine
+from vibrafeed.core.motion import kernel_calls
+from vibrafeed.core.motion.groups import Contacts, table
+from vibrafeed.core.motion.kernel_calls import run_cells
+from vibrafeed.core.motion.method import TIME, Method, Trajectory, TrajectoryRequest
+from vibrafeed.core.motion.result import STATUS, where
+from vibrafeed.core.motion.scales import product
+from vibrafeed.core.scenes import isolated
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
     STATIC_ABOVE_KINETIC,
-    Condition,
     Equation,
     Scene,
     fields,
 )
+from vibrafeed.core.watch import Watch
+
+STEPS_A_PERIOD = 64  # fewest steps a period of the drive
+STEP_IN_FALLS = 0.02  # largest step, over sqrt(half diagonal/gravity)
 
 
-def rectangle(*, length: Array, height: Array) -> Part:
-    """Return the rectangular part."""
-    return TumblingRectangle(length, height)
+class Body(NamedTuple):
+    """The numbers of a part's motion (theory 2.1); `turning` is 0 of a ball, which has no sides."""
+
+    half_diagonal: Array
+    inertia_ratio: Array
+    corner_angle: Array
+    turning: Array
 
 
-def cylinder(*, length: Array, diameter: Array) -> Part:
-    """Return the cylindrical part, seen along its side."""
-    return TumblingCylinder(length, diameter)
+def rectangle(*, length: Array, height: Array) -> Body:
+    """Return the rectangular part.
 
-
-def throw(
-    *,
-    tumbling_part: Part,
-    friction_static: Array,
-    friction_kinetic: Array,
-    restitution: Array,
-    duration: Array,
-    gravity: Array,
-    gamma: Array,
-    frequency: Array,
-    amplitude: Array,
-    beta: Array,
-    drop_height: Array,
-    pitch: Array,
-    velocity_along: Array,
-    velocity_upward: Array,
-    pitch_rate: Array,
-) -> Throw:
-    """Return the record of a tumbling part, the vibrating plane and the start, for its simulation.
-
-    All numbers are arrays in SI units: `duration` is the simulated time, `gamma` the climb of the
-    plane, `amplitude`, `frequency` and `beta` (elevation) the drive; the part starts with its
-    lowest corner `drop_height` above the plane, at the angle `pitch`, with velocities along and
-    normal to the plane and `pitch_rate`.
+    At pitch 0 it lies on a side of its length.
     """
-    return Throw(
-        part=tumbling_part,
-        friction_static=friction_static,
-        friction_kinetic=friction_kinetic,
-        restitution=restitution,
-        duration=duration,
-        gravity=gravity,
-        gamma=gamma,
-        frequency=frequency,
-        amplitude=amplitude,
-        beta=beta,
-        gap_normal=drop_height,
-        pitch=pitch,
-        velocity_along=velocity_along,
-        velocity_upward=velocity_upward,
-        pitch_rate=pitch_rate,
+    h, b = np.asarray(length, dtype=float), np.asarray(height, dtype=float)
+    return Body(
+        isolated.half_diagonal(height=b, length=h),
+        isolated.rectangle_inertia_ratio(),
+        isolated.corner_angle(height=b, length=h),
+        np.ones(()),
     )
 
 
-def part_energy_lost(*, specific_energy_lost: Array, mass: Array) -> Array:
-    """Return the energy that impacts and friction took from a part [J]."""
-    return specific_energy_lost * mass
+def cylinder(*, length: Array, diameter: Array) -> Body:
+    """Return the cylindrical part, seen along its side.
+
+    Its axis stays in the plane of motion, and it does not roll about it; its outline is a
+    rectangle, on its long side at pitch 0 (theory 6).
+    """
+    h, d = np.asarray(length, dtype=float), np.asarray(diameter, dtype=float)
+    direction = isolated.corner_direction(height=d, length=h)
+    return Body(
+        isolated.half_diagonal(height=d, length=h),
+        isolated.cylinder_inertia_ratio(corner_direction=direction),
+        isolated.corner_angle(height=d, length=h),
+        np.ones(()),
+    )
 
 
-def _ended(name: str) -> Callable[..., Mask]:
-    """Return the function of a condition: True where the tumbling ended with the status `name`.
+class Throw(NamedTuple):
+    """One part, or many, thrown on a plane: all that their tumbling depends on.
 
-    Regimes of a result are made from such conditions; names are such as "settled".
+    The plane moves as amplitude * sin(2 pi frequency t) in the direction beta above itself, and
+    climbs by gamma; velocities are relative to it. Scalars and arrays broadcast; lengths in m,
+    times in s, angles in rad.
+
+    Attributes
+    ----------
+    part : Body
+        Shape and size.
+    friction_kinetic, friction_static : array_like
+        Coulomb friction in sliding and at rest; the latter, by default the same, may not be less.
+        Impacts take the former.
+    restitution : array_like
+        From 0 to 1, as the impact law understands it (theory 5.3).
+    duration : array_like
+        Time after which the run ends; it ends earlier where the part rests for good.
+    gap_normal : array_like
+        Height of the lowest corner above the plane at the start.
+    pitch, pitch_rate : array_like
+        Pitch and its rate at the start, clockwise; 0 lies flat on side 1.
+    velocity_along, velocity_upward : array_like
+        Velocity of the centre at the start.
     """
 
-    def ended(*, tumble: Tumble) -> Mask:
-        return tumble.status == STATUS[name]
+    part: Body
+    friction_kinetic: ArrayLike
+    restitution: ArrayLike
+    duration: ArrayLike
+    friction_static: ArrayLike | None = None
+    gravity: ArrayLike = STANDARD_GRAVITY
+    gamma: ArrayLike = 0.0
+    frequency: ArrayLike = 0.0
+    amplitude: ArrayLike = 0.0
+    beta: ArrayLike = 0.0
+    gap_normal: ArrayLike = 0.0
+    pitch: ArrayLike = 0.0
+    velocity_along: ArrayLike = 0.0
+    velocity_upward: ArrayLike = 0.0
+    pitch_rate: ArrayLike = 0.0
 
-    ended.__doc__ = f"Return where the status is {name}."
-    return ended
+
+def _throw(*, tumbling_part: Body, drop_height: Array, **numbers: Array) -> Throw:
+    return Throw(part=tumbling_part, gap_normal=drop_height, **numbers)
+
+
+THROWN = Equation(
+    "throw",
+    _throw,
+    "theory 2.1",
+    needs=(
+        "tumbling_part", "friction_static", "friction_kinetic", "restitution", "duration",
+        "gravity", "gamma", "frequency", "amplitude", "beta", "drop_height", "pitch",
+        "velocity_along", "velocity_upward", "pitch_rate",
+    ),
+    says="Return the record of a tumbling part, the vibrating plane and the start, for its "
+    "simulation.",
+)  # fmt: skip
+
+
+class Tumble(NamedTuple):
+    """The tumbling of parts; all arrays have the shape of the arguments broadcast, SI and radians.
+
+    Attributes
+    ----------
+    pitch : ndarray
+        Pitch at the end, clockwise, with all its turns.
+    resting_side : ndarray
+        Side that lies on the plane at the end: 1 at pitch 0, 2 at 90 degrees, 3 at 180, 4 at 270;
+        0 if none. A ball that touches without bouncing lies on side 1.
+    settling_time : ndarray
+        Time from which the part lies at rest for good; NaN unless the status is settled.
+    impacts : ndarray
+        Impacts, those of both ends of a side at once counting as one.
+    largest_bounce : ndarray
+        Largest height of the lowest corner above the plane at the end of a step after the first
+        impact.
+    velocity : ndarray
+        Displacement of the centre relative to the plane over the duration; where there was no
+        solution, over the time until then.
+    energy_lost : ndarray
+        Energy per mass that impacts and friction took, relative to the plane [J kg-1].
+    status : ndarray of int8
+        Value of a `MOTION_STATUSES` entry: settled for good whatever the phase of the drive; moving
+        at the end of the duration; limit_reached, on steps and impacts or beyond double precision;
+        no_solution, where a corner slid and the contact laws have none, or several (theory 2.3).
+    """
+
+    pitch: Array
+    resting_side: Array
+    settling_time: Array
+    impacts: Array
+    largest_bounce: Array
+    velocity: Array
+    energy_lost: Array
+    status: NDArray[np.int8]
+
+
+class TumblePath(NamedTuple):
+    """The motion of one part, an array a quantity over the times asked for, SI and radians.
+
+    After the end of a run that found no solution all but `time` are NaN, and no corner touches.
+
+    Attributes
+    ----------
+    time, along, upward, pitch : ndarray, shape (n,)
+        Time, place of the centre along and above the plane, pitch.
+    velocity_along, velocity_upward, pitch_rate : ndarray, shape (n,)
+        Their rates, relative to the plane.
+    energy_lost : ndarray, shape (n,)
+        Energy per mass lost so far.
+    gap_normal : ndarray, shape (n,)
+        Height of the lowest corner above the plane.
+    touching : ndarray of bool, shape (n, 4)
+        Corners that carry the part: lower right, lower left, upper left, upper right at pitch 0.
+        A ball has the first only.
+    """
+
+    time: Array
+    along: Array
+    upward: Array
+    pitch: Array
+    velocity_along: Array
+    velocity_upward: Array
+    pitch_rate: Array
+    energy_lost: Array
+    gap_normal: Array
+    touching: Mask
+
+
+def tumbling_motion(throw: Throw, *, watch: Watch | None = None) -> Tumble:
+    """Return the tumbling of the part from its start to the end of the duration.
+
+    Wrong values, such as a restitution above 1, raise `ValueError`.
+    """
+    cells, shape = _cells(throw)
+    columns = len(Tumble._fields) - 1
+    table = np.full((len(cells), columns), np.nan)
+    status = np.full(len(cells), STATUS["limit_reached"], dtype=np.int8)
+    known = _can_be_followed(cells)
+    kernel = kernel_calls.tumbling.tumble_events
+    table[known], status[known] = run_cells(
+        kernel, cells[known], piece=16, columns=columns, watch=watch
+    )
+    return Tumble._make([*(column.reshape(shape) for column in table.T), status.reshape(shape)])
+
+
+def tumbling_path(throw: Throw, *, times: ArrayLike, watch: Watch | None = None) -> TumblePath:
+    """Return the motion of one tumbling part at given ascending times, from 0 on [s].
+
+    Every field of `throw` is a single value; its duration does not matter. NaN where `watch`
+    stopped the work before. Raises `ValueError` if times do not ascend or a field is an array.
+    """
+    moments = np.atleast_1d(np.asarray(times, dtype=float))
+    if moments.ndim != 1 or not moments.size or moments[0] < 0 or np.any(np.diff(moments) < 0):
+        raise ValueError("the argument times has to hold ascending numbers, the first at least 0")
+    end = max(moments[-1], np.finfo(float).tiny)
+    cells, shape = _cells(throw._replace(duration=end))
+    if shape != ():
+        raise ValueError(
+            "the path of one part takes single values: every argument has to be a "
+            "number, not an array"
+        )
+    rows = np.full((moments.size, kernel_calls.tumbling.PATH_COLUMNS), np.nan)
+    if _can_be_followed(cells)[0]:
+        with (watch or Watch()).flag() as stop:
+            kernel_calls.tumbling.path_events(cells[0], moments, rows, stop)
+    return TumblePath._make([moments, *rows.T[1:9].copy(), rows[:, 9:] == 1])
+
+
+def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
+    for name in ("duration", "gravity"):
+        if not np.all(np.asarray(getattr(throw, name)) > 0):
+            raise ValueError(f"{name} has to be positive")
+    if throw.friction_static is None:
+        throw = throw._replace(friction_static=throw.friction_kinetic)
+    part, *numbers = throw
+    values = {
+        name: np.asarray(number, dtype=float)
+        for name, number in zip(Throw._fields[1:], numbers, strict=True)
+    }
+    circular_frequency = 2 * np.pi * values["frequency"]
+    acceleration = values["amplitude"] * circular_frequency**2
+    step = STEP_IN_FALLS * np.sqrt(part.half_diagonal / values["gravity"])
+    with np.errstate(divide="ignore"):
+        turn = 2 * np.pi / STEPS_A_PERIOD / np.where(acceleration > 0, circular_frequency, 0.0)
+    inputs: dict[str, Any] = {
+        **values,
+        **part._asdict(),
+        "pull_along": values["gravity"] * sine(values["gamma"]),
+        "pull_normal": values["gravity"] * cosine(values["gamma"]),
+        "drive_along": acceleration * cosine(values["beta"]),
+        "drive_normal": acceleration * sine(values["beta"]),
+        "circular_frequency": circular_frequency,
+        "start_phase": 0.0,
+        "time_step": np.minimum(step, turn),
+    }
+    names = kernel_calls.tumbling.Cell._fields
+    rows, shape = table(inputs[name] for name in names)
+    named = dict(zip(names, rows.T, strict=True))
+    if not all(np.isfinite(named[name]).all() for name in (*values, "turning") if name in named):
+        raise ValueError("every argument has to be a finite number")
+    for name in ("gap_normal", "friction_kinetic", "restitution"):
+        if not np.all(named[name] >= 0):
+            raise ValueError(f"{name} may not be negative")
+    if not np.all(named["friction_static"] >= named["friction_kinetic"]):
+        raise ValueError("the argument friction_static has to be at least friction_kinetic")
+    if not np.all(named["restitution"] <= 1):
+        raise ValueError("the argument restitution has to be at most 1")
+    return rows, shape
+
+
+def _can_be_followed(rows: NDArray[np.float64]) -> Mask:
+    # Not where a computed number overflowed, or size, gravity onto the plane or time step is 0.
+    named = dict(zip(kernel_calls.tumbling.Cell._fields, rows.T, strict=True))
+    above = [named[name] > 0 for name in ("half_diagonal", "pull_normal", "time_step")]
+    return np.logical_and.reduce([np.isfinite(rows).all(axis=1), *above])
+
+
+def _trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
+    del contacts
+    throw: Throw = asked.arguments["throw"]
+    times = np.array(asked.samples)
+    if isinstance(asked.samples, int):
+        times = np.linspace(0.0, np.asarray(throw.duration).item(), asked.samples + 1)
+    path = tumbling_path(throw, times=times, watch=asked.watch)
+    return {
+        TIME: times,
+        "path_along": path.along,
+        "path_height": path.upward,
+        "path_pitch": np.rad2deg(path.pitch),
+        "path_gap": path.gap_normal,
+        "path_corners": path.touching.sum(axis=1).astype(float),
+    }
+
+
+EVENTS = Method(
+    name="events",
+    follow=tumbling_motion,
+    source="theory 2.3, 5.3",
+    accuracy="of fourth order in the step while a corner or a side is on the plane, some 1e-8 of "
+    "the energy; exact in flight; endless runs of impacts are cut off at 1e-6 of the fall's speed",
+    seconds_a_cell=1e-3,
+    course=_trajectory,
+)
+
+
+# --- the system
 
 
 RESULTS = (
@@ -137,32 +374,35 @@ RESULTS = (
             "the energy per mass that impacts and friction took [J kg-1]",
         ),
     ),
-    Equation("part_energy_lost", part_energy_lost, "theory 5.3"),
+    product(
+        "part_energy_lost", "specific_energy_lost", "mass", source="theory 5.3",
+        says="the energy that impacts and friction took from a part [J]",
+    ),
     *fields(
         "tumble",
         "theory 2.3",
         motion_status=("status", "how the run ended, as a status"),
     ),
-)
+)  # fmt: skip
 ANY_RESULT = frozenset(equation.gives for equation in RESULTS) | {"regime"}
 
-CONDITIONS = (
-    Condition("no_solution", _ended("no_solution"), ANY_RESULT, otherwise="unresolved"),
-    Condition("rests", _ended("settled"), ANY_RESULT),
-    Condition("tumbles", _ended("moving"), ANY_RESULT),
+CONDITIONS = tuple(
+    where(
+        regime,
+        f"the status is {status}",
+        lambda *, tumble, status=status: tumble.status == STATUS[status],
+        ANY_RESULT,
+        otherwise,
+    )
+    for regime, status, otherwise in (
+        ("no_solution", "no_solution", "unresolved"),
+        ("rests", "settled", ""),
+        ("tumbles", "moving", ""),
+    )
 )
 
 
-def tumbling_scene(name: str, title: str, part: Callable[..., Part]) -> Scene:
-    """Return the scene, with equations and conditions, in which parts of one shape tumble.
-
-    `name` and `title` identify it; `part` is the function of the equation that gives the part from
-    its sizes.
-    """
-    numbers = (
-        Equation("tumbling_part", part, "theory 2.1"),
-        Equation("throw", throw, "theory 2.1"),
-    )
+def _scene(name: str, title: str, part: Callable[..., Body]) -> Scene:
     return Scene(
         name=name,
         title=title,
@@ -171,15 +411,15 @@ def tumbling_scene(name: str, title: str, part: Callable[..., Part]) -> Scene:
         "the plane with its corners, rocks, slides, and comes to rest on a side. After many "
         "impacts with much restitution its details depend on the last digit.",
         variants={
-            method.name: (
-                *numbers,
-                Equation("tumble", method.follow(Contacts()), method.source),
+            "events": (
+                Equation("tumbling_part", part, "theory 2.1"),
+                THROWN,
+                Equation("tumble", tumbling_motion, EVENTS.source),
                 *RESULTS,
             )
-            for method in METHODS["tumbling"].values()
         },
         default_variant="events",
-        conditions=dict.fromkeys(METHODS["tumbling"], CONDITIONS),
+        conditions={"events": CONDITIONS},
         defaults={
             "gamma": 0.0,
             "gravity": STANDARD_GRAVITY,
@@ -195,3 +435,12 @@ def tumbling_scene(name: str, title: str, part: Callable[..., Part]) -> Scene:
         constraints=(STATIC_ABOVE_KINETIC,),
         choice="method",
     )
+
+
+SCENES = {
+    name: _scene(name, title, part)
+    for name, title, part in (
+        ("rectangle-isolated", "Tumbling rectangular part on a plane", rectangle),
+        ("cylinder-isolated", "Tumbling cylindrical part on a plane", cylinder),
+    )
+}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,11 +40,10 @@ def accuracy(plan: Plan) -> str:
     It tells, too, if an output states the error of each cell.
     """
     text = methods_of(plan.scene.name)[plan.variant].accuracy
-    if ERROR in plan.outputs:
-        return f"{text}; {ERROR} states it for each cell"
-    if ERROR in plan.scene.outputs(plan.variant):
-        return f"{text}; the output {ERROR}, if asked for, states it for each cell"
-    return text
+    if ERROR not in plan.scene.outputs(plan.variant):
+        return text
+    told = ERROR if ERROR in plan.outputs else f"the output {ERROR}, if asked for,"
+    return f"{text}; {told} states it for each cell"
 
 
 NOT_JUDGED = "verified_not_judged"
@@ -136,22 +136,9 @@ def compare(
 ) -> Comparison:
     """Return the comparison of computed outputs of some cells with those of another method.
 
-    The cells are followed again by `method`. Motions that repeat, rest or settle by both methods
-    are judged by all outputs, others by their mean velocities within both stated errors.
-
-    Parameters
-    ----------
-    plan : Plan
-        Plan, with scene and method, by which `got` was computed.
-    cells : mapping of str to ndarray, shape (n,)
-        Parameters of the cells, SI units.
-    got : mapping of str to ndarray, shape (n,)
-        Computed outputs, in the units of studies. Status, velocity and error are computed again if
-        they are missing.
-    method : str
-        Name of the other method.
-    watch : Watch, optional
-        May stop the other method; cells that were not reached are not `evaluated`.
+    `cells` are parameters in SI units, shape (n,), as all; `got` are outputs, in the units of
+    studies, computed by `plan`. Status, velocity and error are computed again if they are missing.
+    `watch` may stop the other method; cells that were not reached are not `evaluated`.
     """
     scene = plan.scene
     has = scene.outputs(method)
@@ -168,8 +155,10 @@ def compare(
     exact = np.isin(both[0], EXACT_MEANS) & np.isin(both[1], EXACT_MEANS)
     apart, stated = _velocity_difference(ours, theirs)
     means = np.isin(both[0], MEANS) & np.isin(both[1], MEANS) & ~exact & np.isfinite(stated)
-    other = exact & _other_multiple(got, theirs)
-    agreement = Comparison(
+    nothing = np.zeros(both[1].shape)
+    periods = [one.get("period_multiple", nothing) for one in (got, theirs)]
+    other = exact & (np.minimum(*periods) > 0) & (periods[0] != periods[1])
+    return Comparison(
         method,
         evaluated,
         exact | means,
@@ -177,30 +166,18 @@ def compare(
         strain=float(np.max((apart / stated)[means], initial=0.0)),
         failed=int(((exact | means) & ~(apart <= stated) | other).sum()),
         silent=_reasons(method, *(status[evaluated & ~exact & ~means] for status in both)),
+        **(_worst(outputs, got, theirs, exact) if exact.any() else {}),
     )
-    return _with_worst(agreement, outputs, got, theirs, exact) if exact.any() else agreement
 
 
-def _with_worst(
-    agreement: Comparison,
+def _worst(
     outputs: Sequence[str],
     got: Mapping[str, Array],
     theirs: Mapping[str, Array],
     exact: NDArray[np.bool_],
-) -> Comparison:
-    """Return the comparison with the output that differs most, relative to its largest size.
-
-    Parameters
-    ----------
-    agreement
-        The comparison so far.
-    outputs
-        Names of the outputs to compare.
-    got, theirs
-        The outputs to verify, and those of the other method.
-    exact
-        Mask of the cells that count.
-    """
+) -> dict[str, Any]:
+    # The output that differs most in the cells that count, over its largest size.
+    worst: dict[str, Any] = {}
     for name in outputs:
         right = np.where(exact, theirs[name], 0.0)
         size = float(np.abs(right).max()) or 1.0
@@ -208,24 +185,17 @@ def _with_worst(
         error = np.where(np.isnan(error), np.inf, error)  # a value that only one method has
         cell = int(np.argmax(error))
         share = float(error[cell]) / size
-        if not agreement.output or share > agreement.share:
-            stated = np.nan
-            if name == VELOCITY and ERROR in theirs:
-                stated = float(theirs[ERROR][cell])
-            agreement = replace(
-                agreement, output=name, cell=cell, error=float(error[cell]), share=share,
-                stated=stated,
-            )  # fmt: skip
-    return agreement
+        if not worst or share > worst["share"]:
+            states = name == VELOCITY and ERROR in theirs
+            stated = float(theirs[ERROR][cell]) if states else np.nan
+            worst = {
+                "output": name, "cell": cell, "error": float(error[cell]), "share": share,
+                "stated": stated,
+            }  # fmt: skip
+    return worst
 
 
 def _reasons(method: str, ours: Array, theirs: Array) -> dict[str, int]:
-    """Return the reasons why cells could not be judged by two methods, with the number of each.
-
-    `ours` and `theirs` are the statuses of these cells by the study's method and by the other,
-    `method` is the other's name. A status without a mean is a reason, else the lack of a stated
-    error.
-    """
     names = {value: name for name, value in STATUS.items()}
     reasons = Counter[str]()
     for mine, other in zip(ours.tolist(), theirs.tolist(), strict=True):
@@ -246,21 +216,6 @@ def _follow_cells(
     count: int,
     watch: Watch | None,
 ) -> dict[str, Array]:
-    """Return the outputs of some cells as a method computes them, in the units of studies.
-
-    To compare two methods. Outputs that the method does not give are left out.
-
-    Parameters
-    ----------
-    scene, method
-        The system, and the name of the method.
-    outputs
-        Names of the outputs to compare.
-    cells, count
-        Parameters of the cells in SI units, and the number of cells.
-    watch
-        Shows progress, and may stop the work.
-    """
     asked = tuple(name for name in outputs if name in scene.outputs(method))
     parameters = [name for name in cells if name in scene_parameters(scene, method)]
     plan = plan_scene(scene, method, asked, parameters)
@@ -274,12 +229,6 @@ def _follow_cells(
 def _velocity_difference(
     ours: Mapping[str, Array], theirs: Mapping[str, Array]
 ) -> tuple[Array, Array]:
-    """Return the difference of two methods' mean velocities, and that which their errors allow.
-
-    In m/s, one value a cell: the second is the sum of both stated errors and 1e-9 of the drive's
-    speed. 0 and infinity if a method states no error. `ours` and `theirs` hold the outputs of both
-    methods by name.
-    """
     if not {VELOCITY, ERROR} <= set(ours) or not {VELOCITY, ERROR} <= set(theirs):
         nothing = np.zeros_like(theirs["motion_status"])
         return nothing, nothing + np.inf
@@ -288,35 +237,12 @@ def _velocity_difference(
     return np.abs(ours[VELOCITY] - theirs[VELOCITY]), stated
 
 
-def _other_multiple(got: Mapping[str, Array], theirs: Mapping[str, Array]) -> NDArray[np.bool_]:
-    """Return a mask of cells whose motions repeat after other numbers of periods by two methods.
-
-    `got` and `theirs` hold the outputs of both methods by name, shape (n,). All False if
-    `period_multiple` is not among them, or where a motion does not repeat (0).
-    """
-    multiple = got.get("period_multiple")
-    if multiple is None:
-        return np.zeros(theirs["motion_status"].shape, dtype=np.bool_)
-    other = theirs["period_multiple"]
-    return np.asarray((multiple > 0) & (other > 0) & (multiple != other))
-
-
 def verified(
     prepared: Simulation, arrays: Mapping[str, NDArray[np.generic]], watch: Watch
 ) -> dict[str, str | int]:
     """Return the outcome of following some cells again by another method; empty if not asked for.
 
-    The result holds attributes of the dataset, by name: the number of cells and the largest
-    difference.
-
-    Parameters
-    ----------
-    prepared : Simulation
-        The prepared study; its key `verify` is the number of random cells.
-    arrays : mapping of str to ndarray
-        Computed outputs by name, SI units; cells that were not computed are not chosen.
-    watch : Watch
-        May stop the work.
+    `arrays` are the computed outputs, SI units; cells that were not computed are not chosen.
     """
     if prepared.study.verify is None:
         return {}
@@ -332,10 +258,7 @@ def verified_at(
 ) -> dict[str, str | int]:
     """Return the outcome of following given cells again by another method, as attributes by name.
 
-    `prepared` is the simulation, `sample` holds the positions of the cells. `arrays` holds the
-    computed outputs, SI units; if None, the cells are simulated again. `watch` may stop the work.
-    The attributes count cells that were evaluated, compared and too far apart, and tell of the
-    largest difference.
+    `arrays` are the computed outputs, SI units; if None, the cells are simulated again.
     """
     plan = prepared.plan
     other = other_method(plan, prepared.grid)

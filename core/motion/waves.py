@@ -52,31 +52,21 @@ class Wave(NamedTuple):
     def columns(self, shape: tuple[int, ...]) -> NDArray[np.float64]:
         """Return the wave as a table with one row per cell, as compiled code takes it.
 
-        A row has the numbers of harmonics and of steps, then the coefficients of both. `shape` is
-        that of the cells, to which the wave is broadcast; the rows are in its order.
+        A row has the numbers of harmonics and of steps, then the coefficients of both. The wave is
+        broadcast to the `shape` of the cells; the rows are in its order.
         """
-        parts = [_broadcast_cells(part, own, shape) for part, own in zip(self, (3, 2), strict=True)]
         counts = np.empty((2, *shape))
         counts[0], counts[1] = self.harmonics.shape[2], self.steps.shape[1]
-        flat = [part.reshape(-1, np.prod(shape, dtype=int)) for part in (counts, *parts)]
-        return np.concatenate(flat).T
-
-
-def _broadcast_cells(part: Array, own: int, shape: tuple[int, ...]) -> Array:
-    """Return an array broadcast from the right to a shape, its `own` leading axes kept."""
-    axes, cells = part.shape[:own], part.shape[own:]
-    missing = (1,) * (len(shape) - len(cells))
-    return np.broadcast_to(part.reshape(*axes, *missing, *cells), (*axes, *shape))
+        parts = [counts]
+        for part, own in zip(self, (3, 2), strict=True):
+            axes, cells = part.shape[:own], part.shape[own:]
+            aligned = part.reshape(*axes, *(1,) * (len(shape) - len(cells)), *cells)
+            parts.append(np.broadcast_to(aligned, (*axes, *shape)))
+        return np.concatenate([part.reshape(-1, np.prod(shape, dtype=int)) for part in parts]).T
 
 
 def of_columns(rows: NDArray[np.float64]) -> Wave:
-    """Return the wave of many cells from the table in which compiled code takes it.
-
-    `rows` has one row a cell, as made by `Wave.columns`: the numbers of harmonics and of steps
-    (equal in all rows), then the coefficients of both. The cells of the wave have the shape
-    (rows,). A wave is the push of a drive, minus the track's acceleration per weight, as sines and
-    steps.
-    """
+    """Return the wave of many cells, of shape (rows,), from the table of `Wave.columns`."""
     orders, steps = int(rows[0, 0]), int(rows[0, 1])
     columns = rows.T[2:]
     return Wave(
@@ -85,77 +75,39 @@ def of_columns(rows: NDArray[np.float64]) -> Wave:
     )
 
 
-def of_row(row: NDArray[np.float64]) -> Wave:
-    """Return the wave stored in one row, for a single cell."""
-    harmonics, steps = of_columns(row[np.newaxis])
-    return Wave(harmonics[..., 0], steps[..., 0])
-
-
 # --- how the track moves
 
 
-def push(wave: Wave, axis: int, phase: ArrayLike) -> Array:
-    """Return the push at a phase along an axis, in g; phases and cells broadcast.
+# `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in rad; phases and cells of the wave broadcast.
 
-    `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in rad.
-    """
+
+def push(wave: Wave, axis: int, phase: ArrayLike) -> Array:
+    """Return the push at a phase along an axis, in g."""
     tau = np.asarray(phase, dtype=float)
     total = _harmonic(wave, axis, tau, 0)
-    return total + level(wave, axis, tau) if wave.steps.shape[1] else total
-
-
-def level(wave: Wave, axis: int, phase: ArrayLike) -> Array:
-    """Return the share of a drive's push that is constant from step to step, at a phase, in g.
-
-    The push is minus the acceleration of the track, per weight. It is the sum of sines and of this
-    level, which is 0 for a wave without steps. `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in
-    rad; phases and cells of the wave broadcast, and the result has their common shape. `wave` has
-    the coefficients of the sines and the levels of the steps, for each of its cells.
-    """
-    tau = np.asarray(phase, dtype=float)
-    if not wave.steps.shape[1]:
-        return np.zeros(np.broadcast_shapes(tau.shape, wave.cells))
-    return np.take_along_axis(*_at_step(wave, wave.steps[axis], tau), axis=0)[0]
+    return total + _at_step(wave, wave.steps[axis], tau) if wave.steps.shape[1] else total
 
 
 def speed(wave: Wave, axis: int, phase: ArrayLike) -> Array:
-    """Return the velocity of the track along an axis at a phase of the drive, in g/w, w = 2 pi f.
-
-    It is that of the vibration, without mean. `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in
-    rad; phases and cells of the wave broadcast, and the result has their common shape. `wave` has
-    the push of the drive, minus the track's acceleration per weight, as sines and steps for each of
-    its cells.
-    """
-    tau = np.asarray(phase, dtype=float)
-    total = -_harmonic(wave, axis, tau, 1)
-    if wave.steps.shape[1]:
-        total = total + _stepped(wave, axis, tau)[0]
-    return total
+    """Return the velocity of the track along an axis at a phase, in g/w, w = 2 pi f; no mean."""
+    return _moved(wave, axis, phase, 1)
 
 
 def position_at(wave: Wave, axis: int, phase: ArrayLike) -> Array:
-    """Return the displacement of the track along an axis at a phase, in g/w^2, w = 2 pi f.
+    """Return the displacement of the track along an axis at a phase, in g/w^2; no mean."""
+    return _moved(wave, axis, phase, 2)
 
-    It is that of the vibration, without mean. `axis` is `ALONG`, `ACROSS` or `NORMAL`, `phase` in
-    rad; phases and cells of the wave broadcast, and the result has their common shape. `wave` has
-    the push of the drive, minus the track's acceleration per weight, as sines and steps for each of
-    its cells.
-    """
+
+def _moved(wave: Wave, axis: int, phase: ArrayLike, integrals: int) -> Array:
     tau = np.asarray(phase, dtype=float)
-    total = -_harmonic(wave, axis, tau, 2)
+    total = -_harmonic(wave, axis, tau, integrals)
     if wave.steps.shape[1]:
-        total = total + _stepped(wave, axis, tau)[1]
+        total = total + _stepped(wave, axis, tau)[integrals - 1]
     return total
 
 
 def _harmonic(wave: Wave, axis: int, tau: Array, integrals: int) -> Array:
-    """Return the sines of a drive's push at a phase, integrated over the phase `integrals` times.
-
-    The push, minus the track's acceleration per weight, has sines and steps; these are the sines
-    alone, without constants of integration; -1 is the derivative. `axis` is `ALONG`, `ACROSS` or
-    `NORMAL`, `tau` in rad; phases and cells of the wave broadcast to the shape of the result, in g.
-    `wave` has their coefficients.
-    """
+    # The sines of the push, integrated over the phase so often; -1 is the derivative.
     total = np.zeros(np.broadcast_shapes(tau.shape, wave.harmonics.shape[3:]))
     for k, (sine, cosine) in enumerate(zip(*wave.harmonics[axis], strict=True), start=1):
         turned = k * tau - integrals * np.pi / 2
@@ -163,43 +115,22 @@ def _harmonic(wave: Wave, axis: int, tau: Array, integrals: int) -> Array:
     return total
 
 
-def _at_step(wave: Wave, values: Array, tau: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Return a quantity of the steps of a drive over phases, and the index of the step in force.
-
-    Both are arguments of `np.take_along_axis`, which then picks the value at each phase. `wave` has
-    the phases at which steps end.
-
-    Parameters
-    ----------
-    values : ndarray, shape (steps, ...)
-        A value for each step and cell, such as the acceleration.
-    tau : ndarray
-        Phases of the drive [rad], of any turn; they broadcast with the cells.
-
-    Returns
-    -------
-    tuple of ndarray
-        The values broadcast to (steps, *phases and cells), and the index, shape (1, *phases and
-        cells).
-    """
+def _at_step(wave: Wave, values: Array, tau: Array) -> Array:
+    # Of values of all steps, shape (steps, ...), those in force at phases of any turn.
     within = np.mod(tau, TURN)
     ends = wave.steps[ENDS]
     shape = np.broadcast_shapes(within.shape, ends.shape[1:])
     step = np.zeros(shape, dtype=np.intp)
     for end in ends[:-1]:
         step += within >= end
-    shown = values.reshape(values.shape[:1] + (1,) * (len(shape) - values.ndim + 1)
-                           + values.shape[1:])  # fmt: skip
-    return np.broadcast_to(shown, (values.shape[0], *shape)), step[np.newaxis]
+    missing = (1,) * (len(shape) - values.ndim + 1)
+    shown = values.reshape(len(values), *missing, *values.shape[1:])
+    shown = np.broadcast_to(shown, (len(values), *shape))
+    return np.take_along_axis(shown, step[np.newaxis], axis=0)[0]
 
 
 def _stepped(wave: Wave, axis: int, tau: Array) -> tuple[Array, Array]:
-    """Return velocity and displacement of a track whose drive has steps of constant acceleration.
-
-    Both are without mean over the period, in g/w and g/w^2 with w = 2 pi f. `axis` is `ALONG`,
-    `ACROSS` or `NORMAL`; `tau` are phases [rad], which broadcast with the cells of the wave to the
-    shape of the results. `wave` has the acceleration and the end of each step.
-    """
+    # Velocity and displacement by the steps, without mean.
     level, ends = wave.steps[axis], wave.steps[ENDS]
     starts = np.concatenate([np.zeros_like(ends[:1]), ends[:-1]])
     last = ends - starts
@@ -207,19 +138,15 @@ def _stepped(wave: Wave, axis: int, tau: Array) -> tuple[Array, Array]:
     moved = np.cumsum(speeds * last - level * last**2 / 2, axis=0)
     places = np.concatenate([np.zeros_like(moved[:1]), moved[:-1]])
     mean = (places * last + speeds * last**2 / 2 - level * last**3 / 6).sum(axis=0) / TURN
-    values = [_at_step(wave, one, tau) for one in (starts, level, speeds, places - mean)]
-    start, here, velocity, at = (np.take_along_axis(*one, axis=0)[0] for one in values)
+    start, here, velocity, at = (
+        _at_step(wave, one, tau) for one in (starts, level, speeds, places - mean)
+    )
     since = np.mod(tau, TURN) - start
     return velocity - here * since, at + velocity * since - here * since**2 / 2
 
 
 def step_speeds(wave: Wave, axis: int) -> Array:
-    """Return the velocity of the track along an axis at the start of each step of a drive, in g/w.
-
-    A drive may have steps of constant acceleration. Shape (steps, ...), the cells of the wave last;
-    the mean over the period is taken off. `axis` is `ALONG`, `ACROSS` or `NORMAL`; w = 2 pi f.
-    `wave` has the acceleration and the end of each step.
-    """
+    """Return the velocity of the track at the start of each step, shape (steps, ...), in g/w."""
     level, ends = wave.steps[axis], wave.steps[ENDS]
     last = np.diff(ends, axis=0, prepend=0.0)
     after = -np.cumsum(level * last, axis=0)
@@ -234,12 +161,10 @@ def step_speeds(wave: Wave, axis: int) -> Array:
 def largest_over_period(wave: Wave, axis: int, of: str) -> Array:
     """Return the largest value over a period of a quantity of the drive, shape (cells,).
 
-    `of` names the quantity: a key of `COURSES`, such as ``"push"`` or ``"speed"``. Every extreme is
-    looked at, so the value is exact to rounding: of sines those where the derivative, a polynomial
-    in exp(i tau), is 0; of steps their ends, and where the track turns between them. A wave of both
-    sines and steps has extremes that are not looked at. `axis` is `ALONG`, `ACROSS` or `NORMAL`.
-    `wave` has the push of the drive, minus the track's acceleration per weight, as sines and steps
-    for each of its cells.
+    `of` is a key of `COURSES`. Every extreme is looked at, so the value is exact to rounding: of
+    sines those where the derivative, a polynomial in exp(i tau), is 0; of steps their ends, and
+    where the track turns between them. A wave of both sines and steps has extremes that are not
+    looked at.
     """
     function, _ = COURSES[of]
     best = np.full(wave.cells, -np.inf)
@@ -249,21 +174,12 @@ def largest_over_period(wave: Wave, axis: int, of: str) -> Array:
 
 
 def stroke(wave: Wave, axis: int) -> Array:
-    """Return the stroke of the track along an axis, peak to peak, in g/w^2.
-
-    Here w = 2 pi f, f being the frequency of the drive.
-    """
+    """Return the stroke of the track along an axis, peak to peak, in g/w^2, w = 2 pi f."""
     return largest_over_period(wave, axis, "place") + largest_over_period(wave, axis, "place back")
 
 
 def jerk(wave: Wave, axis: int) -> Array:
-    """Return the largest jerk of the track along an axis, in g per radian of the drive's phase.
-
-    It is the largest absolute derivative of the push by the phase, infinite if the push jumps; the
-    push is minus the acceleration of the track, per weight. `axis` is `ALONG`, `ACROSS` or
-    `NORMAL`; the result has the shape of the cells of the wave. `wave` has the push as sines and
-    steps for each of its cells.
-    """
+    """Return the largest jerk along an axis, in g per rad of phase; infinite if the push jumps."""
     if wave.steps.shape[1]:
         jumps = largest_over_period(wave, axis, "push") + largest_over_period(
             wave, axis, "push back"
@@ -286,14 +202,6 @@ integrates the push."""
 
 
 def _extremes(wave: Wave, axis: int, of: str) -> Iterator[Array]:
-    """Yield phases [rad] among which are all those where a quantity of a drive has an extreme.
-
-    `of` is the quantity, a key of `COURSES` such as ``"push"`` or ``"place"`` (the displacement),
-    and `axis` the direction, `ALONG`, `ACROSS` or `NORMAL`. Each array broadcasts with the cells of
-    the wave. For sines these are the zeros of the derivative; for steps the start of each, and the
-    phase inside it at which the track turns round. `wave` has the push of the drive, minus the
-    track's acceleration per weight, as sines and steps.
-    """
     if wave.harmonics.shape[2]:
         yield from _turns(wave, axis, COURSES[of][1])
     start = np.zeros(())
@@ -306,13 +214,6 @@ def _extremes(wave: Wave, axis: int, of: str) -> Iterator[Array]:
 
 
 def _turns(wave: Wave, axis: int, integrals: int) -> Array:
-    """Return the phases [rad] where the sines of a wave have an extreme, shape (2 orders, cells).
-
-    With `integrals` 0 it is the push itself whose extremes are found, with 1 the speed and with 2
-    the displacement of the track, which are its integrals; with -1 its derivative. They are roots
-    of a polynomial in exp(i tau) with tau the phase. Cells with fewer extremes have zeros. `axis`
-    is `ALONG`, `ACROSS` or `NORMAL`. `wave` has the coefficients of the sines.
-    """
     sines, cosines = wave.harmonics[axis]
     orders = np.arange(1, len(sines) + 1).reshape(-1, *(1,) * (sines.ndim - 1))
     shape = wave.cells
@@ -330,12 +231,6 @@ def _turns(wave: Wave, axis: int, integrals: int) -> Array:
 
 
 def _angles(slopes: NDArray[np.complex128]) -> Array:
-    """Return the phases [rad] at which sums of harmonics are 0, shape (n, 2 orders), for extremes.
-
-    The sum is Re sum of b_k exp(i k tau), k from 1; b_k are the columns of `slopes`, shape (n,
-    orders). The roots are eigenvalues of companion matrices, then improved by two steps of
-    Newton's. Roots off the unit circle give phases at which the sum is not 0.
-    """
     count, order = slopes.shape
     rows = np.concatenate([slopes[:, ::-1], np.zeros((count, 1)), slopes.conj()], axis=1)
     matrices = np.zeros((count, 2 * order, 2 * order), dtype=np.complex128)
@@ -359,10 +254,8 @@ def bound(wave: Wave, axis: int) -> Array:
 def size(wave: Wave) -> Array:
     """Return an upper bound of the speed of the track over a period, in g/w, with w = 2 pi f.
 
-    It is the root of the sum of squares of bounds on the three axes; on each, the sum of the
-    amplitudes of all sines and the largest speed of the steps. Shape: the cells of the wave. `wave`
-    has the push of the drive, minus the track's acceleration per weight, as sines and steps. It is
-    the drive number of a drive that is no plain sine.
+    The root of the sum of squares of bounds on the three axes; on each, the sum of the amplitudes
+    of all sines and the largest speed of the steps.
     """
     squares = np.zeros(wave.cells)
     orders = np.arange(1, wave.harmonics.shape[2] + 1).reshape(

@@ -116,7 +116,7 @@ def test_adding_a_method(tree: Path) -> None:
     page = (ROOT / "docs" / "adding-a-method.md").read_text(encoding="utf-8")
     test = "tests/unit_core/motion/test_midpoint.py"
     assert carry_out(page, tree) == [
-        "core/motion/methods/midpoint.py", "core/motion/methods/__init__.py", test,
+        "core/motion/midpoint.py", "core/motion/systems.py", test,
     ]  # fmt: skip
     assert " passed" in run(tree, "-m", "pytest", "-q", "-p", "no:cacheprovider", test)
     # As its `Method` says: offered where it follows, priced, verified, refused; not the default.
@@ -126,7 +126,7 @@ def test_adding_a_method(tree: Path) -> None:
         "from vibrafeed.core.catalogue import describe, describe_all\n"
         "from vibrafeed.core.errors import StudyError\n"
         "from vibrafeed.core.intake import prepare_content\n"
-        "from vibrafeed.core.motion.methods.midpoint import MIDPOINT\n"
+        "from vibrafeed.core.motion.midpoint import MIDPOINT\n"
         "methods = {line['name']: line['methods'] for line in describe_all()}\n"
         "assert {name for name in methods if 'midpoint' in methods[name]} == {\n"
         "    'rectangle-on-plane', 'cylinder-on-plane'}\n"

@@ -15,8 +15,8 @@ from benchmarks.motion import groups as grid
 from benchmarks.motions import planar_motion
 from benchmarks.waves import as_harmonic
 from tests.helpers import night
+from vibrafeed.core.motion import events
 from vibrafeed.core.motion.groups import Groups as Part
-from vibrafeed.core.motion.methods import events
 from vibrafeed.core.motion.result import STATUS, Motion
 
 SEED = 47

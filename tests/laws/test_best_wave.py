@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from benchmarks.best_wave import KINDS, fastest_wave, motions, shares
+from vibrafeed.core.motion.drives import fastest_velocity
 from vibrafeed.core.motion.groups import Groups
-from vibrafeed.core.motion.limits import fastest_velocity
 
 G = 9.81
 

@@ -12,8 +12,8 @@ from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import parse_study, prepare_content
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.motion import waves
+from vibrafeed.core.motion.events import energy_by_events, motion_by_events, spatial_path
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of, each
-from vibrafeed.core.motion.methods.events import energy_by_events, motion_by_events, spatial_path
 from vibrafeed.core.motion.waves import TURN, Wave
 from vibrafeed.core.quantities import REGIMES
 
@@ -142,9 +142,9 @@ def after_phases(tau, first, push, pull, d):
 @pytest.mark.parametrize("restitution", [0.0, 0.3])
 def test_a_quadrature_over_the_pieces_finds_the_same_and_balances_impulses(restitution):
     """The closed flows of 13.2, written anew: work, and the mean forces of floor and friction."""
+    from vibrafeed.core.motion.events import follow
     from vibrafeed.core.motion.kernels.constants import MODE, PIECE
     from vibrafeed.core.motion.kernels.inputs import NEVER
-    from vibrafeed.core.motion.planar import follow
 
     c, s, gs, gn, mu = 1.4, 1.6, 0.03, 1.1, 0.35
     groups = Groups(c, s, gs, gn, mu, mu, restitution)

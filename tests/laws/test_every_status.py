@@ -16,15 +16,15 @@ from benchmarks.every_status import FAMILIES, ROUNDING, Judged, course_of, judge
 from night import count
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
-from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
-from vibrafeed.core.motion.kernels.constants import COLUMN
-from vibrafeed.core.motion.kernels.inputs import Cell
-from vibrafeed.core.motion.methods.events import (
+from vibrafeed.core.motion.events import (
     motion_by_events,
     planar_motion,
     spatial_motion,
     spatial_path,
 )
+from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
+from vibrafeed.core.motion.kernels.constants import COLUMN
+from vibrafeed.core.motion.kernels.inputs import Cell
 from vibrafeed.core.motion.result import STATUS
 from vibrafeed.core.motion.systems import CONTACTS
 from vibrafeed.core.motion.waves import Wave, bound

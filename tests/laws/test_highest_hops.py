@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import vibrafeed
-from vibrafeed.core.motion import cells
+from vibrafeed.core.motion import kernel_calls
 from vibrafeed.core.quantities import MOTION_STATUSES
 
 
@@ -27,14 +27,14 @@ def test_the_fastest_landing_is_the_free_fall_of_the_highest_hop(restitution):
 
 def test_equal_cells_are_followed_once(monkeypatch):
     computed = []
-    different = cells._different
+    different = kernel_calls._different
 
     def watched(groups):
         rows, where = different(groups)
         computed.append((groups.shape[0], rows.shape[0]))
         return rows, where
 
-    monkeypatch.setattr(cells, "_different", watched)
+    monkeypatch.setattr(kernel_calls, "_different", watched)
     # A0 w^2 is that of (50 Hz, A0) and of (100 Hz, A0/4): one motion.
     vibrafeed.simulate(
         scene="rectangle-on-plane", frequency=[50, 100], amplitude=[0.4e-4, 1.6e-4], beta=30,

@@ -133,12 +133,12 @@ def test_momentum_balance():
     motion = planar_motion(**groups)
     for cell in np.flatnonzero(motion.status == 1):
         case = {name: float(values[cell]) for name, values in groups.items()}
-        path = planar_path(**case, phases=phases)
+        _, modes = planar_path(**case, phases=phases)
         n = case["gravity_number_normal"] - case["drive_number_normal"] * np.sin(phases)
         drive = case["drive_number_along"] * np.sin(phases) - case["gravity_number_along"]
         friction = np.select(
-            [path.mode == 1, path.mode == 2], [-1, 1], 0.0
-        ) * case["friction_kinetic"] * n - np.where(path.mode == 0, drive, 0.0)  # fmt: skip
+            [modes == 1, modes == 2], [-1, 1], 0.0
+        ) * case["friction_kinetic"] * n - np.where(modes == 0, drive, 0.0)  # fmt: skip
         mean = np.trapezoid(friction, phases) / (2 * np.pi)
         # A jump inside one step counts half a step too much or too little; there are up to six.
         bar = 6 * np.abs(friction).max() / 20_000
@@ -150,20 +150,20 @@ def test_the_path_moves_with_its_velocities():
         groups = cells(1, 100 + seed, restitution=np.array([0.3 * (seed % 2)]))
         case = {name: float(values[0]) for name, values in groups.items()}
         phases = np.linspace(0, 2 * np.pi, 4001)
-        path = planar_path(**case, phases=phases)
-        if np.isnan(path.along).any():
+        path, modes = planar_path(**case, phases=phases)
+        if np.isnan(path.position[:, 0]).any():
             continue
         step = phases[1]
-        speed = np.abs(path.velocity_along).max() + 1
+        speed = np.abs(path.velocity[:, 0]).max() + 1
         change = abs(case["drive_number_along"]) * (1 + case["friction_kinetic"]) + 1
-        moved = np.diff(path.along)
-        meant = step * (path.velocity_along[1:] + path.velocity_along[:-1]) / 2
+        moved = np.diff(path.position[:, 0])
+        meant = step * (path.velocity[:, 0][1:] + path.velocity[:, 0][:-1]) / 2
         # Smooth pieces: h^3; a step with an impact or a stop: the jump in velocity times h.
-        jumps = np.abs(np.diff(path.velocity_along)) > 3 * change * step
+        jumps = np.abs(np.diff(path.velocity[:, 0])) > 3 * change * step
         assert (np.abs(moved - meant)[~jumps] <= 4 * change * step**2).all()
         assert (np.abs(moved - meant) <= 2 * speed * step).all()
-        assert (path.height >= 0).all()
-        assert (path.height[path.mode != 3] == 0).all()
+        assert (path.position[:, 2] >= 0).all()
+        assert (path.position[:, 2][modes != 3] == 0).all()
 
 
 def test_the_same_whatever_the_threads(sample, monkeypatch):
@@ -185,16 +185,16 @@ def test_two_callers_at_a_time(sample):
 
 
 def test_equal_cells_are_computed_once(monkeypatch):
-    from vibrafeed.core.motion import planar
+    from vibrafeed.core.motion import events
 
     seen: list[int] = []
-    kernel = planar.solve_cells
+    kernel = events.solve_cells
 
     def counting(groups, table, status, stop):
         seen.append(len(groups))
         kernel(groups, table, status, stop)
 
-    monkeypatch.setattr(planar, "solve_cells", counting)
+    monkeypatch.setattr(events, "solve_cells", counting)
     groups = cells(50, 14, throw=np.linspace(0.3, 0.9, 50))
     twice = {name: np.repeat(values, 20) for name, values in groups.items()}
     twice["restitution"] = np.linspace(0, 0.9, 1000)  # no part of it: nothing lifts off
@@ -290,13 +290,13 @@ def test_the_path_of_an_aperiodic_motion_ends_where_it_is_known():
     case = {name: float(values[0]) for name, values in groups.items()}
     step = 5e-3
     phases = np.arange(0, 60 * np.pi, step)
-    path = planar_path(**case, phases=phases)
-    known = ~np.isnan(path.along)
+    path, modes = planar_path(**case, phases=phases)
+    known = ~np.isnan(path.position[:, 0])
     assert known[: int(2 * np.pi / step)].all()
     assert not known[-1]
-    assert (path.mode[~known] == 4).all()
-    flying = (path.mode[1:] == 3) & (path.mode[:-1] == 3)
-    gained = np.diff(path.velocity_normal) / step
+    assert (modes[~known] == 4).all()
+    flying = (modes[1:] == 3) & (modes[:-1] == 3)
+    gained = np.diff(path.velocity[:, 2]) / step
     asked = case["drive_number_normal"] * np.sin(phases[:-1] + step / 2) - 1
     free = flying & (np.abs(gained - asked) < 0.5)  # impacts apart
     # The middle of a step stands for its mean: off by s step^2/24.

@@ -16,6 +16,7 @@ from night import count
 from vibrafeed.core.compiled import compiled
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
+from vibrafeed.core.motion.events import planar_motion, waves_of
 from vibrafeed.core.motion.groups import Groups, cells_of
 from vibrafeed.core.motion.kernels.constants import DISTANCE, PIECE, SETTLED_EXACTLY, SUMS
 from vibrafeed.core.motion.kernels.inputs import Cell, Floats, cell_of
@@ -33,8 +34,6 @@ from vibrafeed.core.motion.kernels.planar.plane_laws import (
     to_lift_off,
 )
 from vibrafeed.core.motion.kernels.planar.wave import wave_of
-from vibrafeed.core.motion.methods.events import planar_motion
-from vibrafeed.core.motion.planar import waves_of
 from vibrafeed.core.motion.result import STATUS, Motion
 
 CELLS = count(day=150, night=10_000)

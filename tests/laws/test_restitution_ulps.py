@@ -9,8 +9,8 @@ import vibrafeed
 from benchmarks.restitution_ulps import changes, followed, moved, random_cells
 from benchmarks.waves import SPATIAL, harmonics, lifting, steps
 from night import count
+from vibrafeed.core.motion.events import spatial_motion
 from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups
-from vibrafeed.core.motion.methods.events import spatial_motion
 from vibrafeed.core.motion.result import STATUS
 from vibrafeed.core.motion.waves import ENDS, Wave
 

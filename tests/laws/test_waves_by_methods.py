@@ -16,10 +16,10 @@ from night import count, first_by_day
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.events import motion_by_events
 from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups
-from vibrafeed.core.motion.methods.events import motion_by_events
-from vibrafeed.core.motion.methods.reference import reference_motion, reference_path
-from vibrafeed.core.motion.methods.reference.laws import pieces
+from vibrafeed.core.motion.reference import reference_motion, reference_path
+from vibrafeed.core.motion.reference.laws import pieces
 from vibrafeed.core.motion.result import STATUS, Motion
 from vibrafeed.core.motion.waves import ALONG, ENDS, NORMAL, TURN, Wave, bound, push, speed
 

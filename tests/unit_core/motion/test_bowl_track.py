@@ -9,13 +9,11 @@ from scipy.integrate import quad
 import vibrafeed
 from night import NIGHT, count
 from vibrafeed.core.errors import StudyError
-from vibrafeed.core.mechanics.drive_unit import Stretches, radius_at
+from vibrafeed.core.mechanics.drive_unit import Stretches, radius_at, total_length
 from vibrafeed.core.motion.bowl_track import (
+    CONDITIONS,
     AlongTrack,
-    is_unknown,
     slowness,
-    stalls,
-    track_length,
     track_of,
 )
 from vibrafeed.core.quantities import REGIMES
@@ -143,7 +141,7 @@ def walk_of(speed, **others):
     given = {name: np.array(TRACK[name]) for name in track.inputs}
     given |= {name: np.radians(given[name]) for name in given if "climb" in name}
     passage = walk.passage(**given, max_periods=np.array(7.0))
-    return passage, float(track_length(stretches=track.stretches(**given))), np.unique(asked)
+    return passage, float(total_length(stretches=track.stretches(**given))), np.unique(asked)
 
 
 def test_a_method_gets_its_settings_as_they_are_and_nodes_are_enough_for_a_mean():
@@ -188,8 +186,8 @@ def test_a_place_without_a_speed_leaves_the_whole_track_without_a_time(gap):
     )
     for name, value in passage._asdict().items():
         assert np.isnan(float(value)), name
-    assert not stalls(passage=passage)
-    assert is_unknown(passage=passage)
+    assert not CONDITIONS[1].function(passage=passage)
+    assert CONDITIONS[0].function(passage=passage)
 
 
 def test_a_track_with_a_place_without_a_speed_is_unresolved():

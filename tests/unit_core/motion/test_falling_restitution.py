@@ -12,10 +12,10 @@ from night import NIGHT
 from vibrafeed.core.compiled import compiled
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.motion.events import motion_by_events, planar_motion, planar_path
 from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
 from vibrafeed.core.motion.kernels.inputs import Floats
 from vibrafeed.core.motion.kernels.planar.plane_laws import Restitution, impulse, rebound
-from vibrafeed.core.motion.methods.events import motion_by_events, planar_motion, planar_path
 from vibrafeed.core.motion.result import STATUS, Motion
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.quantities.flags import DERIVATIVE_STATUSES
@@ -112,10 +112,10 @@ def test_hops_on_a_contact_that_gives(damping, multiple):
     assert speeds.size == pytest.approx(8 * motion.impacts, abs=1)
     # An impact on this floor takes some 1e-4 of a turn, and the last ones still settle.
     assert speeds.max() == pytest.approx(float(motion.landing_speed), rel=1e-3)
-    path = planar_path(groups, **EXACTLY, phases=np.linspace(0, multiple * TURN, 20_001))
-    jumps = np.diff(path.velocity_normal)
+    path, _ = planar_path(groups, **EXACTLY, phases=np.linspace(0, multiple * TURN, 20_001))
+    jumps = np.diff(path.velocity[:, 2])
     (at,) = np.nonzero(jumps > 0.1)
-    before, after = -path.velocity_normal[at], path.velocity_normal[at + 1]
+    before, after = -path.velocity[:, 2][at], path.velocity[:, 2][at + 1]
     known = before * soft_contact.hunt_crossley(damping * before)
     assert after == pytest.approx(known, abs=3e-3)  # the phases are 3e-4 of a turn apart
 

@@ -67,9 +67,9 @@ def test_two_sided_sliding(beta, mu):
 def test_the_iteration_finds_the_closed_form():
     # Where the closed form serves no events are followed; a path follows them.
     case = {**groups(beta=15, mu=0.3, gamma=1, throw=0.95), **SETTINGS}
-    path = planar_path(**case, phases=np.array([0.0, 2 * math.pi]))
+    path, _ = planar_path(**case, phases=np.array([0.0, 2 * math.pi]))
     expected = float(motion(beta=15, mu=0.3, gamma=1, throw=0.95).velocity)
-    assert path.along[-1] / (2 * math.pi) == pytest.approx(expected, rel=1e-11)
+    assert path.position[-1, 0] / (2 * math.pi) == pytest.approx(expected, rel=1e-11)
 
 
 @pytest.mark.parametrize("gamma", [0.0, 0.5])

@@ -11,11 +11,11 @@ from vibrafeed.core.dataset.regimes import percent
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
 from vibrafeed.core.mechanics.rolling import RollingContact
+from vibrafeed.core.motion.events import motion_by_events, planar_path
 from vibrafeed.core.motion.feeding import travel_in_words
 from vibrafeed.core.motion.groups import Contacts
-from vibrafeed.core.motion.methods.events import motion_by_events, planar_path
-from vibrafeed.core.motion.methods.rolling import always_rolls, block_groups
 from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.rolling_scene import always_rolls, block_groups
 from vibrafeed.core.quantities import REGIMES
 
 TURN = 2 * np.pi
@@ -375,8 +375,8 @@ def test_the_limit_of_traction_by_the_whole_path():
 def traction_by_samples(one, groups):
     """Return the largest friction over load that rolling takes, at many phases of the path."""
     phases = np.linspace(0, TURN, 40_001)
-    path = planar_path(groups.single(), tolerance=1e-12, max_periods=1000, phases=phases)
-    way = np.sign(path.velocity_along)
+    path, _ = planar_path(groups.single(), tolerance=1e-12, max_periods=1000, phases=phases)
+    way = np.sign(path.velocity[:, 0])
     push = float(one.along) * np.sin(phases) - float(one.uphill)
     load = float(one.load) - float(one.normal) * np.sin(phases)
     kap, c, w = (float(getattr(one, name)) for name in ("factor", "resistance", "drag"))

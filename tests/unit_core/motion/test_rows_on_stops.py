@@ -12,7 +12,7 @@ from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.motion.kernels.rows import path_of_row
 from vibrafeed.core.motion.kernels.rows.row_state import IN_SPACE, ON_TRACK
-from vibrafeed.core.motion.row_parts import drawn_deviations
+from vibrafeed.core.motion.row_scene import drawn_deviations
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes.row_on_plane import HELD_FROM
 

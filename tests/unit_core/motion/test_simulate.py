@@ -153,16 +153,16 @@ class TestDatasets:
         assert prepared.dims["flight_fraction"] == ()
 
     def test_a_repeated_or_idle_axis_costs_nothing_more(self, monkeypatch):
-        from vibrafeed.core.motion import planar
+        from vibrafeed.core.motion import events
 
         cells: list[int] = []
-        kernel = planar.solve_cells
+        kernel = events.solve_cells
 
         def counting(groups, table, status, stop):
             cells.append(len(groups))
             kernel(groups, table, status, stop)
 
-        monkeypatch.setattr(planar, "solve_cells", counting)
+        monkeypatch.setattr(events, "solve_cells", counting)
         found = run(parameters={
             "amplitude": "0.05 mm", "restitution": {"start": 0, "stop": 0.9, "num": 10},
             "friction": [0.2, 0.3],

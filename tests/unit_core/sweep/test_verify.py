@@ -21,7 +21,7 @@ from vibrafeed.app.jobs.work import compute_block, write_result
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import KINDS, tabulate
-from vibrafeed.core.motion.methods import METHODS
+from vibrafeed.core.motion.systems import METHODS
 from vibrafeed.core.plan.pieces import Computed, Cut, carry_out, join
 from vibrafeed.core.plan.sample import chosen_positions
 from vibrafeed.core.watch import Watch

@@ -22,7 +22,7 @@ import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.groups import Contacts, Groups, Numbers
-from vibrafeed.core.motion.waves import ALONG, ENDS, TURN, Wave, step_speeds
+from vibrafeed.core.motion.waves import ALONG, ENDS, TURN, step_speeds
 
 SOON = 1e-6
 """Phase in rad after which a push that passes through zero has a direction."""
@@ -35,6 +35,7 @@ class Sine:
     """The plain sine of a drive; `numbers` are its amplitudes along, across and normal, in g."""
 
     numbers: tuple[float, float, float]
+    order = 1
 
     def push(self, phase: Numbers) -> Three:
         """Return the push along, across and normal at a phase in rad, in g."""
@@ -45,11 +46,6 @@ class Sine:
     def speed(self, phase: Numbers) -> Numbers:
         """Return the velocity of the track along at a phase."""
         return self.numbers[ALONG] * np.cos(phase)
-
-    @property
-    def order(self) -> int:
-        """The highest harmonic order of the drive."""
-        return 1
 
     @property
     def steepest(self) -> float:
@@ -122,23 +118,11 @@ def pieces(groups: Groups, begin: float, end: float) -> Iterator[tuple[Sine | Pi
     """Yield the drive of one part between its jumps, with the phase of each end.
 
     From the phase `begin` to `end` in rad; each piece is smooth up to both its ends, as an
-    integrator needs it. `groups` are the part's dimensionless numbers; a sine is a single piece.
+    integrator needs it. A drive without steps is a single piece.
     """
-    p = groups
-    if p.wave is None:
-        yield Sine((p.drive_number_along, p.drive_number_across, p.drive_number_normal)), end
-    else:
-        yield from pieces_of(p.wave, begin, end)
-
-
-def pieces_of(wave: Wave, begin: float, end: float) -> Iterator[tuple[Piece, float]]:
-    """Yield the smooth pieces of the drive of one cell, each with the phase at its end in rad.
-
-    A drive in steps jumps between its levels; integrators must stop there. `wave` is the drive, and
-    the pieces cover the phases from `begin` to `end` in rad. A drive without steps is one piece.
-    """
-    if not wave.steps.shape[1]:
-        yield Piece(wave.harmonics), end
+    wave = groups.wave
+    if wave is None or not wave.steps.shape[1]:
+        yield (Sine(groups.drive) if wave is None else Piece(wave.harmonics)), end
         return
     ends, speeds = wave.steps[ENDS].tolist(), step_speeds(wave, ALONG).tolist()
     levels = [tuple(level) for level in wave.steps[:ENDS].T.tolist()]
@@ -195,7 +179,6 @@ class ReferenceLaws:
         contacts: Contacts,
         drive: Sine | Piece | None = None,
     ) -> None:
-        """Keep the part's numbers, its contacts and the piece of its drive."""
         self.groups, self.contacts = groups, contacts
         self.drive = drive or next(pieces(groups, 0.0, TURN))[0]
         self.response = 1.0 + contacts.rolling

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.methods.reference.laws import SPIN, UX, UY, UZ, ReferenceLaws, X, Y, Z
-from vibrafeed.core.motion.methods.reference.part import FailedError, Part, Tally
-from vibrafeed.core.motion.methods.reference.stretch import FINER, USUAL, Care
+from vibrafeed.core.motion.reference.laws import SPIN, UX, UY, UZ, ReferenceLaws, X, Y, Z
+from vibrafeed.core.motion.reference.part import FailedError, Part, Tally
+from vibrafeed.core.motion.reference.stretch import FINER, USUAL, Care
 from vibrafeed.core.motion.waves import size
 from vibrafeed.core.watch import Watch
 
@@ -92,13 +92,6 @@ class Growth:
         """True if small changes of the state die out."""
         return self.radius < ATTRACTS
 
-    def lasting(self, change: Array) -> Array:
-        """Return the shift of the cycle if `change` is added to the state in every round.
-
-        (1 - M)^-1 times the change, with the map M.
-        """
-        return np.asarray(np.linalg.solve(np.eye(len(self.indices)) - self.map, change), np.float64)
-
     def weights(self) -> Array:
         """Return the change of the cycle's travel per change of the state in every round.
 
@@ -124,7 +117,6 @@ class ReferenceRun:
     """
 
     def __init__(self, laws: ReferenceLaws, watch: Watch) -> None:
-        """Start a run from rest, with scales for comparing states."""
         self.laws, self.watch = laws, watch
         self.part = Part(laws, np.zeros(7), watch=watch)
         p = laws.groups
@@ -210,30 +202,18 @@ class ReferenceRun:
             state[UY] += state[SPIN]
         return state
 
-    def off(self, multiple: int, back: int = 0) -> Array | None:
-        """Return the state after `multiple` periods less that before, shape (7,): 0 if it repeats.
-
-        In g/w^2 and g/w (w = 2 pi f), as states are compared. The cycle ends `back` periods before
-        the last one; None before a whole cycle has been followed.
-        """
-        last = len(self.after) - back
-        first = last - multiple
-        if first < self.plain_since:
-            return None
-        return self.comparable(self.after[last - 1]) - self.comparable(self.before[first])
-
     def distance(self, multiple: int, indices: list[int], back: int = 0) -> float:
         """Return the distance of the state from coming back, relative to the drive's size.
 
         After `multiple` periods that end `back` periods before the last one, over the `indices` of
         the state; infinite before a whole cycle.
         """
-        off = self.off(multiple, back)
-        return math.inf if off is None else float(np.abs(off[indices]).max()) / self.scale
-
-    def apart(self, multiple: int) -> float:
-        """Return the distance of the state from coming back after `multiple` periods."""
-        return self.distance(multiple, self.indices(multiple))
+        last = len(self.after) - back
+        first = last - multiple
+        if first < self.plain_since:
+            return math.inf
+        off = self.comparable(self.after[last - 1]) - self.comparable(self.before[first])
+        return float(np.abs(off[indices]).max()) / self.scale
 
     def touches_alike(self, multiple: int) -> bool:
         """True if the same contacts touch at both ends of the last `multiple` periods."""
@@ -253,9 +233,10 @@ class ReferenceRun:
             if apart > SAME and apart < SLOWEST * self.distance(multiple, indices, back=multiple):
                 return 0  # still on its way: not to be told as a multiple of what it is
             divisors = (one for one in range(1, multiple) if multiple % one == 0)
-            if min(map(self.apart, divisors), default=math.inf) < DISTINCT:
-                return 0
-            return multiple
+            nearest = min(
+                (self.distance(one, self.indices(one)) for one in divisors), default=math.inf
+            )
+            return 0 if nearest < DISTINCT else multiple
         return 0
 
     @property
@@ -290,7 +271,8 @@ class ReferenceRun:
         if len(self.after) < self.look_at or self.slides_free:
             return
         for multiple in range(1, min(MAX_MULTIPLE, (len(self.after) - self.plain_since) // 2) + 1):
-            if not self.touches_alike(multiple) or not self.same_events(multiple):
+            events = [tally.events for tally in self.tallies[-2 * multiple :]]
+            if not self.touches_alike(multiple) or events[multiple:] != events[:multiple]:
                 continue
             indices = self.indices(multiple)
             if Y in indices and self.at_large(multiple):  # on its way to the wall
@@ -305,11 +287,6 @@ class ReferenceRun:
                     self.look(multiple)
                 return
 
-    def same_events(self, multiple: int) -> bool:
-        """True if the last two cycles of `multiple` periods had the same events."""
-        events = [tally.events for tally in self.tallies]
-        return events[-multiple:] == events[-2 * multiple : -multiple]
-
     def drift(self, multiple: int) -> None:
         """Skip cycles of a part on its way to the wall whose motion repeats otherwise.
 
@@ -317,8 +294,7 @@ class ReferenceRun:
         state is moved by as many of them as leave it short of the wall.
         """
         nearing = self.nearing(multiple)
-        room = min(tally.nearest for tally in self.tallies[-multiple:])
-        cycles = math.floor(room / nearing) - 1
+        cycles = math.floor(min(one.nearest for one in self.tallies[-multiple:]) / nearing) - 1
         if cycles > 0:
             self.part.state[Y] -= cycles * nearing
             self.plain_since = len(self.after)
@@ -339,7 +315,9 @@ class ReferenceRun:
         if growth.attracts:
             off = self.comparable(self.after[-1]) - self.comparable(self.before[-multiple])
             state = start.copy()
-            state[growth.indices] += growth.lasting(growth.map @ off[growth.indices])
+            # The shift of the cycle is (1 - M)^-1 times the change, with the map M.
+            left = np.eye(len(growth.indices)) - growth.map
+            state[growth.indices] += np.linalg.solve(left, growth.map @ off[growth.indices])
             if self.comes_back(state, multiple, growth.indices, 0.5 * np.abs(off)):
                 self.part.state, self.plain_since = state, len(self.after)
                 return
@@ -397,7 +375,8 @@ class ReferenceRun:
         """
         start, end, flags = self.before[-multiple], self.after[-1], self.flags[-multiple]
         fixed = ([Z, UZ] if flags[0] else []) + ([Y, UY] if flags[1] else [])
-        if self.laws.groups.planar:
+        p = self.laws.groups
+        if not (p.drive_number_across or p.gravity_number_across):
             fixed += [Y, UY]
         indices = [index for index in self.indices(multiple) if index not in fixed]
         growth = np.zeros((len(indices), len(indices)))

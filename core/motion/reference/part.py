@@ -7,18 +7,21 @@ import math
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.methods.reference.laws import SPIN, UX, UY, UZ, Mode, ReferenceLaws, Y, Z
-from vibrafeed.core.motion.methods.reference.polynomials import (
+from vibrafeed.core.motion.reference.laws import SPIN, UX, UY, UZ, Mode, ReferenceLaws, Y, Z
+from vibrafeed.core.motion.reference.stretch import (
     AT,
     FROM_NODES,
     MEAN,
     MEAN_TWICE,
+    USUAL,
+    Care,
+    Stretch,
     crossings,
     fall_from_start,
     first_fall,
+    solve,
     values,
 )
-from vibrafeed.core.motion.methods.reference.stretch import USUAL, Care, Stretch, solve
 from vibrafeed.core.scenes import soft_contact
 from vibrafeed.core.watch import Watch
 
@@ -50,7 +53,6 @@ class Tally:
     """The sums of a run: phases spent in each way, impacts, extremes, contact with the wall."""
 
     def __init__(self) -> None:
-        """Begin with all sums at 0."""
         self.stick = self.forward = self.backward = self.flight = 0.0
         self.impacts, self.landing_speed, self.hop_height = 0, 0.0, 0.0
         self.at_wall, self.nearest = False, math.inf
@@ -70,7 +72,6 @@ class Part:
     def __init__(
         self, laws: ReferenceLaws, state: Array, care: Care = USUAL, watch: Watch | None = None
     ) -> None:
-        """Start a part in a state at phase 0, with an empty tally."""
         self.laws, self.state, self.phase, self.tally = laws, state, 0.0, Tally()
         self.care, self.reach, self.watch = care, care.longest, watch or Watch()
         self.until = math.inf  # the phase at which the push may jump
@@ -84,8 +85,7 @@ class Part:
         """Return the contact mode in which the part continues: what carries it, and if it slips.
 
         `opened` is the contact just lost ("floor", "wall"), "slip" if friction has just given way,
-        or "". A contact carries if it touches and is pressed; a slip of 0 sticks as long as static
-        friction suffices. Raises `FailedError` if no mode fits.
+        or "". Raises `FailedError` if no mode fits.
         """
         self.settle()
         for _ in range(3):
@@ -115,8 +115,7 @@ class Part:
     def settle(self) -> None:
         """Put a part that has stopped beside floor or wall onto it, if it is pressed towards it.
 
-        Beside means within `TOUCHING`, stopped within `STOPPED`; distance and velocity become 0. A
-        slip along the wall may stop during the last hops on the floor: it would otherwise begin
+        A slip along the wall may stop during the last hops on the floor: it would otherwise begin
         anew for ever, with a stretch longer than a hop.
         """
         s = self.state
@@ -151,46 +150,40 @@ class Part:
     def first_event(self, mode: Mode, stretch: Stretch, begins: bool) -> tuple[float, str]:
         """Return the first event of a stretch of motion: its point from 0 to 1, and its name.
 
-        (1, "") if there is none. `stretch` is the motion over some phase, as polynomials; `mode`
-        says which contacts carry the part and if they slip; `begins` is True if a slip starts from
-        rest. Each event is the first root of a condition, such as a gap, a load, or what static
-        friction has left.
+        (1, "") if there is none. Each event is the first root of a condition, such as a gap, a
+        load, or what static friction has left. `begins` is True if a slip starts from rest.
         """
         events = [(1.0, "")]
-
-        def ask(name: str, condition: Array) -> None:
-            """Add the first fall of a condition to the events."""
-            events.append((fall_from_start(condition), name))
-
         phases = stretch.start + stretch.length * AT
         if mode.floor:
-            ask("lift", stretch.normal)
+            events.append((fall_from_start(stretch.normal), "lift"))
         else:
             events.append((self.returns(stretch, Z, UZ), "land"))
         if mode.wall:
-            ask("leave", stretch.side)
+            events.append((fall_from_start(stretch.side), "leave"))
         elif self.on_wall:  # still touching: held by the floor
-            ask("press", FROM_NODES @ (self.laws.free(phases, 0.0)[1] + PRESSED))
+            pressed = FROM_NODES @ (self.laws.free(phases, 0.0)[1] + PRESSED)
+            events.append((fall_from_start(pressed), "press"))
         elif self.laws.contacts.wall:
             events.append((self.returns(stretch, Y, UY), "bump"))
         if mode.floor or mode.wall:
             if not mode.slips:
                 first, second, _, _ = self.laws.impending(phases, mode)
                 if np.any(first) or np.any(second):  # else what floats off does not slip before
-                    ask("slip", FROM_NODES @ -self.laws.excess(phases, mode))
+                    left = FROM_NODES @ -self.laws.excess(phases, mode)
+                    events.append((fall_from_start(left), "slip"))
             elif begins:  # it is 0 at the start: what is left without that root
                 events.append((first_fall(MEAN @ stretch.growth), "stop"))
             else:
-                ask("stop", stretch.size)
+                events.append((fall_from_start(stretch.size), "stop"))
         return min(events, key=lambda one: one[0])
 
     def returns(self, stretch: Stretch, axis: int, speed: int) -> float:
         """Return the point of a stretch, 0 to 1, at which the part strikes a contact; else inf.
 
-        `stretch` is the motion over some phase, as polynomials; `axis` and `speed` are the indices
-        of the distance and of its velocity in the state (7 numbers). If the part starts at the
-        contact, the distance is divided by its root at the start, a double one if it has no speed
-        there: so small hops and grazes differ from none.
+        `axis` and `speed` are the places of the distance and of its velocity in the state. If the
+        part starts at the contact, the distance is divided by its root at the start, a double one
+        if it has no speed there: so small hops and grazes differ from none.
         """
         if self.state[axis] > TOUCHING:
             return first_fall(stretch.states[axis])
@@ -201,9 +194,8 @@ class Part:
     def missed(self) -> str:
         """Return the impact ("land", "bump") that is due at once, or "" if there is none.
 
-        A part that is on or in the floor (wall) and moves into it. The search for events finds only
-        conditions that change sign later on, so that an impact at the very phase of another event
-        would be missed.
+        The search for events finds only conditions that change sign later on, so that an impact at
+        the very phase of another event would be missed.
         """
         s = self.state
         if s[Z] <= 0.0 and s[UZ] < -STOPPED:
@@ -216,18 +208,11 @@ class Part:
         """Change the state of the part by an event; return the contact lost, "slip", or "".
 
         `event` is "lift" (off the floor), "leave" (the wall), "slip" (static friction gives way),
-        "stop", "land", "bump" (against the wall), or "" for none. "floor", "wall" or "slip" is
-        returned, as the next mode must not undo it. `mode` holds the contacts before the event.
-        Impacts count in the tally.
+        "stop", "land", "bump" (against the wall), or "" for none. The next mode must not undo what
+        is returned. `mode` holds the contacts before the event.
         """
         if event:
             self.tally.events.append(event)
-        if event == "lift":
-            return "floor"
-        if event == "leave":
-            return "wall"
-        if event == "slip":
-            return "slip"
         if event == "stop":
             self.stop(mode)
         elif event == "land":
@@ -239,16 +224,15 @@ class Part:
             self.tally.at_wall = True
             self.state[Y] = 0.0
             self.impact(self.on_floor, True)
-        return ""
+        return {"lift": "floor", "leave": "wall", "slip": "slip"}.get(event, "")
 
     # --- going on
 
     def advance(self, end: float, asked: Array | None = None, rows: Array | None = None) -> None:
         """Advance the part to the phase `end` in rad, event by event; fill states at asked phases.
 
-        Where the push jumps a stretch ends, and the mode is chosen anew. `asked` holds ascending
-        phases in rad, and `rows`, shape (n, 7), gets the states there; both may be None. Raises
-        `FailedError` after too many events.
+        Where the push jumps a stretch ends, and the mode is chosen anew. `rows`, shape (n, 7), gets
+        the states at `asked`, ascending. Raises `FailedError` after too many events.
         """
         if asked is not None and rows is not None:
             rows[asked <= self.phase] = self.state
@@ -259,10 +243,7 @@ class Part:
             self.smoothly(reached, asked, rows)
 
     def rest_on(self, mode: Mode) -> bool:
-        """Record the contacts of a mode that carry the part; True if a slip begins from rest.
-
-        `mode` is the one that follows, with its contacts and if it slips.
-        """
+        """Record the contacts of a mode that carry the part; True if a slip begins from rest."""
         self.on_floor = mode.floor
         # Without slip a block stays at the wall though it does not press on it.
         held = mode.floor and not mode.slips and self.laws.contacts.rolling == 0.0
@@ -271,12 +252,7 @@ class Part:
         return mode.slips and touching and math.hypot(*self.laws.slip(mode, self.state)) == 0.0
 
     def smoothly(self, end: float, asked: Array | None, rows: Array | None) -> None:
-        """Advance the part to the phase `end` in rad by events; the drive has no jump before.
-
-        `asked` holds ascending phases in rad at which states are wanted, and `rows`, shape (n, 7),
-        gets those states; both may be None. Raises `FailedError` if events follow each other
-        without end, and `StoppedError` if the watch ends the work.
-        """
+        """Advance the part to the phase `end` in rad by events; the drive has no jump before."""
         opened, still = "", 0
         for _ in range(MAX_EVENTS):
             if self.phase >= end:
@@ -308,11 +284,9 @@ class Part:
     def follow(self, mode: Mode, end: float, begins: bool) -> Stretch:
         """Return a stretch of the motion in one contact mode, short enough to be resolved.
 
-        It starts at the present phase and ends at phase `end` in rad at the latest; it is cut until
-        the last coefficients of its polynomials are within the tolerance. `mode` holds the contacts
-        that carry the part, `begins` is True if a slip starts from rest. A slip turns the faster
-        the smaller it is: the length of the next stretch is set in proportion to its size. Raises
-        `FailedError` after 100 cuts.
+        It ends at phase `end` in rad at the latest; it is cut until the last coefficients of its
+        polynomials are within the tolerance. A slip turns the faster the smaller it is: the length
+        of the next stretch is set in proportion to its size.
         """
         length = min(self.care.longest / max(1, self.laws.drive.order), end - self.phase)
         slips = mode.slips and (mode.floor or mode.wall)
@@ -337,8 +311,7 @@ class Part:
         """Follow a turning, nearly zero slip along a straight line to its stop; True if it did.
 
         The stop must lie before phase `end` in rad. Only if friction takes more than the push:
-        between what a slip takes and what friction holds, a slip may turn away from zero. `mode`
-        holds the contacts that carry the part.
+        between what a slip takes and what friction holds, a slip may turn away from zero.
         """
         if not mode.slips or not (mode.floor or mode.wall):
             return False
@@ -453,12 +426,7 @@ class Part:
     # --- counting
 
     def note(self, mode: Mode, stretch: Stretch, at: float) -> None:
-        """Add a stretch of motion, up to a point `at` from 0 to 1, to the sums of the period.
-
-        Its time counts as stick, forward, backward or flight; height, and distance from the wall,
-        are kept if they are extreme. `stretch` is the motion as polynomials, `mode` holds its
-        contacts.
-        """
+        """Add a stretch of motion, up to a point `at` from 0 to 1, to the sums of the period."""
         tally, duration = self.tally, at * stretch.length
         if self.laws.contacts.wall:
             y = stretch.states[Y]
@@ -474,23 +442,11 @@ class Part:
         else:
             turns = [turn for turn, _ in crossings(stretch.states[UX]) if turn < at]
             for low, high in zip([0.0, *turns], [*turns, at], strict=True):
-                self.count(
-                    mode,
-                    float(stretch.state(0.5 * (low + high))[UX]),
-                    (high - low) * stretch.length,
-                )
+                middle = float(stretch.state(0.5 * (low + high))[UX])
+                self.count(mode, middle, (high - low) * stretch.length)
 
     def count(self, mode: Mode, ux: float, duration: float) -> None:
-        """Add a duration in rad to the sums of a period, in the mode in which it was spent.
-
-        Flight if `mode` has no floor contact, else by the sign of the velocity along, `ux` in g/w
-        (w = 2 pi f): forward, backward or stick.
-        """
-        if not mode.floor:
-            self.tally.flight += duration
-        elif ux > STOPPED:
-            self.tally.forward += duration
-        elif ux < -STOPPED:
-            self.tally.backward += duration
-        else:
-            self.tally.stick += duration
+        """Add a duration in rad to the sums of a period, by contacts and velocity along."""
+        way = "forward" if ux > STOPPED else "backward" if ux < -STOPPED else "stick"
+        way = way if mode.floor else "flight"
+        setattr(self.tally, way, getattr(self.tally, way) + duration)

@@ -1,20 +1,43 @@
-"""Shares cells out among threads, whatever the kernel."""
+"""The kernels that Python calls, each loaded with numba when it is asked for; cells over threads.
+
+It stands outside of `kernels`: what is compiled there is kept for as long as what it imports stays
+the same, and it imports none of this.
+"""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vibrafeed.core.lazy import lazily
 from vibrafeed.core.motion.result import COLUMNS, STATUS
 from vibrafeed.core.watch import Watch
+
+if TYPE_CHECKING:
+    from vibrafeed.core.motion.kernels import inputs, rows, track, tumbling
+    from vibrafeed.core.motion.kernels.planar import flow, plane_cells, wave
+else:
+    _TOP = ("inputs", "rows", "track", "tumbling")
+    _PLANAR = ("flow", "plane_cells", "wave")
+    __getattr__ = lazily(
+        f"{__package__}.kernels",
+        {},
+        {name: name for name in _TOP} | {name: f"planar.{name}" for name in _PLANAR},
+    )
+
+__all__ = ["flow", "inputs", "plane_cells", "rows", "run_cells", "track", "tumbling", "wave"]
 
 Kernel = Callable[
     [NDArray[np.float64], NDArray[np.float64], NDArray[np.int8], NDArray[np.int8]], object
 ]
+"""Takes groups (n, g), a table (n, columns), statuses (n,) and a flag (1,), and fills table and
+statuses. It releases the interpreter's lock, and does not look across cells. Once the flag is
+raised it leaves the cell that it was at and all after it as they were, or NaN."""
 
 
 def run_cells(
@@ -25,70 +48,42 @@ def run_cells(
     piece: int = 256,
     watch: Watch | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.int8]]:
-    """Run a kernel once for each distinct cell, in pieces distributed over threads.
+    """Return table (n, columns) and status (n,) of cells, by a kernel in pieces over threads.
 
-    Parameters
-    ----------
-    kernel : callable
-        Takes groups (n, g), a table (n, columns), statuses (n,) and a flag (1,), and fills table
-        and statuses. It must release the interpreter's lock, and may not look across cells. Once
-        the flag is raised it returns, and leaves the cell that it was at and all after it as they
-        were, or NaN.
-    groups : ndarray, shape (n, g)
-        The dimensionless groups of each cell; equal rows are computed once.
-    columns : int
-        Columns of the table.
-    piece : int
-        Most cells of one call.
-    watch : Watch, optional
-        Asked before each piece and, by the flag, within cells; what is not finished has status
-        `not_computed`, and NaN.
-
-    Returns
-    -------
-    table : ndarray, shape (n, columns)
-    status : ndarray of int8, shape (n,)
+    Equal rows of `groups`, shape (n, g), are computed once, and most `piece` of them in one call.
+    What the watch did not let finish has status `not_computed`, and NaN.
     """
     watch = watch or Watch()
     different, where = _different(groups)
-    cells = different.shape[0]
-    table = np.full((cells, columns), np.nan)
-    status = np.full(cells, STATUS["not_computed"], dtype=np.int8)
+    count = different.shape[0]
+    table = np.full((count, columns), np.nan)
+    status = np.full(count, STATUS["not_computed"], dtype=np.int8)
     threads = watch.threads or os.cpu_count() or 1
-    piece = max(1, min(piece, cells // (4 * threads)))
-
-    starts = range(0, cells, piece)
+    piece = max(1, min(piece, count // (4 * threads)))
+    starts = range(0, count, piece)
     with watch.flag() as flag:
 
         def run(start: int) -> int:
-            """Run the kernel on the piece that begins at a cell.
-
-            Return the number of cells done.
-            """
             if watch.stopped():
                 return 0
-            end = min(start + piece, cells)
+            end = min(start + piece, count)
             kernel(different[start:end], table[start:end], status[start:end], flag)
             return end - start
 
         if threads == 1 or len(starts) == 1:
             for start in starts:
-                watch.advance(run(start) / cells)
+                watch.advance(run(start) / count)
         else:
             with ThreadPoolExecutor(threads, thread_name_prefix="motion") as pool:
                 for done in pool.map(run, starts):
-                    watch.advance(done / cells)
+                    watch.advance(done / count)
     return (table, status) if where is None else (table[where], status[where])
 
 
 def _different(
     groups: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.intp] | None]:
-    """Return the distinct rows of `groups` and, for each row, its index among them.
-
-    `groups` has a row of numbers for each cell, shape (n, g): cells with equal numbers need be
-    computed once only. The indices are None, with all rows returned, if all differ.
-    """
+    # The distinct rows, and for each row its index among them; all rows and None if all differ.
     rows = np.ascontiguousarray(groups + 0.0)  # -0.0 is 0.0
     # One number a row, by a sum of products of its bits: 64 bits sort faster than whole rows.
     factors = np.random.default_rng(0).integers(1, 2**63, rows.shape[1], dtype=np.uint64) * 2 + 1

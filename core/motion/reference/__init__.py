@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import scipy
@@ -18,13 +18,12 @@ from numpy.typing import ArrayLike
 
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.course import Path
 from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, each
-from vibrafeed.core.motion.method import Follow, Method
-from vibrafeed.core.motion.methods.reference.laws import UX, UZ, ReferenceLaws, X, Y, Z
-from vibrafeed.core.motion.methods.reference.part import FailedError, Part
-from vibrafeed.core.motion.methods.reference.repeats import PERIOD, ReferenceRun
-from vibrafeed.core.motion.result import STATUS, Motion, motion_of, with_whole_shares
+from vibrafeed.core.motion.method import Method, Path
+from vibrafeed.core.motion.reference.laws import UX, UZ, ReferenceLaws, X, Y, Z
+from vibrafeed.core.motion.reference.part import FailedError, Part
+from vibrafeed.core.motion.reference.repeats import PERIOD, ReferenceRun
+from vibrafeed.core.motion.result import COLUMNS, STATUS, Motion, motion_of, with_whole_shares
 from vibrafeed.core.scenes import Constraint
 from vibrafeed.core.watch import Watch
 
@@ -43,28 +42,14 @@ def reference_path(
 ) -> Path:
     """Return the positions of one part at given phases, accurate to about twelve digits.
 
-    By the method `reference`, for checks of others.
-
-    Parameters
-    ----------
-    groups, contacts
-        Dimensionless groups of the part, and the surfaces that it can touch.
-    phases : array_like, shape (n,)
-        Ascending, in rad; the given state is that at the first.
-    position, velocity : sequence of 3 floats
-        Along, across and normal, in g/w^2 (w = 2 pi f) and g/w.
-    spin : float
-        Velocity across in g/w that the spin of a cylinder gives its lowest point; 0 of a block.
-
-    Returns
-    -------
-    Path
-        Phases, positions and velocities, shape (n, 3); NaN from where the method failed.
+    For checks of others; NaN from where the method failed. The given state is that at the first of
+    the `phases`, which ascend [rad]; `spin` is the velocity across, in g/w, that the spin of a
+    cylinder gives its lowest point.
     """
     asked = np.atleast_1d(np.asarray(phases, dtype=np.float64))
     if not np.all(np.isfinite(asked)) or np.any(np.diff(asked) < 0.0):
         raise ValueError("the argument phases has to hold finite numbers in ascending order")
-    if not _is_finite(groups):
+    if not np.isfinite(_numbers(groups)).all():
         raise ValueError("groups must be finite")
     state = np.array([*position, *velocity, spin], dtype=np.float64)
     part = Part(ReferenceLaws(groups, contacts), state)
@@ -90,27 +75,11 @@ def reference_motion(
     periods run, its spread is that of the single periods, and its error comes from their scatter;
     whether it runs away is for the reader to see. One that was still on its way, to a cycle or from
     one that does not attract, has no mean yet: `limit_reached`. So has one under numbers whose
-    squares are outside double precision.
-
-    Parameters
-    ----------
-    groups : Groups
-        Dimensionless numbers of one part.
-    contacts : Contacts
-        The surfaces that it can touch, and if it rolls.
-    max_periods : int
-        Periods after which the motion counts as aperiodic.
-    watch : Watch, optional
-        May stop it.
-
-    Raises
-    ------
-    StoppedError
-        If the watch did.
+    squares are outside double precision. Raises `StoppedError` if the watch stops it.
     """
-    if not _is_finite(groups):
+    if not np.isfinite(_numbers(groups)).all():
         return _nothing()
-    if max(np.abs(part).max(initial=0.0) for part in _numbers(groups)) > LARGEST:
+    if np.abs(_numbers(groups)).max() > LARGEST:
         return _nothing("limit_reached")
     run = ReferenceRun(ReferenceLaws(groups, contacts), watch or Watch())
     for _ in range(max_periods):
@@ -140,28 +109,14 @@ def reference_motion(
     return _result(velocity, error, spread, run, len(travels), 0, "aperiodic")
 
 
-def _is_finite(groups: Groups) -> bool:
-    """True if all numbers of a part and its drive are finite."""
-    return all(np.isfinite(part).all() for part in _numbers(groups))
-
-
-def _numbers(groups: Groups) -> list[Array]:
-    """Return all numbers of a part and of its drive."""
-    return [np.asarray(part) for part in (*groups.numbers, *(groups.wave or ()))]
+def _numbers(groups: Groups) -> Array:
+    return np.concatenate([np.ravel(part) for part in (*groups.numbers, *(groups.wave or ()))])
 
 
 def _scatter(means: Array, most: float) -> float:
-    """Return the error of the mean velocity of a motion that does not repeat.
-
-    `means` are the mean velocities of single periods in g/w (w = 2 pi f), as is the result; `most`
-    is the drive's speed and more, the error if they drift or are fewer than two.
-
-    The error is what 99.9 % of Student's distribution allow for the mean of up to 8 stretches, plus
-    the difference of the second half of `means` from the first, plus the largest distance from a
-    steady travel over the number of periods. If the halves differ by more than the scatter between
-    stretches explains, a transient goes on, whose end is unknown: the error is then at least
-    `most`.
-    """
+    # The error of the mean of single periods: what 99.9 % of Student's distribution allow for the
+    # mean of up to 8 stretches, the halves' difference, and the largest distance from a steady
+    # travel; at least `most` if the halves differ by more than the scatter explains.
     if means.size < 2:
         return most
     stretches = np.array([np.mean(some) for some in np.array_split(means, min(8, means.size))])
@@ -173,10 +128,13 @@ def _scatter(means: Array, most: float) -> float:
     return max(error, most) if abs(second - first) > 2.0 * likely * jumps else error
 
 
+def _motion(values: Iterable[float], status: str) -> Motion:
+    arrays = (np.asarray(value, dtype=np.float64) for value in values)
+    return Motion._make((*arrays, np.asarray(STATUS[status], dtype=np.int8)))
+
+
 def _nothing(status: str = "no_solution") -> Motion:
-    """Return the result of a cell without a mean: NaN, and the status of this name."""
-    values = (np.asarray(math.nan) for _ in Motion._fields[:-1])
-    return Motion._make((*values, np.asarray(STATUS[status], dtype=np.int8)))
+    return _motion([math.nan] * COLUMNS, status)
 
 
 def _result(
@@ -188,82 +146,58 @@ def _result(
     multiple: int,
     status: str,
 ) -> Motion:
-    """Return the motion of a run: its mean velocity, and shares and counts of the last periods.
-
-    `velocity`, `error` and `spread` are in g/w (w = 2 pi f); `run` holds what happened in each
-    period, of which the last `periods` count; `multiple` is the number of periods after which the
-    motion repeats, 0 if it does not; `status` is the name of its status, such as `periodic`.
-    """
     tallies = run.tallies[-periods:]
-    phase = 2.0 * math.pi * periods
+    phase = PERIOD * periods
     across = float(run.after[-1][Y] - run.before[-periods][Y]) / phase
-    is_across_known = run.at_large(periods) and not run.laws.contacts.rolling
+    comes_back = not run.at_large(periods) or run.laws.contacts.rolling
 
     def total(name: str) -> float:
-        """Return the sum of a tally over the last periods."""
         return sum(getattr(tally, name) for tally in tallies)
 
     def most(name: str) -> float:
-        """Return the largest value of a tally over the last periods."""
         return max((getattr(tally, name) for tally in tallies), default=math.nan)
 
     values = (
         velocity, spread, error,
         *(total(name) / phase for name in ("stick", "forward", "backward", "flight")),
         total("impacts") / periods, most("landing_speed"), most("hop_height"),
-        float(multiple), across if is_across_known else 0.0,
+        float(multiple), 0.0 if comes_back else across,
     )  # fmt: skip
-    arrays = (np.asarray(value, dtype=np.float64) for value in values)
-    found = Motion._make((*arrays, np.asarray(STATUS[status], dtype=np.int8)))
-    return with_whole_shares(found)
+    return with_whole_shares(_motion(values, status))
 
 
-def _follow(contacts: Contacts) -> Follow:
-    """Return the function of the motion equation by the method `reference`, cell after cell.
+def motion_by_reference(
+    groups: Groups, contacts: Contacts, *, max_periods: Array, watch: Watch | None = None
+) -> Motion:
+    """Return the motion from rest by collocation between events, theory 13.9.
 
-    It follows parts with these `contacts`: the floor, and maybe a wall; and if they roll.
+    For single points: a cell takes up to some seconds.
     """
-
-    def motion(*, groups: Groups, max_periods: Array, watch: Watch | None = None) -> Motion:
-        """Return the motion from rest by collocation between events, theory 13.9.
-
-        For single points: a cell takes up to some seconds.
-        """
-        watch = watch or Watch()
-        parts, shape = each(groups)
-        rows = np.full((math.prod(shape), len(Motion._fields) - 1), np.nan)
-        status = np.full(len(rows), STATUS["not_computed"], dtype=np.int8)
-        for cell, part in enumerate(parts):
-            if watch.stopped():
-                break
-            if _slides_away(part, contacts):
-                status[cell] = STATUS["runaway"]
-                watch.advance(1 / len(rows))
-                continue
+    watch = watch or Watch()
+    parts, shape = each(groups)
+    rows = np.full((math.prod(shape), COLUMNS), np.nan)
+    status = np.full(len(rows), STATUS["not_computed"], dtype=np.int8)
+    for cell, part in enumerate(parts):
+        if watch.stopped():
+            break
+        held = part.friction_static * part.gravity_number_normal
+        # Not told at a wall, whose friction may hold the part (theory 13.8).
+        if not contacts.wall and abs(part.gravity_number_along) > held:
+            status[cell] = STATUS["runaway"]
+        else:
             try:
                 *rows[cell], status[cell] = reference_motion(
                     part, contacts, max_periods=int(max_periods), watch=watch
                 )
             except StoppedError:
                 break
-            watch.advance(1 / len(rows))
-        return motion_of(rows, status, shape)
-
-    return motion
-
-
-def _slides_away(part: Groups, contacts: Contacts) -> bool:
-    """True if gravity along the track exceeds the friction of the floor (theory 13.8).
-
-    Not told at a wall, whose friction may hold the part.
-    """
-    held = part.friction_static * part.gravity_number_normal
-    return not contacts.wall and abs(part.gravity_number_along) > held
+        watch.advance(1 / len(rows))
+    return motion_of(rows, status, shape)
 
 
 REFERENCE = Method(
     name="reference",
-    follow=_follow,
+    follow=motion_by_reference,
     source="theory 13.1",
     accuracy="about twelve digits, where the motion repeats",
     seconds_a_cell=0.05,
