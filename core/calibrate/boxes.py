@@ -116,20 +116,6 @@ def explore(likelihood: Likelihood, most: int, watch: Watch) -> Explored:
 
     Boxes that hold much mass and over which predictions change are halved along each unknown, until
     little is left to refine or `most` points were predicted.
-
-    Parameters
-    ----------
-    likelihood : Likelihood
-        The likelihood of the observations, with the model that simulates the runs.
-    most : int
-        Largest number of points of the unknowns at which runs are simulated.
-    watch : Watch
-        Progress, and when to stop.
-
-    Raises
-    ------
-    StoppedError
-        If the watch stops it.
     """
     count = len(likelihood.model.unknowns)
     boxes = _first(likelihood, most, watch)
@@ -165,22 +151,6 @@ def points_of(likelihood: Likelihood, centre: Array) -> Array:
 
 
 def _first(likelihood: Likelihood, most: int, watch: Watch) -> PosteriorBoxes:
-    """Return the regular grid of boxes with which the exploration of the unknowns begins.
-
-    A box is a block of values of the unknowns, for which its centre is simulated. The range of each
-    unknown is halved equally often, 2 to 8 times, so that the boxes take at most a quarter of the
-    points (but at least 4 boxes along each unknown). Slopes and the roughness within a box come
-    from differences between neighbours.
-
-    Parameters
-    ----------
-    likelihood : Likelihood
-        Has the model of the runs.
-    most : int
-        Largest number of points of the whole exploration.
-    watch : Watch
-        Takes the progress; raises `StoppedError` if it stops the simulation.
-    """
     count = len(likelihood.model.unknowns)
     halvings = int(np.log2(most / FIRST_SHARE) / count)
     halvings = max(2, min(FINEST_FIRST, halvings))
@@ -207,12 +177,6 @@ def _first(likelihood: Likelihood, most: int, watch: Watch) -> PosteriorBoxes:
 
 
 def _bend(values: Array, axis: int) -> Array:
-    """Return the distance of values from a straight line within half a box, in their own unit.
-
-    It is a quarter of the second difference along `axis` (a number of an unknown). `values` are the
-    predictions at the centres of the first regular grid: an axis for each unknown, the last the
-    runs; the result has the same shape. It estimates the error of linear prediction within a box.
-    """
     near = np.pad(values, [(1, 1) if k == axis else (0, 0) for k in range(values.ndim)], "reflect",
                   reflect_type="odd")  # fmt: skip
     bend: Array = 0.25 * np.diff(near, 2, axis=axis)
@@ -220,13 +184,6 @@ def _bend(values: Array, axis: int) -> Array:
 
 
 def _softened(shown: Array) -> Array:
-    """Return the share of each box in which the observed regime occurs, blurred over neighbours.
-
-    `shown` is 1 or 0 at the centre of each box of the first regular grid: an axis for each unknown,
-    the last the runs with an observed regime. Blurring with weights 1/4, 1/2, 1/4 along each
-    unknown makes boxes at the border of a regime neither certain nor excluded. The result has the
-    same shape.
-    """
     soft = shown
     for axis in range(shown.ndim - 1):
         near = np.pad(soft, [(1, 1) if k == axis else (0, 0) for k in range(soft.ndim)], "edge")
@@ -236,21 +193,6 @@ def _softened(shown: Array) -> Array:
 
 
 def _split(likelihood: Likelihood, parents: PosteriorBoxes, watch: Watch) -> PosteriorBoxes:
-    """Halve boxes along each unknown, simulate the runs at the new centres, and return the halves.
-
-    Slopes are those of a plane fitted to the halves of a box; what it does not fit is their
-    roughness. Where the observed regime differs between the halves of a box, each gets a mean of
-    its own and the box's share.
-
-    Parameters
-    ----------
-    likelihood : Likelihood
-        With the model that simulates the runs.
-    parents : PosteriorBoxes
-        The boxes to halve: n boxes with k unknowns give n 2^k.
-    watch : Watch
-        Raises `StoppedError` if it stops the simulation.
-    """
     count = parents.centre.shape[1]
     signs = np.array([*product((-1.0, 1.0), repeat=count)])  # (children, unknowns)
     step = 0.25 * parents.width[:, np.newaxis, np.newaxis]
@@ -286,24 +228,12 @@ def _split(likelihood: Likelihood, parents: PosteriorBoxes, watch: Watch) -> Pos
 
 
 def _log_mass(likelihood: Likelihood, boxes: PosteriorBoxes) -> Array:
-    """Return the logarithm of the posterior mass of each box, shape (boxes, sizes).
-
-    The mass is the density at the centre, with the change of predictions within the box as a
-    variance, times the volume. There is one for each size that the discrepancy of the model may
-    have, its standard deviation in the unit of the measured output.
-    """
     points, within = points_of(likelihood, boxes.centre), boxes.rough + boxes.change
     log = likelihood.log(boxes.value, boxes.variance, boxes.shown, points, within)
     return log + boxes.log_volume[:, np.newaxis]
 
 
 def _sizes(log: Array) -> Array:
-    """Return the probability of each size of the discrepancy, shape (sizes,), which add up to 1.
-
-    The discrepancy is the scatter that no unknown explains, and its size a standard deviation.
-    `log` are the logarithms of the posterior masses, shape (boxes, sizes); without any finite one
-    all sizes are equally likely.
-    """
     top = log.max()
     if not np.isfinite(top):
         return np.full(log.shape[1], 1.0 / log.shape[1])
@@ -312,23 +242,6 @@ def _sizes(log: Array) -> Array:
 
 
 def _score(likelihood: Likelihood, boxes: PosteriorBoxes, log: Array) -> Array:
-    """Return the gain expected from halving each box of the unknowns, shape (boxes,), without unit.
-
-    The boxes with the largest gain of accuracy are halved next. It is the share of the posterior
-    mass in the box times the variance of predictions within it over that of the errors of
-    measurement, prediction and discrepancy, summed over the measured runs, at most 10, with a term
-    for the border of an observed regime. Of the variance the part that is linear in the unknowns
-    (`change`) counts a tenth, the rest (`rough`) whole. Boxes that cannot be halved have 0.
-
-    Parameters
-    ----------
-    likelihood : Likelihood
-        Has the runs and the sizes of the discrepancy.
-    boxes : PosteriorBoxes
-        The boxes, with predictions at their centres.
-    log : ndarray, shape (boxes, sizes)
-        Logarithms of the posterior masses, for each assumed size of the discrepancy.
-    """
     runs = likelihood.model.runs
     top = log.max()
     if not np.isfinite(top):

@@ -67,15 +67,6 @@ def information(
     entropy of the unknowns is expected to fall (D. V. Lindley, Annals of Mathematical Statistics 27
     (1956) 986). `grid` spans the drives of the candidates; `watch` may stop the simulation
     (`StoppedError`).
-
-    Returns
-    -------
-    gain : ndarray, shape (candidates,)
-        Information in bits.
-    mean, deviation : ndarray, shape (candidates,)
-        Of the predicted speeds, in the output's unit; NaN where no motion has one.
-    left : ndarray, shape (unknowns, candidates)
-        Standard deviation of each unknown after the measurement, over that before.
     """
     points = posterior.ensemble(ENSEMBLE)
     found = model.predict(points, watch, columns_of(grid))
@@ -96,23 +87,6 @@ def information(
 
 
 def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
-    """Return the information of candidate runs in bits, and the deviations of unknowns that remain.
-
-    Parameters
-    ----------
-    value, spread : ndarray, shape (ensemble, candidates)
-        Predicted speed and its standard deviation at each point of the ensemble; NaN without speed.
-    points : ndarray, shape (ensemble, unknowns)
-        The unknowns at these points, which represent the posterior.
-
-    Returns
-    -------
-    gain : ndarray, shape (candidates,)
-        Entropy of the predicted speed less that of its error [bit], times the share of points with
-        a speed.
-    left : ndarray, shape (unknowns, candidates)
-        Standard deviation after the measurement over that before.
-    """
     known = ~np.isnan(value)
     count = known.sum(axis=0)
     least = np.where(known, value - AROUND * spread, np.inf).min(axis=0)
@@ -139,25 +113,6 @@ def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
 
 
 def _left(density: Array, points: Array, steps: Array) -> Array:
-    """Return the share of each unknown's deviation that is expected to remain after a measurement.
-
-    That is sqrt(E[Var(x|y)]/Var(x)), from 0 to 1, for every candidate run, with E[Var(x|y)] = 1/n
-    sum_y dy (sum_i p_i(y) x_i^2 - (sum_i p_i(y) x_i)^2/sum_i p_i(y)). Points that predict no speed
-    keep their share of the variance.
-
-    Parameters
-    ----------
-    density : ndarray, shape (n, speeds, candidates)
-        Probability density p_i(y) of the measured speed y that point i predicts [1/unit of y].
-    points : ndarray, shape (n, unknowns)
-        The unknowns x_i at n equally likely points.
-    steps : ndarray, shape (candidates,)
-        Distance dy of the speeds.
-
-    Returns
-    -------
-    ndarray, shape (unknowns, candidates)
-    """
     away = points - points.mean(axis=0)
     before = np.square(away).mean(axis=0)
     whole = density.sum(axis=0)

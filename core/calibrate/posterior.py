@@ -103,13 +103,6 @@ def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
 
     Predictions at a point follow from those at the centre of its box by their slopes, so that no
     motion is simulated here.
-
-    Parameters
-    ----------
-    likelihood : Likelihood
-        The likelihood of the observations.
-    explored : Explored
-        The adaptive grid: boxes of the unknowns, with mass, predictions and slopes.
     """
     boxes, log_mass = explored.boxes, explored.log_mass
     top = log_mass.max()
@@ -138,12 +131,6 @@ def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
 
 
 def _within(boxes: PosteriorBoxes, each: int) -> tuple[Array, NDArray[np.int64]]:
-    """Return points in all boxes, relative to the centres, and the index of each point's box.
-
-    There are `each` points in a box: a Sobol set that fills the box evenly, shifted by other random
-    numbers in every box. Points are in shares of the way between the bounds, shape (points,
-    unknowns); indices have the shape (points,). A single point lies at the centre.
-    """
     count = boxes.centre.shape[1]
     if each == 1:
         return np.zeros((len(boxes), count)), np.arange(len(boxes))
@@ -156,20 +143,7 @@ def _within(boxes: PosteriorBoxes, each: int) -> tuple[Array, NDArray[np.int64]]
 
 
 def weighted_quantiles(values: Array, weights: Array, shares: Sequence[float]) -> Array:
-    """Return quantiles of weighted values, such as medians and bounds of a posterior.
-
-    Parameters
-    ----------
-    values, weights : ndarray, shape (points,)
-        Values and their weights, which need not sum to 1; NaN and infinite values are ignored.
-    shares : sequence of float
-        The share of the weight that lies below each quantile, 0 to 1.
-
-    Returns
-    -------
-    ndarray, shape (shares,)
-        In the unit of the values; NaN if no weight is left.
-    """
+    """Return quantiles of weighted values, such as medians and bounds of a posterior."""
     order = np.argsort(values)
     values, weights = values[order], weights[order]
     finite = np.isfinite(values)
@@ -230,12 +204,6 @@ def log_density(posterior: Posterior, axes: Sequence[Array]) -> Array:
 
 
 def _box_of(boxes: PosteriorBoxes, share: Array) -> NDArray[np.int64]:
-    """Return the index of the box in which each point lies, shape (points,).
-
-    Boxes are blocks of different sizes that fill the space of the unknowns. Those of one size lie
-    on a regular grid, so that integer keys of its cells can be compared. `share` are the points,
-    shape (points, unknowns): each unknown as (value - lower)/(upper - lower) of its bounds.
-    """
     box = np.zeros(len(share), dtype=np.int64)
     for halvings in np.unique(boxes.halvings).tolist():
         ours = np.flatnonzero(boxes.halvings == halvings)
@@ -249,12 +217,6 @@ def _box_of(boxes: PosteriorBoxes, share: Array) -> NDArray[np.int64]:
 
 
 def _keys(share: Array, halvings: int) -> NDArray[np.int64]:
-    """Return, for each point, the number of the grid cell in which it lies, shape (points,).
-
-    Points in one box have equal numbers, so that the box of a point is found by search. `share` are
-    the points, shape (points, unknowns): each unknown as (value - lower)/(upper - lower) of its
-    bounds. The grid has 2^`halvings` equal cells along each unknown.
-    """
     keys = np.zeros(len(share), dtype=np.int64)
     for column in np.floor(share * 2.0**halvings).astype(np.int64).T:
         keys = (keys << halvings) + column
@@ -282,22 +244,6 @@ def pair(posterior: Posterior, axes: Sequence[Array], first: int, second: int) -
 
 
 def _bin_mass(posterior: Posterior, axes: Sequence[Array], which: Sequence[int]) -> Array:
-    """Return the posterior mass around each node of a regular grid of some unknowns.
-
-    Each weighted point shares its weight linearly among the nodes on both sides of it. Nodes at an
-    edge gather from one side only, so their mass is doubled. Divided by the spacing it is a
-    density.
-
-    Parameters
-    ----------
-    posterior : Posterior
-        The weighted points.
-    axes : sequence of ndarray
-        Evenly spaced values of each of these unknowns, in the units of studies; the result has an
-        axis for each.
-    which : sequence of int
-        Positions of these unknowns among all.
-    """
     shape = tuple(len(axis) for axis in axes)
     mass = np.zeros(int(np.prod(shape)))
     lows, shares, inside = [], [], np.ones(len(posterior.points), dtype=bool)
@@ -381,11 +327,6 @@ def modes_of(posterior: Posterior, axes: Sequence[Array]) -> list[PosteriorMode]
 
 
 def _deeply_parted(labels: NDArray[np.int16], depth: Array) -> NDArray[np.int16]:
-    """Return labels of modes, in which those without a deep valley between them are one.
-
-    `labels` has the number of its mode for each node of the grid, from 1 to at most `MAX_MODES`,
-    `depth` how far the log density lies below its top. The shallowest valley goes first.
-    """
     merged = labels.copy()
     while True:
         numbers = np.unique(merged).tolist()
@@ -403,12 +344,6 @@ def _deeply_parted(labels: NDArray[np.int16], depth: Array) -> NDArray[np.int16]
 
 
 def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16]:
-    """Return labels of the heavy regions of a grid, numbered from 1 by mass; 0 elsewhere.
-
-    `labels` numbers the connected regions of high density, 0 between them, by node of the grid;
-    `mass` is the posterior mass of each node, flat. Regions of less than `LEAST_MODE` of the mass,
-    or beyond the first `MAX_MODES`, are no modes. The result has the shape of `labels`.
-    """
     shares = np.bincount(labels.ravel(), mass)
     shares[0] = 0.0  # between them
     heavy = [label for label in np.argsort(-shares)[:MAX_MODES] if shares[label] >= LEAST_MODE]
@@ -418,10 +353,6 @@ def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16
 
 
 def _modes(posterior: Posterior, labels: NDArray[np.int16]) -> list[PosteriorMode]:
-    """Return share of the mass, best point and mean of each mode, the heaviest first.
-
-    `labels` has the number of its mode for each point of the posterior, shape (points,).
-    """
     weights, log = posterior.weights, posterior.log
     shares = np.bincount(labels, weights)
     modes = []

@@ -40,11 +40,6 @@ def prepare(study: CalibrateStudy) -> Calibration:
 
     That chooses the plan of the simulated motion, and gathers the observed runs, the unknowns with
     their priors, the scatter of measurements and the candidates for the next run.
-
-    Raises
-    ------
-    StudyError
-        With every problem of scene, method, parameters, observations, unknowns and candidates.
     """
     problems = [*_misused(study), *_problems_of_unknowns(study)]
     columns, more = _columns(study)
@@ -104,11 +99,6 @@ MINUTE = 1 / 30  # of the median error of the other runs: a run with less outwei
 
 
 def _minute_errors(runs: Runs) -> Iterable[str]:
-    """Yield a warning of each run whose error is far below that of the others.
-
-    An error that is a share, such as 5 %, is next to nothing for a speed near 0: such a run would
-    settle the unknowns by itself.
-    """
     errors = np.where(runs.measured, runs.error, np.nan)
     for k in np.flatnonzero(errors > 0):
         usual = np.nanmedian(np.delete(errors, k)) if np.isfinite(errors).sum() > 1 else 0.0
@@ -123,7 +113,6 @@ def _minute_errors(runs: Runs) -> Iterable[str]:
 
 
 def _misused(study: CalibrateStudy) -> Iterable[Problem]:
-    """Yield problems of what calibrations do not support: verification, ranges of parameters."""
     if study.verify is not None:
         message = "a calibration is not verified cell by cell"
         fix = "Leave it out, and simulate the best values with verify"
@@ -135,11 +124,6 @@ def _misused(study: CalibrateStudy) -> Iterable[Problem]:
 
 
 def _unknowns(study: CalibrateStudy) -> tuple[Unknown, ...]:
-    """Return the unknowns of a study with their priors, in its order.
-
-    An unknown is a parameter itself, or an offset or a factor of one: `offset_` or `factor_` then
-    begins its name.
-    """
     found = []
     for name, prior in study.priors().items():
         table = next((t for t in ("offsets", "factors") if name.startswith(STEMS[t])), "unknowns")
@@ -148,10 +132,6 @@ def _unknowns(study: CalibrateStudy) -> tuple[Unknown, ...]:
 
 
 def _problems_of_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
-    """Yield the problems of the number of unknowns of a calibration: none, or too many.
-
-    More than `MAX_UNKNOWNS` cannot be resolved by the grid on which the posterior is computed.
-    """
     count = len(study.priors())
     if not count:
         fix = "Name some, for example [unknowns] friction = { lower = 0.1, upper = 0.6 }"
@@ -165,12 +145,6 @@ def _problems_of_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
 
 
 def _columns(study: CalibrateStudy) -> tuple[dict[str, Array], list[Problem]]:
-    """Return the parameters that the observed runs give, and the problems of the table of runs.
-
-    Parameters are arrays of shape (runs,) by name, in the units of studies, NaN where a run lacks
-    one. It is a problem if only some runs give a parameter, or if the study gives it as well for
-    all runs together.
-    """
     rows = [parameters_of(run) for run in study.observations]
     names = [name for name in QUANTITIES if any(name in row for row in rows)]
     problems = []
@@ -191,11 +165,6 @@ def _columns(study: CalibrateStudy) -> tuple[dict[str, Array], list[Problem]]:
 
 
 def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
-    """Return the name of the measured output, and problems of runs that give none or several.
-
-    `rows` are the observed runs. All give the same output, conveying_velocity or feed_rate; a run
-    with an observed regime needs no value. If no run has a value the name is conveying_velocity.
-    """
     problems = []
     for k, row in enumerate(rows, 1):
         given = [name for name in OBSERVED if getattr(row, name) is not None]
@@ -223,12 +192,6 @@ def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
 
 
 def _errors(study: CalibrateStudy, output: str) -> tuple[Array, list[Problem]]:
-    """Return the standard deviation of each run's measured value, shape (runs,), and the problems.
-
-    `output` is the name of the measured output, in whose unit they are; 0 where no error is known.
-    The error of a run goes before that of the study, which may be a share such as "5 %". Either all
-    measured runs have an error or none.
-    """
     errors, lacking, problems = [], [], list[Problem]()
     for k, run in enumerate(study.observations, 1):
         value = getattr(run, output)
@@ -253,17 +216,6 @@ def _errors(study: CalibrateStudy, output: str) -> tuple[Array, list[Problem]]:
 def _open(
     unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array]
 ) -> Iterable[Problem]:
-    """Yield problems of unknowns that have a given value too, and of offsets of missing parameters.
-
-    Parameters
-    ----------
-    unknowns : iterable of Unknown
-        The unknowns of the study.
-    shared : mapping of str to float
-        Parameters given once for all runs, in the units of studies.
-    columns : mapping of str to ndarray, shape (runs,)
-        Parameters given run by run.
-    """
     for unknown in unknowns:
         path, names = f"{unknown.table}.{unknown.parameter}", {*shared, *columns}
         if unknown.table == "unknowns" and unknown.parameter in names:
@@ -284,22 +236,6 @@ def _open(
 def _spans(
     unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array]
 ) -> tuple[dict[str, Values], list[Problem]]:
-    """Return the range of every parameter that the study varies, and problems of ranges too wide.
-
-    A parameter ranges over its values in the runs, over the bounds of its unknown, or over its
-    given values with the bounds of an unknown offset or factor. With the ranges, the constraints of
-    the scene are checked and the time of motions is estimated. All values are in the units of
-    studies.
-
-    Parameters
-    ----------
-    unknowns : iterable of Unknown
-        The unknowns of the calibration, with bounds.
-    shared : mapping of str to float
-        Parameters given once for all runs.
-    columns : mapping of str to ndarray, shape (runs,)
-        Parameters given run by run, NaN where a run lacks one.
-    """
     spans: dict[str, Values] = {}
     problems = []
     for name, column in columns.items():
@@ -335,15 +271,6 @@ def _spans(
 def _problems_of_candidates(
     asked: Mapping[str, Values], shared: Mapping[str, float], columns: Mapping[str, Array]
 ) -> Iterable[Problem]:
-    """Yield problems of candidates of further runs: parameters that no run varies, or too many.
-
-    Parameters
-    ----------
-    asked : mapping of str to Values
-        Values or ranges of the candidates' parameters; empty without candidates.
-    shared, columns : mapping
-        Parameters that all measured runs share, and those in which they differ.
-    """
     for name in asked:
         if name not in columns:
             fix = "Range over parameters that differ between the runs"
@@ -356,11 +283,6 @@ def _problems_of_candidates(
 
 
 def _of_scene(study: CalibrateStudy, scene: Scene, method: str) -> Iterable[Problem]:
-    """Yield problems of a scene without conveying velocity, and of unused settings.
-
-    `scene` and `method` are those chosen for the study, such as rectangle-on-plane and "events"; a
-    setting is unused if no equation of the method takes it.
-    """
     if scene.name not in CONTACTS:
         fix = f"Choose among {', '.join(CONTACTS)}"
         yield Problem(
@@ -374,12 +296,6 @@ def _of_scene(study: CalibrateStudy, scene: Scene, method: str) -> Iterable[Prob
 
 
 def _without_order(scene: Scene, spans: Mapping[str, Values]) -> Scene:
-    """Return the scene without the constraint static >= kinetic friction, if one is unknown.
-
-    `spans` has the ranges of parameters by name. With an unknown friction the constraint would be
-    broken at the corners of the range; the prior forbids those points instead. Else the scene is
-    returned as it is.
-    """
     names = STATIC_ABOVE_KINETIC.parameters
     both = [spans.get(name) for name in names]
     if not any(isinstance(one, Span) for one in both):
@@ -389,10 +305,6 @@ def _without_order(scene: Scene, spans: Mapping[str, Values]) -> Scene:
 
 
 def _too_few(study: CalibrateStudy, unknowns: tuple[Unknown, ...]) -> Iterable[Problem]:
-    """Yield a problem if no error is given and too few measured runs show their scatter.
-
-    There have to be two runs more than unknowns; runs with an observed regime only do not count.
-    """
     if study.error is not None or any(run.error is not None for run in study.observations):
         return
     measured = sum(

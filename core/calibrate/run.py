@@ -74,11 +74,6 @@ class LeastSquares:
         Points are values of the unknowns, shape (unknowns,), in the units of studies. The sum of
         squares is that of the residuals of the measured runs over their standard deviations, and of
         the distances from the prior means. Without measured runs `start` is returned.
-
-        Raises
-        ------
-        StoppedError
-            If the watch stops the simulation.
         """
         model = self.model
         if not model.runs.measured.any():
@@ -102,21 +97,6 @@ class LeastSquares:
         return model.lower + optimum.x * model.width
 
     def _residuals(self, shares: Array) -> Array:
-        """Return the scaled residuals of which the least squares are sought.
-
-        The first columns are (predicted - measured)/(standard deviation of both and of the
-        discrepancy), the last ones (unknown - prior mean)/prior standard deviation. A motion
-        without a speed counts as a large residual (`FAR`).
-
-        Parameters
-        ----------
-        shares : ndarray, shape (points, unknowns)
-            Points to evaluate: each unknown as (value - lower)/(upper - lower) of its bounds.
-
-        Returns
-        -------
-        ndarray, shape (points, measured runs + unknowns)
-        """
         model, where = self.model, self.model.runs.measured
         points = model.lower + shares * model.width
         found = model.predict(points, Watch(stop=self.watch.stop, deadline=self.watch.deadline))
@@ -140,19 +120,6 @@ def compute(prepared: Calibration, watch: Watch) -> Computed:
     It explores the posterior of the unknowns on an adaptive grid, refines the best values, and
     estimates what further runs would add if candidates are given. Raises `StoppedError` if `watch`
     stops it.
-
-    Parameters
-    ----------
-    prepared : Calibration
-        The study with its model, runs and candidates.
-    watch : Watch
-        Progress, and when to stop.
-
-    Returns
-    -------
-    Computed
-        Arrays by name of the variable, and notes: the findings in sentences, and the motions
-        simulated.
     """
     share = prepared.points * len(prepared.model.runs) / prepared.cells
     likelihood = prepared.likelihood
@@ -207,13 +174,6 @@ def label(prepared: Calibration, computed: Computed, watch: Watch) -> Table:
 
 
 def _summary_statistics(prepared: Calibration, posterior: Posterior) -> dict[str, Array]:
-    """Return means, deviations, intervals and correlations of the unknowns, and the discrepancy.
-
-    They are single numbers by name of the variable, such as `mean_friction`, in the units of
-    studies; intervals hold 68 % and 95 % of the posterior. The discrepancy is the standard
-    deviation that neither errors nor unknowns explain: its median, intervals and the probability
-    that there is any.
-    """
     model, arrays = prepared.model, dict[str, Array]()
     points = posterior.points
     quantiles = posterior.quantiles(points, (0.5, *SHARES))
@@ -244,24 +204,6 @@ def _summary_statistics(prepared: Calibration, posterior: Posterior) -> dict[str
 def _best(
     prepared: Calibration, posterior: Posterior, axes: list[Array], watch: Watch
 ) -> dict[str, Array]:
-    """Return the most likely point of each mode, refined by least squares, and the best of all.
-
-    Parameters
-    ----------
-    prepared, posterior : Calibration, Posterior
-        The study, and its posterior as weighted points.
-    axes : list of ndarray
-        Evenly spaced values of each unknown, on whose grid modes are separated.
-    watch : Watch
-        Raises `StoppedError` if it stops the simulation.
-
-    Returns
-    -------
-    dict of str to ndarray
-        `mode_share` and `mode_<unknown>`, shape (modes,), the heaviest mode first, and
-        `best_<unknown>`, a number: that of the mode with the highest density, which need not be
-        the heaviest; in the units of studies.
-    """
     model, sizes = prepared.model, posterior.likelihood.scatter.sizes
     size = float(np.sqrt(posterior.sizes @ np.square(sizes)))
     if model.runs.errors_known and posterior.sizes[0] > 0.5:
@@ -277,10 +219,6 @@ def _best(
 
 
 def _log_density(likelihood: Likelihood, points: Array) -> Array:
-    """Return the logarithm of the posterior density at points of the unknowns, by their motions.
-
-    It has no constant. `points` has the shape (points, unknowns).
-    """
     predicted = likelihood.model.predict(points, Watch())
     shown = likelihood.shown(predicted)
     return log_sum(likelihood.log(predicted.value, predicted.variance, shown, points))
@@ -289,20 +227,6 @@ def _log_density(likelihood: Likelihood, points: Array) -> Array:
 def _by_run(
     prepared: Calibration, posterior: Posterior, arrays: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """Return measured and predicted values, residuals and errors of each run, shape (runs,).
-
-    The keys are names of variables of the result; values are in the unit of the measured output.
-
-    Parameters
-    ----------
-    prepared : Calibration
-        The study, with the measured runs and the model.
-    posterior : Posterior
-        Weighted points of the unknowns, with predictions.
-    arrays : mapping of str to ndarray
-        The best values of the unknowns (`best_<unknown>`), and the `discrepancy`, the standard
-        deviation of the scatter beyond the errors.
-    """
     model = prepared.model
     runs = model.runs
     best = np.array([[float(arrays[f"best_{name}"]) for name in model.names]])
@@ -333,12 +257,6 @@ def _by_run(
 
 
 def _densities(prepared: Calibration, posterior: Posterior, axes: list[Array]) -> dict[str, Array]:
-    """Return the posterior densities of a calibration, by name of the variable of the result.
-
-    They are `density_<unknown>` over one axis, `density_<one>_<other>` over two where there are
-    more than two unknowns, both per unit of the unknowns, and `log_density` over all axes, natural,
-    at most 0. `axes` are evenly spaced values of each unknown, in the units of studies.
-    """
     names = prepared.model.names
     densities = {f"density_{name}": marginal(posterior, axes[k], k) for k, name in enumerate(names)}
     for one, other in prepared.pairs:
@@ -351,12 +269,6 @@ def _densities(prepared: Calibration, posterior: Posterior, axes: list[Array]) -
 def _coordinates(
     prepared: Calibration, arrays: Mapping[str, NDArray[Any]]
 ) -> dict[str, TableVariable]:
-    """Return the coordinates of the result of a calibration, by name.
-
-    They are the values of the unknowns at which densities are stored (from `arrays`), the numbers
-    of runs and of modes, parameters in which the runs differ, those of candidates of further runs,
-    and the parameters that all runs share.
-    """
     model = prepared.model
     coordinates = {
         one.name: TableVariable((one.name,), arrays[one.name], _unknown_attributes(one))
@@ -417,11 +329,6 @@ _RUNS = {
 
 
 def _attributes(prepared: Calibration) -> dict[str, dict[str, Any]]:
-    """Return the CF attributes of every variable of a calibration's result, by its name.
-
-    They are unit, long name and comment, for names such as `best_friction`. `prepared` is the study
-    with its unknowns and runs.
-    """
     model, attributes = prepared.model, dict[str, dict[str, Any]]()
     for unknown in model.unknowns:
         lowered = in_sentence(unknown.label)

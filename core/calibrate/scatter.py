@@ -124,22 +124,6 @@ class Likelihood:
         The discrepancy is the scatter of measurements beyond their errors; its sizes and their
         prior are in `self.scatter`. A run with a behaviour that was seen ("hops") counts by its
         probability.
-
-        Parameters
-        ----------
-        value, variance : ndarray, shape (points, runs)
-            Predicted values of the runs, in the unit of the measured output, and their variances.
-        shown : ndarray, shape (points, runs with a seen behaviour)
-            Share of the box about a point in which the part shows what was seen, 0 to 1.
-        points : ndarray, shape (points, unknowns)
-            The unknowns, in the units of studies, for their prior.
-        within : ndarray, shape (points, runs), optional
-            Variance of the values within the box of unknowns that a point stands for.
-
-        Returns
-        -------
-        ndarray, shape (points, sizes)
-            Logarithms, up to a constant.
         """
         runs = self.model.runs
         where = runs.measured

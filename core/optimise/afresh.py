@@ -76,13 +76,6 @@ class Afresh:
 
         They break a constraint, or, of closed forms, have a worse worst case. Arguments as in
         `judged_afresh`.
-
-        Returns
-        -------
-        ndarray of bool, shape (cells,)
-            True where a constraint is broken.
-        dict of int to dict of str to ndarray
-            The uncertain parameters at the worst points, SI units, of each design that has some.
         """
         lost = np.isnan(x).any(axis=0)
         worse = {
@@ -134,21 +127,7 @@ def judged_afresh(
     tolerance: float,
     number: int = 1,
 ) -> Afresh:
-    """Return statistic, margins and broken shares of choices at fresh uncertain parameters.
-
-    Parameters
-    ----------
-    problem : OptimisationProblem
-        A problem with uncertain parameters.
-    x : ndarray, shape (variables, cells)
-        The choices, SI units; where they are NaN those of the lower bounds are judged.
-    design, scales : mapping of str to ndarray, each of shape (cells,)
-        The fixed parameters, SI units, and the sizes of the outputs.
-    tolerance : float
-        Of the method by which they were found: what it leaves of a limit does not break it.
-    number : int
-        Another one draws other points.
-    """
+    """Return statistic, margins and broken shares of choices at fresh uncertain parameters."""
     assert problem.uncertain is not None
     x = some(problem, x)
     fresh, inside = _fresh(problem.uncertain, problem.is_motion, SEED + number)
@@ -162,7 +141,6 @@ def judged_afresh(
     ]  # fmt: skip
 
     def joined(parts: list[Estimate]) -> Estimate:
-        """Return estimates of all cells."""
         return Estimate(*(np.concatenate(one) for one in zip(*parts, strict=True)))
 
     return Afresh(
@@ -176,10 +154,6 @@ def judged_afresh(
 
 
 def _fresh(uncertain: Uncertain, is_motion: bool, seed: int) -> tuple[Uncertain, Mask]:
-    """Return the uncertain parameters at fresh points, and which lie within all tolerances.
-
-    Motions, which take long, are followed at fewer. Equal seeds give equal points.
-    """
     laws = uncertain.distributions
     times = TIMES_MOTION if is_motion else TIMES
     count = times * samples_of(uncertain.how, uncertain.quantile)
@@ -199,19 +173,6 @@ def _judged(
     inside: Mask,
     left: Mapping[str, Array],
 ) -> Afresh:
-    """Return statistic, margins and broken shares of choices of some designs at the nodes.
-
-    Parameters
-    ----------
-    problem : OptimisationProblem
-        Its nodes are the fresh points.
-    x, design : ndarray, mapping of str to ndarray
-        As `judged_afresh` takes them.
-    inside : ndarray of bool, shape (points,)
-        Whether a point lies within all tolerances.
-    left : mapping of str to ndarray
-        By how much an output may break its limit, shape (cells,).
-    """
     uncertain = problem.uncertain
     assert uncertain is not None
     over = problem.over(design, x)
@@ -219,7 +180,6 @@ def _judged(
     shape = (cells_of(design), uncertain.size)
 
     def of_cells(values: Array) -> Array:
-        """Return values at points as an array (cells, points)."""
         return np.broadcast_to(values, shape[::-1]).T
 
     values = of_cells(problem.objective(known))
@@ -249,7 +209,6 @@ def _judged(
 
 
 def _objective(uncertain: Uncertain, values: Array, sign: float) -> Estimate:
-    """Return the statistic that counts of the values to maximise, shape (cells, sets, points)."""
     if uncertain.how == "mean":
         return mean_and_deviation(values)[0]
     quantile = uncertain.quantile if sign > 0 else 1 - uncertain.quantile

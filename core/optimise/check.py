@@ -47,19 +47,7 @@ def gap_of(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> Array:
-    """Return the objective of another method less ours, to check it; NaN without both.
-
-    Parameters
-    ----------
-    method : str
-        The one by which our optima were found.
-    value : ndarray, shape (cells,)
-        Our objective.
-    lost : ndarray of bool, shape (cells,)
-        True where there is no optimum.
-    design, scales : mapping of str to ndarray, each of shape (cells,)
-        The fixed parameters, and the sizes of outputs, by which violations are divided.
-    """
+    """Return the objective of another method less ours, to check it; NaN without both."""
     design = _slack(problem, design, scales)
     reference = np.full(lost.shape, np.nan)
     if method != "exact" and is_closed(problem):
@@ -131,15 +119,6 @@ def verified(
 
     The outputs at the optima are computed another way, and another method looks for better optima.
     Empty if the study does not ask for it.
-
-    Parameters
-    ----------
-    prepared : Optimisation
-        The study.
-    arrays : mapping of str to ndarray
-        The computed variables, in the units of studies.
-    watch : Watch
-        May stop the verification; what was compared until then counts.
     """
     if prepared.study.verify is None:
         return {}
@@ -186,12 +165,6 @@ def verified(
 
 
 def _design(prepared: Optimisation, sample: Sample, known: Mapping[str, Array]) -> dict[str, Array]:
-    """Return the fixed parameters of the sampled cells in SI units, with each optimum's own limit.
-
-    With these another method can solve the same problem. On a trade-off front the limit is the size
-    of the other output at the point. `known` are the computed variables of the cells, in the units
-    of studies.
-    """
     problem = prepared.problem
     design = prepared.designs.at(sample.positions, sample.count, prepared.plan.parameters)
     criterion = problem.criterion
@@ -209,23 +182,6 @@ def _outputs(
     chosen: NDArray[np.intp],
     watch: Watch,
 ) -> tuple[Rounding | Comparison, str]:
-    """Return the agreement of the outputs at some optima with outputs computed another way.
-
-    The second result names that way: extended precision, or another method of motion.
-
-    Parameters
-    ----------
-    prepared : Optimisation
-        The study.
-    design, x : mapping of str to ndarray, ndarray
-        Fixed parameters and best values of the sampled cells, SI units; x is (variables, cells).
-    known : mapping of str to ndarray
-        The computed variables of these cells, in the units of studies.
-    chosen : ndarray of int
-        Positions of the cells to compare.
-    watch : Watch
-        May stop the work.
-    """
     problem, plan = prepared.problem, prepared.plan
     given = dict(zip(problem.names, x, strict=True))
     cells = {name: (given | dict(design))[name][chosen] for name in plan.parameters}
@@ -256,28 +212,6 @@ def _better(
     chosen: NDArray[np.intp],
     watch: Watch,
 ) -> tuple[NDArray[np.bool_], int, float]:
-    """Return the advantage of another method's optima over ours, in sampled cells.
-
-    Parameters
-    ----------
-    prepared : Optimisation
-        The study.
-    rival : str
-        The other method, a key of `METHODS`.
-    design, known : mapping of str to ndarray
-        The fixed parameters, SI units, and our results, in the units of studies, over all sampled
-        cells.
-    chosen : ndarray of int
-        Positions in these of the cells to compare.
-    watch : Watch
-        May stop the other method.
-
-    Returns
-    -------
-    tuple
-        True for each of the chosen cells that the rival solved before a stop; the position of the
-        cell where its objective is furthest above ours; by how much, 0 if nowhere.
-    """
     if watch.stopped():
         return np.zeros(chosen.size, dtype=np.bool_), -1, 0.0
     problem = prepared.problem

@@ -31,15 +31,6 @@ def by_exact(
     Closed forms look for forward motion only. Without any, the best is a part that rests; where it
     slides back at every choice, `search` finds the best one, or that none keeps the limits. So it
     does at an edge of stick whose angles have no closed form.
-
-    Parameters
-    ----------
-    problem : OptimisationProblem
-        One that has a closed form (`is_closed`).
-    design, scales : mapping of str to ndarray, each of shape (cells,)
-        The fixed parameters, SI units, and the sizes of outputs.
-    watch : Watch
-        Takes the progress, and may stop the search.
     """
     optima = closed_optima(problem, design)
     assert optima.value is not None

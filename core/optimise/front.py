@@ -36,17 +36,6 @@ def find_front(
     Without a closed form both ends are found first, then the largest output at equally spaced
     limits of the other one, all designs and limits at once. The arrays of the result have the shape
     (cells * points,), the points of a design one after the other.
-
-    Parameters
-    ----------
-    problem : OptimisationProblem
-        The problem, with a criterion of kind `pareto`.
-    design, scales : mapping of str to ndarray, each of shape (cells,)
-        Fixed parameters, and sizes of the outputs, by which violations are divided.
-    method : str
-        A key of `METHODS`.
-    watch : Watch
-        Takes the progress, and may stop the search.
     """
     criterion = problem.criterion
     assert isinstance(criterion, Pareto)
@@ -91,10 +80,6 @@ def _is_one_point(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> Mask:
-    """True for a design without a trade-off, shape (cells,): one choice is best in both outputs.
-
-    The output is as large at the end where the other one is least, `least`, as at the other end.
-    """
     most, there = (_value(problem, problem.criterion.output, end, design) for end in (top, least))
     return there >= most - SMALL * scales[problem.criterion.output]
 
@@ -111,7 +96,6 @@ def distinct_points(output: Array, other: Array, sizes: Sequence[Array]) -> Arra
 
 
 def _other(problem: OptimisationProblem, optima: Optima, design: Mapping[str, Array]) -> Array:
-    """Return the size of the other output at an end of trade-off fronts; NaN without an optimum."""
     assert problem.against is not None
     return np.abs(_value(problem, problem.against, optima, design))
 
@@ -119,11 +103,6 @@ def _other(problem: OptimisationProblem, optima: Optima, design: Mapping[str, Ar
 def _value(
     problem: OptimisationProblem, name: str, optima: Optima, design: Mapping[str, Array]
 ) -> Array:
-    """Return an output at an end of trade-off fronts; NaN without an optimum.
-
-    `optima` are the optima of all designs, `design` has the fixed parameters, SI units, shape
-    (cells,); the result is in the unit of studies, shape (cells,).
-    """
     lost = np.isnan(optima.x).any(axis=0)
     x = np.where(lost, problem.lower[:, None], optima.x)
     value = problem.output(name, problem.known(x, design))
@@ -139,10 +118,6 @@ def knee(output: Array, other: Array) -> NDArray[np.int8]:
     """
 
     def over_range(values: Array) -> Array:
-        """Return values scaled to 0 to 1 over their range along the last axis.
-
-        0 without a range.
-        """
         low, high = values.min(axis=1, keepdims=True), values.max(axis=1, keepdims=True)
         # A range of rounding is none.
         span = np.where(high - low > FLAT * np.maximum(np.abs(high), np.abs(low)), high - low, 0.0)

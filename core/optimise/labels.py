@@ -60,10 +60,6 @@ def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
 def _attributes(
     prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]
 ) -> dict[str, dict[str, Any]]:
-    """Return the attributes of every variable of an optimisation's result after CF, by name.
-
-    They are units, long names, comments and meanings of codes; `arrays` has the values by name.
-    """
     problem = prepared.problem
     sentence = criterion_in_words(problem)
     attributes: dict[str, dict[str, Any]] = {}
@@ -124,7 +120,6 @@ def _attributes(
 
 
 def _of_points(prepared: Optimisation) -> Iterator[str]:
-    """Yield at most one clause on the points at which optima under uncertainty are judged."""
     if prepared.problem.uncertain is not None:
         yield (
             "errors of mean, quantile and probabilities are half the widths of 95 % intervals, "
@@ -133,10 +128,6 @@ def _of_points(prepared: Optimisation) -> Iterator[str]:
 
 
 def _broken(name: str, what: str) -> dict[str, dict[str, Any]]:
-    """Return the attributes of the probability that a constraint is broken, and of its error.
-
-    `name` is the constraint, `what` its name in words.
-    """
     label = f"robability that {what} is broken"
     comments = (
         (f"P{label}", "Over all distributions; a unit without a value breaks it."),
@@ -149,20 +140,12 @@ def _broken(name: str, what: str) -> dict[str, dict[str, Any]]:
 
 
 def _binds(what: str) -> dict[str, Any]:
-    """Return the attributes of the flag that says if a constraint binds."""
     return flag_attributes("optimum_status", BINDS, tuple(BINDS)) | {
         "long_name": f"Whether {what} binds"
     }
 
 
 def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
-    """Return the result of an optimisation in words, for the attribute `message` of the file.
-
-    For one design these are its status, the best values and the constraints that bind; for several
-    the number of designs of each status. `arrays` has the computed variables by name, among them
-    ``optimum_status``, ``objective``, ``best_<variable>`` and ``binds_<constraint>``. `prepared` is
-    the checked study.
-    """
     by_value = {flag.value: (name, flag.description) for name, flag in OPTIMUM_STATUSES.items()}
     arrays = {name: values.ravel() for name, values in arrays.items()}
     if arrays["optimum_status"].size > 1:
@@ -188,10 +171,6 @@ def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
 def _of_fronts(
     criterion: Pareto, arrays: Mapping[str, NDArray[Any]]
 ) -> tuple[NDArray[np.int8], str]:
-    """Return the statuses of all distinct points of fronts, and a clause on designs without one.
-
-    `arrays` has the computed variables by name, the points of a design one after the other.
-    """
     known = {
         name: arrays[name].reshape(-1, criterion.points)
         for name in ("optimum_status", "front_points", criterion.output, criterion.against)
@@ -212,7 +191,6 @@ def _of_fronts(
 
 
 def _shares_broken(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> Iterator[str]:
-    """Yield at most one clause on the shares of units that break limits, of one design."""
     if prepared.problem.uncertain is None or not prepared.problem.kept:
         return
     shares = {one.name: arrays[broken_names(one.name)[0]][0] for one in prepared.problem.kept}
@@ -221,10 +199,6 @@ def _shares_broken(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -
 
 
 def _global_attributes(prepared: Optimisation) -> dict[str, str]:
-    """Return the attributes of an optimisation's result: title, criterion in words, method.
-
-    `prepared` is the checked study. The attributes head the file.
-    """
     study, plan = prepared.study, prepared.plan
     method, words = METHODS[prepared.method], criterion_in_words(prepared.problem)
     attributes = {

@@ -181,10 +181,6 @@ def criterion_in_words(problem: OptimisationProblem) -> str:
 
 
 def _over_interval(problem: OptimisationProblem) -> str:
-    """Return the words on uncertain parameters for a criterion; empty if there are none.
-
-    An example is ", in the worst case over friction from 0.2 to 0.4".
-    """
     if problem.uncertain is None:
         return ""
     how = {"worst": "in the worst case", "mean": "on average"}.get(problem.uncertain.how)
@@ -194,10 +190,6 @@ def _over_interval(problem: OptimisationProblem) -> str:
 
 
 def _known(name: str, distribution: Distribution) -> str:
-    """Return the uncertainty of a parameter in words, such as "friction from 0.2 to 0.4".
-
-    It stands in the criterion of an optimisation; `name` is the parameter.
-    """
     unit = QUANTITIES[name].suffix
     if isinstance(distribution, Between):
         return f"{name} from {distribution.lower:g} to {distribution.upper:g}{unit}"
@@ -206,7 +198,6 @@ def _known(name: str, distribution: Distribution) -> str:
 
 
 def _looked_for(problem: OptimisationProblem) -> str:
-    """Return the objective of an optimisation in words, such as "largest conveying_velocity"."""
     criterion = problem.criterion
     output, against = criterion.output, problem.against
     if isinstance(criterion, Weighted):

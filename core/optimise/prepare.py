@@ -40,13 +40,7 @@ FRONT = "front"
 
 
 def prepare(study: OptimiseStudy) -> Optimisation:
-    """Return the optimisation that a study describes, checked and planned, ready to be computed.
-
-    Raises
-    ------
-    StudyError
-        With every problem of scene, criterion, constraints, variables, parameters and method.
-    """
+    """Return the optimisation that a study describes, checked and planned, ready to be computed."""
     values, intervals = study.values(), study.intervals()
     asked = tuple(dict.fromkeys((*study.criterion_outputs(), *study.outputs)))
     scene, variant, _ = chosen = _chosen(study, asked)
@@ -92,17 +86,12 @@ def _spans(
     intervals: Mapping[str, Distribution],
     values: Mapping[str, Values],
 ) -> dict[str, Span]:
-    """Return the range of each variable and uncertain parameter, for the plan, in units of studies.
-
-    Names that are also parameters are left out.
-    """
     ends = {name: (one.lower, one.upper) for name, one in bounds.items()}
     ends |= {name: tolerance(name, one) for name, one in intervals.items()}
     return {name: Span(*pair, 2) for name, pair in ends.items() if name not in values}
 
 
 def _unknown_method(name: str | None) -> Iterable[Problem]:
-    """Yield the problem of an unknown method."""
     if name in FORMER:
         yield Problem("method", f"the method {name} went", f'Write method = "{FORMER[name]}"')
     elif name is not None and name not in METHODS:
@@ -110,12 +99,6 @@ def _unknown_method(name: str | None) -> Iterable[Problem]:
 
 
 def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
-    """Return the scene and the variant for an optimisation, as the user named them or by default.
-
-    `asked` are the outputs of criterion and study, which with the parameters decide whether closed
-    forms or the motion in time are needed. Raises `StudyError` if there are none such, or if a
-    drive other than the plain sine is given with outputs that do not come from a motion.
-    """
     named = (*asked, *(each.output for each in study.constraints))
     given = (*study.values(), *study.bounds(), *study.intervals())
     try:
@@ -130,10 +113,6 @@ def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
 
 
 def _problems_of_whole_bounds(bounds: Mapping[str, Between]) -> Iterable[Problem]:
-    """Yield a problem for each variable that counts something and has no choice within its bounds.
-
-    Variables such as a number of parts are whole numbers; `bounds` has the bounds of all variables.
-    """
     for name, between in bounds.items():
         if QUANTITIES[name].count and math.ceil(between.lower) >= math.floor(between.upper):
             message = "it is a whole number, and there is no choice between these bounds"
@@ -142,7 +121,6 @@ def _problems_of_whole_bounds(bounds: Mapping[str, Between]) -> Iterable[Problem
 
 
 def _problems_of_count(bounds: Mapping[str, Between]) -> Iterable[Problem]:
-    """Yield a problem if an optimisation has too many variables, or none; `bounds` are theirs."""
     if not bounds:
         message = "there are no variables"
         fix = 'Name some, for example [variables] beta = { lower = 0, upper = "90 deg" }'
@@ -153,12 +131,6 @@ def _problems_of_count(bounds: Mapping[str, Between]) -> Iterable[Problem]:
 
 
 def _method(study: OptimiseStudy, problem: OptimisationProblem, designs: Grid) -> str:
-    """Return the name of the method by which a study is optimised, asked for or by default.
-
-    `designs` is the grid of the fixed parameters; the default depends on their number. Raises
-    `StudyError` if the method cannot solve the problem, or if sensitivities are asked for too many
-    designs.
-    """
     if study.sensitivities and designs.cells > MAX_SENSITIVE:
         message = f"each of {designs.cells:,} designs would be derived singly"
         fix = f"Range over at most {MAX_SENSITIVE:,} designs, or leave sensitivities out"
@@ -171,10 +143,6 @@ def _method(study: OptimiseStudy, problem: OptimisationProblem, designs: Grid) -
 
 
 def _variable(name: str, between: Between) -> Variable:
-    """Return a variable with its bounds in SI units; those of counts are rounded inwards.
-
-    `between` are the bounds in the unit of studies. `name` is the parameter.
-    """
     ends = (between.lower, between.upper)
     if QUANTITIES[name].count:
         ends = (math.ceil(between.lower), math.floor(between.upper))
@@ -189,18 +157,6 @@ def choose_problem_scene(
     Motion is taken if an output needs it, or if a parameter belongs to a drive other than the plain
     sine, which closed forms do not know. The third result are problems of the variant, which is
     then replaced by the default.
-
-    Parameters
-    ----------
-    name, variant : str, str or None
-        Scene and variant of the study.
-    outputs, parameters : iterable of str
-        All outputs that are asked for; all parameters, variables included.
-
-    Raises
-    ------
-    StudyError
-        If there is no such scene, or the names are those of two kinds of drive.
     """
     scene, chosen, problems = choose_scene(name, variant)
     closed = {output for one in scene.variants for output in scene.outputs(one)}
@@ -226,11 +182,6 @@ def choose_problem_scene(
 
 
 def _kept(study: OptimiseStudy, scene: Scene, variant: str) -> Iterable[Kept]:
-    """Yield every bound that outputs of an optimisation have to keep, in the units of studies.
-
-    They are the limit of the criterion, contacts with floor and wall, as far as this variant has
-    them and the study keeps them, and the constraints of the study.
-    """
     if isinstance(study.criterion, Limited):
         yield Kept(LIMIT, study.criterion.against, study.criterion.limit, True, True)
     switches = {"floor_contact": study.floor_contact, "wall_contact": study.wall_contact}
@@ -245,11 +196,6 @@ def _kept(study: OptimiseStudy, scene: Scene, variant: str) -> Iterable[Kept]:
 def _default_bounds(
     scene: Scene, variant: str, outputs: Iterable[str], values: Mapping[str, Values]
 ) -> dict[str, Between]:
-    """Return default bounds of the drive's angles, for a study that names no variables.
-
-    They are of those angles on which the `outputs` depend, which the study does not give among its
-    `values`, and for which 0 to 90 degrees are allowed in this scene and variant.
-    """
     needed = behind(outputs, scene.producers(variant).get).keys()
     refused = {
         constraint.parameters[0]
@@ -265,11 +211,6 @@ def _default_bounds(
 
 
 def _misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Problem]:
-    """Yield the problems that concern several sections of an optimisation study.
-
-    `values` are its parameters. Variables may not be given as parameters, outputs that are codes
-    may not be optimised, and constraints have to be consistent.
-    """
     criterion = study.criterion
     if isinstance(criterion, Limited) and criterion.limit < 0:
         fix = "Give the largest absolute value, 0 or more"
@@ -302,11 +243,6 @@ def _misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[P
 
 
 def _problems_of_constraints(study: OptimiseStudy) -> Iterable[Problem]:
-    """Yield the problems of each constraint of an optimisation, and of two bounds with one name.
-
-    A constraint is an output with a lower bound, an upper one or both, perhaps of its absolute
-    value. A problem names the path in the study and a fix.
-    """
     seen: set[str] = set()
     for number, constraint in enumerate(study.constraints):
         path = f"constraints.{number}"
@@ -342,20 +278,6 @@ def _problems_of_intervals(
     values: Mapping[str, Values],
     bounds: Mapping[str, Between],
 ) -> Iterable[Problem]:
-    """Yield problems of the uncertain parameters of a study that optimises.
-
-    Found are names that are also fixed or varied, too many of them, and settings of `robust` (what
-    of the uncertain objective is optimised: worst case, mean, quantile) that do not fit.
-
-    Parameters
-    ----------
-    intervals : mapping of str to Distribution
-        The uncertain parameters.
-    values : mapping of str to Values
-        The fixed parameters.
-    bounds : mapping of str to Between
-        The variables.
-    """
     for name in intervals:
         if name in values or name in bounds:
             section = "parameters" if name in values else "variables"
@@ -378,7 +300,6 @@ def _problems_of_intervals(
 
 
 def _problems_of_quantile(study: OptimiseStudy) -> Iterable[Problem]:
-    """Yield the problems of the quantile of a study: missing, without use, or too rare."""
     if study.robust == "quantile" and study.quantile is None:
         fix = "Add quantile = 0.05 for what all but a twentieth of the parts do better than"
         yield Problem("quantile", "it is missing", fix)
@@ -395,10 +316,6 @@ def _problems_of_quantile(study: OptimiseStudy) -> Iterable[Problem]:
 
 
 def _of_other_drive(problem: Problem, scene: Scene) -> Problem:
-    """Return a plan's problem, reworded if only the plain sine drive has the output.
-
-    `scene` is the one that was planned.
-    """
     producers = scene.producers(scene.default_variant)
     closed = SCENES.get(scene.name)
     if "wave" not in producers or closed is None or not problem.about:

@@ -165,19 +165,7 @@ class OptimisationProblem:
         watch: Watch | None = None,
         plan: Plan | None = None,
     ) -> Arrays:
-        """Return every quantity at candidates by name, parameters and outputs, in SI units.
-
-        Parameters
-        ----------
-        x : ndarray, shape (variables, ...)
-            Values of the variables, SI units; counts, such as a number of springs, are rounded.
-        design : mapping of str to ndarray
-            The fixed parameters, which broadcast with a candidate.
-        watch : Watch, optional
-            May stop motions.
-        plan : Plan, optional
-            The equations to run; by default all of the problem.
-        """
+        """Return every quantity at candidates by name, parameters and outputs, in SI units."""
         plan = plan or self.plan
         given = {name: design[name] for name in plan.parameters if name in design}
         chosen = dict(zip(self.names, self.whole(x), strict=True))
@@ -215,13 +203,6 @@ class OptimisationProblem:
 
         That is the worst case, the mean or the quantile that the study asks for; NaN where an
         output has no value.
-
-        Parameters
-        ----------
-        x : ndarray, shape (variables, ...)
-            Candidates, SI units.
-        design : mapping of str to ndarray
-            The fixed parameters, which broadcast with a candidate to the shape of the result.
         """
         if self.uncertain is None:
             return self.objective(self.known(x, design))
@@ -271,16 +252,6 @@ class OptimisationProblem:
         motion repeats, and `UNKNOWN` for outputs whose error is not known. With uncertain
         parameters the objective is the statistic that the study asks for, and the largest violation
         and error count.
-
-        Parameters
-        ----------
-        x : ndarray, shape (variables, ...)
-            Candidates, SI units. The three results have the shape of the candidates and designs
-            together.
-        design, scales : mapping of str to ndarray
-            The fixed parameters, and the size of each output, by which violations are divided.
-        watch : Watch, optional
-            May stop motions.
         """
         if self.uncertain is None:
             return self._judged(x, design, scales, watch)
@@ -339,14 +310,6 @@ class OptimisationProblem:
 
         A statistic over that axis is then one over the uncertainty. Only for a problem that has
         uncertain parameters.
-
-        Parameters
-        ----------
-        design : mapping of str to ndarray
-            Values of the fixed parameters, SI units.
-        x : ndarray, shape (variables, ...)
-            Candidates. The nodes get the shape (nodes, 1, ...), which broadcasts with candidates
-            and designs, so that quantities that depend on candidates alone are computed once.
         """
         assert self.uncertain is not None
         axes = max(x.ndim - 1, *(values.ndim for values in design.values()))
@@ -421,15 +384,6 @@ class OptimisationProblem:
 
         At an optimum on the verge of lift-off the normal acceleration is a rounding of either sign:
         a contact that is to be kept counts as kept if it is within `touching` times its size.
-
-        Parameters
-        ----------
-        known : mapping of str to ndarray
-            All quantities at the points, SI units.
-        scales : mapping of str to ndarray
-            The size of each output in each design.
-        touching : float
-            A share, some roundings.
         """
         snapped = dict(known)
         for kept in self.kept:

@@ -68,13 +68,6 @@ def nearest(study: Study) -> list[Reach]:
 
 
 def _reach(study: OptimiseStudy, named_bound: Bound) -> Reach | None:
-    """Return the nearest approach of an output to one of its bounds, with the others kept.
-
-    This is for a study whose constraints cannot all be kept. The output of the bound is itself
-    minimised or maximised. `named_bound` is a constraint of the study and the end, ``"upper"`` or
-    another, that is looked at. None if that problem has no solution either. The result has that
-    value of the output, and the variables there, in the units of studies.
-    """
     limit, end = named_bound
     kept = []
     for other, side in _single(study):
@@ -98,10 +91,6 @@ def _reach(study: OptimiseStudy, named_bound: Bound) -> Reach | None:
 
 
 def _solved(study: OptimiseStudy) -> dict[str, Any] | None:
-    """Return the variables of the result of an optimisation of one design; None without a solution.
-
-    None, too, if the study cannot be planned: it is one that the program makes up to advise a user.
-    """
     try:
         table = carry_out(prepare(study), KIND.compute, KIND.label)
     except VibrafeedError:  # such as an output that is none of this sort of study
@@ -113,17 +102,12 @@ def _solved(study: OptimiseStudy) -> dict[str, Any] | None:
 
 
 def _is_beyond(value: float, named_bound: Bound) -> bool:
-    """True if a value, in the unit of the quantity, violates a bound."""
     limit, end = named_bound
     bound = float(getattr(limit, end))
     return value > bound if end == "upper" else value < bound
 
 
 def _single(study: OptimiseStudy) -> list[Bound]:
-    """Return every bound of the constraints of a study separately: constraint and end of it.
-
-    The end is ``"lower"`` or ``"upper"``; a constraint may have both.
-    """
     return [
         (limit, end)
         for limit in study.constraints
@@ -188,11 +172,6 @@ def ways(study: Study) -> list[Way]:
 
 
 def _with_frequency(study: OptimiseStudy) -> OptimiseStudy | None:
-    """Return the study with the frequency as one more variable, within a factor of four, or None.
-
-    It is solved to tell a user whose constraints cannot be kept whether another frequency would
-    help. None if the study does not give one frequency.
-    """
     given = study.values().get("frequency")
     if not isinstance(given, Fixed):
         return None
@@ -201,11 +180,6 @@ def _with_frequency(study: OptimiseStudy) -> OptimiseStudy | None:
 
 
 def _with_friction(study: OptimiseStudy) -> OptimiseStudy | None:
-    """Return the study with its friction as one more variable, from its value up to 0.8, or None.
-
-    It is solved to tell a user whose constraints cannot be kept whether more friction would help.
-    None if the friction is not one fixed value, or is that large already.
-    """
     given = study.values().get("friction")
     if not isinstance(given, Fixed) or given.value >= MAX_FRICTION:
         return None
@@ -213,10 +187,6 @@ def _with_friction(study: OptimiseStudy) -> OptimiseStudy | None:
 
 
 def _freed(study: OptimiseStudy, name: str, bounds: Between) -> OptimiseStudy | None:
-    """Return the study with one more parameter as a variable between bounds, or None.
-
-    None if the study names no variables: the default ones would then be lost.
-    """
     if study.variables is None:
         return None
     return study.model_copy(
@@ -228,13 +198,6 @@ def _freed(study: OptimiseStudy, name: str, bounds: Between) -> OptimiseStudy | 
 
 
 def _with_ellipse(study: OptimiseStudy) -> OptimiseStudy | None:
-    """Return the study with an elliptical drive as large as its straight one, or None.
-
-    It is solved to tell a user whose constraints cannot be kept whether such a drive would help.
-    The amplitudes along and normal to the track run up to that of the straight drive, their phase
-    over a turn. None if neither amplitude nor elevation is a variable, or if the drive has an
-    azimuth.
-    """
     bounds, values = study.bounds(), study.values()
     line = [name for name in OF_A_LINE if name in bounds]
     size = bounds.get("amplitude") or values.get("amplitude")
@@ -258,6 +221,5 @@ def _with_ellipse(study: OptimiseStudy) -> OptimiseStudy | None:
 
 
 def _changed(section: Section, left: Collection[str], more: Mapping[str, Any]) -> Section:
-    """Return a section of a study with some names removed and others added."""
     kept = {n: getattr(section, n) for n in section.model_fields_set if n not in left}
     return section.model_construct(**kept, **more)

@@ -96,17 +96,6 @@ def uncertain_of(
     The worst case has points all over the box of the tolerances, ends included. Mean and quantile
     have points that are sampled once for all candidates, or those of Gauss for the mean over one
     interval; if limits are to be kept, the points of the box come after them.
-
-    Parameters
-    ----------
-    distributions : mapping of str to Distribution
-        Those of the parameters.
-    how : {"worst", "mean", "quantile"}
-        What counts of the objective.
-    quantile : float or None
-        The share for the last of these, 0.5 if None.
-    is_limited : bool
-        True if outputs have limits to keep.
     """
     (name, law), *others = distributions.items()
     share = 0.5 if quantile is None else quantile
@@ -133,12 +122,6 @@ def samples_of(how: How, quantile: float) -> int:
 
 
 def _box(distributions: Mapping[str, Distribution]) -> dict[str, Array]:
-    """Return the points at which uncertain parameters are evaluated for a worst case, SI units.
-
-    They are a grid over the box of the tolerances, corners included, and its middle: an array
-    (nodes,) for each parameter. The more parameters, the coarser the grid. `distributions` are
-    those of the parameters.
-    """
     count = len(distributions)
     shares = np.linspace(0.0, 1.0, LEVELS.get(count, 2))
     nodes = np.array(list(product(shares, repeat=count)))

@@ -61,22 +61,6 @@ def compute(prepared: Optimisation, watch: Watch) -> Computed:
 def _solved(
     prepared: Optimisation, design: Mapping[str, Array], watch: Watch, retries: int
 ) -> tuple[dict[str, NDArray[Any]], str]:
-    """Return every variable of an optimisation for some designs, by name, and the method's message.
-
-    Where fresh points of uncertain parameters break a limit, the design is solved again with those
-    points among its nodes; it is infeasible if that does not help.
-
-    Parameters
-    ----------
-    prepared : Optimisation
-        The study.
-    design : mapping of str to ndarray, each of shape (cells,)
-        The fixed parameters, SI units. The points of a trade-off front stand one after another.
-    watch : Watch
-        Takes the progress and may stop the work.
-    retries : int
-        How often designs are solved again, at most.
-    """
     problem, method = prepared.problem, prepared.method
     scales = problem.scales(design)
     if isinstance(problem.criterion, Pareto):
@@ -113,10 +97,6 @@ def _fronts(
     scales: Mapping[str, Array],
     watch: Watch,
 ) -> tuple[dict[str, NDArray[Any]], str]:
-    """Return every variable of the trade-off fronts of some designs, and the method's message.
-
-    Arguments as in `find_front`. A point that a front has many times is checked once.
-    """
     problem, points = prepared.problem, criterion.points
     optima = find_front(problem, design, scales, prepared.method, watch)
     optima = replace(optima, x=problem.whole(optima.x))
@@ -174,27 +154,7 @@ def checked(
     scales: Mapping[str, Array],
     fresh: Afresh | None = None,
 ) -> dict[str, NDArray[Any]]:
-    """Return every variable of an optimisation's result, checked against other methods.
-
-    Parameters
-    ----------
-    prepared : Optimisation
-        The study.
-    optima : Optima
-        The optima that its method found.
-    design : mapping of str to ndarray
-        The fixed parameters of each design in SI units, shape (cells,).
-    scales : mapping of str to ndarray
-        The largest size of each output, shape (cells,), by which margins and gaps are judged.
-    fresh : Afresh, optional
-        What fresh points of uncertain parameters say of the optima.
-
-    Returns
-    -------
-    dict of str to ndarray
-        Best values, objective, outputs, margins, gap to another method's optimum, status
-        and regime, in the units of studies, shape (cells,).
-    """
+    """Return every variable of an optimisation's result, checked against other methods."""
     problem, tolerance = prepared.problem, METHODS[prepared.method].tolerance
     cells = optima.status.shape
     lost: NDArray[np.bool_] = np.asarray(np.isnan(optima.x).any(axis=0))
@@ -205,7 +165,6 @@ def checked(
     size = problem.scale(scales)
 
     def whole(values: Array) -> Array:
-        """Return values over all cells, NaN where there is no optimum."""
         return np.where(lost, np.nan, np.broadcast_to(values, cells))
 
     uncertain = problem.uncertain is not None
@@ -251,7 +210,6 @@ def checked(
 def _verdicts(
     regimes: Mapping[str, NDArray[np.int8]], lost: NDArray[np.bool_]
 ) -> dict[str, NDArray[np.int8]]:
-    """Return the regimes by each verdict, not assessed where there is no optimum."""
     none = np.int8(REGIMES["not_assessed"].value)
     return {
         name: np.where(lost, none, np.broadcast_to(regime, lost.shape))
@@ -262,10 +220,6 @@ def _verdicts(
 def _of_samples(
     problem: OptimisationProblem, fresh: Afresh, error: Array | float, lost: NDArray[np.bool_]
 ) -> dict[str, Array]:
-    """Return the error of a mean or a quantile, and the share left out; empty for a worst case.
-
-    `error` is that of the motion at each of the points, to which that of the points is added.
-    """
     if not problem.is_sampled:
         return {}
     return {
@@ -282,11 +236,6 @@ def _limits(
     close: Mapping[str, Array],
     lost: NDArray[np.bool_],
 ) -> dict[str, NDArray[Any]]:
-    """Return margins of constraints, which of them bind, and the shares of units that break them.
-
-    Under uncertain parameters a margin is the least one over nodes and fresh points. Arguments as
-    in `checked`; a margin within `close` counts as none, and `lost` is True without an optimum.
-    """
     arrays: dict[str, NDArray[Any]] = {}
     for kept in problem.kept:
         margin = np.broadcast_to(problem.safe_margin(kept, x, design), lost.shape)
@@ -308,11 +257,6 @@ def _afresh(
     x: Array,
     design: Mapping[str, Array],
 ) -> Array:
-    """Return the objective of optima at fresh points of what is uncertain, shape (cells,).
-
-    In a worst case it is the least over the nodes, `value`, and over the fresh points, of which the
-    worst are evaluated once more: means of a motion that does not repeat differ by chance.
-    """
     if problem.is_sampled:
         return fresh.objective.value
     worst = {**design, **fresh.at_worst(OBJECTIVE)}
@@ -323,12 +267,6 @@ def _afresh(
 def _at_bounds(
     problem: OptimisationProblem, x: Array, lost: NDArray[np.bool_], tolerance: float
 ) -> dict[str, NDArray[np.int8]]:
-    """Return flags that tell where a variable of an optimum is at one of its bounds, by name.
-
-    A flag is 1 there, else 0, int8 of shape (cells,); the names are ``binds_<variable>_<end>``. `x`
-    are the best values in SI units, shape (variables, cells), `lost` is True where there is no
-    optimum, and `tolerance` is a share of the variable's range.
-    """
     span = problem.upper - problem.lower
     arrays = {}
     for i, name in enumerate(problem.names):
@@ -346,21 +284,6 @@ def _status(
     scales: Mapping[str, Array],
     forward: Array,
 ) -> NDArray[np.int8]:
-    """Return the statuses of optima after physical checks: no motion, only backward, all equal.
-
-    Parameters
-    ----------
-    problem : OptimisationProblem
-        The problem.
-    status : ndarray of int8, shape (cells,)
-        The statuses that the method states.
-    known : mapping of str to ndarray
-        All quantities at the optima, SI units.
-    design, scales : mapping of str to ndarray, each of shape (cells,)
-        Fixed parameters of each design, and sizes of the outputs.
-    forward : ndarray, shape (cells,)
-        The output that is maximised, at the optimum.
-    """
     optimal = status == STATUS["optimal"]
     if problem.sign > 0 and problem.criterion.output in FORWARD:
         rests = ~(np.broadcast_to(forward, status.shape) > 0)
@@ -384,12 +307,6 @@ def _status(
 def _of_each_point(
     problem: OptimisationProblem, known: Mapping[str, Any], design: Mapping[str, Array]
 ) -> tuple[OptimisationProblem, Mapping[str, Array]]:
-    """Return the problem that each optimum solves, and its fixed parameters, to check it alone.
-
-    Each point of a trade-off front is an optimum under a limit of the other output, which is that
-    of the point itself. `known` has all quantities at the optima, `design` the fixed parameters, SI
-    units.
-    """
     if not isinstance(problem.criterion, Pareto):
         return problem, design
     other = np.abs(problem.output(problem.criterion.against, dict(known)))

@@ -59,8 +59,6 @@ def by_scipy(
 
 
 class _Design:
-    """One design; points are shares of the bounds, shape (variables,) or (variables, n)."""
-
     def __init__(
         self,
         problem: OptimisationProblem,
@@ -68,20 +66,17 @@ class _Design:
         scales: Mapping[str, Array],
         watch: Watch,
     ):
-        """Take one design of a problem."""
         self.problem, self.watch = problem, watch
         self.design, self.scales = columns(design), columns(scales)
         self.size = float(problem.scale(scales)[0])
         self.evaluations, self.reported, self.ended = 0, 0.0, False
 
     def tell(self, share: float) -> None:
-        """Report progress up to a share."""
         if share > self.reported:
             self.watch.advance(share - self.reported)
             self.reported = share
 
     def judged(self, unit: Array) -> tuple[Array, Array]:
-        """Return objective, over its scale, and violation of points, shape (n,)."""
         self.tell(min(self.evaluations / ABOUT, MOST_SHARE))
         self.evaluations += unit.shape[1]
         quiet = replace(self.watch, progress=None)
@@ -90,14 +85,12 @@ class _Design:
         return value[0] / self.size, beyond[0]
 
     def ranked(self, unit: Array) -> Array:
-        """Return the value to minimise, infinite where an output has none."""
         value, beyond = self.judged(np.reshape(unit, (len(unit), -1)))
         return np.where(
             beyond > 0, np.where(np.isfinite(beyond), INFEASIBLE + beyond, np.inf), -value
         )
 
     def best(self) -> tuple[Array, str]:
-        """Return the best point and scipy's message."""
         bounds = [(0.0, 1.0)] * len(self.problem.names)
         result = scipy.optimize.differential_evolution(
             lambda unit: self.ranked(unit) if unit.ndim > 1 else self.ranked(unit)[0],
@@ -133,13 +126,11 @@ class _Design:
         return both[:, place], f"{said} {polished.message}"
 
     def constraints(self) -> list[dict[str, Any]]:
-        """Return the margins that SLSQP keeps."""
         if not self.problem.kept:
             return []
         return [{"type": "ineq", "fun": lambda unit: self.smooth(unit)[1:]}]
 
     def smooth(self, unit: Array) -> Array:
-        """Return the objective and the margins of all constraints at a point, over their sizes."""
         problem = self.problem
         self.evaluations += 1
         known = problem.known(problem.inside(unit)[:, None, None], self.design)

@@ -31,17 +31,6 @@ def slopes(
     ``sensitivity_<parameter>``, the values arrays (cells,), from differences inside one regime. NaN
     where there is none: at a kink, a jump, and for a parameter or an output that is 0. 0 for a
     variable that the output does not depend on.
-
-    Parameters
-    ----------
-    problem : OptimisationProblem
-        The problem, whose criterion names the output.
-    x : ndarray, shape (variables, cells)
-        The optima in SI units.
-    design : mapping of str to ndarray
-        The fixed parameters, shape (cells,).
-    lost : ndarray of bool, shape (cells,)
-        True where there is no optimum.
     """
     names, output, kept = sensitive(problem), problem.criterion.output, ~lost
     used = problem.plan.only(output).parameters

@@ -126,10 +126,6 @@ class Sensitivity(Prepared):
 
     @property
     def _ends(self) -> dict[str, tuple[float, float]]:
-        """The ends of the uncertain parameters' tolerances by name, SI units.
-
-        The price of motions is estimated between them.
-        """
         ends = {}
         for name, uncertain in self.uncertain.items():
             low, high = to_si(name, np.array(tolerance(name, uncertain))).tolist()
@@ -154,13 +150,7 @@ def evaluations_of(study: SensitivityStudy, budget: Budget) -> int:
 
 
 def prepare(study: SensitivityStudy) -> Sensitivity:
-    """Return a study with uncertain parameters as checked and planned, ready to be computed.
-
-    Raises
-    ------
-    StudyError
-        With every problem of scene, outputs, demands, parameters and distributions.
-    """
+    """Return a study with uncertain parameters as checked and planned, ready to be computed."""
     uncertain, asked = study.distributions(), study.asked()
     if not uncertain:
         fix = "Add a parameter, for example friction = { mean = 0.3, deviation = 0.03 }"
@@ -215,11 +205,6 @@ def _span(name: str, distribution: Distribution) -> Values:
 
 
 def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
-    """Yield the problems between the sections of a study with uncertain parameters.
-
-    They can be told before its scene is looked at: names in two sections, too many uncertain
-    parameters, codes as outputs, verification, demands.
-    """
     values, uncertain = study.values(), study.distributions()
     for name in uncertain:
         if name in values:
@@ -251,10 +236,6 @@ def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
 
 
 def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
-    """Yield the problems of the demands of a study: unclear ones, codes as outputs, repetitions.
-
-    A demand is a bound on an output or a regime, whose probability is computed.
-    """
     seen: set[str] = set()
     for number, demand in enumerate(demands):
         path = f"demands.{number}"
@@ -277,10 +258,6 @@ def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
 
 
 def _unclear(demand: Demand) -> tuple[str, str] | None:
-    """Return message and fix for a demand that does not say what is asked; None if it is clear.
-
-    A demand is a regime, or an output with one or two bounds.
-    """
     is_bounded = demand.at_least is not None or demand.at_most is not None
     if (demand.output is None) == (demand.regime is None):
         return "it names neither or both", "Name an output, or a regime"
@@ -295,11 +272,6 @@ def _unclear(demand: Demand) -> tuple[str, str] | None:
 
 
 def _problems_of_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Problem]:
-    """Yield a problem for each demand of a study on a regime that no cell of the study can have.
-
-    A demand says what parts should do, for example that they hop; the share of the uncertain cases
-    that meet it is computed. `plan` knows the regimes that belong to the study's outputs.
-    """
     for number, demand in enumerate(study.demands):
         if demand.regime is not None and demand.regime not in plan.regimes:
             if demand.regime in REGIMES:
@@ -314,11 +286,6 @@ def _problems_of_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Proble
 
 
 def _check_size(prepared: Sensitivity) -> None:
-    """Raise `StudyError` if a study with uncertain parameters needs too much memory or time.
-
-    What counts is the number of evaluations of one design times its outputs, and that of all
-    designs.
-    """
     outputs, each = len(prepared.plan.outputs), prepared.evaluations
     if each * outputs > MAX_VALUES:
         message = f"each design takes {each:,} evaluations of {outputs} outputs"

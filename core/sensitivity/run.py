@@ -68,11 +68,6 @@ def compute(prepared: Sensitivity, watch: Watch) -> Computed:
     Every design, a cell of the grid, is evaluated at many points of the uncertain parameters, and
     the statistics over them are variables over the grid; some have a dimension of their own before
     it. Designs are taken in blocks that fit the memory.
-
-    Raises
-    ------
-    StoppedError
-        If `watch` stops it; there is no result of some points only.
     """
     shape = tuple(prepared.grid.shape.values())
     designs = {
@@ -94,8 +89,6 @@ def compute(prepared: Sensitivity, watch: Watch) -> Computed:
 
 
 class _Evaluator:
-    """Computes the outputs of some designs at points, and tells a watch of each evaluation."""
-
     def __init__(
         self, prepared: Sensitivity, designs: Mapping[str, Array], count: int, watch: Watch
     ):
@@ -103,19 +96,10 @@ class _Evaluator:
         self.long = sum(one.takes_long for one in prepared.plan.equations)
 
     def at(self, shares: Array) -> SampledOutputs:
-        """Return the outputs at points of the unit box, shape (parameters, ...).
-
-        A coordinate is the share of the parameter's distribution below its value.
-        """
         drawn = values_at(self.prepared.uncertain, shares.reshape(len(shares), -1))
         return self.of(drawn).shaped(*shares.shape[1:])
 
     def of(self, samples: Mapping[str, Array]) -> SampledOutputs:
-        """Return outputs and regimes of all designs at values of the uncertain parameters.
-
-        `samples` has the values, SI units, each of shape (n,); the results have the shape (designs,
-        n), in the units of studies. Raises `StoppedError` if the watch stops it.
-        """
         number = next(iter(samples.values())).size
         step = max(1, BLOCK // self.count)
         parts = []
@@ -131,12 +115,6 @@ class _Evaluator:
         )
 
     def _some(self, samples: Mapping[str, Array]) -> SampledOutputs:
-        """Return outputs and regimes of all designs at some points of the uncertain parameters.
-
-        `samples` has the values of these parameters, SI units, shape (points,); the results have
-        the shape (designs, points), in the units of studies, NaN where an output has no valid
-        value.
-        """
         plan, number = self.prepared.plan, next(iter(samples.values())).size
         shape = (self.count, number)
         with np.errstate(all="ignore"):
@@ -157,12 +135,6 @@ class _Evaluator:
 
 
 def _variables(evaluator: _Evaluator) -> Arrays:
-    """Return all variables of a study with uncertain parameters for some designs, by name.
-
-    Designs are the last axis of each array. `evaluator` computes the outputs of these designs at
-    points of the uncertain parameters; the variables are statistics over the points, in the units
-    of studies.
-    """
     prepared = evaluator.prepared
     study = prepared.study
     nominal = evaluator.of(_first(prepared.budget.values()))
@@ -182,12 +154,6 @@ def _first(values: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Yield name and values of each statistic of points that are sampled from the distributions.
-
-    They are probabilities of demands, then for each output the share of points without a value,
-    distribution and Sobol indices. `evaluator` computes outputs of some designs, the last axis of
-    each array.
-    """
     prepared, study = evaluator.prepared, evaluator.prepared.study
     drawn = {"distribution", "sobol"} & set(study.analyses) or study.demands
     if not drawn:
@@ -223,12 +189,6 @@ def _of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
 
 
 def _met(demand: Demand, values: SampledOutputs) -> Mask:
-    """True where a demand of a study is met, shape (designs, sets, points of a set).
-
-    A demand is a regime, or bounds of an output in the unit of studies. `values` has outputs and
-    regimes at the points, with an axis for Sobol's samples after that of the designs, of which the
-    first counts. A missing value does not meet a demand.
-    """
     if demand.regime is not None:
         wanted = REGIMES[demand.regime].value
         return np.any([one[:, 0] == wanted for one in values.regimes.values()], axis=0)
@@ -271,11 +231,6 @@ def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
 
 
 def _coordinates(prepared: Sensitivity) -> dict[str, TableVariable]:
-    """Return the coordinates of a study with uncertain parameters besides the axes of its grid.
-
-    These are the uncertain parameters, the quantiles and the levels of the distribution, shares
-    from 0 to 1 at which a value is given; only those that some variable has as a dimension.
-    """
     names = [*prepared.uncertain]
     ends = np.linspace(0.0, 1.0, LEVELS)
     uncertain = {

@@ -63,10 +63,6 @@ def result_variables(study: SensitivityStudy, outputs: tuple[str, ...]) -> Itera
 
 
 def _of_demand(demand: Demand) -> Iterator[ResultVariable]:
-    """Yield the variables of a demand: the probability that it is met, and the error of that.
-
-    They have names, units and comments, without values.
-    """
     name = f"probability_{demand.name}"
     comment = "Points without a valid value count as not meeting it."
     yield ResultVariable(name, "", "1", f"Probability of {in_words(demand)}", comment,
@@ -92,21 +88,15 @@ def in_words(demand: Demand) -> str:
 
 
 def _of_output(study: SensitivityStudy, name: str) -> Iterator[ResultVariable]:
-    """Yield the variables of one output, with units and comments, by the study's analyses.
-
-    `name` is the output. They are without values.
-    """
     quantity = QUANTITIES[name]
     unit, what = quantity.unit, in_sentence(quantity.label)
 
     def variable(
         part: str, words: str, comment: str, over: str = "", unit: str = unit
     ) -> ResultVariable:
-        """Return a variable of the output."""
         return ResultVariable(f"{name}_{part}", over, unit, f"{words} of the {what}", comment)
 
     def with_error(part: str, words: str, comment: str, over: str = "", unit: str = unit) -> Any:
-        """Yield a variable of the output and its error."""
         yield variable(part, words, comment, over, unit)
         error = f"Error of the {in_sentence(words)}"
         yield variable(f"{part}_error", error, INTERVAL, over, unit)

@@ -53,23 +53,6 @@ def cylinder_physical_fastest(
 
 
 def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
-    """Return the best drive of a cylinder whose contact slips at an angle to the track.
-
-    The direction of slip is sampled and then bisected to rounding. On steep tracks such a drive may
-    beat one along the track.
-
-    Parameters
-    ----------
-    k, g, mu, mu_s : ndarray, of one shape
-        Gravity along the track (backwards) and onto the floor, in units of the drive acceleration
-        P; kinetic and static friction.
-
-    Returns
-    -------
-    tuple of ndarray, of that shape
-        Azimuth alpha and elevation beta [rad], a mark that is 0 here (1 at the limit of static
-        friction), and True where there is such a drive.
-    """
     zero = np.zeros_like(k)
     exists = k > 0
     if not np.any(exists):
@@ -108,22 +91,6 @@ def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 
 
 def _held(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
-    """Return the best drive of a cylinder at the limit of static friction.
-
-    Its direction is sampled and then closed in on by golden sections.
-
-    Parameters
-    ----------
-    k, g, mu, mu_s : ndarray, of one shape
-        Gravity along the track (backwards) and onto the floor, in units of the drive acceleration
-        P; kinetic and static friction.
-
-    Returns
-    -------
-    tuple of ndarray, of that shape
-        Azimuth alpha and elevation beta [rad], the mark 1 for the limit of static friction, and
-        True where there is such a drive.
-    """
     zero = np.zeros_like(k)
     exists = (k > 0) & (mu_s > mu)
     if not np.any(exists):
@@ -154,20 +121,6 @@ def _held(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 def _value(
     psi: NDArray[np.complexfloating], k: Array, g: Array, mu: Array
 ) -> tuple[NDArray[np.complexfloating], NDArray[np.complexfloating]]:
-    """Return the largest a_x of a cylinder that slips in the direction psi, and the drive's d_z.
-
-    The best elevation of the drive for a direction of slip (cos psi, sin psi) is a closed form;
-    d_z, the component of the drive normal to the floor, gives it. All accelerations are in units of
-    the drive acceleration P. a_x is -inf where no drive makes the contact slip so.
-
-    Parameters
-    ----------
-    psi : ndarray of complex
-        Direction of slip in the floor plane, from the track [rad]; an imaginary step gives the
-        derivative.
-    k, g, mu : ndarray
-        Gravity along the track (backwards) and onto the floor, and kinetic friction.
-    """
     s, x = np.sin(psi), np.cos(psi)
     w = s * (2 * mu * g * x - k)
     uv = -s * (1 - 2 * (mu * x) ** 2)
@@ -185,16 +138,6 @@ def _value(
 def _held_point(
     eta: Array, k: Array, g: Array, mu: Array, mu_s: Array
 ) -> tuple[Array, Array, Array, Array]:
-    """Return a_x, D_x, D_y and n of a cylinder at the limit of static friction in a direction.
-
-    D is the drive in the plane less gravity, n the normal force per mass. The drive's unit length
-    leaves a quadratic in n; a_x is a multiple of n, so the larger root counts. a_x is -inf where no
-    drive gets there.
-
-    All are arrays of one shape, accelerations in units of the drive acceleration P: `eta` is the
-    direction [rad], `k` gravity along the track, `g` that onto the floor, `mu` and `mu_s` kinetic
-    and static friction.
-    """
     along, across = mu_s * np.cos(eta), 3 * mu_s * np.sin(eta)
     a, b = 1 + along**2 + across**2, g - k * along
     left = b * b - a * (k * k + g * g - 1)
@@ -207,19 +150,6 @@ def _held_point(
 
 
 def _acceleration(D: tuple[Array, Array], floor: Array, mu: Array) -> tuple[Array, Array]:
-    """Return a_x and a_y of a cylinder on the floor whose contact slips from rest (theory 7.3).
-
-    All are in one unit of acceleration, arrays of one shape.
-
-    Parameters
-    ----------
-    D : tuple of ndarray
-        The drive along and across the track, less gravity.
-    floor : ndarray
-        The normal force of the floor per mass.
-    mu : ndarray
-        The friction coefficient, static and kinetic.
-    """
     friction: dict[str, Array] = {"friction_kinetic": mu, "floor_acceleration": floor}
     z = rolling.roll_root(
         in_plane_drive_x=D[0], in_plane_drive_y=D[1], friction_static=mu, **friction

@@ -33,19 +33,6 @@ Turned = Callable[[Array, Array, Array, Array], Candidate]
 
 
 def _straight(k: Array, g: Array, mu: Array, mu_s: Array) -> tuple[Candidate, Candidate]:
-    """Return two drives along the track: the best one that slips, and the edge of stick.
-
-    Each is azimuth alpha, 0, and elevation beta [rad], a mark that is 1 where static friction still
-    holds, and True where it is a candidate.
-
-    Parameters
-    ----------
-    k, g : ndarray
-        Gravity along the track (backwards) and onto the floor, in units of the drive acceleration
-        P.
-    mu, mu_s : ndarray
-        Kinetic and static friction coefficients.
-    """
     zero = np.zeros_like(k)
     lift_off = np.arcsin(np.minimum(g, 1.0))
     beta = np.minimum(np.arctan(mu), lift_off)
@@ -73,18 +60,6 @@ def fastest_slide(
     Arguments broadcast; values out of range get the status `invalid`. The result has the angles
     [rad], a_x and a_y [m/s2] and a status. All candidates are closed forms or
     iterations of few steps; the best in each cell is taken.
-
-    Parameters
-    ----------
-    vibration_acceleration, gravity_along, gravity_normal : array_like
-        P, and gravity along -x and onto the floor [m s-2].
-    friction_kinetic, friction_static : array_like
-        Friction coefficients.
-    turned, held : callable
-        Return the best drive from the side for a sliding part, and at the edge of stick, from k, g,
-        mu and mu_s: gravity in units of P, and friction.
-    accelerate : callable
-        Returns a_x and a_y of a sliding part.
     """
     P, c, G, mu, mu_s = broadcast(
         vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, friction_static
@@ -163,23 +138,6 @@ def plane_physical_fastest(
 
 
 def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
-    """Return the best drive of a block from the side, which turns friction away from the track.
-
-    On a climbing track it may beat one along the track (theory 12.2). The direction of friction, x
-    = cos(psi), is found by Newton's method.
-
-    Parameters
-    ----------
-    k, g, mu, mu_s : ndarray, of one shape
-        Gravity along -x and onto the floor, in units of the drive acceleration P; kinetic and
-        static friction.
-
-    Returns
-    -------
-    tuple of ndarray, of that shape
-        Azimuth alpha and elevation beta [rad], the mark 0 (1 would be the limit of static
-        friction), and True where there is such a drive.
-    """
     A = np.hypot(1.0, mu)
     p2 = (1 - k) * (1 + k)
     exists = (k > 0) & (p2 > 0) & (A * np.sqrt(np.maximum(p2, 0.0)) > mu * g)
@@ -213,24 +171,6 @@ def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 
 
 def _held(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
-    """Return the best drive of a block from the side at the edge of stick, where |D| = mu_s n.
-
-    There a_x = D_x (1 - mu_k/mu_s), with D the drive in the plane less gravity and n the normal
-    force per mass. As |D|^2 = q^2 - k^2 - 2 k D_x with q = cos(beta), D_x is largest where q^2 -
-    (mu_s n)^2 is.
-
-    Parameters
-    ----------
-    k, g, mu, mu_s : ndarray, of one shape
-        Gravity along -x and onto the floor, in units of the drive acceleration P; kinetic and
-        static friction.
-
-    Returns
-    -------
-    tuple of ndarray, of that shape
-        Azimuth alpha and elevation beta [rad], the mark 1 for the limit of static friction, and
-        True where there is such a drive.
-    """
     dz = g * (mu_s / np.hypot(1.0, mu_s)) ** 2
     q2 = (1 - dz) * (1 + dz)
     exists = (k > 0) & (q2 > 0) & (mu_s > mu)
@@ -245,10 +185,6 @@ def _held(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 
 
 def _acceleration(D: tuple[Array, Array], floor: Array, mu: Array) -> tuple[Array, Array]:
-    """Return the acceleration D (1 - mu n/|D|) of a part that slides from rest, along x and y.
-
-    `D` is the drive in the plane less gravity, and `floor` the normal force per mass n.
-    """
     left = 1.0 - ratio(mu * floor, np.hypot(*D), 0.0)
     return D[0] * left, D[1] * left
 

@@ -155,32 +155,16 @@ def plane_thesis_pareto(
 def _printed_accelerations(
     P: Array, c: Array, G: Array, mu: Array, alpha: Array, beta: Array
 ) -> tuple[Array, Array]:
-    """Return a_x and a_y of (3.11), with friction mu (G - P sin(beta)) against both.
-
-    P is the drive's acceleration amplitude, c and G are gravity along -x and onto the floor [m
-    s-2].
-    """
     friction = mu * (G - P * np.sin(beta))
     push = P * np.cos(beta)
     return push * np.cos(alpha) - c - friction, push * np.sin(alpha) - friction
 
 
 def _curve_beta(alpha: Array, mu: Array) -> Array:
-    """Return the elevation on the curve tan(beta) = mu (cos(alpha) + sin(alpha))."""
     return np.asarray(np.arctan(mu * (np.cos(alpha) + np.sin(alpha))))
 
 
 def _on_curve(level: Array, mu: Array) -> tuple[Array, Array]:
-    """Return the best drive angles at which a_y just reaches its limit, with the printed friction.
-
-    The limit of a_y is a level of d_y + mu d_z, with the drive direction d. The point is the
-    highest over d_x + mu d_z of the circle that the plane of the level cuts from the unit sphere:
-    the foot of the plane plus a step along the projected gradient. It lies on tan(beta) = mu
-    (cos(alpha) + sin(alpha)).
-
-    `level` and `mu`, the friction coefficient, are arrays of one shape; so are alpha and beta
-    [rad].
-    """
     A2 = 1.0 + mu * mu
     A = np.hypot(1.0, mu)
     s = np.minimum(level / A, 1.0)
@@ -191,10 +175,6 @@ def _on_curve(level: Array, mu: Array) -> tuple[Array, Array]:
 
 
 def _alpha_max(g: Array, mu: Array) -> Array:
-    """Return the alpha with a_y = 0 on the curve of case B; 90 deg where a_y stays negative.
-
-    `g` is gravity onto the floor over the drive acceleration.
-    """
     return _on_curve(np.minimum(mu * g, np.hypot(1.0, mu)), mu)[0]
 
 

@@ -132,12 +132,6 @@ def track_physical_fastest(
 
 
 def _both_contacts(y: Array, z: Array, mu: Array) -> tuple[Array, Array]:
-    """Return the drive angles of the largest d_x + mu (d_y + d_z) with d_y <= y and d_z <= z.
-
-    It is largest where a part on floor and wall accelerates most. d is the unit direction of the
-    drive; y and z are gravity towards the wall and onto the floor over the drive's acceleration, mu
-    is friction. All are arrays of one shape, as are azimuth and elevation [rad].
-    """
     kept = np.minimum(y, 1.0)
     wall = np.minimum(mu * np.sqrt((1 - kept) * (1 + kept)) / np.hypot(1.0, mu), z)
     across = np.sqrt(np.maximum((1 - wall) * (1 + wall) - kept * kept, 0.0))
@@ -150,11 +144,6 @@ def _both_contacts(y: Array, z: Array, mu: Array) -> tuple[Array, Array]:
 def _both_value(
     P: Array, c: Array, gy: Array, gz: Array, mu: Array, alpha: Array, beta: Array
 ) -> Array:
-    """Return the starting acceleration K_0 (theory 4.4) at given angles [m s-2].
-
-    It is the drive along x less gravity c and less friction mu on floor and wall, whose loads are
-    gz - P sin(beta) and gy - P cos(beta) sin(alpha).
-    """
     push = P * np.cos(beta)
     floor, wall = gz - P * np.sin(beta), gy - push * np.sin(alpha)
     return np.asarray(push * np.cos(alpha) - c - mu * (floor + wall))
