@@ -19,10 +19,9 @@ import numpy as np
 
 from benchmarks.options import options
 from benchmarks.timing import timed
-from vibrafeed.core.calibrate.boxes import explore
+from vibrafeed.core.calibrate.boxes import NONE_BEFORE, explore
 from vibrafeed.core.calibrate.calibration import Calibration
 from vibrafeed.core.calibrate.posterior import posterior_of
-from vibrafeed.core.calibrate.scatter import NONE_BEFORE
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.watch import Watch
 

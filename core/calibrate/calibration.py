@@ -8,9 +8,9 @@ from itertools import combinations
 
 import numpy as np
 
+from vibrafeed.core.calibrate.boxes import Likelihood
 from vibrafeed.core.calibrate.model import Model
 from vibrafeed.core.calibrate.posterior import AXIS, MAX_MODES, Posterior
-from vibrafeed.core.calibrate.scatter import Likelihood
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.method import Method
 from vibrafeed.core.motion.systems import methods_of

@@ -11,8 +11,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from vibrafeed.core.calibrate.boxes import Explored, PosteriorBoxes, points_of
-from vibrafeed.core.calibrate.scatter import Likelihood, log_sum
+from vibrafeed.core.calibrate.boxes import Explored, Likelihood, PosteriorBoxes, log_sum, points_of
 from vibrafeed.core.mechanics.arrays import Array
 
 POINTS = 60_000  # points within the boxes, about

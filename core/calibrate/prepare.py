@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from vibrafeed.core.calibrate.boxes import Likelihood, Scatter
 from vibrafeed.core.calibrate.calibration import ENSEMBLE, MAX_CANDIDATES, Calibration
 from vibrafeed.core.calibrate.model import OUTPUTS, Model, Runs, Unknown
-from vibrafeed.core.calibrate.scatter import Likelihood, Scatter
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.prepare import choose_system, fix_for_unused_setting

@@ -1,17 +1,17 @@
-"""Carrying out a calibration: explore, sum up, polish, and label."""
+"""Carrying out a calibration: explore, sum up, polish."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from vibrafeed.core.calibrate.boxes import explore
+from vibrafeed.core.calibrate.boxes import Likelihood, explore, log_sum
 from vibrafeed.core.calibrate.calibration import (
     BANDS,
     CANDIDATE,
@@ -22,7 +22,7 @@ from vibrafeed.core.calibrate.calibration import (
     Calibration,
     information,
 )
-from vibrafeed.core.calibrate.messages import Findings, summary
+from vibrafeed.core.calibrate.findings import Findings, summary
 from vibrafeed.core.calibrate.model import Model
 from vibrafeed.core.calibrate.posterior import (
     Posterior,
@@ -33,14 +33,18 @@ from vibrafeed.core.calibrate.posterior import (
     pair,
     posterior_of,
 )
-from vibrafeed.core.calibrate.scatter import Likelihood, log_sum
+from vibrafeed.core.calibrate.prepare import prepare
 from vibrafeed.core.dataset.table import Table, TableVariable, quantity_attributes
 from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.prepare import choose_system
+from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.plan.differences import jacobian
+from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.plan.labels import global_attributes
 from vibrafeed.core.plan.pieces import FOLLOWED, Computed
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.quantity import in_sentence
+from vibrafeed.core.study.calibrate_study import CalibrateStudy
 from vibrafeed.core.watch import Watch
 
 # --- The last digits of the best values: least squares by scipy from the best point of a mode.
@@ -355,3 +359,28 @@ def _attributes(prepared: Calibration) -> dict[str, dict[str, Any]]:
     for name, (label_, comment) in _RUNS.items():
         attributes[name] = {"long_name": label_, "comment": comment}
     return {name: {"units": unit, **attributes[name]} for name, unit in prepared.units.items()}
+
+
+KIND: Final = Kind(
+    name="calibrate",
+    title="Find parameters from measured speeds",
+    description="Finds, from measured speeds or from what parts were seen to do, friction and "
+    "other unknown parameters, and which run would add most.",
+    model=CalibrateStudy,
+    scenes=(SYSTEMS,),
+    example={
+        "kind": "calibrate",
+        "scene": "rectangle-on-plane",
+        "parameters": {"frequency": "50 Hz", "beta": 20},
+        "observations": [
+            {"amplitude": "0.2 mm", "conveying_velocity": "13 mm/s", "error": "1 mm/s"},
+            {"amplitude": "0.3 mm", "conveying_velocity": "33 mm/s", "error": "1 mm/s"},
+        ],
+        "unknowns": {"friction": {"lower": 0.1, "upper": 0.6}},
+        "points": 1_000,
+    },
+    prepare=prepare,
+    choose=lambda sketch: choose_system(sketch.scene, sketch.method, sketch.names),
+    compute=compute,
+    label=label,
+)

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
 from vibrafeed.core.optimise.exact import closed_front
 from vibrafeed.core.optimise.methods import METHODS
-from vibrafeed.core.optimise.optima import Optima
-from vibrafeed.core.optimise.problem import LIMIT, OptimisationProblem, cells_of
+from vibrafeed.core.optimise.problem import LIMIT, Optima, OptimisationProblem, cells_of
 from vibrafeed.core.study.optimise_study import Pareto, Weighted
 from vibrafeed.core.study.values import evenly
 from vibrafeed.core.watch import Watch

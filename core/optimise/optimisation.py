@@ -12,9 +12,8 @@ from vibrafeed.core.motion.method import Method
 from vibrafeed.core.motion.prepare import other_method
 from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.optimise.problem import OptimisationProblem, broken_names
-from vibrafeed.core.optimise.robust import NODES
 from vibrafeed.core.optimise.search import expected_points
-from vibrafeed.core.optimise.slopes import sensitive
+from vibrafeed.core.optimise.uncertain import NODES
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.prepared import Box, Prepared
 from vibrafeed.core.plan.price import MARGIN, Price, price
@@ -90,7 +89,7 @@ class Optimisation(Prepared):
         if isinstance(criterion, Pareto):
             units |= dict.fromkeys(("knee", "front_points"), "1")
         if self.study.sensitivities:
-            units |= dict.fromkeys((f"sensitivity_{name}" for name in sensitive(problem)), "1")
+            units |= dict.fromkeys((f"sensitivity_{name}" for name in problem.sensitive), "1")
         return {**units, "optimum_status": "1", **dict.fromkeys(self.plan.verdict_names, "1")}
 
     @cached_property

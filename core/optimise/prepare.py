@@ -21,9 +21,8 @@ from vibrafeed.core.optimise.problem import (
     OptimisationProblem,
     Variable,
 )
-from vibrafeed.core.optimise.robust import LEAST_SHARE, MAX_UNCERTAIN, uncertain_of
 from vibrafeed.core.optimise.search import MAX_VARIABLES
-from vibrafeed.core.optimise.slopes import MAX_SENSITIVE
+from vibrafeed.core.optimise.uncertain import LEAST_SHARE, MAX_UNCERTAIN, uncertain_of
 from vibrafeed.core.plan.grid import Grid, to_si
 from vibrafeed.core.plan.plan import choose_scene
 from vibrafeed.core.plan.prepared import Chosen, locate_problem, plan_study
@@ -131,10 +130,6 @@ def _problems_of_count(bounds: Mapping[str, Between]) -> Iterable[Problem]:
 
 
 def _method(study: OptimiseStudy, problem: OptimisationProblem, designs: Grid) -> str:
-    if study.sensitivities and designs.cells > MAX_SENSITIVE:
-        message = f"each of {designs.cells:,} designs would be derived singly"
-        fix = f"Range over at most {MAX_SENSITIVE:,} designs, or leave sensitivities out"
-        raise StudyError([Problem("sensitivities", message, fix)])
     method = study.method or default_method(problem)
     why_not = refusal(method, problem)
     if why_not is not None:

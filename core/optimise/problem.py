@@ -1,26 +1,26 @@
-"""The problem that an optimiser solves: variables, objective, and what has to be kept.
+"""The problem that an optimiser solves, and the optima that it finds.
 
 Candidates are arrays. The outputs come from the scene's own plan, as in a sweep.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.result import Motion
-from vibrafeed.core.optimise.robust import Uncertain
 from vibrafeed.core.plan.equations import regimes, run_equations
 from vibrafeed.core.plan.grid import from_si
 from vibrafeed.core.plan.plan import Plan
-from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES
+from vibrafeed.core.study.distributions import Distribution
 from vibrafeed.core.study.optimise_study import Criterion, Limited, Minimise, Pareto, Weighted
 from vibrafeed.core.watch import Watch
 
@@ -79,6 +79,64 @@ class Kept:
     bound: float | None
     upper: bool
     absolute: bool = False
+
+
+How = Literal["worst", "mean", "quantile"]
+
+
+@dataclass(frozen=True)
+class Uncertain:
+    """Parameters that are not known exactly, at the nodes at which candidates are judged.
+
+    Attributes
+    ----------
+    distributions : mapping of str to Distribution
+        Of each parameter.
+    values : mapping of str to ndarray
+        The parameters at the nodes, shape (nodes,), SI units.
+    how : {"worst", "mean", "quantile"}
+        What counts over the nodes.
+    weights : ndarray, optional
+        Of a mean that is no plain one.
+    quantile : float
+        Which quantile counts.
+    counted : int, optional
+        The number of nodes, the first ones, that a mean or a quantile counts; constraints hold at
+        all nodes. All of them if None.
+    """
+
+    distributions: Mapping[str, Distribution]
+    values: Mapping[str, Array]
+    how: How
+    weights: Array | None = None
+    quantile: float = 0.5
+    counted: int | None = None
+
+    @property
+    def size(self) -> int:
+        """The number of nodes."""
+        return next(iter(self.values.values())).size
+
+    def with_nodes(self, values: Mapping[str, Array]) -> Uncertain:
+        """Return the same with further nodes after the others; `values` are theirs, SI units."""
+        longer = {name: np.append(one, values[name]) for name, one in self.values.items()}
+        return replace(self, values=longer)
+
+    def counts(self, values: Array, sign: float) -> Array:
+        """Return the statistic of values over uncertain parameters: least, mean or quantile.
+
+        `values` has the points of the uncertain parameters along its first axis, which is taken
+        away. `sign` is -1 if the sign of the output was turned, as it is minimised.
+        """
+        values = values[: self.counted]
+        if self.how == "quantile":
+            share = self.quantile if sign > 0 else 1 - self.quantile
+            return np.asarray(np.quantile(values, share, axis=0))
+        if self.how == "worst":
+            return np.asarray(values.min(axis=0))
+        if self.weights is None:
+            return np.asarray(values.mean(axis=0))
+        return np.asarray(np.tensordot(self.weights, values, axes=1))
 
 
 @dataclass(frozen=True)
@@ -152,6 +210,12 @@ class OptimisationProblem:
         kept = (kept.output for kept in self.kept)
         names = (self.criterion.output, self.against, self.second, *kept)
         return tuple(dict.fromkeys(name for name in names if name))
+
+    @cached_property
+    def sensitive(self) -> tuple[str, ...]:
+        """The parameters by which a study with sensitivities derives the criterion's output."""
+        parameters = self.plan.only(self.criterion.output).parameters
+        return tuple(dict.fromkeys((*self.names, *parameters)))
 
     @cached_property
     def bare(self) -> Plan:
@@ -433,3 +497,62 @@ def columns(design: Mapping[str, Array]) -> dict[str, Array]:
 def chosen_cells(design: Mapping[str, Array], cells: Any) -> dict[str, Array]:
     """Return a selection of the designs."""
     return {name: values[cells] for name, values in design.items()}
+
+
+STATUS: Mapping[str, int] = {name: flag.value for name, flag in OPTIMUM_STATUSES.items()}
+"""The value of each `OPTIMUM_STATUSES` entry."""
+
+
+@dataclass(frozen=True)
+class Optima:
+    """The optima of every design; all arrays but `x` have the shape (cells,).
+
+    Attributes
+    ----------
+    x : ndarray, shape (variables, cells)
+        The best values, SI units; NaN where there are none.
+    status : ndarray of int8
+        Value of an `OPTIMUM_STATUSES` entry.
+    value : ndarray or None
+        The objective as the method computes it; None if it is to be taken from the scene's outputs.
+    evaluations : ndarray of int64 or int
+        Number of points at which the outputs were computed.
+    says : str
+        The method's own message at the end.
+    """
+
+    x: Array
+    status: NDArray[np.int8]
+    value: Array | None = None
+    evaluations: NDArray[np.int64] | int = 1
+    says: str = ""
+
+    def chosen(self, cells: NDArray[np.intp]) -> Optima:
+        """Return the optima at some positions."""
+        return Optima(
+            self.x[:, cells],
+            self.status[cells],
+            None if self.value is None else self.value[cells],
+            np.broadcast_to(self.evaluations, self.status.shape)[cells],
+            self.says,
+        )
+
+    def made_infeasible(self, cells: NDArray[np.bool_]) -> Optima:
+        """Return the optima with some of them, shape (cells,), taken away as infeasible."""
+        status = np.where(cells, np.int8(STATUS["infeasible"]), self.status)
+        return replace(self, x=np.where(cells, np.nan, self.x), status=status)
+
+
+Solver = Callable[[OptimisationProblem, Mapping[str, Array], Mapping[str, Array], Watch], Optima]
+"""Takes problem, designs (arrays of shape (cells,)), scales of the outputs, and a watch."""
+
+
+def statuses_of(value: Array, beyond: Array, tolerance: float = 0.0) -> NDArray[np.int8]:
+    """Return the status of best points: optimal, infeasible, or without a value, shape (cells,).
+
+    `value` are their objectives; `beyond` their violations of constraints, which `tolerance`
+    allows.
+    """
+    status = np.where(np.isfinite(beyond), STATUS["infeasible"], STATUS["no_value"])
+    kept = (beyond <= tolerance) & np.isfinite(value)
+    return np.where(kept, STATUS["optimal"], status).astype(np.int8)

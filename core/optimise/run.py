@@ -1,35 +1,41 @@
-"""Carrying out an optimisation: solve every design, check the answers, label them."""
+"""Carrying out an optimisation: solve every design, check the answers."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from types import MappingProxyType
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.optimise.afresh import OBJECTIVE, Afresh, judged_afresh
-from vibrafeed.core.optimise.check import gap_of
+from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.optimise.check import gap_of, label
 from vibrafeed.core.optimise.front import distinct_points, find_front, knee
-from vibrafeed.core.optimise.labels import label
 from vibrafeed.core.optimise.methods import METHODS
-from vibrafeed.core.optimise.optima import STATUS, Optima
 from vibrafeed.core.optimise.optimisation import Optimisation
+from vibrafeed.core.optimise.prepare import choose_problem_scene, prepare
 from vibrafeed.core.optimise.problem import (
     LIMIT,
+    STATUS,
+    Optima,
     OptimisationProblem,
     broken_names,
     cells_of,
     chosen_cells,
 )
 from vibrafeed.core.optimise.search import spread
-from vibrafeed.core.optimise.slopes import slopes
+from vibrafeed.core.optimise.uncertain import OBJECTIVE, Afresh, judged_afresh
+from vibrafeed.core.plan.differences import derivatives, values_of
 from vibrafeed.core.plan.grid import Grid, from_si
+from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.plan.plan import plan_scene
 from vibrafeed.core.quantities import REGIMES
-from vibrafeed.core.study.optimise_study import Limited, Maximise, Pareto
+from vibrafeed.core.scenes import SCENES
+from vibrafeed.core.study.optimise_study import Limited, Maximise, OptimiseStudy, Pareto
 from vibrafeed.core.watch import Watch
 
 RETRIES = 8  # solutions with more nodes where fresh points break a limit
@@ -313,4 +319,47 @@ def _of_each_point(
     return problem.limited(), {**design, LIMIT: np.broadcast_to(other, design[LIMIT].shape)}
 
 
-__all__ = ["compute", "designs_of", "label"]
+def slopes(
+    problem: OptimisationProblem, x: Array, design: Mapping[str, Array], lost: NDArray[np.bool_]
+) -> dict[str, Array]:
+    """Return the elasticities d ln(output)/d ln(parameter) of the objective's output at optima.
+
+    They tell a user which parameter matters at the optimum. The names are
+    ``sensitivity_<parameter>``, the values arrays (cells,), from differences inside one regime. NaN
+    where there is none: at a kink, a jump, and for a parameter or an output that is 0. 0 for a
+    variable that the output does not depend on.
+    """
+    names, output, kept = problem.sensitive, problem.criterion.output, ~lost
+    used = problem.plan.only(output).parameters
+    elasticities = {name: np.where(kept, np.nan if name in used else 0.0, np.nan) for name in names}
+    if kept.any():
+        cells = {name: design[name][kept] for name in used if name in design}
+        cells |= {name: x[i, kept] for i, name in enumerate(problem.names) if name in used}
+        plan = plan_scene(problem.plan.scene, problem.plan.variant, (output,), cells)
+        by = tuple(name for name in names if name in used)
+        values = values_of(plan, cells, by)
+        for (_, name), derived in derivatives(plan, cells, by).items():
+            elasticities[name][kept] = derived.logarithmic(values[name])
+    return {f"sensitivity_{name}": values for name, values in elasticities.items()}
+
+
+KIND: Final = Kind(
+    name="optimise",
+    title="Find the best drive",
+    description="Finds the best angles, or other parameters, of a drive for each of many designs.",
+    model=OptimiseStudy,
+    scenes=(SCENES, SYSTEMS),
+    example={
+        "kind": "optimise",
+        "scene": "rectangle-on-plane",
+        "criterion": {"kind": "maximise", "output": "acceleration_x"},
+        "parameters": {"frequency": "50 Hz", "amplitude": "0.5 mm", "friction": 0.3},
+    },
+    prepare=prepare,
+    choose=lambda sketch: choose_problem_scene(
+        sketch.scene, sketch.variant, sketch.outputs, sketch.names
+    ),
+    compute=compute,
+    label=label,
+    choices=MappingProxyType({"method": tuple(METHODS)}),
+)

@@ -19,16 +19,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.optimise.optima import STATUS, Optima, statuses_of
 from vibrafeed.core.optimise.problem import (
     LONGEST,
+    STATUS,
     UNKNOWN,
+    Optima,
     OptimisationProblem,
     cells_of,
     chosen_cells,
     columns,
+    statuses_of,
 )
-from vibrafeed.core.optimise.robust import NODES
+from vibrafeed.core.optimise.uncertain import NODES
 from vibrafeed.core.watch import Watch
 
 MAX_VARIABLES = 8

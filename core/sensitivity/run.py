@@ -6,7 +6,7 @@ import json
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,19 +15,28 @@ from vibrafeed.core.dataset.regimes import is_valid
 from vibrafeed.core.dataset.table import Table, TableVariable
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.plan import statistics
 from vibrafeed.core.plan.draws import values_at
 from vibrafeed.core.plan.equations import regimes, run_equations
 from vibrafeed.core.plan.grid import from_si
+from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.plan.labels import coordinates_of, global_attributes, verdict_variables
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.replicates import REPLICATES
 from vibrafeed.core.plan.statistics import LEVELS
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
+from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.sensitivity.indices import design, indices_of
-from vibrafeed.core.sensitivity.prepare import Sensitivity
-from vibrafeed.core.sensitivity.variables import LEVEL, QUANTILE, UNCERTAIN
-from vibrafeed.core.study.sensitivity_study import Demand
+from vibrafeed.core.sensitivity.prepare import (
+    LEVEL,
+    QUANTILE,
+    UNCERTAIN,
+    Sensitivity,
+    choose,
+    prepare,
+)
+from vibrafeed.core.study.sensitivity_study import Demand, SensitivityStudy
 from vibrafeed.core.watch import Watch
 
 BLOCK = 1 << 18
@@ -253,3 +262,24 @@ def _coordinates(prepared: Sensitivity) -> dict[str, TableVariable]:
 
 def _distributions(prepared: Sensitivity) -> str:
     return json.dumps({name: one.canonical() for name, one in prepared.uncertain.items()})
+
+
+KIND: Final = Kind(
+    name="sensitivity",
+    title="Show the effect of uncertain parameters",
+    description="Shows how outputs vary with uncertain parameters: probabilities, "
+    "quantiles, Sobol indices, tolerance budgets, for each of many designs.",
+    model=SensitivityStudy,
+    scenes=(SCENES, SYSTEMS),
+    example={
+        "kind": "sensitivity",
+        "scene": "rectangle-on-plane",
+        "outputs": ["acceleration_x"],
+        "uncertain": {"friction": {"mean": 0.3, "deviation": 0.03}},
+        "parameters": {"frequency": "50 Hz", "amplitude": "0.5 mm", "beta": 30},
+    },
+    prepare=prepare,
+    choose=choose,
+    compute=compute,
+    label=label,
+)
