@@ -28,7 +28,7 @@ from vibrafeed.core.optimise.problem import (
 )
 from vibrafeed.core.optimise.search import spread
 from vibrafeed.core.optimise.uncertain import OBJECTIVE, Afresh, judged_afresh
-from vibrafeed.core.plan.differences import derivatives, values_of
+from vibrafeed.core.plan.differences import STEPS, derivatives, scale_of
 from vibrafeed.core.plan.grid import Grid, from_si
 from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.plan.pieces import Computed
@@ -188,9 +188,8 @@ def checked(
     }
     arrays["objective"] = problem.sign * objective
     arrays |= {n: whole(problem.output(n, known)) for n in prepared.units if n in known}
-    arrays |= _limits(
-        problem, fresh, x, design, {n: tolerance * v for n, v in scales.items()}, lost
-    )
+    close = {name: tolerance * scale for name, scale in scales.items()}
+    arrays |= _limits(problem, fresh, x, design, close, lost)
     arrays |= _at_bounds(problem, x, lost, max(tolerance, AT_BOUND))
     here, near = _of_each_point(problem, known, design)
     gap = gap_of(prepared.method, here, value, lost, near, scales) / size
@@ -208,7 +207,7 @@ def checked(
     status = np.where(missed, np.int8(STATUS["suboptimal"]), status)
     arrays["evaluations"] = np.broadcast_to(np.asarray(optima.evaluations, np.float64), cells)
     if prepared.study.sensitivities:
-        arrays |= slopes(problem, x, design, lost)
+        arrays |= slopes(problem, x, design, close, lost)
     arrays["optimum_status"] = status
     return arrays | _verdicts(problem.regimes(known, scales, tolerance), lost)
 
@@ -320,27 +319,58 @@ def _of_each_point(
 
 
 def slopes(
-    problem: OptimisationProblem, x: Array, design: Mapping[str, Array], lost: NDArray[np.bool_]
+    problem: OptimisationProblem,
+    x: Array,
+    design: Mapping[str, Array],
+    close: Mapping[str, Array],
+    lost: NDArray[np.bool_],
 ) -> dict[str, Array]:
     """Return the elasticities d ln(output)/d ln(parameter) of the objective's output at optima.
 
     They tell a user which parameter matters at the optimum. The names are
-    ``sensitivity_<parameter>``, the values arrays (cells,), from differences inside one regime. NaN
-    where there is none: at a kink, a jump, and for a parameter or an output that is 0. 0 for a
-    variable that the output does not depend on.
+    ``sensitivity_<parameter>``, the values arrays (cells,), from differences inside one regime; at
+    a kink on the border of what limits and bounds allow from inside. NaN where there is none: at
+    another kink, a jump, and for a parameter or an output that is 0. 0 for a variable that the
+    output does not depend on. `x` are the optima, `close` is what of a margin counts as none.
     """
-    names, output, kept = problem.sensitive, problem.criterion.output, ~lost
+    output = problem.criterion.output
     used = problem.plan.only(output).parameters
-    elasticities = {name: np.where(kept, np.nan if name in used else 0.0, np.nan) for name in names}
-    if kept.any():
-        cells = {name: design[name][kept] for name in used if name in design}
-        cells |= {name: x[i, kept] for i, name in enumerate(problem.names) if name in used}
+    kept = np.flatnonzero(~lost)
+    at = {**design, **dict(zip(problem.names, x, strict=True))}
+    at = {name: at[name][kept] for name in problem.plan.parameters}
+    close = {name: one[kept] for name, one in close.items()}
+    elasticities = {}
+    for name in problem.sensitive:
+        values = elasticities[f"sensitivity_{name}"] = np.where(lost, np.nan, 0.0)
+        if name not in used or not kept.size:
+            continue
+        cells = {one: at[one] for one in used}
         plan = plan_scene(problem.plan.scene, problem.plan.variant, (output,), cells)
-        by = tuple(name for name in names if name in used)
-        values = values_of(plan, cells, by)
-        for (_, name), derived in derivatives(plan, cells, by).items():
-            elasticities[name][kept] = derived.logarithmic(values[name])
-    return {f"sensitivity_{name}": values for name, values in elasticities.items()}
+        values[kept] = derivatives(plan, cells, (name,))[output, name].logarithmic(at[name])
+        bent = np.isnan(values[kept])
+        if bent.any():
+            here, tolerances = chosen_cells(at, bent), chosen_cells(close, bent)
+            sides = {name: _side(problem, name, here, tolerances)}
+            cells = chosen_cells(cells, bent)
+            inside = derivatives(plan, cells, (name,), sides=sides)[output, name]
+            values[kept[bent]] = inside.logarithmic(here[name])
+    return elasticities
+
+
+def _side(
+    problem: OptimisationProblem, name: str, at: Mapping[str, Array], close: Mapping[str, Array]
+) -> NDArray[np.int8]:
+    # 1 or -1 where limits and bounds are kept above or below the parameter's value only, else 0.
+    step = STEPS[0] * scale_of(name, at[name])
+    keeps = []
+    for way in (1, -1):
+        moved = {**at, name: at[name] + way * step}
+        x = np.stack([moved[one] for one in problem.names])
+        inside = ((x >= problem.lower[:, None]) & (x <= problem.upper[:, None])).all(axis=0)
+        for kept in problem.kept:
+            inside &= problem.safe_margin(kept, x, moved) >= -close[kept.output]
+        keeps.append(inside)
+    return keeps[0].astype(np.int8) - keeps[1]
 
 
 KIND: Final = Kind(
