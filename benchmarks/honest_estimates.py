@@ -303,7 +303,7 @@ def optimum_against_finer(count: int) -> list[Measured]:
         other = "scipy" if prepared.method != "scipy" else "search"
         finer = METHODS[other].solve(problem, design, scales, Watch())
         x = np.where(np.isnan(finer.x), problem.lower[:, None], finer.x)
-        reference, beyond = problem.judged(x, design, scales)
+        reference, beyond, _ = problem.judged(x, design, scales)
         if is_closed(problem):
             reference = np.fmax(reference, closed_optima(problem, design).value)
         found = {key: values.ravel() for key, values in found.items()}

@@ -114,13 +114,18 @@ def _minute_errors(runs: Runs) -> Iterable[str]:
 
 def _misused(study: CalibrateStudy) -> Iterable[Problem]:
     if study.verify is not None:
-        message = "a calibration is not verified cell by cell"
-        fix = "Leave it out, and simulate the best values with verify"
-        yield Problem("verify", message, fix)
+        yield Problem(
+            "verify",
+            "a calibration is not verified cell by cell",
+            "Leave it out, and simulate the best values with verify",
+        )
     for name, value in study.values().items():
         if not isinstance(value, Fixed):
-            fix = "Give one value that all runs share; what differs stands in the observations"
-            yield Problem(f"parameters.{name}", "it has several values", fix)
+            yield Problem(
+                f"parameters.{name}",
+                "it has several values",
+                "Give one value that all runs share; what differs stands in the observations",
+            )
 
 
 def _unknowns(study: CalibrateStudy) -> tuple[Unknown, ...]:
@@ -134,14 +139,17 @@ def _unknowns(study: CalibrateStudy) -> tuple[Unknown, ...]:
 def _problems_of_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
     count = len(study.priors())
     if not count:
-        fix = "Name some, for example [unknowns] friction = { lower = 0.1, upper = 0.6 }"
-        yield Problem("unknowns", "no unknown is given", fix)
-    if count > MAX_UNKNOWNS:
-        message = (
-            f"there are {count} unknowns: a grid of that dimension would be too coarse to trust"
+        yield Problem(
+            "unknowns",
+            "no unknown is given",
+            "Name some, for example [unknowns] friction = { lower = 0.1, upper = 0.6 }",
         )
-        fix = f"Look for {MAX_UNKNOWNS} at most: move those that matter least to the parameters"
-        yield Problem("unknowns", message, fix)
+    if count > MAX_UNKNOWNS:
+        yield Problem(
+            "unknowns",
+            f"there are {count} unknowns: a grid of that dimension would be too coarse to trust",
+            f"Look for {MAX_UNKNOWNS} at most: move those that matter least to the parameters",
+        )
 
 
 def _columns(study: CalibrateStudy) -> tuple[dict[str, Array], list[Problem]]:
@@ -151,16 +159,24 @@ def _columns(study: CalibrateStudy) -> tuple[dict[str, Array], list[Problem]]:
     for name in names:
         lacking = [k for k, row in enumerate(rows, 1) if name not in row]
         if lacking:
-            message = f"other runs have {name}, and this one has not"
-            fix = "Give it in every run, or once among the parameters"
-            place = f"observations row {lacking[0]}, {name}"
             more = f" ({len(lacking)} such rows)" if len(lacking) > 1 else ""
-            problems.append(Problem(place, message + more, fix))
+            problems.append(
+                Problem(
+                    f"observations row {lacking[0]}, {name}",
+                    f"other runs have {name}, and this one has not" + more,
+                    "Give it in every run, or once among the parameters",
+                )
+            )
     columns = {n: np.array([row.get(n, np.nan) for row in rows]) for n in names}
     for name in columns:
         if name in study.values():
-            message = f"{name} stands in the parameters and in the observations"
-            problems.append(Problem(f"parameters.{name}", message, "Give it once"))
+            problems.append(
+                Problem(
+                    f"parameters.{name}",
+                    f"{name} stands in the parameters and in the observations",
+                    "Give it once",
+                )
+            )
     return columns, problems
 
 
@@ -169,23 +185,28 @@ def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
     for k, row in enumerate(rows, 1):
         given = [name for name in OBSERVED if getattr(row, name) is not None]
         if len(given) > 1:
-            message = f"it gives both {' and '.join(given)}"
-            problems.append(Problem(f"observations row {k}", message, "Give one of them"))
+            problems.append(
+                Problem(
+                    f"observations row {k}",
+                    f"it gives both {' and '.join(given)}",
+                    "Give one of them",
+                )
+            )
         elif not given and row.regime is None:
-            fix = "Give conveying_velocity with its unit, feed_rate, or regime"
             problems.append(
                 Problem(
                     f"observations row {k}",
                     f"the run in row {k} of the observations has no measured value",
-                    fix,
+                    "Give conveying_velocity with its unit, feed_rate, or regime",
                 )
             )
     used = [name for name in OBSERVED if any(getattr(row, name) is not None for row in rows)]
     if len(used) > 1 and not problems:
-        message = "some runs give conveying_velocity, others feed_rate"
         problems.append(
             Problem(
-                "observations", message, "Give the same one of the two in all runs of observations"
+                "observations",
+                "some runs give conveying_velocity, others feed_rate",
+                "Give the same one of the two in all runs of observations",
             )
         )
     return (used or list(OBSERVED))[0], problems
@@ -200,16 +221,25 @@ def _errors(study: CalibrateStudy, output: str) -> tuple[Array, list[Problem]]:
             try:
                 error = read_error(output, study.error, value)
             except UnitError as wrong:
-                place = "error" if value else f"observations row {k}, error"
-                problems.append(Problem(place, wrong.message, wrong.fix))
+                problems.append(
+                    Problem(
+                        ("error" if value else f"observations row {k}, error"),
+                        wrong.message,
+                        wrong.fix,
+                    )
+                )
         if value is not None and error is None:
             lacking.append(k)
         errors.append(error or 0.0)
     measured = sum(getattr(run, output) is not None for run in study.observations)
     if lacking and len(lacking) < measured and not problems:
-        message = "other runs have an error, and this one has not"
-        fix = "Give error in every run, once for all above them, or nowhere"
-        problems.append(Problem(f"observations row {lacking[0]}, error", message, fix))
+        problems.append(
+            Problem(
+                f"observations row {lacking[0]}, error",
+                "other runs have an error, and this one has not",
+                "Give error in every run, once for all above them, or nowhere",
+            )
+        )
     return np.array(errors), problems
 
 
@@ -220,17 +250,18 @@ def _open(
         path, names = f"{unknown.table}.{unknown.parameter}", {*shared, *columns}
         if unknown.table == "unknowns" and unknown.parameter in names:
             where = "observations" if unknown.parameter in columns else "parameters"
-            message = f"{unknown.parameter} is unknown, and given in the {where}"
             yield Problem(
                 path,
-                message,
+                f"{unknown.parameter} is unknown, and given in the {where}",
                 f"Give {unknown.parameter} once, or unknown offsets or factors of it: "
                 "[offsets], [factors]",
             )
         elif unknown.table != "unknowns" and unknown.parameter not in names:
-            message = f"there is no {unknown.parameter} among the parameters or observations"
-            fix = "Give what it changes, or move it to [unknowns]"
-            yield Problem(path, message, fix)
+            yield Problem(
+                path,
+                f"there is no {unknown.parameter} among the parameters or observations",
+                "Give what it changes, or move it to [unknowns]",
+            )
 
 
 def _spans(
@@ -260,9 +291,12 @@ def _spans(
         if low < quantity.lower or high > quantity.upper:
             least = f"{quantity.lower:g}" if low < quantity.lower else f"{quantity.upper:g}"
             word = "below" if low < quantity.lower else "above"
-            message = f"with it {unknown.parameter} may come {word} {least}{quantity.suffix}"
             problems.append(
-                Problem(f"{unknown.table}.{unknown.parameter}", message, "Narrow its range")
+                Problem(
+                    f"{unknown.table}.{unknown.parameter}",
+                    f"with it {unknown.parameter} may come {word} {least}{quantity.suffix}",
+                    "Narrow its range",
+                )
             )
         spans[unknown.parameter] = Span(low, high, 2) if high > low else Fixed(low)
     return spans, problems
@@ -273,26 +307,32 @@ def _problems_of_candidates(
 ) -> Iterable[Problem]:
     for name in asked:
         if name not in columns:
-            fix = "Range over parameters that differ between the runs"
             where = "all runs share it" if name in shared else "no run has it"
-            yield Problem(f"candidates.{name}", where, fix)
+            yield Problem(
+                f"candidates.{name}", where, "Range over parameters that differ between the runs"
+            )
     cells = Grid.of(asked).cells if asked else 0
     if cells > MAX_CANDIDATES:
-        message = f"there are {cells:,} of them, each of which takes {ENSEMBLE} motions"
-        yield Problem("candidates", message, f"Give at most {MAX_CANDIDATES:,}")
+        yield Problem(
+            "candidates",
+            f"there are {cells:,} of them, each of which takes {ENSEMBLE} motions",
+            f"Give at most {MAX_CANDIDATES:,}",
+        )
 
 
 def _of_scene(study: CalibrateStudy, scene: Scene, method: str) -> Iterable[Problem]:
     if scene.name not in CONTACTS:
-        fix = f"Choose among {', '.join(CONTACTS)}"
         yield Problem(
-            "scene", f"the scene {scene.name} gives no conveying velocity to calibrate", fix
+            "scene",
+            f"the scene {scene.name} gives no conveying velocity to calibrate",
+            f"Choose among {', '.join(CONTACTS)}",
         )
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
     for name in study.settings():
         if name not in needed:
-            message = f"the method {method} does not use it"
-            yield Problem(name, message, fix_for_unused_setting(scene, name))
+            yield Problem(
+                name, f"the method {method} does not use it", fix_for_unused_setting(scene, name)
+            )
 
 
 def _without_order(scene: Scene, spans: Mapping[str, Values]) -> Scene:
@@ -311,9 +351,11 @@ def _too_few(study: CalibrateStudy, unknowns: tuple[Unknown, ...]) -> Iterable[P
         any(getattr(run, name) is not None for name in OBSERVED) for run in study.observations
     )
     if 0 < measured < len(unknowns) + 2:
-        message = f"no error is known, and {measured} measured runs do not show their scatter"
-        fix = f'Give error, such as "5 %", or at least {len(unknowns) + 2} runs'
-        yield Problem("error", message, fix)
+        yield Problem(
+            "error",
+            f"no error is known, and {measured} measured runs do not show their scatter",
+            f'Give error, such as "5 %", or at least {len(unknowns) + 2} runs',
+        )
 
 
 __all__ = ["MAX_UNKNOWNS", "prepare"]

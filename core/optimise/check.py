@@ -32,6 +32,7 @@ from vibrafeed.core.optimise.problem import (
     STATUS,
     OptimisationProblem,
     broken_names,
+    cells_of,
     chosen_cells,
     columns,
 )
@@ -91,17 +92,15 @@ def best_of_points(
     It is -inf where no point keeps the constraints. Of motions that do not repeat the best points
     are followed for longer before one is chosen. Arguments as in `gap_of`.
     """
-    cells, points = next(iter(design.values())).size, POINTS
-    if problem.is_motion:
-        points = POINTS_MOTION
-    unit = filled(len(problem.names), cells, points)
+    cells = cells_of(design)
+    unit = filled(len(problem.names), cells, POINTS_MOTION if problem.is_motion else POINTS)
     x = problem.inside(unit)[:, None, :]
     step = max(1, BLOCK // (unit.shape[1] * problem.nodes))
     best = np.full(cells, -np.inf)
     for start in range(0, cells, step):
         piece = np.arange(start, min(start + step, cells))
         here, sizes = chosen_cells(design, piece), chosen_cells(scales, piece)
-        judged = problem.judged_with_error(x, columns(here), columns(sizes))
+        judged = problem.judged(x, columns(here), columns(sizes))
         value, beyond, error = (np.broadcast_to(one, judged[0].shape) for one in judged)
         best[piece] = np.where(beyond <= 0, value, -np.inf).max(axis=1)
         unsure = (error > 0).any(axis=1) & (beyond <= 0).any(axis=1)
@@ -110,20 +109,6 @@ def best_of_points(
             alone = chosen_cells(here, [cell]), chosen_cells(sizes, [cell])
             best[piece[cell]] = most_reliable(problem, unit, one, *alone)[1]
     return best
-
-
-def accuracy(gaps: Array) -> str:
-    """Return the accuracy of optima in words, as an attribute of a file.
-
-    `gaps` is the variable `optimum_gap`: by how much another method finds better optima, over the
-    size of the objective.
-    """
-    text = (
-        "optimum_gap: what another method finds better, over the largest size of the objective; "
-        "below 0 where it finds less"
-    )
-    known = gaps[np.isfinite(gaps)]
-    return f"{text}; the largest here is {known.max():.2g}" if known.size else text
 
 
 def verified(
@@ -144,11 +129,12 @@ def verified(
     design = _design(prepared, sample, known)
     # An edge of stick that is approached and never reached is a jump of the outputs.
     smooth = answered[known["optimum_status"][answered] != STATUS["not_attained"]]
-    rival = _rival(prepared)
+    # Motions take too long: their optima are compared with points in any case.
+    rival = "search" if prepared.method != "search" else "scipy"
+    rival = "" if prepared.problem.is_motion else rival
     watch = watch.part(0.5 if rival else 1.0)
-    against, sentences = [], []
+    against, sentences, failed = [], [], 0
     judged, lost, left = np.zeros((3, sample.count), dtype=np.bool_)
-    failed = 0
     if smooth.size:
         agreement, by = _outputs(prepared, design, x, known, smooth, watch)
         against.append(by)
@@ -163,8 +149,7 @@ def verified(
         lost[answered] |= ~solved
         left[answered] |= ~solved
         if solved.any():
-            unit = QUANTITIES[prepared.problem.criterion.output].unit
-            more = f"{better:.2g}{'' if unit == '1' else f' {unit}'} more"
+            more = f"{better:.2g}{QUANTITIES[prepared.problem.criterion.output].suffix} more"
             more = more if better else "nothing better"
             sentences.append(f"objective {sample.where(cell)}: {rival} finds {more}")
     if sample.count and not answered.size:
@@ -202,20 +187,11 @@ def _outputs(
     names = [name for name in plan.outputs if name in known]
     if problem.is_motion:
         got = {name: known[name][chosen] for name in names}
-        other = prepared.other_motion
-        assert other is not None  # the study would have been refused
-        return compare(
-            plan, cells, got, other.name, watch
-        ), f"the motion by the method {other.name}"
+        assert prepared.other_motion is not None  # the study would have been refused
+        other = prepared.other_motion.name
+        return compare(plan, cells, got, other, watch), f"the motion by the method {other}"
     values = {name: np.asarray(to_si(name, known[name][chosen])) for name in names}
     return rounding_of(plan, cells, values, watch), AGAINST
-
-
-def _rival(prepared: Optimisation) -> str | None:
-    # Motions take too long: their optima are compared with points in any case.
-    if prepared.problem.is_motion:
-        return None
-    return "search" if prepared.method != "search" else "scipy"
 
 
 def _better(
@@ -237,7 +213,7 @@ def _better(
     optima = METHODS[rival].solve(problem, here, scales, watch)
     lost = np.isnan(optima.x).any(axis=0)
     x = np.where(lost, problem.lower[:, None], optima.x)
-    theirs, beyond = problem.judged(x, here, scales)
+    theirs, beyond, _ = problem.judged(x, here, scales)
     sound = ~lost & (beyond <= METHODS[rival].tolerance)
     if problem.uncertain is not None:
         # As ours are: at points of which neither search knew.
@@ -263,38 +239,57 @@ def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
 
     `computed` has the arrays of all variables by name; `watch` may stop the verification.
     """
-    arrays, dims = computed.arrays, tuple(prepared.grid.axes)
-    attributes = _attributes(prepared, arrays)
-    variables = {
-        name: TableVariable(dims, arrays[name], attributes[name]) for name in prepared.units
-    }
-    dataset_attributes = {
-        **_global_attributes(prepared),
-        "message": _message(prepared, arrays),
-        "accuracy": "; ".join((*_of_points(prepared), accuracy(arrays["optimum_gap"]))),
-        "evaluations": float(arrays["evaluations"].sum()),
-        **computed.notes,
-        **verified(prepared, arrays, watch),
-    }
-    return Table(coordinates_of(prepared.plan, prepared.grid), variables, dataset_attributes)
+    arrays, dims, problem = computed.arrays, tuple(prepared.grid.axes), prepared.problem
+    scene, says = prepared.plan.scene, METHODS[prepared.method].says
+    attributes, words = _attributes(prepared, arrays), criterion_in_words(problem)
+    gaps = arrays["optimum_gap"][np.isfinite(arrays["optimum_gap"])]
+    accuracy = [
+        "optimum_gap: what another method finds better, over the largest size of the objective; "
+        "below 0 where it finds less",
+        *([f"the largest here is {gaps.max():.2g}"] if gaps.size else []),
+    ]
+    if problem.uncertain is not None:
+        accuracy.insert(
+            0,
+            "errors of mean, quantile and probabilities are half the widths of 95 % intervals, "
+            f"from {REPLICATES} scramblings of Sobol points which the search did not use",
+        )
+    return Table(
+        coordinates_of(prepared.plan, prepared.grid),
+        {name: TableVariable(dims, arrays[name], attributes[name]) for name in prepared.units},
+        {
+            **global_attributes(prepared, f"optimisation, {says}"),
+            "title": prepared.study.title or f"{scene.title}: {words}",
+            "criterion": words,
+            "method": prepared.method,
+            # That of the motion; `method` is the optimiser's.
+            **({"motion_method": prepared.plan.variant} if scene.choice == "method" else {}),
+            "message": _message(prepared, arrays),
+            "accuracy": "; ".join(accuracy),
+            "evaluations": float(arrays["evaluations"].sum()),
+            **computed.notes,
+            **verified(prepared, arrays, watch),
+        },
+    )
 
 
 def _attributes(
     prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]
 ) -> dict[str, dict[str, Any]]:
     problem = prepared.problem
-    sentence = criterion_in_words(problem)
-    attributes: dict[str, dict[str, Any]] = {}
-    for name in prepared.units:
-        if name in QUANTITIES:
-            attributes[name] = quantity_attributes(name, **link_to_verdict(prepared.plan, name))
+    output = problem.criterion.output
+    attributes: dict[str, dict[str, Any]] = {
+        name: quantity_attributes(name, **link_to_verdict(prepared.plan, name))
+        for name in prepared.units
+        if name in QUANTITIES
+    }
     for name in problem.names:
-        quantity = QUANTITIES[name]
-        attributes[f"best_{name}"] = quantity_attributes(name) | {
-            "long_name": f"Best {in_sentence(quantity.label)}"
+        attributes[f"best_{name}"] = {
+            **quantity_attributes(name),
+            "long_name": f"Best {in_sentence(QUANTITIES[name].label)}",
         }
-        for end, bound in (("lower", "lower"), ("upper", "upper")):
-            attributes[f"binds_{name}_{end}"] = _binds(f"the {bound} bound of {name}")
+        for end in ("lower", "upper"):
+            attributes[f"binds_{name}_{end}"] = _binds(f"the {end} bound of {name}")
     for kept in problem.kept:
         what = kept.name.replace("_", " ")
         attributes[f"margin_{kept.name}"] = {
@@ -303,12 +298,20 @@ def _attributes(
             "comment": f"Distance of {kept.output} from its bound; 0 where it binds.",
         }
         attributes[f"binds_{kept.name}"] = _binds(what)
-        if problem.uncertain is not None:
-            attributes |= _broken(kept.name, what)
-    output = problem.criterion.output
+        broken, error = broken_names(kept.name)
+        attributes[broken] = {
+            "units": "1",
+            "long_name": f"Probability that {what} is broken",
+            "comment": "Over all distributions; a unit without a value breaks it.",
+        }
+        attributes[error] = {
+            "units": "1",
+            "long_name": f"Error of the probability that {what} is broken",
+            "comment": INTERVAL,
+        }
     attributes["objective"] |= {
         "units": QUANTITIES[output].unit,
-        "comment": f"At the optimum: {sentence}.",
+        "comment": f"At the optimum: {criterion_in_words(problem)}.",
         "criterion": problem.criterion.kind,
         "output": output,
         **link_to_verdict(prepared.plan, output),
@@ -321,49 +324,27 @@ def _attributes(
     attributes["optimum_status"] = flag_attributes(
         "optimum_status", OPTIMUM_STATUSES, tuple(OPTIMUM_STATUSES)
     )
-    if prepared.study.sensitivities:
-        for name in problem.sensitive:
-            label = QUANTITIES[name].label
-            attributes[f"sensitivity_{name}"] = {
-                "units": "1",
-                "long_name": f"Sensitivity to {in_sentence(label)}",
-                "comment": f"d ln({problem.criterion.output})/d ln({name}) at the optimum.",
-            }
+    for name in problem.sensitive if prepared.study.sensitivities else ():
+        attributes[f"sensitivity_{name}"] = {
+            "units": "1",
+            "long_name": f"Sensitivity to {in_sentence(QUANTITIES[name].label)}",
+            "comment": f"d ln({output})/d ln({name}) at the optimum.",
+        }
     if "knee" in prepared.units:
         attributes["knee"] = flag_attributes("knee", KNEE, tuple(KNEE))
-    apart = len(prepared.plan.verdicts) > 1
     for verdict in prepared.plan.verdicts:
         names = {*verdict.regimes}
         if (arrays[verdict.name] == REGIMES["not_assessed"].value).any():
             names.add("not_assessed")
-        judged = verdict.outputs if apart else ()
+        judged = verdict.outputs if len(prepared.plan.verdicts) > 1 else ()
         attributes[verdict.name] = regime_attributes(tuple(names), judged)
     return attributes
 
 
-def _of_points(prepared: Optimisation) -> Iterator[str]:
-    if prepared.problem.uncertain is not None:
-        yield (
-            "errors of mean, quantile and probabilities are half the widths of 95 % intervals, "
-            f"from {REPLICATES} scramblings of Sobol points which the search did not use"
-        )
-
-
-def _broken(name: str, what: str) -> dict[str, dict[str, Any]]:
-    label = f"robability that {what} is broken"
-    comments = (
-        (f"P{label}", "Over all distributions; a unit without a value breaks it."),
-        (f"Error of the p{label}", INTERVAL),
-    )
-    return {
-        one: {"units": "1", "long_name": label, "comment": comment}
-        for one, (label, comment) in zip(broken_names(name), comments, strict=True)
-    }
-
-
 def _binds(what: str) -> dict[str, Any]:
-    return flag_attributes("optimum_status", BINDS, tuple(BINDS)) | {
-        "long_name": f"Whether {what} binds"
+    return {
+        **flag_attributes("optimum_status", BINDS, tuple(BINDS)),
+        "long_name": f"Whether {what} binds",
     }
 
 
@@ -418,17 +399,3 @@ def _shares_broken(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -
     shares = {one.name: arrays[broken_names(one.name)[0]][0] for one in prepared.problem.kept}
     told = [f"{100 * share:.2g} % of units break {name}" for name, share in shares.items() if share]
     yield ", ".join(told) or "no unit of those drawn breaks a limit"
-
-
-def _global_attributes(prepared: Optimisation) -> dict[str, str]:
-    study, plan = prepared.study, prepared.plan
-    method, words = METHODS[prepared.method], criterion_in_words(prepared.problem)
-    attributes = {
-        **global_attributes(prepared, f"optimisation, {method.says}"),
-        "title": study.title or f"{plan.scene.title}: {words}",
-        "criterion": words,
-        "method": prepared.method,
-    }
-    if plan.scene.choice == "method":  # that of the motion; `method` is the optimiser's
-        attributes["motion_method"] = plan.variant
-    return attributes

@@ -375,7 +375,7 @@ def by_exact(
     if still.size:
         unit = filled(len(problem.names), still.size, REST_POINTS)
         here = columns(chosen_cells(design, still)), columns(chosen_cells(scales, still))
-        judged, beyond = problem.judged(problem.inside(unit)[:, None], *here)
+        judged, beyond, _ = problem.judged(problem.inside(unit)[:, None], *here)
         rests = (beyond <= 0) & (judged >= 0)
         found = rests.any(axis=1)
         x[:, still[found]] = problem.inside(unit[:, rests[found].argmax(axis=1)])

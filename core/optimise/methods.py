@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.optimise.exact import by_exact, is_closed
+from vibrafeed.core.optimise.exact import by_exact
 from vibrafeed.core.optimise.problem import (
     STATUS,
     Optima,
@@ -88,7 +88,7 @@ class _Design:
         self.evaluations += unit.shape[1]
         quiet = replace(self.watch, progress=None)
         x = self.problem.inside(unit)[:, None, :]
-        value, beyond = self.problem.judged(x, self.design, self.scales, quiet)
+        value, beyond, _ = self.problem.judged(x, self.design, self.scales, quiet)
         return value[0] / self.size, beyond[0]
 
     def ranked(self, unit: Array) -> Array:
@@ -160,22 +160,17 @@ class OptimisationMethod:
         A margin within so much of its output's scale counts as none: what the method leaves.
     says : str
         What it is, in one line.
-    at_once : bool
-        Whether it takes all designs at once.
     """
 
     solve: Solver
     tolerance: float
     says: str
-    at_once: bool = True
 
 
 METHODS: dict[str, OptimisationMethod] = {
     "exact": OptimisationMethod(by_exact, 1e-10, "closed form"),
     "search": OptimisationMethod(by_search, 1e-8, "differential evolution of all designs at once"),
-    "scipy": OptimisationMethod(
-        by_scipy, 1e-7, "scipy's differential evolution and SLSQP", at_once=False
-    ),
+    "scipy": OptimisationMethod(by_scipy, 1e-7, "scipy's differential evolution and SLSQP"),
 }
 """Every optimiser, by the name that a study gives."""
 
@@ -189,18 +184,3 @@ FORMER = {
     ),
 }
 """Names of methods that went, and the one to name instead."""
-
-
-def refusal(name: str, problem: OptimisationProblem) -> tuple[str, str] | None:
-    """Return the reason why a method cannot solve a problem, and advice; None if it can.
-
-    `name` is the method, a key of `METHODS`.
-    """
-    if name == "exact" and not is_closed(problem):
-        return "there is no closed form of this problem", "Leave method out"
-    return None
-
-
-def default_method(problem: OptimisationProblem) -> str:
-    """Return the name of the method for a study that names none."""
-    return "exact" if is_closed(problem) else "search"

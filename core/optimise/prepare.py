@@ -11,7 +11,8 @@ import numpy as np
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS
-from vibrafeed.core.optimise.methods import FORMER, METHODS, default_method, refusal
+from vibrafeed.core.optimise.exact import is_closed
+from vibrafeed.core.optimise.methods import FORMER, METHODS
 from vibrafeed.core.optimise.optimisation import Optimisation
 from vibrafeed.core.optimise.problem import (
     CONTACT_OUTPUTS,
@@ -31,6 +32,7 @@ from vibrafeed.core.scenes import SCENES, Scene
 from vibrafeed.core.scenes.graph import behind
 from vibrafeed.core.study.distributions import Distribution, nominal, tolerance
 from vibrafeed.core.study.drive import only_the_plain_sine
+from vibrafeed.core.study.grid_study import DrivenStudy
 from vibrafeed.core.study.optimise_study import ANGLES, Limited, OptimiseStudy, Pareto
 from vibrafeed.core.study.values import Between, Fixed, Span, Values
 from vibrafeed.core.suggestions import suggestion
@@ -52,49 +54,42 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     bounds = study.bounds() or _default_bounds(scene, variant, outputs, values)
     problems = [
         *_misplaced(study, values),
-        *_problems_of_count(bounds),
-        *_problems_of_whole_bounds(bounds),
+        *_problems_of_constraints(study),
+        *_problems_of_bounds(bounds),
         *_problems_of_intervals(study, intervals, values, bounds),
     ]
-    spans = _spans(bounds, intervals, values)
+    ends = {name: (one.lower, one.upper) for name, one in bounds.items()}
+    ends |= {name: tolerance(name, one) for name, one in intervals.items()}
+    spans = {name: Span(*pair, 2) for name, pair in ends.items() if name not in values}
     try:
         plan, _ = plan_study(study, outputs, chosen, spans)
     except StudyError as error:
         problems += (locate_problem(_of_other_drive(each, scene), study) for each in error.problems)
-    problems += _unknown_method(study.method)
+    if study.method in FORMER:
+        fix = f'Write method = "{FORMER[study.method]}"'
+        problems.append(Problem("method", f"the method {study.method} went", fix))
+    elif study.method is not None and study.method not in METHODS:
+        fix = suggestion(study.method, METHODS)
+        problems.append(Problem("method", f"'{study.method[:60]}' is not a method", fix))
     if problems:
         raise StudyError(dict.fromkeys(problems))
     variables = tuple(_variable(name, between) for name, between in bounds.items())
-    how = study.robust or "worst"
     unsure = None
     if intervals:
+        how = study.robust or "worst"
         unsure = uncertain_of(intervals, how, study.quantile, is_limited=bool(kept))
     problem = OptimisationProblem(plan, variables, study.criterion, kept, unsure)
     middles = {name: Fixed(nominal(each)) for name, each in intervals.items()}
     designs = grid = Grid.of({**values, **middles})
-    method = _method(study, problem, designs)
+    method = study.method or ("exact" if is_closed(problem) else "search")
+    if method == "exact" and not is_closed(problem):
+        message = "there is no closed form of this problem"
+        raise StudyError([Problem("method", message, "Leave method out")])
     if isinstance(study.criterion, Pareto):
         shares = Span(0.0, 1.0, study.criterion.points)
         grid = Grid({**designs.axes, FRONT: shares}, designs.fixed)
     # What is chosen is no parameter of the result.
     return Optimisation(study, plan, grid, designs, problem, method).check_verification()
-
-
-def _spans(
-    bounds: Mapping[str, Between],
-    intervals: Mapping[str, Distribution],
-    values: Mapping[str, Values],
-) -> dict[str, Span]:
-    ends = {name: (one.lower, one.upper) for name, one in bounds.items()}
-    ends |= {name: tolerance(name, one) for name, one in intervals.items()}
-    return {name: Span(*pair, 2) for name, pair in ends.items() if name not in values}
-
-
-def _unknown_method(name: str | None) -> Iterable[Problem]:
-    if name in FORMER:
-        yield Problem("method", f"the method {name} went", f'Write method = "{FORMER[name]}"')
-    elif name is not None and name not in METHODS:
-        yield Problem("method", f"'{name[:60]}' is not a method", suggestion(name, METHODS))
 
 
 def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
@@ -104,37 +99,38 @@ def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
         chosen = choose_problem_scene(study.scene, study.variant, named, given)
     except StudyError as error:
         raise StudyError(locate_problem(each, study) for each in error.problems) from None
-    scene = chosen[0]
-    if study.drive is not None and (scene.choice != "method" or scene.name not in CONTACTS):
-        fix = f"Ask for conveying_velocity of {', '.join(CONTACTS)}, or give these"
-        raise StudyError([only_the_plain_sine(fix)])
+    refused = [*drive_refusal(study, chosen[0])]
+    if refused:
+        raise StudyError(refused)
     return chosen
 
 
-def _problems_of_whole_bounds(bounds: Mapping[str, Between]) -> Iterable[Problem]:
+def drive_refusal(study: DrivenStudy, scene: Scene) -> Iterable[Problem]:
+    """Yield the problem of a measured drive if a study's scene is none that can follow it."""
+    if study.drive is not None and (scene.choice != "method" or scene.name not in CONTACTS):
+        yield only_the_plain_sine(
+            f"Ask for conveying_velocity of {', '.join(CONTACTS)}, or give these"
+        )
+
+
+def _problems_of_bounds(bounds: Mapping[str, Between]) -> Iterable[Problem]:
     for name, between in bounds.items():
         if QUANTITIES[name].count and math.ceil(between.lower) >= math.floor(between.upper):
-            message = "it is a whole number, and there is no choice between these bounds"
-            fix = "Widen them, or give one value among the parameters"
-            yield Problem(f"variables.{name}", message, fix)
-
-
-def _problems_of_count(bounds: Mapping[str, Between]) -> Iterable[Problem]:
+            yield Problem(
+                f"variables.{name}",
+                "it is a whole number, and there is no choice between these bounds",
+                "Widen them, or give one value among the parameters",
+            )
     if not bounds:
-        message = "there are no variables"
-        fix = 'Name some, for example [variables] beta = { lower = 0, upper = "90 deg" }'
-        yield Problem("variables", message, fix)
+        yield Problem(
+            "variables",
+            "there are no variables",
+            'Name some, for example [variables] beta = { lower = 0, upper = "90 deg" }',
+        )
     if len(bounds) > MAX_VARIABLES:
-        message = f"there are {len(bounds)} of them"
-        yield Problem("variables", message, f"Choose at most {MAX_VARIABLES}")
-
-
-def _method(study: OptimiseStudy, problem: OptimisationProblem, designs: Grid) -> str:
-    method = study.method or default_method(problem)
-    why_not = refusal(method, problem)
-    if why_not is not None:
-        raise StudyError([Problem("method", *why_not)])
-    return method
+        yield Problem(
+            "variables", f"there are {len(bounds)} of them", f"Choose at most {MAX_VARIABLES}"
+        )
 
 
 def _variable(name: str, between: Between) -> Variable:
@@ -160,19 +156,10 @@ def choose_problem_scene(
         # A wave, a drive unit and a floor that gives have equations of their own.
         plain = system.variants[method] == SYSTEMS[name].variants[method]
         if not plain or any(o not in closed and o in system.outputs(method) for o in outputs):
-            fix = (
-                "Remove it, or ask for outputs of the closed forms alone" if plain else "Remove it"
-            )
-            refusals = (
-                [
-                    Problem(
-                        "variant", "variant is given, but a simulated motion has no variants", fix
-                    )
-                ]
-                if variant
-                else []
-            )
-            return system, method, refusals
+            more = ", or ask for outputs of the closed forms alone" if plain else ""
+            message = "variant is given, but a simulated motion has no variants"
+            problem = Problem("variant", message, f"Remove it{more}")
+            return system, method, [problem] if variant else []
     return scene, chosen, problems
 
 
@@ -208,8 +195,11 @@ def _default_bounds(
 def _misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Problem]:
     criterion = study.criterion
     if isinstance(criterion, Limited) and criterion.limit < 0:
-        fix = "Give the largest absolute value, 0 or more"
-        yield Problem("criterion.limit", f"it is {criterion.limit:g}", fix)
+        yield Problem(
+            "criterion.limit",
+            f"it is {criterion.limit:g}",
+            "Give the largest absolute value, 0 or more",
+        )
     places = {f"constraints.{i}.output": one.output for i, one in enumerate(study.constraints)}
     places |= {"criterion.output": criterion.output}
     places |= {"criterion.against": getattr(criterion, "against", "")}
@@ -228,13 +218,11 @@ def _misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[P
         )
     for name in study.bounds():
         if name in values:
-            fix = f"Remove {name} from the variables or from the parameters"
             yield Problem(
                 f"variables.{name}",
                 f"{name} is given twice: in [variables] and in [parameters]",
-                fix,
+                f"Remove {name} from the variables or from the parameters",
             )
-    yield from _problems_of_constraints(study)
 
 
 def _problems_of_constraints(study: OptimiseStudy) -> Iterable[Problem]:
@@ -276,32 +264,45 @@ def _problems_of_intervals(
     for name in intervals:
         if name in values or name in bounds:
             section = "parameters" if name in values else "variables"
-            fix = f"Remove it there, or under {section}.{name}"
-            yield Problem(f"uncertain.{name}", f"it is also under {section}", fix)
+            yield Problem(
+                f"uncertain.{name}",
+                f"it is also under {section}",
+                f"Remove it there, or under {section}.{name}",
+            )
     if len(intervals) > MAX_UNCERTAIN:
-        fix = f'Keep the {MAX_UNCERTAIN} that matter most: kind = "sensitivity" shows which'
-        yield Problem("uncertain", f"there are {len(intervals)} of them", fix)
+        yield Problem(
+            "uncertain",
+            f"there are {len(intervals)} of them",
+            f'Keep the {MAX_UNCERTAIN} that matter most: kind = "sensitivity" shows which',
+        )
     yield from _problems_of_quantile(study)
     if study.robust is not None and not intervals:
-        fix = "Add [uncertain], for example friction = { lower = 0.2, upper = 0.4 }"
-        yield Problem("robust", "no parameter is uncertain", fix)
+        yield Problem(
+            "robust",
+            "no parameter is uncertain",
+            "Add [uncertain], for example friction = { lower = 0.2, upper = 0.4 }",
+        )
     if intervals and isinstance(study.criterion, Pareto):
-        fix = "Use the criterion limit, at several limits"
         yield Problem(
             "uncertain",
             "a trade-off (criterion pareto) cannot be computed with uncertain parameters",
-            fix,
+            "Use the criterion limit, at several limits",
         )
 
 
 def _problems_of_quantile(study: OptimiseStudy) -> Iterable[Problem]:
     if study.robust == "quantile" and study.quantile is None:
-        fix = "Add quantile = 0.05 for what all but a twentieth of the parts do better than"
-        yield Problem("quantile", "it is missing", fix)
+        yield Problem(
+            "quantile",
+            "it is missing",
+            "Add quantile = 0.05 for what all but a twentieth of the parts do better than",
+        )
     if study.quantile is not None and not LEAST_SHARE <= study.quantile <= 1 - LEAST_SHARE:
-        message = f"a quantile of {study.quantile:g} takes too many points"
-        fix = f'Give {LEAST_SHARE:g} to {1 - LEAST_SHARE:g}, or take robust = "worst"'
-        yield Problem("quantile", message, fix)
+        yield Problem(
+            "quantile",
+            f"a quantile of {study.quantile:g} takes too many points",
+            f'Give {LEAST_SHARE:g} to {1 - LEAST_SHARE:g}, or take robust = "worst"',
+        )
     if study.quantile is not None and study.robust != "quantile":
         yield Problem(
             "quantile",
@@ -317,11 +318,9 @@ def _of_other_drive(problem: Problem, scene: Scene) -> Problem:
         return problem
     if not any(problem.about in closed.outputs(variant) for variant in closed.variants):
         return problem
-    message = (
-        f"'{problem.about}' is a closed form of the plain sine, and the study gives another drive"
+    return replace(
+        problem,
+        message=f"'{problem.about}' is a closed form of the plain sine, and the study gives "
+        "another drive",
+        fix="Take an output of the motion, such as conveying_velocity",
     )
-    fix = "Take an output of the motion, such as conveying_velocity"
-    return replace(problem, message=message, fix=fix)
-
-
-__all__ = ["FRONT", "choose_problem_scene", "prepare"]

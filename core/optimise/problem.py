@@ -295,34 +295,37 @@ class OptimisationProblem:
         design: Mapping[str, Array],
         scales: Mapping[str, Array],
         watch: Watch | None = None,
-    ) -> tuple[Array, Array]:
-        """Return the objective and the sum of all violations over their scales, without NaN.
-
-        Where an output has no value the objective is -inf and the violation inf: a NaN would end
-        scipy's differential evolution. Arguments as in `known`; `scales` are those of the outputs.
-        """
-        return self.judged_with_error(x, design, scales, watch)[:2]
-
-    def judged_with_error(
-        self,
-        x: Array,
-        design: Mapping[str, Array],
-        scales: Mapping[str, Array],
-        watch: Watch | None = None,
     ) -> tuple[Array, Array, Array]:
         """Return objective, violation of the constraints and error of the objective of candidates.
 
-        The error is the statistical error of the mean of a motion that does not repeat, 0 where the
-        motion repeats, and `UNKNOWN` for outputs whose error is not known. With uncertain
-        parameters the objective is the statistic that the study asks for, and the largest violation
-        and error count.
+        The violation is the sum of all over their scales; where an output has no value it is inf
+        and the objective -inf: a NaN would end scipy's differential evolution. The error is the
+        statistical error of the mean of a motion that does not repeat, 0 where the motion repeats,
+        and `UNKNOWN` for outputs whose error is not known. With uncertain parameters the objective
+        is the statistic that the study asks for, and the largest violation and error count. All
+        have the shape of the candidates and designs together.
         """
+        if self.uncertain is not None:
+            design = self.over(design, x)
+        known = self.known(x, design, watch, self.bare)
+        shape = np.broadcast_shapes(*(part.shape for part in (*x, *design.values())))
+        value = np.broadcast_to(self.objective(known), shape)
+        if self.second:
+            value = value + TIE * scales[self.criterion.output] * np.nan_to_num(
+                self.output(self.second, known)
+            )
+        beyond = np.zeros(shape)
+        for kept in self.kept:
+            margin = self.margin(kept, known, design)
+            beyond = beyond + np.maximum(-margin, 0.0) / scales[kept.output]
+        lost = np.isnan(value) | np.isnan(beyond)
+        value, beyond = np.where(lost, -np.inf, value), np.where(lost, np.inf, beyond)
+        error = np.broadcast_to(self.chance_error(known), shape)
         if self.uncertain is None:
-            return self._judged(x, design, scales, watch)
-        values, beyond, chance_error = self._judged(x, self.over(design, x), scales, watch)
-        lost = np.isinf(values).any(axis=0)
-        value = self.uncertain.counts(np.where(lost, 0.0, values), self.sign)
-        return np.where(lost, -np.inf, value), beyond.max(axis=0), chance_error.max(axis=0)
+            return value, beyond, error
+        none = np.isinf(value).any(axis=0)
+        value = self.uncertain.counts(np.where(none, 0.0, value), self.sign)
+        return np.where(none, -np.inf, value), beyond.max(axis=0), error.max(axis=0)
 
     @property
     def is_sampled(self) -> bool:
@@ -393,28 +396,6 @@ class OptimisationProblem:
         margins = self.margin(kept, self.known(x, over), over)
         depends = margins.ndim == over[next(iter(self.uncertain.values))].ndim
         return np.asarray(margins.min(axis=0) if depends else margins)
-
-    def _judged(
-        self,
-        x: Array,
-        design: Mapping[str, Array],
-        scales: Mapping[str, Array],
-        watch: Watch | None,
-    ) -> tuple[Array, Array, Array]:
-        known = self.known(x, design, watch, self.bare)
-        shape = np.broadcast_shapes(*(part.shape for part in (*x, *design.values())))
-        value = np.broadcast_to(self.objective(known), shape)
-        if self.second:
-            value = value + TIE * scales[self.criterion.output] * np.nan_to_num(
-                self.output(self.second, known)
-            )
-        beyond = np.zeros(shape)
-        for kept in self.kept:
-            margin = self.margin(kept, known, design)
-            beyond = beyond + np.maximum(-margin, 0.0) / scales[kept.output]
-        lost = np.isnan(value) | np.isnan(beyond)
-        chance_error = np.broadcast_to(self.chance_error(known), shape)
-        return np.where(lost, -np.inf, value), np.where(lost, np.inf, beyond), chance_error
 
     def scales(self, design: Mapping[str, Array], watch: Watch | None = None) -> dict[str, Array]:
         """Return the size of each output that takes part, in each design, shape (cells,), by name.
@@ -529,18 +510,9 @@ class Optima:
 
     def chosen(self, cells: NDArray[np.intp]) -> Optima:
         """Return the optima at some positions."""
-        return Optima(
-            self.x[:, cells],
-            self.status[cells],
-            None if self.value is None else self.value[cells],
-            np.broadcast_to(self.evaluations, self.status.shape)[cells],
-            self.says,
-        )
-
-    def made_infeasible(self, cells: NDArray[np.bool_]) -> Optima:
-        """Return the optima with some of them, shape (cells,), taken away as infeasible."""
-        status = np.where(cells, np.int8(STATUS["infeasible"]), self.status)
-        return replace(self, x=np.where(cells, np.nan, self.x), status=status)
+        value = None if self.value is None else self.value[cells]
+        evaluations = np.broadcast_to(self.evaluations, self.status.shape)[cells]
+        return Optima(self.x[:, cells], self.status[cells], value, evaluations, self.says)
 
 
 Solver = Callable[[OptimisationProblem, Mapping[str, Array], Mapping[str, Array], Watch], Optima]

@@ -79,7 +79,8 @@ def _solved(
     fresh = judged_afresh(problem, optima.x, design, scales, tolerance)
     broken, nodes = fresh.surprises(problem, optima.x, design, scales)
     if not retries:
-        optima, nodes = optima.made_infeasible(broken), {}
+        status = np.where(broken, np.int8(STATUS["infeasible"]), optima.status)
+        optima, nodes = replace(optima, x=np.where(broken, np.nan, optima.x), status=status), {}
     if not nodes and retries < RETRIES:
         # The points that have become nodes favour the answer, as those of a search do.
         fresh = judged_afresh(problem, optima.x, design, scales, tolerance, number=2)
@@ -197,7 +198,7 @@ def checked(
     left_open = np.full(cells, max(tolerance, MISSED))
     if problem.states_error:
         # Chance is taken as large as the shorter runs show it, of which this one was the best.
-        doubts = (one.judged_with_error(x, design, scales)[2] for one in (problem, longest))
+        doubts = (one.judged(x, design, scales)[2] for one in (problem, longest))
         unsure = whole(np.maximum(*doubts))
         arrays["objective_error"] = np.fmax(whole(problem.error(known)), unsure)
         left_open = np.fmax(left_open, unsure / size)
@@ -362,15 +363,15 @@ def _side(
 ) -> NDArray[np.int8]:
     # 1 or -1 where limits and bounds are kept above or below the parameter's value only, else 0.
     step = STEPS[0] * scale_of(name, at[name])
-    keeps = []
+    side = np.zeros(step.shape, dtype=np.int8)
     for way in (1, -1):
         moved = {**at, name: at[name] + way * step}
         x = np.stack([moved[one] for one in problem.names])
         inside = ((x >= problem.lower[:, None]) & (x <= problem.upper[:, None])).all(axis=0)
         for kept in problem.kept:
             inside &= problem.safe_margin(kept, x, moved) >= -close[kept.output]
-        keeps.append(inside)
-    return keeps[0].astype(np.int8) - keeps[1]
+        side += way * inside
+    return side
 
 
 KIND: Final = Kind(

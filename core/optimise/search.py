@@ -151,7 +151,7 @@ def _of_piece(
 
     def judge(unit: Array, cells: NDArray[np.intp]) -> Candidates:
         here = columns(chosen_cells(design, cells)), columns(chosen_cells(scales, cells))
-        value, beyond, error = problem.judged_with_error(problem.inside(unit), *here, quiet)
+        value, beyond, error = problem.judged(problem.inside(unit), *here, quiet)
         return Candidates(unit, beyond, value, np.broadcast_to(error, value.shape))
 
     def choose(seen: Candidates, cell: int) -> int:
@@ -389,7 +389,7 @@ def most_reliable(
     chosen = open_[np.unique(np.concatenate(ranked))]
     for times, most in ROUNDS:
         x = problem.inside(unit[:, chosen])
-        again, violation, unsure = problem.longer(times).judged_with_error(x, design, scales)
+        again, violation, unsure = problem.longer(times).judged(x, design, scales)
         kept = np.lexsort((_known(unsure) - again, violation))[:most]
         chosen = chosen[kept]
     return int(chosen[0]), float(again[kept[0]])

@@ -89,7 +89,7 @@ def derivatives(
     cells: Mapping[str, Any],
     parameters: Collection[str],
     watch: Watch | None = None,
-    sides: Mapping[str, Array] = MappingProxyType({}),
+    sides: Mapping[str, NDArray[np.int8]] = MappingProxyType({}),
 ) -> Derivatives:
     """Return the derivatives of every output of a plan by some parameters, at some cells.
 
@@ -120,13 +120,14 @@ def derivatives(
     shape = (len(parameters), len(plan.outputs), count)
     value, slope, error = np.full((3, *shape), np.nan)
     status = np.full(shape, STATUS["not_computed"], dtype=np.int8)
+    both = np.zeros(count, dtype=np.int8)
     share = 1 / (ceil(count / BLOCK) * (1 + len(parameters)))
     for start in range(0, count, BLOCK):
         piece = slice(start, start + BLOCK)
         near = {name: values[name][piece] for name in (*whole.parameters, *parameters)}
         outputs, kinds = model.at(near, share)
         for place, parameter in enumerate(parameters):
-            side = sides[parameter][piece] if parameter in sides else np.zeros(1, np.int8)
+            side = sides.get(parameter, both)[piece]
             told = model.derived(near, parameter, side, outputs, kinds, share)
             if not watch.stopped():
                 for array, part in zip((value, slope, error, status), told, strict=True):
@@ -241,7 +242,6 @@ class _Model:
     ) -> tuple[Array, Array, Array, NDArray[np.int8]]:  # fmt: skip
         """Return value, derivative, its error and its status, given outputs and kinds at cells."""
         scale = scale_of(parameter, values[parameter])
-        side = np.broadcast_to(side, scale.shape)
         size, finite = np.abs(middle) / scale, np.isfinite(middle)
         slope, error = np.full(middle.shape, np.nan), np.full(middle.shape, np.inf)
         status = np.full(middle.shape, STATUS["kink"], dtype=np.int8)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.motion.prepare import choose_system
-from vibrafeed.core.motion.systems import CONTACTS, methods_of
-from vibrafeed.core.optimise.prepare import choose_problem_scene
+from vibrafeed.core.motion.systems import methods_of
+from vibrafeed.core.optimise.prepare import choose_problem_scene, drive_refusal
 from vibrafeed.core.plan.grid import Grid, to_si
 from vibrafeed.core.plan.kind import Sketch
 from vibrafeed.core.plan.plan import Plan
@@ -26,7 +26,6 @@ from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.sensitivity.budget import Budget
 from vibrafeed.core.sensitivity.indices import MAX_INPUTS
 from vibrafeed.core.study.distributions import Distribution, nominal, tolerance
-from vibrafeed.core.study.drive import only_the_plain_sine
 from vibrafeed.core.study.sensitivity_study import Demand, SensitivityStudy
 from vibrafeed.core.study.values import Fixed, Span, Values
 from vibrafeed.core.suggestions import suggestion
@@ -84,11 +83,10 @@ def result_variables(study: SensitivityStudy, outputs: tuple[str, ...]) -> Itera
 
 def _of_demand(demand: Demand) -> Iterator[ResultVariable]:
     name = f"probability_{demand.name}"
+    what = f"robability of {in_words(demand)}"
     comment = "Points without a valid value count as not meeting it."
-    yield ResultVariable(name, "", "1", f"Probability of {in_words(demand)}", comment,
-                 demand.model_dump(exclude_none=True))  # fmt: skip
-    error = f"Error of the probability of {in_words(demand)}"
-    yield ResultVariable(f"{name}_error", "", "1", error, INTERVAL)
+    yield ResultVariable(name, "", "1", f"P{what}", comment, demand.model_dump(exclude_none=True))
+    yield ResultVariable(f"{name}_error", "", "1", f"Error of the p{what}", INTERVAL)
 
 
 def in_words(demand: Demand) -> str:
@@ -143,12 +141,25 @@ def _of_output(study: SensitivityStudy, name: str) -> Iterator[ResultVariable]:
     if "budget" in study.analyses:
         yield variable("nominal", "Nominal value", "All parameters at their nominal values.")
         for end in ("lower", "upper"):
-            comment = f"This parameter at the {end} end of its tolerance, the others nominal."
-            yield variable(f"at_{end}", f"Value at the {end} end", comment, UNCERTAIN)
-        comment = "The derivative by this parameter, times half its tolerance; none at a kink."
-        yield variable("linear", "Linear change", comment, UNCERTAIN)
-        comment = "Of this parameter in the variance of the linear budget; none at a kink."
-        yield variable("variance_share", "Share of the variance", comment, UNCERTAIN, "1")
+            yield variable(
+                f"at_{end}",
+                f"Value at the {end} end",
+                f"This parameter at the {end} end of its tolerance, the others nominal.",
+                UNCERTAIN,
+            )
+        yield variable(
+            "linear",
+            "Linear change",
+            "The derivative by this parameter, times half its tolerance; none at a kink.",
+            UNCERTAIN,
+        )
+        yield variable(
+            "variance_share",
+            "Share of the variance",
+            "Of this parameter in the variance of the linear budget; none at a kink.",
+            UNCERTAIN,
+            "1",
+        )
         comment = "Over the box of all tolerances: of its corners, and of points inside."
         yield variable("least", "Least value", comment)
         yield variable("largest", "Largest value", comment)
@@ -271,18 +282,22 @@ def prepare(study: SensitivityStudy) -> Sensitivity:
     """Return a study with uncertain parameters as checked and planned, ready to be computed."""
     uncertain, asked = study.distributions(), study.asked()
     if not uncertain:
-        fix = "Add a parameter, for example friction = { mean = 0.3, deviation = 0.03 }"
-        raise StudyError([Problem("uncertain", "no parameter is uncertain", fix)])
+        raise StudyError(
+            [
+                Problem(
+                    "uncertain",
+                    "no parameter is uncertain",
+                    "Add a parameter, for example friction = { mean = 0.3, deviation = 0.03 }",
+                )
+            ]
+        )
     problems = [*_problems_of(study)]
     given = (*study.values(), *uncertain)
     try:
         chosen = choose(Sketch(study.scene, study.variant, study.method, asked, given))
     except StudyError as error:
         raise StudyError([*problems, *error.problems]) from None
-    scene = chosen[0]
-    if study.drive is not None and (scene.choice != "method" or scene.name not in CONTACTS):
-        fix = f"Ask for conveying_velocity of {', '.join(CONTACTS)}, or give these"
-        problems.append(only_the_plain_sine(fix))
+    problems += drive_refusal(study, chosen[0])
     values = study.values()
     spans = {n: _span(n, one) for n, one in uncertain.items() if n not in values}
     try:
@@ -309,10 +324,13 @@ def choose(sketch: Sketch) -> Chosen:
         return choose_problem_scene(sketch.scene, sketch.variant, sketch.outputs, sketch.names)
     scene, chosen, problems = choose_system(sketch.scene, sketch.method, sketch.names)
     if sketch.variant is not None:
-        fix = "Remove variant, or leave out method"
         problems = [
             *problems,
-            Problem("variant", "variant is given, but a simulated motion has no variants", fix),
+            Problem(
+                "variant",
+                "variant is given, but a simulated motion has no variants",
+                "Remove variant, or leave out method",
+            ),
         ]
     return scene, chosen, problems
 
@@ -326,30 +344,30 @@ def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
     values, uncertain = study.values(), study.distributions()
     for name in uncertain:
         if name in values:
-            fix = f"Remove {name} from [uncertain] or from [parameters]"
             yield Problem(
                 f"uncertain.{name}",
                 f"{name} is given twice: in [uncertain] and in [parameters]",
-                fix,
+                f"Remove {name} from [uncertain] or from [parameters]",
             )
     if len(uncertain) > MAX_INPUTS:
-        message = f"{len(uncertain)} parameters are uncertain"
         yield Problem(
             "uncertain",
-            message,
+            f"{len(uncertain)} parameters are uncertain",
             f"Keep the {MAX_INPUTS} parameters that matter most in [uncertain]",
         )
     for name in study.outputs:
         if name in FLAGS:
-            fix = 'Ask for its probability: [[demands]] regime = "hopping"'
             yield Problem(
                 "outputs",
                 f"the output {name} has names as values, not numbers, so it has no statistics",
-                fix,
+                'Ask for its probability: [[demands]] regime = "hopping"',
             )
     if study.verify is not None:
-        message = "a sensitivity study states the errors of its statistics and cannot be verified"
-        yield Problem("verify", message, "Leave out verify")
+        yield Problem(
+            "verify",
+            "a sensitivity study states the errors of its statistics and cannot be verified",
+            "Leave out verify",
+        )
     yield from _problems_of_demands(study.demands)
 
 
@@ -361,17 +379,19 @@ def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
         if wrong is not None:
             yield Problem(path, *wrong)
         if demand.output in FLAGS:
-            fix = 'Name the regime, for example regime = "hopping"'
             yield Problem(
                 f"{path}.output",
                 f"the output {demand.output} has names as values, not numbers, so it cannot "
                 f"be limited",
-                fix,
+                'Name the regime, for example regime = "hopping"',
             )
         if demand.name in seen:
-            fix = "Remove one of them, or put it into another study"
             about = demand.output or demand.regime
-            yield Problem(path, f"two demands limit {about} on the same side", fix)
+            yield Problem(
+                path,
+                f"two demands limit {about} on the same side",
+                "Remove one of them, or put it into another study",
+            )
         seen.add(demand.name)
 
 
@@ -380,8 +400,14 @@ def _unclear(demand: Demand) -> tuple[str, str] | None:
     if (demand.output is None) == (demand.regime is None):
         return "it names neither or both", "Name an output, or a regime"
     if demand.regime is not None:
-        fix = "Remove the bounds: the result is the probability of the regime"
-        return ("a regime has no bounds", fix) if is_bounded else None
+        return (
+            (
+                "a regime has no bounds",
+                "Remove the bounds: the result is the probability of the regime",
+            )
+            if is_bounded
+            else None
+        )
     if not is_bounded:
         return "the demand has no bound", "Give at_least, at_most or both"
     if demand.at_least is None or demand.at_most is None or demand.at_least <= demand.at_most:
@@ -406,10 +432,22 @@ def _problems_of_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Proble
 def _check_size(prepared: Sensitivity) -> None:
     outputs, each = len(prepared.plan.outputs), prepared.evaluations
     if each * outputs > MAX_VALUES:
-        message = f"each design takes {each:,} evaluations of {outputs} outputs"
-        fix = f"Take fewer samples or outputs: {MAX_VALUES:,} values a design at most"
-        raise StudyError([Problem("samples", message, fix)])
+        raise StudyError(
+            [
+                Problem(
+                    "samples",
+                    f"each design takes {each:,} evaluations of {outputs} outputs",
+                    f"Take fewer samples or outputs: {MAX_VALUES:,} values a design at most",
+                )
+            ]
+        )
     if each * prepared.cells > MAX_EVALUATIONS:
-        message = f"{prepared.cells:,} designs take {each:,} evaluations each"
-        fix = f"Take fewer designs or samples: {MAX_EVALUATIONS:,} evaluations at most"
-        raise StudyError([Problem("samples", message, fix)])
+        raise StudyError(
+            [
+                Problem(
+                    "samples",
+                    f"{prepared.cells:,} designs take {each:,} evaluations each",
+                    f"Take fewer designs or samples: {MAX_EVALUATIONS:,} evaluations at most",
+                )
+            ]
+        )

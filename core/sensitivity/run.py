@@ -222,8 +222,10 @@ def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
         for name, one in prepared.result_variables.items()
     }
     for name, verdict in verdict_variables(prepared.plan, dims, arrays).items():
-        comment = f"{verdict.attributes['comment']}; of the nominal values"
-        attributes = {**verdict.attributes, "comment": comment}
+        attributes = {
+            **verdict.attributes,
+            "comment": f"{verdict.attributes['comment']}; of the nominal values",
+        }
         variables[name] = replace(verdict, attributes=attributes)
     return Table(
         {**coordinates_of(prepared.plan, prepared.grid), **_coordinates(prepared)},

@@ -79,7 +79,7 @@ def test_the_worst_case_is_that_of_every_value_by_itself() -> None:
     x = problem.lower[:, None] + np.random.default_rng(2).random((4, 50)) * (
         problem.upper - problem.lower
     ).reshape(-1, 1)
-    found, beyond = problem.judged(x, design, problem.scales(design))
+    found, beyond, _ = problem.judged(x, design, problem.scales(design))
     alone = []
     assert problem.uncertain is not None
     for friction in problem.uncertain.values["friction"]:
