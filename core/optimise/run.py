@@ -124,23 +124,13 @@ def _fronts(
 def designs_of(problem: OptimisationProblem, grid: Grid) -> dict[str, Array]:
     """Return the fixed parameters of every design in SI units, each of shape (cells,), by name.
 
-    A design is a point of the grid. A limit that the criterion sets on the other output is among
-    them.
+    A design is a point of the grid. The limit that the criterion sets on the other output is among
+    them; infinite without one.
     """
-    shape = tuple(grid.shape.values())
-    design = {
-        name: np.broadcast_to(values, shape).reshape(-1) for name, values in grid.si().items()
-    }
-    return with_limit(problem, design, grid.cells)
-
-
-def with_limit(
-    problem: OptimisationProblem, design: Mapping[str, Array], cells: int
-) -> dict[str, Array]:
-    """Return designs, shape (cells,), with the limit of the criterion; infinite without one."""
-    criterion = problem.criterion
+    shape, criterion = tuple(grid.shape.values()), problem.criterion
     limit = criterion.limit if isinstance(criterion, Limited) else np.inf
-    return {**design, LIMIT: np.full(cells, limit)}
+    design = {name: np.broadcast_to(one, shape).reshape(-1) for name, one in grid.si().items()}
+    return {**design, LIMIT: np.full(grid.cells, limit)}
 
 
 # --- what is told of the optima
@@ -174,15 +164,23 @@ def checked(
     def whole(values: Array) -> Array:
         return np.where(lost, np.nan, np.broadcast_to(values, cells))
 
-    uncertain = problem.uncertain is not None
-    value = whole(longest.judged(x, design, scales)[0] if uncertain else problem.objective(known))
+    if problem.uncertain is None:
+        value = whole(problem.objective(known))
+    else:
+        value = whole(longest.judged(x, design, scales)[0])
     if optima.value is not None:
         # At the edge of stick the outputs are those of a part at rest.
-        held = optima.status == STATUS["not_attained"]
-        value = np.where(held, optima.value, value)
-    objective = value if fresh is None else whole(_afresh(longest, fresh, value, x, design))
-    robust = uncertain and isinstance(problem.criterion, Maximise)
-    forward = objective if robust else problem.output(problem.criterion.output, known)
+        value = np.where(optima.status == STATUS["not_attained"], optima.value, value)
+    objective, forward = value, problem.output(problem.criterion.output, known)
+    if fresh is not None and problem.is_sampled:
+        objective = whole(fresh.objective.value)
+    elif fresh is not None:
+        # In a worst case the least over the nodes and over the fresh points, of which the worst are
+        # evaluated once more: means of a motion that does not repeat differ by chance.
+        again = longest.known(x, {**design, **fresh.at_worst(OBJECTIVE)})
+        objective = whole(np.fmin(value, np.min(longest.objective(again), axis=0)))
+    if fresh is not None and isinstance(problem.criterion, Maximise):
+        forward = objective
     status = _status(problem, optima.status, known, design, scales, forward)
     arrays: dict[str, NDArray[Any]] = {
         f"best_{name}": from_si(name, optima.x[i]) for i, name in enumerate(problem.names)
@@ -202,36 +200,20 @@ def checked(
         unsure = whole(np.maximum(*doubts))
         arrays["objective_error"] = np.fmax(whole(problem.error(known)), unsure)
         left_open = np.fmax(left_open, unsure / size)
-    if fresh is not None:
-        arrays |= _of_samples(problem, fresh, arrays.get("objective_error", 0.0), lost)
+    if fresh is not None and problem.is_sampled:
+        # The error of the motion at each of the points, and that of the points.
+        error = fresh.objective.error + arrays.get("objective_error", 0.0)
+        arrays["objective_error"] = np.where(lost, np.nan, error)
+        arrays["objective_left_out"] = np.where(lost, np.nan, fresh.left_out)
     missed = (status == STATUS["optimal"]) & (gap > left_open)
-    status = np.where(missed, np.int8(STATUS["suboptimal"]), status)
     arrays["evaluations"] = np.broadcast_to(np.asarray(optima.evaluations, np.float64), cells)
     if prepared.study.sensitivities:
         arrays |= slopes(problem, x, design, close, lost)
-    arrays["optimum_status"] = status
-    return arrays | _verdicts(problem.regimes(known, scales, tolerance), lost)
-
-
-def _verdicts(
-    regimes: Mapping[str, NDArray[np.int8]], lost: NDArray[np.bool_]
-) -> dict[str, NDArray[np.int8]]:
+    arrays["optimum_status"] = np.where(missed, np.int8(STATUS["suboptimal"]), status)
     none = np.int8(REGIMES["not_assessed"].value)
-    return {
-        name: np.where(lost, none, np.broadcast_to(regime, lost.shape))
-        for name, regime in regimes.items()
-    }
-
-
-def _of_samples(
-    problem: OptimisationProblem, fresh: Afresh, error: Array | float, lost: NDArray[np.bool_]
-) -> dict[str, Array]:
-    if not problem.is_sampled:
-        return {}
-    return {
-        "objective_error": np.where(lost, np.nan, fresh.objective.error + error),
-        "objective_left_out": np.where(lost, np.nan, fresh.left_out),
-    }
+    for name, regime in problem.regimes(known, scales, tolerance).items():
+        arrays[name] = np.where(lost, none, np.broadcast_to(regime, cells))
+    return arrays
 
 
 def _limits(
@@ -256,20 +238,6 @@ def _limits(
     return arrays
 
 
-def _afresh(
-    problem: OptimisationProblem,
-    fresh: Afresh,
-    value: Array,
-    x: Array,
-    design: Mapping[str, Array],
-) -> Array:
-    if problem.is_sampled:
-        return fresh.objective.value
-    worst = {**design, **fresh.at_worst(OBJECTIVE)}
-    values = problem.objective(problem.known(x, worst))
-    return np.fmin(value, np.min(values, axis=0))
-
-
 def _at_bounds(
     problem: OptimisationProblem, x: Array, lost: NDArray[np.bool_], tolerance: float
 ) -> dict[str, NDArray[np.int8]]:
@@ -285,7 +253,7 @@ def _at_bounds(
 def _status(
     problem: OptimisationProblem,
     status: NDArray[np.int8],
-    known: Mapping[str, Any],
+    known: dict[str, Any],
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
     forward: Array,
@@ -295,7 +263,7 @@ def _status(
         rests = ~(np.broadcast_to(forward, status.shape) > 0)
         status = np.where(optimal & rests, STATUS["no_motion"], status)
         if problem.states_error:  # a mean velocity, which may be a negative one
-            back = forward < -problem.error(dict(known))
+            back = forward < -problem.error(known)
             status = np.where(optimal & back, STATUS["only_backward"], status)
     if np.any(optimal) and not problem.is_motion:
         lower, upper = problem.lower[:, None, None], problem.upper[:, None, None]
@@ -303,7 +271,7 @@ def _status(
         column = {name: values[:, None] for name, values in design.items()}
         values = problem.objective(problem.known(x, column))
         values = np.broadcast_to(values, (status.size, 16))
-        best = np.broadcast_to(problem.objective(dict(known)), status.shape)
+        best = np.broadcast_to(problem.objective(known), status.shape)
         apart = np.maximum(values.max(axis=1), best) - np.minimum(values.min(axis=1), best)
         flat = apart <= FLAT * problem.scale(scales)
         status = np.where(optimal & flat & (status == STATUS["optimal"]), STATUS["flat"], status)
@@ -311,11 +279,11 @@ def _status(
 
 
 def _of_each_point(
-    problem: OptimisationProblem, known: Mapping[str, Any], design: Mapping[str, Array]
+    problem: OptimisationProblem, known: dict[str, Any], design: Mapping[str, Array]
 ) -> tuple[OptimisationProblem, Mapping[str, Array]]:
     if not isinstance(problem.criterion, Pareto):
         return problem, design
-    other = np.abs(problem.output(problem.criterion.against, dict(known)))
+    other = np.abs(problem.output(problem.criterion.against, known))
     return problem.limited(), {**design, LIMIT: np.broadcast_to(other, design[LIMIT].shape)}
 
 
