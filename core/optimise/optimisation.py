@@ -176,16 +176,13 @@ class Optimisation(Prepared):
 
 def criterion_in_words(problem: OptimisationProblem) -> str:
     """Return the criterion in a few words."""
-    return _looked_for(problem) + _over_interval(problem)
-
-
-def _over_interval(problem: OptimisationProblem) -> str:
-    if problem.uncertain is None:
-        return ""
-    how = {"worst": "in the worst case", "mean": "on average"}.get(problem.uncertain.how)
-    how = how or f"of the {problem.uncertain.quantile:g} quantile"
-    names = (_known(name, one) for name, one in problem.uncertain.distributions.items())
-    return f", {how} over {', '.join(names)}"
+    words, uncertain = _looked_for(problem), problem.uncertain
+    if uncertain is None:
+        return words
+    how = {"worst": "in the worst case", "mean": "on average"}.get(uncertain.how)
+    how = how or f"of the {uncertain.quantile:g} quantile"
+    names = (_known(name, one) for name, one in uncertain.distributions.items())
+    return f"{words}, {how} over {', '.join(names)}"
 
 
 def _known(name: str, distribution: Distribution) -> str:
