@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
+from math import prod
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +21,7 @@ from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.plan.price import MARGIN, Price, price
 from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.study.calibrate_study import CalibrateStudy
 from vibrafeed.core.watch import Watch
 
@@ -127,14 +131,35 @@ def _left(density: Array, points: Array, steps: Array) -> Array:
     return np.sqrt(np.clip(share, 0.0, 1.0))
 
 
-RUN, MODE, ESTIMATE = "run", "mode", "mean median deviation lower_68 upper_68 lower_95 upper_95"
-ESTIMATES = ("best", *ESTIMATE.split())
-"""Estimates of each unknown; the names of variables begin with these words."""
-BANDS = ("lower_68", "upper_68", "lower_95", "upper_95")
+RUN, MODE = "run", "mode"
+BANDS = {
+    "lower_68": "lower end of 68 %", "upper_68": "upper end of 68 %",
+    "lower_95": "lower end of 95 %", "upper_95": "upper end of 95 %",
+}  # fmt: skip
+ESTIMATES = {
+    "best": "best", "mean": "mean", "median": "median", "deviation": "standard deviation", **BANDS,
+}  # fmt: skip
+"""Estimates of each unknown, in words; the names of variables begin with the keys."""
 CANDIDATE = "candidate_"
 LEFT = "deviation_after_"
 POINT_SECONDS = 4e-6  # of a point and a run, beside following the motion
 FEW_SECONDS = 1.5  # for densities, modes and the last digits
+
+
+class CalibrationVariable(NamedTuple):
+    """A variable of the result: its dimensions, unit, long name, and comment if it has one."""
+
+    name: str
+    dims: tuple[str, ...]
+    unit: str
+    label: str
+    comment: str = ""
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """The CF attributes of the variable."""
+        more = {"comment": self.comment} if self.comment else {}
+        return {"units": self.unit, "long_name": self.label, **more}
 
 
 @dataclass(frozen=True)
@@ -164,14 +189,9 @@ class Calibration(Prepared):
         return methods_of(self.plan.scene.name)[self.plan.variant]
 
     @property
-    def points(self) -> int:
-        """The largest number of grid points of the unknowns."""
-        return self.study.points
-
-    @property
     def cells(self) -> int:
         """The largest number of motions that are simulated."""
-        return self.points * len(self.model.runs) + self.asked
+        return self.study.points * len(self.model.runs) + self.asked
 
     @property
     def asked(self) -> int:
@@ -184,70 +204,25 @@ class Calibration(Prepared):
         return AXIS[len(self.model.names)] ** len(self.model.names)
 
     @cached_property
+    def variables(self) -> dict[str, CalibrationVariable]:
+        """Every variable of the result by name, in the order in which they are stored."""
+        return {one.name: one for one in _variables(self)}
+
+    @cached_property
     def units(self) -> dict[str, str]:
-        """The unit of each variable of the result by name, in the order in which they are stored.
-
-        Variables are estimates, correlations, discrepancy, modes, values by run, densities, and,
-        with candidates of further runs, the information that each would add.
-        """
-        model, units = self.model, dict[str, str]()
-        output = QUANTITIES[model.runs.output].unit
-        for unknown in model.unknowns:
-            units |= {f"{what}_{unknown.name}": unknown.unit for what in ESTIMATES}
-        units |= {f"correlation_{a}_{b}": "1" for a, b in combinations(model.names, 2)}
-        units |= dict.fromkeys(("discrepancy", *(f"discrepancy_{b}" for b in BANDS)), output)
-        units["discrepancy_probability"] = "1"
-        units |= {f"mode_{unknown.name}": unknown.unit for unknown in model.unknowns}
-        units["mode_share"] = "1"
-        units |= dict.fromkeys((model.runs.output, "error", "predicted", "predicted_best"), output)
-        units |= {f"predicted_{band}": output for band in BANDS}
-        units |= {"predicted_spread": output, "residual": output, "residual_over_error": "1"}
-        if model.runs.watched.any():
-            units["probability_of_seen"] = "1"
-        for unknown in model.unknowns:
-            units[f"density_{unknown.name}"] = "1" if unknown.unit == "1" else f"({unknown.unit})-1"
-        units |= {f"density_{a}_{b}": "1" for a, b in self.pairs}
-        units["log_density"] = "1"
-        if self.candidates:
-            units |= {"information": "bit", "expected": output, "expected_deviation": output}
-            units |= {f"{LEFT}{unknown.name}": unknown.unit for unknown in model.unknowns}
-        return units
-
-    @property
-    def pairs(self) -> list[tuple[str, str]]:
-        """The pairs of unknowns with a two-dimensional density.
-
-        None where `log_density` shows it.
-        """
-        names = self.model.names
-        return [*combinations(names, 2)] if len(names) > 2 else []
+        """The unit of each variable."""
+        return {name: one.unit for name, one in self.variables.items()}
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
-        """The names of the dimensions of each variable of the result, by name of the variable.
+        """The names of the dimensions of each variable."""
+        return {name: one.dims for name, one in self.variables.items()}
 
-        Values by run lie over `run`, modes over `mode`, densities over their unknowns, and
-        information over the axes of the candidates of further runs; all other variables are single
-        numbers.
-        """
-        model = self.model
-        by_run = {model.runs.output, "error", "residual", "residual_over_error"}
-        by_run |= {name for name in self.units if name.startswith("predicted")}
-        dims: dict[str, tuple[str, ...]] = dict.fromkeys(self.units, ())
-        dims |= dict.fromkeys(name for name in self.units if name in by_run)  # type: ignore[arg-type]
-        for name in self.units:
-            if name in by_run or name == "probability_of_seen":
-                dims[name] = (RUN,)
-            elif name.startswith("mode_"):
-                dims[name] = (MODE,)
-        dims |= {f"density_{name}": (name,) for name in model.names}
-        dims |= {f"density_{a}_{b}": (a, b) for a, b in self.pairs}
-        dims["log_density"] = model.names
-        if self.candidates:
-            axes = tuple(CANDIDATE + name for name in self.candidates.axes)
-            dims |= dict.fromkeys(("information", "expected", "expected_deviation"), axes)
-            dims |= dict.fromkeys((f"{LEFT}{name}" for name in model.names), axes)
-        return dims
+    @property
+    def pairs(self) -> list[tuple[str, str]]:
+        """The pairs of unknowns with a density; none where `log_density` shows it."""
+        names = self.model.names
+        return [*combinations(names, 2)] if len(names) > 2 else []
 
     @property
     def sizes(self) -> dict[str, int]:
@@ -270,13 +245,8 @@ class Calibration(Prepared):
 
         It counts 8 bytes for each value of each variable, and the most modes that are stored.
         """
-        count, sizes = 0, self.sizes
-        for dims in self.dims.values():
-            values = 1
-            for dim in dims:
-                values *= sizes[dim]
-            count += 8 * values
-        return count
+        sizes = self.sizes
+        return sum(8 * prod(sizes[dim] for dim in dims) for dims in self.dims.values())
 
     @property
     def computed_bytes(self) -> int:
@@ -306,3 +276,60 @@ class Calibration(Prepared):
         """Return a sentence that says how to shrink the study to a share of its size."""
         del share
         return "Calibrate fewer unknowns, or fewer candidates"
+
+
+def _variables(prepared: Calibration) -> Iterator[CalibrationVariable]:
+    one, model, over = CalibrationVariable, prepared.model, (RUN,)
+    output = QUANTITIES[model.runs.output]
+    unit, lowered = output.unit, {u.name: in_sentence(u.label) for u in model.unknowns}
+    for unknown in model.unknowns:
+        for what, says in ESTIMATES.items():
+            label = f"{says.capitalize()} of the {lowered[unknown.name]}"
+            yield one(f"{what}_{unknown.name}", (), unknown.unit, label)
+    for a, b in combinations(model.names, 2):
+        yield one(f"correlation_{a}_{b}", (), "1", f"Correlation of {a} and {b}")
+    yield one("discrepancy", (), unit, "Discrepancy", "Standard deviation of what errors and "
+              "unknowns do not explain: its median. All else is averaged over it.")  # fmt: skip
+    for band, says in BANDS.items():
+        yield one(f"discrepancy_{band}", (), unit, f"Discrepancy, {says}")
+    yield one("discrepancy_probability", (), "1", "Probability of a discrepancy",
+              "That there is any discrepancy; 0.1 before the runs.")  # fmt: skip
+    for unknown in model.unknowns:
+        label = f"Best of each mode, {lowered[unknown.name]}"
+        yield one(f"mode_{unknown.name}", (MODE,), unknown.unit, label)
+    yield one("mode_share", (MODE,), "1", "Share of the mode", "Of the mass of the posterior.")
+    yield one(model.runs.output, over, unit, f"Measured {output.label.lower()}")
+    yield one("error", over, unit, "Error", "Standard deviation of the measured value.")
+    yield one("predicted", over, unit, "Predicted", "Mean over the posterior of the predicted "
+              "value.")  # fmt: skip
+    yield one("predicted_best", over, unit, "Predicted by the best values", "Value predicted with "
+              "the best values.")  # fmt: skip
+    for band, says in BANDS.items():
+        yield one(f"predicted_{band}", over, unit, f"Predicted, {says}")
+    yield one("predicted_spread", over, unit, "Spread", "Of a motion that does not repeat, at the "
+              "best values.")  # fmt: skip
+    yield one("residual", over, unit, "Residual", "Measured less predicted by the best values.")
+    yield one("residual_over_error", over, "1", "Residual over error", "With the error of the run, "
+              "its spread and the discrepancy.")  # fmt: skip
+    if model.runs.watched.any():
+        yield one("probability_of_seen", over, "1", "Probability of the observation", "By the "
+                  "posterior, run by run.")  # fmt: skip
+    for unknown in model.unknowns:
+        per = "1" if unknown.unit == "1" else f"({unknown.unit})-1"
+        label = f"Density of the {lowered[unknown.name]}"
+        yield one(f"density_{unknown.name}", (unknown.name,), per, label)
+    for a, b in prepared.pairs:
+        yield one(f"density_{a}_{b}", (a, b), "1", f"Density of {a} and {b}")
+    yield one("log_density", model.names, "1", "Logarithm of the posterior density", "Natural, 0 "
+              "where it is largest on this grid.")  # fmt: skip
+    if prepared.candidates:
+        drive = tuple(CANDIDATE + name for name in prepared.candidates.axes)
+        yield one("information", drive, "bit", "Expected information", "What measuring the speed "
+                  "there adds.")  # fmt: skip
+        yield one("expected", drive, unit, "Expected speed", "Mean over the posterior.")
+        yield one("expected_deviation", drive, unit, "Deviation of the expected speed", "Over the "
+                  "posterior.")  # fmt: skip
+        for unknown in model.unknowns:
+            label = f"Standard deviation of the {lowered[unknown.name]} after the measurement"
+            yield one(f"{LEFT}{unknown.name}", drive, unknown.unit, label, "Expected standard "
+                      "deviation after the speed there is measured.")  # fmt: skip

@@ -15,7 +15,6 @@ from vibrafeed.core.calibrate.boxes import Likelihood, explore, log_sum
 from vibrafeed.core.calibrate.calibration import (
     BANDS,
     CANDIDATE,
-    ESTIMATES,
     LEFT,
     MODE,
     RUN,
@@ -42,8 +41,6 @@ from vibrafeed.core.plan.differences import jacobian
 from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.plan.labels import global_attributes
 from vibrafeed.core.plan.pieces import FOLLOWED, Computed
-from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.study.calibrate_study import CalibrateStudy
 from vibrafeed.core.watch import Watch
 
@@ -125,9 +122,10 @@ def compute(prepared: Calibration, watch: Watch) -> Computed:
     estimates what further runs would add if candidates are given. Raises `StoppedError` if `watch`
     stops it.
     """
-    share = prepared.points * len(prepared.model.runs) / prepared.cells
+    points = prepared.study.points
+    share = points * len(prepared.model.runs) / prepared.cells
     likelihood = prepared.likelihood
-    explored = explore(likelihood, prepared.points, watch.part(share))
+    explored = explore(likelihood, points, watch.part(share))
     posterior = posterior_of(likelihood, explored)
     axes = axes_of(posterior)
     arrays = _summary_statistics(prepared, posterior)
@@ -159,10 +157,9 @@ def label(prepared: Calibration, computed: Computed, watch: Watch) -> Table:
     """
     del watch  # nothing is verified
     model, arrays = prepared.model, computed.arrays
-    attributes = _attributes(prepared)
     variables = {
-        name: TableVariable(prepared.dims[name], arrays[name], attributes[name])
-        for name in prepared.units
+        name: TableVariable(one.dims, arrays[name], one.attributes)
+        for name, one in prepared.variables.items()
     }
     dataset_attributes = {
         **global_attributes(prepared, f"calibration, method {prepared.plan.variant}"),
@@ -275,7 +272,9 @@ def _coordinates(
 ) -> dict[str, TableVariable]:
     model = prepared.model
     coordinates = {
-        one.name: TableVariable((one.name,), arrays[one.name], _unknown_attributes(one))
+        one.name: TableVariable(
+            (one.name,), arrays[one.name], {"units": one.unit, "long_name": one.label}
+        )
         for one in model.unknowns
     }
     numbers = np.arange(1.0, len(model.runs) + 1.0)
@@ -293,72 +292,6 @@ def _coordinates(
     for name, value in known.items():
         coordinates[name] = TableVariable((), np.asarray(value), quantity_attributes(name))
     return coordinates
-
-
-def _unknown_attributes(unknown: Any) -> dict[str, Any]:
-    return {"units": unknown.unit, "long_name": unknown.label}
-
-
-_SAYS = {
-    "best": "Best", "mean": "Mean", "median": "Median", "deviation": "Standard deviation",
-    "lower_68": "Lower end of 68 %", "upper_68": "Upper end of 68 %",
-    "lower_95": "Lower end of 95 %", "upper_95": "Upper end of 95 %",
-}  # fmt: skip
-_RUNS = {
-    "error": ("Error", "Standard deviation of the measured value."),
-    "predicted": ("Predicted", "Mean over the posterior of the predicted value."),
-    "predicted_best": ("Predicted by the best values", "Value predicted with the best values."),
-    "predicted_spread": ("Spread", "Of a motion that does not repeat, at the best values."),
-    "residual": ("Residual", "Measured less predicted by the best values."),
-    "residual_over_error": (
-        "Residual over error", "With the error of the run, its spread and the discrepancy."
-    ),
-    "probability_of_seen": ("Probability of the observation", "By the posterior, run by run."),
-    "information": ("Expected information", "What measuring the speed there adds."),
-    "expected": ("Expected speed", "Mean over the posterior."),
-    "expected_deviation": ("Deviation of the expected speed", "Over the posterior."),
-    "mode_share": ("Share of the mode", "Of the mass of the posterior."),
-    "log_density": (
-        "Logarithm of the posterior density", "Natural, 0 where it is largest on this grid."
-    ),
-    "discrepancy": (
-        "Discrepancy",
-        "Standard deviation of what errors and unknowns do not explain: its median. All else is "
-        "averaged over it.",
-    ),
-    "discrepancy_probability": (
-        "Probability of a discrepancy", "That there is any discrepancy; 0.1 before the runs."
-    ),
-}  # fmt: skip
-
-
-def _attributes(prepared: Calibration) -> dict[str, dict[str, Any]]:
-    model, attributes = prepared.model, dict[str, dict[str, Any]]()
-    for unknown in model.unknowns:
-        lowered = in_sentence(unknown.label)
-        for what in ESTIMATES:
-            attributes[f"{what}_{unknown.name}"] = {"long_name": f"{_SAYS[what]} of the {lowered}"}
-        attributes[f"density_{unknown.name}"] = {"long_name": f"Density of the {lowered}"}
-        attributes[f"{LEFT}{unknown.name}"] = {
-            "long_name": f"Standard deviation of the {lowered} after the measurement",
-            "comment": "Expected standard deviation after the speed there is measured.",
-        }
-        attributes[f"mode_{unknown.name}"] = {"long_name": f"Best of each mode, {lowered}"}
-    for one_, other in combinations(model.names, 2):
-        attributes[f"correlation_{one_}_{other}"] = {
-            "long_name": f"Correlation of {one_} and {other}"
-        }
-        attributes[f"density_{one_}_{other}"] = {"long_name": f"Density of {one_} and {other}"}
-    attributes[model.runs.output] = {
-        "long_name": f"Measured {QUANTITIES[model.runs.output].label.lower()}"
-    }
-    for band in BANDS:
-        words = in_sentence(_SAYS[band])
-        attributes[f"predicted_{band}"] = {"long_name": f"Predicted, {words}"}
-        attributes[f"discrepancy_{band}"] = {"long_name": f"Discrepancy, {words}"}
-    for name, (label_, comment) in _RUNS.items():
-        attributes[name] = {"long_name": label_, "comment": comment}
-    return {name: {"units": unit, **attributes[name]} for name, unit in prepared.units.items()}
 
 
 KIND: Final = Kind(
