@@ -172,6 +172,13 @@ def log_sum(log: Array) -> Array:
     return total
 
 
+def shares_of(log: Array) -> Array:
+    """Return the shares of a whole from their logarithms; all equal if none is finite."""
+    top = log.max()
+    mass = np.exp(log - top) if np.isfinite(top) else np.ones(log.shape)
+    return np.asarray(mass / mass.sum())
+
+
 FIRST_SHARE = 4  # the first boxes take at most this fraction (1/4) of all points
 FINEST_FIRST = 8  # halvings of the range of an unknown for the first boxes, at most
 MAX_BITS = 60  # bits of a box's number: halvings times unknowns
@@ -300,8 +307,7 @@ def points_of(likelihood: Likelihood, centre: Array) -> Array:
     `centre` are the points as shares of the way between the bounds of each unknown.
     """
     model = likelihood.model
-    points: Array = model.lower + centre * model.width
-    return points
+    return np.asarray(model.lower + centre * model.width)
 
 
 def _first(likelihood: Likelihood, most: int, watch: Watch) -> PosteriorBoxes:
@@ -333,8 +339,7 @@ def _first(likelihood: Likelihood, most: int, watch: Watch) -> PosteriorBoxes:
 def _bend(values: Array, axis: int) -> Array:
     near = np.pad(values, [(1, 1) if k == axis else (0, 0) for k in range(values.ndim)], "reflect",
                   reflect_type="odd")  # fmt: skip
-    bend: Array = 0.25 * np.diff(near, 2, axis=axis)
-    return bend
+    return np.asarray(0.25 * np.diff(near, 2, axis=axis))
 
 
 def _softened(shown: Array) -> Array:
@@ -397,11 +402,9 @@ def _sizes(log: Array) -> Array:
 
 def _score(likelihood: Likelihood, boxes: PosteriorBoxes, log: Array) -> Array:
     runs = likelihood.model.runs
-    top = log.max()
-    if not np.isfinite(top):
+    if not np.isfinite(log.max()):
         return np.zeros(len(boxes))
-    mass = np.exp(log - top)
-    mass /= mass.sum()
+    mass = shares_of(log)
     where, size = runs.measured, likelihood.scatter.sizes
     usual = float(mass.sum(axis=0) @ np.square(size))
     if runs.errors_known:

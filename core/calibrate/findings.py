@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import cached_property
 from itertools import combinations
 
@@ -70,9 +70,9 @@ class Findings:
         self.units = ShownUnits()
         self.output = QUANTITIES[self.model.runs.output]
 
-    def sentences(self) -> list[str]:
-        """Return all findings as sentences, the most important first."""
-        return [
+    def text(self) -> str:
+        """Return all findings as sentences, one per line, the most important first."""
+        sentences = [
             *self._explained(),
             *self._estimates(),
             *self._modes(),
@@ -82,6 +82,7 @@ class Findings:
             *self._far(),
             *self._next(),
         ]
+        return "\n".join(f"{sentence}." for sentence in sentences)
 
     def _value(self, name: str) -> float:
         return float(self.arrays[name])
@@ -137,26 +138,23 @@ class Findings:
 
     def _alone(self) -> Iterator[str]:
         yield from self._pairs.values()
-        named = self.unsettled
         for one in self.model.unknowns:
-            before = _deviation_before(one)
-            if one.name not in named and self._value(f"deviation_{one.name}") > HARDLY * before:
+            deviation = self._value(f"deviation_{one.name}")
+            if one.name not in self.unsettled and deviation > HARDLY * _deviation_before(one):
                 yield f"The runs say next to nothing about {one.name}: it is as it was given"
 
     def _pair(self, unknown: Unknown, other: Unknown, j: int, k: int) -> str:
         points, weights = self.posterior.points, self.posterior.weights
         correlation = self._value(f"correlation_{unknown.name}_{other.name}")
-        first, second = points[:, j], points[:, k]
         if min(unknown.lower, other.lower) > 0:
-            logs = [np.log(first), np.log(second)]
+            logs = [np.log(points[:, j]), np.log(points[:, k])]
             wide = min(_deviation(log, weights) for log in logs)
-            for sign, word in ((-1.0, "ratio"), (1.0, "product")):
+            for sign, word, mark in ((-1.0, "ratio", "/"), (1.0, "product", "*")):
                 joint = logs[0] + sign * logs[1]
                 if _deviation(joint, weights) < ALIKE * wide:
                     least, middle, most = np.exp(
                         self.posterior.quantiles(joint, (0.025, 0.5, 0.975))
                     )
-                    mark = "/" if sign < 0 else "*"
                     unit = _joint_unit(unknown.unit, other.unit, mark)
                     return (
                         f"The runs determine only the {word} {unknown.name} {mark} {other.name}, "
@@ -173,14 +171,16 @@ class Findings:
 
     def _bounds(self) -> Iterator[str]:
         for unknown in self.model.unknowns:
+            least = HARDLY * _deviation_before(unknown)
+            if (
+                isinstance(unknown.prior, Normal)
+                or not self._value(f"deviation_{unknown.name}") < least
+            ):
+                continue
             axis, density = self.arrays[unknown.name], self.arrays[f"density_{unknown.name}"]
             for end, bound, word in ((0, unknown.lower, "lower"), (-1, unknown.upper, "upper")):
                 near = abs(axis[end] - bound) < 1e-9 * unknown.width
-                free = not isinstance(unknown.prior, Normal)
-                some = self._value(f"deviation_{unknown.name}") < HARDLY * _deviation_before(
-                    unknown
-                )
-                if near and free and some and density[end] > AT_BOUND * density.max():
+                if near and density[end] > AT_BOUND * density.max():
                     value = in_unit(bound, unknown.unit, self.units)
                     beyond = f"its {word} bound, {value}: widen its range"
                     yield f"{unknown.name} may lie beyond {beyond}"
@@ -191,19 +191,17 @@ class Findings:
         if sizes.size == 1:
             return
         size = in_unit(self._value("discrepancy"), self.output.unit, self.units)
-        residual = self.arrays["residual"]
-        rms = in_unit(
-            float(np.sqrt(np.nanmean(np.square(residual)))), self.output.unit, self.units, 4
-        )
+        rms = float(np.sqrt(np.nanmean(np.square(self.arrays["residual"]))))
+        left = in_unit(rms, self.output.unit, self.units, 4)
         if not runs.errors_known:
             yield (
-                f"The best values leave residuals of {rms} (rms); no errors were given to explain "
+                f"The best values leave residuals of {left} (rms); no errors were given to explain "
                 "them"
             )
             return
         likely = self._value("discrepancy_probability")
         if likely < 0.5:
-            yield f"Their errors explain the speeds; the residuals are {rms} (rms)"
+            yield f"Their errors explain the speeds; the residuals are {left} (rms)"
         else:
             yield (
                 f"The speeds scatter by some {size} beyond their errors ({100 * likely:.0f} % "
@@ -262,10 +260,8 @@ class Findings:
 
 
 def _deviation_before(unknown: Unknown) -> float:
-    uniform = unknown.width / np.sqrt(12.0)
-    return float(
-        min(uniform, unknown.prior.deviation if isinstance(unknown.prior, Normal) else np.inf)
-    )
+    given = unknown.prior.deviation if isinstance(unknown.prior, Normal) else np.inf
+    return float(min(unknown.width / np.sqrt(12.0), given))
 
 
 def _deviation(values: Array, weights: Array) -> float:
@@ -280,8 +276,3 @@ def _joint_unit(first: str, second: str, mark: str) -> str:
     if mark == "/":
         return f" {read[0]} per {read[1]}".replace("  ", " ") if read[1] else f" {read[0]}".rstrip()
     return f" {' '.join(filter(None, read))}".rstrip()
-
-
-def summary(sentences: Sequence[str]) -> str:
-    """Return sentences as one text, one per line."""
-    return "\n".join(f"{sentence}." for sentence in sentences)

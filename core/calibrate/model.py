@@ -155,8 +155,7 @@ class Runs:
     @property
     def measured(self) -> Mask:
         """A mask of the runs with a measured value, shape (runs,)."""
-        is_measured: Mask = np.isfinite(self.value)
-        return is_measured
+        return np.asarray(np.isfinite(self.value))
 
     @property
     def watched(self) -> Mask:

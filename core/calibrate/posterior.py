@@ -11,7 +11,14 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from vibrafeed.core.calibrate.boxes import Explored, Likelihood, PosteriorBoxes, log_sum, points_of
+from vibrafeed.core.calibrate.boxes import (
+    Explored,
+    Likelihood,
+    PosteriorBoxes,
+    log_sum,
+    points_of,
+    shares_of,
+)
 from vibrafeed.core.mechanics.arrays import Array
 
 POINTS = 60_000  # points within the boxes, about
@@ -76,8 +83,7 @@ class Posterior:
 
     def mean(self, values: Array) -> Array:
         """Return the posterior mean of values, which have the points along their first axis."""
-        mean: Array = np.tensordot(self.weights, np.nan_to_num(values), 1)
-        return mean
+        return np.asarray(np.tensordot(self.weights, np.nan_to_num(values), 1))
 
     def covariance(self) -> Array:
         """Return the covariance matrix of the unknowns, shape (unknowns, unknowns)."""
@@ -93,8 +99,7 @@ class Posterior:
         places = (np.arange(count) + 0.5) / count
         order = np.lexsort(self.points.T)
         chosen = np.searchsorted(np.cumsum(self.weights[order]), places)
-        points: Array = self.points[order[np.minimum(chosen, len(order) - 1)]]
-        return points
+        return np.asarray(self.points[order[np.minimum(chosen, len(order) - 1)]])
 
 
 def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
@@ -104,26 +109,18 @@ def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
     motion is simulated here.
     """
     boxes, log_mass = explored.boxes, explored.log_mass
-    top = log_mass.max()
-    mass = np.exp(log_mass - top) if np.isfinite(top) else np.ones(len(boxes))
-    mass /= mass.sum()
-    kept = mass > NEGLIGIBLE / len(mass)
-    boxes = boxes.only(kept)
+    boxes = boxes.only(shares_of(log_mass) > NEGLIGIBLE / len(boxes))
     most = min(POINTS, max(2_000, MAX_NUMBERS // max(1, boxes.value.shape[1])))
     each = int(np.clip(most // len(boxes), 1, 512))
     likelihood = replace(likelihood, scatter=likelihood.scatter.finer(explored.sizes))
     share, where = _within(boxes, each)
     value = boxes.value[where] + np.einsum("prk,pk->pr", boxes.slope[where], share)
-    centre = boxes.centre[where] + share
-    points = points_of(likelihood, centre)
+    points = points_of(likelihood, boxes.centre[where] + share)
     variance = (boxes.variance + boxes.rough)[where]
     shown = boxes.shown[where]
     log = likelihood.log(value, variance, shown, points)
     density = log_sum(log)
-    whole = density + boxes.log_volume[where]
-    top = whole.max()
-    weights = np.exp(whole - top) if np.isfinite(top) else np.ones(len(whole))
-    weights /= weights.sum()
+    weights = shares_of(density + boxes.log_volume[where])
     known = np.isfinite(density)
     sizes = weights[known] @ np.exp(log[known] - density[known, np.newaxis])
     return Posterior(likelihood, explored, points, weights, value, variance, shown, density, sizes)
@@ -135,8 +132,7 @@ def _within(boxes: PosteriorBoxes, each: int) -> tuple[Array, NDArray[np.int64]]
         return np.zeros((len(boxes), count)), np.arange(len(boxes))
     random = np.random.default_rng(0)
     even = scipy.stats.qmc.Sobol(count, seed=0).random(1 << int(np.ceil(np.log2(each))))[:each]
-    shift = random.random((len(boxes), 1, count))
-    share = (even + shift) % 1.0 - 0.5
+    share = (even + random.random((len(boxes), 1, count))) % 1.0 - 0.5
     share = share * boxes.width[:, np.newaxis, np.newaxis]
     return share.reshape(-1, count), np.repeat(np.arange(len(boxes)), each)
 
@@ -144,14 +140,12 @@ def _within(boxes: PosteriorBoxes, each: int) -> tuple[Array, NDArray[np.int64]]
 def weighted_quantiles(values: Array, weights: Array, shares: Sequence[float]) -> Array:
     """Return quantiles of weighted values, such as medians and bounds of a posterior."""
     order = np.argsort(values)
+    order = order[np.isfinite(values[order])]
     values, weights = values[order], weights[order]
-    finite = np.isfinite(values)
-    values, weights = values[finite], weights[finite]
     if not weights.sum() > 0:
         return np.full(len(shares), np.nan)
     below = np.cumsum(weights) - 0.5 * weights
-    quantiles: Array = np.interp(np.asarray(shares) * weights.sum(), below, values)
-    return quantiles
+    return np.interp(np.asarray(shares) * weights.sum(), below, values)
 
 
 def axes_of(posterior: Posterior) -> list[Array]:

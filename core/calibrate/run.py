@@ -21,7 +21,7 @@ from vibrafeed.core.calibrate.calibration import (
     Calibration,
     information,
 )
-from vibrafeed.core.calibrate.findings import Findings, summary
+from vibrafeed.core.calibrate.findings import Findings
 from vibrafeed.core.calibrate.model import Model
 from vibrafeed.core.calibrate.posterior import (
     Posterior,
@@ -143,7 +143,7 @@ def compute(prepared: Calibration, watch: Watch) -> Computed:
             arrays[f"{LEFT}{name}"] = (share * arrays[f"deviation_{name}"]).reshape(shape)
     axis = dict(zip(prepared.model.names, axes, strict=True))
     notes = {
-        "findings": summary(Findings(prepared, posterior, arrays | axis).sentences()),
+        "findings": Findings(prepared, posterior, arrays | axis).text(),
         FOLLOWED: f"{explored.points * len(prepared.model.runs) + prepared.asked}",
     }
     return Computed({name: np.asarray(v) for name, v in (arrays | axis).items()}, notes)
