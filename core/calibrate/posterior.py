@@ -273,13 +273,10 @@ class PosteriorMode:
         Its share of the posterior mass.
     best : ndarray, shape (unknowns,)
         The point of the highest density among its points, in the units of studies.
-    mean : ndarray, shape (unknowns,)
-        Its centre of mass, likewise.
     """
 
     share: float
     best: Array
-    mean: Array
 
 
 def modes_of(posterior: Posterior, axes: Sequence[Array]) -> list[PosteriorMode]:
@@ -346,12 +343,10 @@ def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16
 
 
 def _modes(posterior: Posterior, labels: NDArray[np.int16]) -> list[PosteriorMode]:
-    weights, log = posterior.weights, posterior.log
-    shares = np.bincount(labels, weights)
+    shares = np.bincount(labels, posterior.weights)
     modes = []
     for label in np.unique(labels).tolist():
         ours = np.flatnonzero(labels == label)
-        mean = weights[ours] @ posterior.points[ours] / shares[label]
-        best = posterior.points[ours[np.argmax(log[ours])]]
-        modes.append(PosteriorMode(float(shares[label]), best, mean))
+        best = posterior.points[ours[np.argmax(posterior.log[ours])]]
+        modes.append(PosteriorMode(float(shares[label]), best))
     return sorted(modes, key=lambda mode: -mode.share)

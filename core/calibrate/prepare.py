@@ -42,18 +42,15 @@ def prepare(study: CalibrateStudy) -> Calibration:
     their priors, the scatter of measurements and the candidates for the next run.
     """
     problems = [*_misused(study), *_problems_of_unknowns(study)]
-    columns, more = _columns(study)
-    problems += more
+    columns = _columns(study, problems)
     output, more = _observed(study.observations)
-    problems += more
-    error, more = _errors(study, output)
-    problems += more
+    error, wrong = _errors(study, output)
+    problems += [*more, *wrong]
     values = {name: v for name, v in study.values().items() if isinstance(v, Fixed)}
     shared = {name: value.value for name, value in values.items()}
     unknowns = _unknowns(study)
     problems += _open(unknowns, shared, columns)
-    spans, more = _spans(unknowns, shared, columns)
-    problems += more
+    spans = _spans(unknowns, shared, columns, problems)
     asked = study.asked_next()
     problems += _problems_of_candidates(asked, shared, columns)
     # What is wrong with values above is no reason to blame the names of a plan.
@@ -152,10 +149,9 @@ def _problems_of_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
         )
 
 
-def _columns(study: CalibrateStudy) -> tuple[dict[str, Array], list[Problem]]:
+def _columns(study: CalibrateStudy, problems: list[Problem]) -> dict[str, Array]:
     rows = [parameters_of(run) for run in study.observations]
     names = [name for name in QUANTITIES if any(name in row for row in rows)]
-    problems = []
     for name in names:
         lacking = [k for k, row in enumerate(rows, 1) if name not in row]
         if lacking:
@@ -177,7 +173,7 @@ def _columns(study: CalibrateStudy) -> tuple[dict[str, Array], list[Problem]]:
                     "Give it once",
                 )
             )
-    return columns, problems
+    return columns
 
 
 def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
@@ -265,10 +261,10 @@ def _open(
 
 
 def _spans(
-    unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array]
-) -> tuple[dict[str, Values], list[Problem]]:
+    unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array],
+    problems: list[Problem],
+) -> dict[str, Values]:  # fmt: skip
     spans: dict[str, Values] = {}
-    problems = []
     for name, column in columns.items():
         values = np.unique(column[~np.isnan(column)]).tolist()
         spans[name] = Points(tuple(values)) if len(values) > 1 else Fixed(values[0])
@@ -289,17 +285,17 @@ def _spans(
             low, high = float(ends.min()), float(ends.max())
         quantity = QUANTITIES[unknown.parameter]
         if low < quantity.lower or high > quantity.upper:
-            least = f"{quantity.lower:g}" if low < quantity.lower else f"{quantity.upper:g}"
-            word = "below" if low < quantity.lower else "above"
+            bounds = ("below", quantity.lower), ("above", quantity.upper)
+            word, least = bounds[low >= quantity.lower]
             problems.append(
                 Problem(
                     f"{unknown.table}.{unknown.parameter}",
-                    f"with it {unknown.parameter} may come {word} {least}{quantity.suffix}",
+                    f"with it {unknown.parameter} may come {word} {least:g}{quantity.suffix}",
                     "Narrow its range",
                 )
             )
         spans[unknown.parameter] = Span(low, high, 2) if high > low else Fixed(low)
-    return spans, problems
+    return spans
 
 
 def _problems_of_candidates(
@@ -336,9 +332,7 @@ def _of_scene(study: CalibrateStudy, scene: Scene, method: str) -> Iterable[Prob
 
 
 def _without_order(scene: Scene, spans: Mapping[str, Values]) -> Scene:
-    names = STATIC_ABOVE_KINETIC.parameters
-    both = [spans.get(name) for name in names]
-    if not any(isinstance(one, Span) for one in both):
+    if not any(isinstance(spans.get(name), Span) for name in STATIC_ABOVE_KINETIC.parameters):
         return scene
     left = tuple(one for one in scene.constraints if one is not STATIC_ABOVE_KINETIC)
     return replace(scene, constraints=left)
@@ -356,6 +350,3 @@ def _too_few(study: CalibrateStudy, unknowns: tuple[Unknown, ...]) -> Iterable[P
             f"no error is known, and {measured} measured runs do not show their scatter",
             f'Give error, such as "5 %", or at least {len(unknowns) + 2} runs',
         )
-
-
-__all__ = ["MAX_UNKNOWNS", "prepare"]

@@ -29,7 +29,10 @@ Statuses = NDArray[np.int8]
 
 
 class Optimum(NamedTuple):
-    """The best angles; all arrays have the broadcast shape.
+    """The best angles, or points of a front that no other angles beat in a_x and in |a_y|.
+
+    All arrays have the broadcast shape; those of fronts a last axis that counts the points, without
+    which `status` is.
 
     Attributes
     ----------
@@ -39,19 +42,6 @@ class Optimum(NamedTuple):
         The accelerations there; on the track K = a_x at rest, and 0 [m s-2].
     status : ndarray of int8
         Value of an `OPTIMUM_STATUSES` entry.
-    """
-
-    alpha: Array
-    beta: Array
-    acceleration_x: Array
-    acceleration_y: Array
-    status: Statuses
-
-
-class ParetoSet(NamedTuple):
-    """Points that no other angles beat in a_x and in |a_y|; a last axis counts the points.
-
-    `status` has the broadcast shape without that axis.
     """
 
     alpha: Array
@@ -99,7 +89,7 @@ def optimum(alpha: Array, beta: Array, along: Array, across: Array, status: Stat
     return Optimum(alpha, beta, along, across, status)
 
 
-Closed = Callable[..., Optimum | ParetoSet]
+Closed = Callable[..., Optimum]
 """A closed form; its arguments are what it needs of a design."""
 
 
@@ -124,9 +114,7 @@ class Family:
     against: str | None = "acceleration_y"
     contacts: frozenset[str] = frozenset()
 
-    def closed_optimum(
-        self, criterion: Criterion, values: Mapping[str, Any]
-    ) -> Optimum | ParetoSet:
+    def closed_optimum(self, criterion: Criterion, values: Mapping[str, Any]) -> Optimum:
         """Return the closed-form optimum of drive angles, or trade-off front, for a criterion.
 
         `values` has all inputs of the designs by name, arrays (cells,) in SI units; the formula
@@ -356,19 +344,8 @@ def _turned_cylinder(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
     exists = k > 0
     if not np.any(exists):
         return zero, zero, zero, np.asarray(exists)
-    # Sampled first, since the value may have more than one maximum.
-    samples = np.linspace(0.0, np.pi / 2, DIRECTIONS)
-    best, best_number = np.full(k.shape, -np.inf), np.zeros(k.shape, dtype=np.int64)
-    for number, psi in enumerate(samples):
-        value, height = _slip_value(np.full(k.shape, psi, dtype=complex), k, g, mu)
-        better = (value.real > best) & (height.real < g)
-        best, best_number = (
-            np.where(better, value.real, best),
-            np.where(better, number, best_number),
-        )
-    exists &= best_number > 0
-    low = samples[np.maximum(best_number - 1, 0)]
-    high = samples[np.minimum(best_number + 1, DIRECTIONS - 1)]
+    low, high, inside = _bracket(lambda psi: _slip_value(psi + 0j, k, g, mu), g)
+    exists &= inside
     step = 1e-30  # the derivative of an analytic function, without a difference
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
@@ -395,17 +372,8 @@ def _held_cylinder(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
     if not np.any(exists):
         return zero, zero, zero, np.asarray(exists)
     inputs = (k, g, mu, mu_s)
-    samples = np.linspace(0.0, np.pi / 2, DIRECTIONS)
-    best, best_number = np.full(k.shape, -np.inf), np.zeros(k.shape, dtype=np.int64)
-    for number, eta in enumerate(samples):
-        value = _held_point(np.full(k.shape, eta), *inputs)[0]
-        better = value > best
-        best, best_number = np.where(better, value, best), np.where(better, number, best_number)
-    exists &= best_number > 0
-    low, high = (
-        samples[np.maximum(best_number - 1, 0)],
-        samples[np.minimum(best_number + 1, DIRECTIONS - 1)],
-    )
+    low, high, inside = _bracket(lambda eta: (_held_point(eta, *inputs)[0], -np.inf), g)
+    exists &= inside
     for _ in range(GOLDEN_SECTIONS):
         left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
         falls = _held_point(left, *inputs)[0] > _held_point(right, *inputs)[0]
@@ -432,6 +400,21 @@ def _slip_value(
     # d = w v/|v|^2 + root (u - (u.v) v/|v|^2)/(x steep), and u_z - ... = mu x (1 + 2 s^2)/|v|^2
     height = (w * vz + root * mu * (1 + 2 * s * s) / steep) / v2
     return np.where(left.real > 0, value, -np.inf), height
+
+
+def _bracket(
+    value_of: Callable[[Array], tuple[Any, Any]], below: Array
+) -> tuple[Array, Array, Mask]:
+    # Neighbours of the best sample, since the value may have more than one maximum, and whether it
+    # is not the first one. The second result of `value_of`, the height, has to stay `below`.
+    samples = np.linspace(0.0, np.pi / 2, DIRECTIONS)
+    best, best_number = np.full(below.shape, -np.inf), np.zeros(below.shape, dtype=np.int64)
+    for number, angle in enumerate(samples):
+        value, height = (np.real(one) for one in value_of(np.full(below.shape, angle)))
+        better = (value > best) & (height < below)
+        best, best_number = np.where(better, value, best), np.where(better, number, best_number)
+    low = samples[np.maximum(best_number - 1, 0)]
+    return low, samples[np.minimum(best_number + 1, DIRECTIONS - 1)], best_number > 0
 
 
 def _held_point(

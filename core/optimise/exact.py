@@ -21,7 +21,6 @@ from vibrafeed.core.optimise.best_angles import (
     CYLINDER,
     Family,
     Optimum,
-    ParetoSet,
     broadcast,
     optimum,
     statuses,
@@ -135,7 +134,7 @@ def plane_thesis_pareto(
     friction_kinetic: ArrayLike,
     floor_contact: bool,
     points: int,
-) -> ParetoSet:
+) -> Optimum:
     """Return `points` points of the trade-off between a_x and |a_y| on a plane, printed friction.
 
     The source's friction acts along x and y at once (theory 12.1). Points go from the largest a_x
@@ -166,7 +165,7 @@ def plane_thesis_pareto(
     along, across = _printed_accelerations(P, c, G, mu, alpha, beta)
     status = statuses(valid, np.zeros_like(valid), driven, along[..., :1])[..., 0]
     bad = ~valid
-    return ParetoSet(
+    return Optimum(
         np.where(bad, np.nan, alpha),
         np.where(bad, np.nan, beta),
         np.where(bad, np.nan, along),
@@ -448,9 +447,7 @@ def _family(problem: OptimisationProblem) -> Family | None:
     return family if at_rest else None
 
 
-def _closed(
-    problem: OptimisationProblem, design: Mapping[str, Array], points: int = 0
-) -> Optimum | ParetoSet:
+def _closed(problem: OptimisationProblem, design: Mapping[str, Array], points: int = 0) -> Optimum:
     family = _family(problem)
     assert family is not None
     inputs = _inputs(problem, design)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -45,32 +45,6 @@ BLOCK = 1 << 18
 Arrays = dict[str, NDArray[Any]]
 
 
-@dataclass(frozen=True)
-class SampledOutputs:
-    """Outputs of some designs at points, in the units of studies.
-
-    Attributes
-    ----------
-    outputs : mapping of str to ndarray
-        Shape (designs, ...); NaN where there is no sound value.
-    regimes : mapping of str to ndarray of int8
-        The regimes by each verdict, of the same shape.
-    """
-
-    outputs: Mapping[str, Array]
-    regimes: Mapping[str, NDArray[np.int8]]
-
-    def shaped(self, *shape: int) -> SampledOutputs:
-        """Return the sampled outputs with points in another shape; designs stay first.
-
-        `shape` is that of the points, without the axis of designs.
-        """
-        return SampledOutputs(
-            {name: one.reshape(-1, *shape) for name, one in self.outputs.items()},
-            {name: one.reshape(-1, *shape) for name, one in self.regimes.items()},
-        )
-
-
 def compute(prepared: Sensitivity, watch: Watch) -> Computed:
     """Return all variables of a study with uncertain parameters, in the units of studies.
 
@@ -98,17 +72,21 @@ def compute(prepared: Sensitivity, watch: Watch) -> Computed:
 
 
 class _Evaluator:
+    """Computes outputs and verdicts of some designs, and tells a watch of each evaluation."""
+
     def __init__(
         self, prepared: Sensitivity, designs: Mapping[str, Array], count: int, watch: Watch
     ):
         self.prepared, self.designs, self.count, self.watch = prepared, designs, count, watch
         self.long = sum(one.takes_long for one in prepared.plan.equations)
 
-    def at(self, shares: Array) -> SampledOutputs:
-        drawn = values_at(self.prepared.uncertain, shares.reshape(len(shares), -1))
-        return self.of(drawn).shaped(*shares.shape[1:])
+    def of(self, samples: Mapping[str, Array]) -> Arrays:
+        """Return outputs and regimes of all designs at values of the uncertain parameters.
 
-    def of(self, samples: Mapping[str, Array]) -> SampledOutputs:
+        `samples` has the values, SI units, each of shape (n,); the results have the shape (designs,
+        n), in the units of studies; outputs are NaN where there is no sound value. Raises
+        `StoppedError` if the watch stops it.
+        """
         number = next(iter(samples.values())).size
         step = max(1, BLOCK // self.count)
         parts = []
@@ -118,66 +96,59 @@ class _Evaluator:
                 raise StoppedError(
                     "the study was stopped before all its points were computed; run it again"
                 )
-        return SampledOutputs(
-            {n: np.concatenate([part.outputs[n] for part in parts], -1) for n in parts[0].outputs},
-            {n: np.concatenate([part.regimes[n] for part in parts], -1) for n in parts[0].regimes},
-        )
+        return {name: np.concatenate([part[name] for part in parts], -1) for name in parts[0]}
 
-    def _some(self, samples: Mapping[str, Array]) -> SampledOutputs:
+    def _some(self, samples: Mapping[str, Array]) -> Arrays:
         plan, number = self.prepared.plan, next(iter(samples.values())).size
         shape = (self.count, number)
         with np.errstate(all="ignore"):
             part = self.watch.part(number / self.long) if self.long else None
             known = run_equations(plan, {**self.designs, **samples}, part)
-            verdicts = {n: np.broadcast_to(one, shape) for n, one in regimes(plan, known).items()}
-            valid = {n: is_valid(one) for n, one in verdicts.items()}
+            told: Arrays = {n: np.broadcast_to(v, shape) for n, v in regimes(plan, known).items()}
         if not self.long:
             self.watch.advance(number)
-        outputs = {}
+        valid = {name: is_valid(verdict) for name, verdict in told.items()}
         for name in plan.outputs:
             values = np.asarray(from_si(name, np.asarray(known[name], dtype=np.float64)))
-            values = np.broadcast_to(values, shape)
             verdict = plan.verdict_on(name)
             holds = valid[verdict.name] if verdict is not None else True
-            outputs[name] = np.where(holds & np.isfinite(values), values, np.nan)
-        return SampledOutputs(outputs, verdicts)
+            values = np.where(holds & np.isfinite(values), values, np.nan)
+            told[name] = np.broadcast_to(values, shape)
+        return told
 
 
 def _variables(evaluator: _Evaluator) -> Arrays:
     prepared = evaluator.prepared
     study = prepared.study
-    nominal = evaluator.of(_first(prepared.budget.values()))
-    statistics_of: Arrays = {name: one[..., 0] for name, one in nominal.regimes.items()}
-    for name, values in _of_points(evaluator):
-        statistics_of[name] = values
+    points = prepared.budget.values()
+    nominal = evaluator.of({name: one[:1] for name, one in points.items()})
+    statistics_of = {name: nominal[name][..., 0] for name in prepared.plan.verdict_names}
+    statistics_of |= dict(_of_points(evaluator))
     if "budget" in study.analyses:
-        placed = evaluator.of(prepared.budget.values())
+        placed = evaluator.of(points)
         for name in prepared.outputs:
-            told = prepared.budget.budget_of(placed.outputs[name])
+            told = prepared.budget.budget_of(placed[name])
             statistics_of |= {f"{name}_{part}": one for part, one in vars(told).items()}
     return {name: statistics_of[name] for name in prepared.dims}
 
 
-def _first(values: Mapping[str, Array]) -> dict[str, Array]:
-    return {name: one[:1] for name, one in values.items()}
-
-
 def _of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
     prepared, study = evaluator.prepared, evaluator.prepared.study
-    drawn = {"distribution", "sobol"} & set(study.analyses) or study.demands
-    if not drawn:
+    if not ({"distribution", "sobol"} & set(study.analyses) or study.demands):
         none = np.full(evaluator.count, np.nan)
         yield from ((f"{name}_left_out", none) for name in prepared.outputs)
         return
     at = design(len(prepared.uncertain), study.samples // REPLICATES, study.seed)
-    # The points a alone tell of distributions, so that they do not hang on what else is asked.
-    values = evaluator.at(at if "sobol" in study.analyses else at[:, :1])
+    if "sobol" not in study.analyses:
+        at = at[:, :1]  # these tell of distributions, which do not hang on what else is asked
+    drawn = evaluator.of(values_at(prepared.uncertain, at.reshape(len(at), -1)))
+    values = {name: one.reshape(-1, *at.shape[1:]) for name, one in drawn.items()}
     for demand in study.demands:
-        estimate = statistics.probability(_met(demand, values))
+        estimate = statistics.probability(_met(demand, values, prepared.plan.verdict_names))
         yield f"probability_{demand.name}", estimate.value
         yield f"probability_{demand.name}_error", estimate.error
     for name in prepared.outputs:
-        output = values.outputs[name]
+        output = values[name]
         first = output[:, 0]
         yield f"{name}_left_out", statistics.share(np.isnan(first))
         if "distribution" in study.analyses:
@@ -197,11 +168,11 @@ def _of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
                 yield f"{name}_{part}", estimate.T
 
 
-def _met(demand: Demand, values: SampledOutputs) -> Mask:
+def _met(demand: Demand, values: Arrays, verdicts: Iterable[str]) -> Mask:
     if demand.regime is not None:
         wanted = REGIMES[demand.regime].value
-        return np.any([one[:, 0] == wanted for one in values.regimes.values()], axis=0)
-    output = values.outputs[str(demand.output)][:, 0]
+        return np.any([values[name][:, 0] == wanted for name in verdicts], axis=0)
+    output = values[str(demand.output)][:, 0]
     met = np.isfinite(output)
     if demand.at_least is not None:
         met = met & (output >= demand.at_least)
@@ -232,7 +203,9 @@ def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
         variables,
         {
             **global_attributes(prepared, "over uncertain parameters"),
-            "uncertain_parameters": _distributions(prepared),
+            "uncertain_parameters": json.dumps(
+                {name: one.canonical() for name, one in prepared.uncertain.items()}
+            ),
             "evaluations": float(prepared.evaluations) * prepared.cells,
             "accuracy": f"errors are half the widths of 95 % intervals, from {REPLICATES} "
             f"scramblings of {prepared.study.samples // REPLICATES:,} Sobol points",
@@ -260,10 +233,6 @@ def _coordinates(prepared: Sensitivity) -> dict[str, TableVariable]:
     }
     used = {dim for dims in prepared.dims.values() for dim in dims}
     return {name: one for name, one in coordinates.items() if name in used}
-
-
-def _distributions(prepared: Sensitivity) -> str:
-    return json.dumps({name: one.canonical() for name, one in prepared.uncertain.items()})
 
 
 KIND: Final = Kind(
