@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
+from vibrafeed.core.mechanics.arrays import Array, ratio
 from vibrafeed.core.optimise.exact import closed_front
 from vibrafeed.core.optimise.methods import METHODS
 from vibrafeed.core.optimise.problem import LIMIT, Optima, OptimisationProblem, cells_of
@@ -53,9 +53,12 @@ def find_front(
     status = np.repeat(least.status[:, None], points, axis=1)
     evaluations = np.ones((cells, points), dtype=np.int64)
     optima = least
-    rest = np.flatnonzero(~_is_one_point(problem, top, least, design, scales))
+    most, there = (_value(problem, criterion.output, end, design) for end in (top, least))
+    # Without a trade-off one choice is best in both outputs, and a front is one point.
+    rest = np.flatnonzero(~(there >= most - SMALL * scales[criterion.output]))
     if rest.size:
-        first, last = (_other(problem, end, design)[rest] for end in (top, least))
+        against = (np.abs(_value(problem, criterion.against, end, design)) for end in (top, least))
+        first, last = (one[rest] for one in against)
         levels = first[:, None] + (last - first)[:, None] * evenly(0.0, 1.0, points)
         repeated = {name: np.repeat(values[rest], points) for name, values in design.items()}
         wide = {name: np.repeat(values[rest], points) for name, values in scales.items()}
@@ -72,17 +75,6 @@ def find_front(
     )  # fmt: skip
 
 
-def _is_one_point(
-    problem: OptimisationProblem,
-    top: Optima,
-    least: Optima,
-    design: Mapping[str, Array],
-    scales: Mapping[str, Array],
-) -> Mask:
-    most, there = (_value(problem, problem.criterion.output, end, design) for end in (top, least))
-    return there >= most - SMALL * scales[problem.criterion.output]
-
-
 def distinct_points(output: Array, other: Array, sizes: Sequence[Array]) -> Array:
     """Return the number of distinct points of each trade-off front, 0 of one without a value.
 
@@ -92,11 +84,6 @@ def distinct_points(output: Array, other: Array, sizes: Sequence[Array]) -> Arra
     pairs = zip((output, np.abs(other)), sizes, strict=True)
     moved = [np.abs(np.diff(one, axis=1)) > SMALL * size for one, size in pairs]
     return np.isfinite(output).any(axis=1) + np.logical_or(*moved).sum(axis=1, dtype=np.float64)
-
-
-def _other(problem: OptimisationProblem, optima: Optima, design: Mapping[str, Array]) -> Array:
-    assert problem.against is not None
-    return np.abs(_value(problem, problem.against, optima, design))
 
 
 def _value(

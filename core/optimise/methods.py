@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import scipy
@@ -118,24 +117,20 @@ class _Design:
         is_smooth = not self.problem.is_motion and self.problem.uncertain is None
         if not is_smooth or not self.ended or not np.isfinite(result.fun):
             return point, said
+        kept = {"type": "ineq", "fun": lambda unit: self.smooth(unit)[1:]}
         polished = scipy.optimize.minimize(
             lambda unit: -float(self.smooth(unit)[0]),
             point,
             jac="3-point",
             method="SLSQP",
             bounds=bounds,
-            constraints=self.constraints(),
+            constraints=[kept] if self.problem.kept else [],
             options={"ftol": 1e-15, "maxiter": 200},
         )
         both = np.clip(np.stack([point, polished.x], axis=1), 0.0, 1.0)
         value, beyond = self.judged(both)
         place = np.lexsort((-value, np.maximum(beyond, TOLERANCE / 10)))[0]
         return both[:, place], f"{said} {polished.message}"
-
-    def constraints(self) -> list[dict[str, Any]]:
-        if not self.problem.kept:
-            return []
-        return [{"type": "ineq", "fun": lambda unit: self.smooth(unit)[1:]}]
 
     def smooth(self, unit: Array) -> Array:
         problem = self.problem

@@ -38,7 +38,7 @@ MEMBERS = 24  # of a population, and 8 more for each variable
 TIMES_MOTION = 2  # so many times the members for motions, which jump
 SAMPLES = 1024  # points from which the first members are taken
 MAX_GENERATIONS = 400
-ROUGH_GENERATIONS = 40
+ROUGH_GENERATIONS = 25
 """For each variable. Where motions do not repeat tops stand on tops: populations do not narrow."""
 CROSSED = 0.9  # share of the variables that change
 SMALL = 1e-12  # a population that is narrower in all variables has converged
