@@ -274,62 +274,61 @@ class Calibration(Prepared):
 
     def what_fits(self, share: float) -> str:
         """Return a sentence that says how to shrink the study to a share of its size."""
-        del share
         return "Calibrate fewer unknowns, or fewer candidates"
 
 
 def _variables(prepared: Calibration) -> Iterator[CalibrationVariable]:
-    one, model, over = CalibrationVariable, prepared.model, (RUN,)
+    made, model, over = CalibrationVariable, prepared.model, (RUN,)
     output = QUANTITIES[model.runs.output]
     unit, lowered = output.unit, {u.name: in_sentence(u.label) for u in model.unknowns}
     for unknown in model.unknowns:
         for what, says in ESTIMATES.items():
             label = f"{says.capitalize()} of the {lowered[unknown.name]}"
-            yield one(f"{what}_{unknown.name}", (), unknown.unit, label)
+            yield made(f"{what}_{unknown.name}", (), unknown.unit, label)
     for a, b in combinations(model.names, 2):
-        yield one(f"correlation_{a}_{b}", (), "1", f"Correlation of {a} and {b}")
-    yield one("discrepancy", (), unit, "Discrepancy", "Standard deviation of what errors and "
+        yield made(f"correlation_{a}_{b}", (), "1", f"Correlation of {a} and {b}")
+    yield made("discrepancy", (), unit, "Discrepancy", "Standard deviation of what errors and "
               "unknowns do not explain: its median. All else is averaged over it.")  # fmt: skip
     for band, says in BANDS.items():
-        yield one(f"discrepancy_{band}", (), unit, f"Discrepancy, {says}")
-    yield one("discrepancy_probability", (), "1", "Probability of a discrepancy",
+        yield made(f"discrepancy_{band}", (), unit, f"Discrepancy, {says}")
+    yield made("discrepancy_probability", (), "1", "Probability of a discrepancy",
               "That there is any discrepancy; 0.1 before the runs.")  # fmt: skip
     for unknown in model.unknowns:
         label = f"Best of each mode, {lowered[unknown.name]}"
-        yield one(f"mode_{unknown.name}", (MODE,), unknown.unit, label)
-    yield one("mode_share", (MODE,), "1", "Share of the mode", "Of the mass of the posterior.")
-    yield one(model.runs.output, over, unit, f"Measured {output.label.lower()}")
-    yield one("error", over, unit, "Error", "Standard deviation of the measured value.")
-    yield one("predicted", over, unit, "Predicted", "Mean over the posterior of the predicted "
+        yield made(f"mode_{unknown.name}", (MODE,), unknown.unit, label)
+    yield made("mode_share", (MODE,), "1", "Share of the mode", "Of the mass of the posterior.")
+    yield made(model.runs.output, over, unit, f"Measured {output.label.lower()}")
+    yield made("error", over, unit, "Error", "Standard deviation of the measured value.")
+    yield made("predicted", over, unit, "Predicted", "Mean over the posterior of the predicted "
               "value.")  # fmt: skip
-    yield one("predicted_best", over, unit, "Predicted by the best values", "Value predicted with "
+    yield made("predicted_best", over, unit, "Predicted by the best values", "Value predicted with "
               "the best values.")  # fmt: skip
     for band, says in BANDS.items():
-        yield one(f"predicted_{band}", over, unit, f"Predicted, {says}")
-    yield one("predicted_spread", over, unit, "Spread", "Of a motion that does not repeat, at the "
+        yield made(f"predicted_{band}", over, unit, f"Predicted, {says}")
+    yield made("predicted_spread", over, unit, "Spread", "Of a motion that does not repeat, at the "
               "best values.")  # fmt: skip
-    yield one("residual", over, unit, "Residual", "Measured less predicted by the best values.")
-    yield one("residual_over_error", over, "1", "Residual over error", "With the error of the run, "
-              "its spread and the discrepancy.")  # fmt: skip
+    yield made("residual", over, unit, "Residual", "Measured less predicted by the best values.")
+    yield made("residual_over_error", over, "1", "Residual over error", "With the error of the "
+              "run, its spread and the discrepancy.")  # fmt: skip
     if model.runs.watched.any():
-        yield one("probability_of_seen", over, "1", "Probability of the observation", "By the "
+        yield made("probability_of_seen", over, "1", "Probability of the observation", "By the "
                   "posterior, run by run.")  # fmt: skip
     for unknown in model.unknowns:
         per = "1" if unknown.unit == "1" else f"({unknown.unit})-1"
         label = f"Density of the {lowered[unknown.name]}"
-        yield one(f"density_{unknown.name}", (unknown.name,), per, label)
+        yield made(f"density_{unknown.name}", (unknown.name,), per, label)
     for a, b in prepared.pairs:
-        yield one(f"density_{a}_{b}", (a, b), "1", f"Density of {a} and {b}")
-    yield one("log_density", model.names, "1", "Logarithm of the posterior density", "Natural, 0 "
+        yield made(f"density_{a}_{b}", (a, b), "1", f"Density of {a} and {b}")
+    yield made("log_density", model.names, "1", "Logarithm of the posterior density", "Natural, 0 "
               "where it is largest on this grid.")  # fmt: skip
     if prepared.candidates:
         drive = tuple(CANDIDATE + name for name in prepared.candidates.axes)
-        yield one("information", drive, "bit", "Expected information", "What measuring the speed "
+        yield made("information", drive, "bit", "Expected information", "What measuring the speed "
                   "there adds.")  # fmt: skip
-        yield one("expected", drive, unit, "Expected speed", "Mean over the posterior.")
-        yield one("expected_deviation", drive, unit, "Deviation of the expected speed", "Over the "
+        yield made("expected", drive, unit, "Expected speed", "Mean over the posterior.")
+        yield made("expected_deviation", drive, unit, "Deviation of the expected speed", "Over the "
                   "posterior.")  # fmt: skip
         for unknown in model.unknowns:
             label = f"Standard deviation of the {lowered[unknown.name]} after the measurement"
-            yield one(f"{LEFT}{unknown.name}", drive, unknown.unit, label, "Expected standard "
+            yield made(f"{LEFT}{unknown.name}", drive, unknown.unit, label, "Expected standard "
                       "deviation after the speed there is measured.")  # fmt: skip

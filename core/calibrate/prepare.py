@@ -179,16 +179,16 @@ def _columns(study: CalibrateStudy, problems: list[Problem]) -> dict[str, Array]
 def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
     problems = []
     for k, row in enumerate(rows, 1):
-        given = [name for name in OBSERVED if getattr(row, name) is not None]
-        if len(given) > 1:
+        outputs = [name for name in OBSERVED if getattr(row, name) is not None]
+        if len(outputs) > 1:
             problems.append(
                 Problem(
                     f"observations row {k}",
-                    f"it gives both {' and '.join(given)}",
+                    f"it gives both {' and '.join(outputs)}",
                     "Give one of them",
                 )
             )
-        elif not given and row.regime is None:
+        elif not outputs and row.regime is None:
             problems.append(
                 Problem(
                     f"observations row {k}",

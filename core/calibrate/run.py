@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from itertools import combinations
 from typing import Any, Final
 
@@ -51,64 +50,40 @@ MAX_STEPS = 40  # evaluations of the residuals, beside those of their derivative
 FAR = 1e3  # residual over error where a motion has no speed
 
 
-@dataclass(frozen=True)
-class LeastSquares:
-    """The sum of squares of the runs' residuals over their errors, and of the priors' deviations.
+def _polished(model: Model, start: Array, size: float, watch: Watch) -> Array:
+    # The best point near `start`, or `start`, by the sum of squares of the residuals of the
+    # measured runs over their standard deviations, `size` that of the discrepancy, and of the
+    # distances from the prior means. Points are values of the unknowns, in the units of studies.
+    where, quiet = model.runs.measured, Watch(stop=watch.stop, deadline=watch.deadline)
+    if not where.any():
+        return start
 
-    Attributes
-    ----------
-    model : Model
-        The motions.
-    size : float
-        The discrepancy, a standard deviation in the unit of what was measured.
-    watch : Watch
-        May stop it.
-    """
-
-    model: Model
-    size: float
-    watch: Watch
-
-    def polished(self, start: Array) -> Array:
-        """Return the best point near `start`, refined by least squares; `start` if none is better.
-
-        Points are values of the unknowns, shape (unknowns,), in the units of studies. The sum of
-        squares is that of the residuals of the measured runs over their standard deviations, and of
-        the distances from the prior means. Without measured runs `start` is returned.
-        """
-        model = self.model
-        if not model.runs.measured.any():
-            return start
-        margin = 1e-9
-        share = np.clip((start - model.lower) / model.width, margin, 1.0 - margin)
-        before = self._residuals(share[np.newaxis])[0]
-        optimum = scipy.optimize.least_squares(
-            lambda x: self._residuals(x[np.newaxis])[0],
-            share,
-            jac=lambda share: jacobian(self._residuals, share, STEP).T,
-            bounds=(0.0, 1.0),
-            x_scale="jac",
-            xtol=1e-12,
-            ftol=1e-14,
-            gtol=1e-14,
-            max_nfev=MAX_STEPS,
-        )
-        if not 2.0 * optimum.cost < before @ before:
-            return start
-        return model.lower + optimum.x * model.width
-
-    def _residuals(self, shares: Array) -> Array:
-        model, where = self.model, self.model.runs.measured
+    def residuals(shares: Array) -> Array:
         points = model.lower + shares * model.width
-        found = model.predict(points, Watch(stop=self.watch.stop, deadline=self.watch.deadline))
+        found = model.predict(points, quiet)
         residual = found.value[:, where] - model.runs.value[where]
-        variance = (
-            found.variance[:, where] + np.square(model.runs.error[where]) + np.square(self.size)
-        )
+        variance = found.variance[:, where] + np.square(model.runs.error[where]) + np.square(size)
         variance = np.where(variance > 0, variance, 1.0)
         over = np.nan_to_num(residual / np.sqrt(variance), nan=FAR)
         before = [one.deviations_from_mean(points[:, k]) for k, one in enumerate(model.unknowns)]
         return np.concatenate([over, np.stack(before, axis=1)], axis=1)
+
+    share = np.clip((start - model.lower) / model.width, 1e-9, 1.0 - 1e-9)
+    before = residuals(share[np.newaxis])[0]
+    optimum = scipy.optimize.least_squares(
+        lambda x: residuals(x[np.newaxis])[0],
+        share,
+        jac=lambda share: jacobian(residuals, share, STEP).T,
+        bounds=(0.0, 1.0),
+        x_scale="jac",
+        xtol=1e-12,
+        ftol=1e-14,
+        gtol=1e-14,
+        max_nfev=MAX_STEPS,
+    )
+    if not 2.0 * optimum.cost < before @ before:
+        return start
+    return model.lower + optimum.x * model.width
 
 
 SHARES = (0.16, 0.84, 0.025, 0.975)
@@ -149,13 +124,12 @@ def compute(prepared: Calibration, watch: Watch) -> Computed:
     return Computed({name: np.asarray(v) for name, v in (arrays | axis).items()}, notes)
 
 
-def label(prepared: Calibration, computed: Computed, watch: Watch) -> Table:
+def label(prepared: Calibration, computed: Computed, _: Watch) -> Table:
     """Return the result of a calibration as a table: arrays with dimensions, units and attributes.
 
     `computed` has the arrays and notes that `compute` returned for the study `prepared`. Nothing is
-    verified, so that `watch`, which other kinds of study need here, is not used.
+    verified, so that the watch, which other kinds of study need here, is not used.
     """
-    del watch  # nothing is verified
     model, arrays = prepared.model, computed.arrays
     variables = {
         name: TableVariable(one.dims, arrays[name], one.attributes)
@@ -209,9 +183,8 @@ def _best(
     size = float(np.sqrt(posterior.sizes @ np.square(sizes)))
     if model.runs.errors_known and posterior.sizes[0] > 0.5:
         size = 0.0
-    squares = LeastSquares(model, size, watch)
     modes = modes_of(posterior, axes)
-    polished = np.array([squares.polished(mode.best) for mode in modes])
+    polished = np.array([_polished(model, mode.best, size, watch) for mode in modes])
     likely = polished[np.argmax(_log_density(posterior.likelihood, polished))]
     arrays: dict[str, Array] = {"mode_share": np.array([mode.share for mode in modes])}
     arrays |= {f"mode_{name}": polished[:, k] for k, name in enumerate(model.names)}

@@ -163,15 +163,8 @@ def plane_thesis_pareto(
     alpha = np.where(lifts, 0.0, share * _alpha_max(g, mu))
     beta = np.where(lifts, first + share * (lift_off - first), _curve_beta(alpha, mu))
     along, across = _printed_accelerations(P, c, G, mu, alpha, beta)
-    status = statuses(valid, np.zeros_like(valid), driven, along[..., :1])[..., 0]
-    bad = ~valid
-    return Optimum(
-        np.where(bad, np.nan, alpha),
-        np.where(bad, np.nan, beta),
-        np.where(bad, np.nan, along),
-        np.where(bad, np.nan, across),
-        status,
-    )
+    status = statuses(valid, np.zeros_like(valid), driven, along[..., :1])
+    return optimum(alpha, beta, along, across, status)._replace(status=status[..., 0])
 
 
 def _printed_accelerations(
@@ -450,7 +443,15 @@ def _family(problem: OptimisationProblem) -> Family | None:
 def _closed(problem: OptimisationProblem, design: Mapping[str, Array], points: int = 0) -> Optimum:
     family = _family(problem)
     assert family is not None
-    inputs = _inputs(problem, design)
+    # Variables stand at their lower bounds: none of these depends on the angles.
+    known = problem.known(np.broadcast_to(problem.lower[:, None], (len(problem.names), 1)), design)
+    names = ("vibration_acceleration", "gravity_along", "gravity_normal", "friction_kinetic")
+    more = (name for name in ("friction_static", "gravity_across") if name in known)
+    cells = next(iter(design.values())).shape
+    inputs = {
+        name: np.broadcast_to(np.asarray(known[name], dtype=np.float64), cells)
+        for name in (*names, *more)
+    }
     kept = {one.name for one in problem.kept}
     asked = {
         "limit": design.get(LIMIT, np.inf),
@@ -461,18 +462,6 @@ def _closed(problem: OptimisationProblem, design: Mapping[str, Array], points: i
         "points": points,
     }
     return family.closed_optimum(problem.criterion, asked | inputs)
-
-
-def _inputs(problem: OptimisationProblem, design: Mapping[str, Array]) -> dict[str, Array]:
-    # Variables stand at their lower bounds: none of these depends on the angles.
-    known = problem.known(np.broadcast_to(problem.lower[:, None], (len(problem.names), 1)), design)
-    names = ("vibration_acceleration", "gravity_along", "gravity_normal", "friction_kinetic")
-    more = (name for name in ("friction_static", "gravity_across") if name in known)
-    cells = next(iter(design.values())).shape
-    return {
-        name: np.broadcast_to(np.asarray(known[name], dtype=np.float64), cells)
-        for name in (*names, *more)
-    }
 
 
 def _ordered(problem: OptimisationProblem, alpha: Array, beta: Array) -> Array:

@@ -65,12 +65,7 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         plan, _ = plan_study(study, outputs, chosen, spans)
     except StudyError as error:
         problems += (locate_problem(_of_other_drive(each, scene), study) for each in error.problems)
-    if study.method in FORMER:
-        fix = f'Write method = "{FORMER[study.method]}"'
-        problems.append(Problem("method", f"the method {study.method} went", fix))
-    elif study.method is not None and study.method not in METHODS:
-        fix = suggestion(study.method, METHODS)
-        problems.append(Problem("method", f"'{study.method[:60]}' is not a method", fix))
+    problems += _problems_of_method(study.method)
     if problems:
         raise StudyError(dict.fromkeys(problems))
     variables = tuple(_variable(name, between) for name, between in bounds.items())
@@ -81,15 +76,27 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     problem = OptimisationProblem(plan, variables, study.criterion, kept, unsure)
     middles = {name: Fixed(nominal(each)) for name, each in intervals.items()}
     designs = grid = Grid.of({**values, **middles})
-    method = study.method or ("exact" if is_closed(problem) else "search")
-    if method == "exact" and not is_closed(problem):
-        message = "there is no closed form of this problem"
-        raise StudyError([Problem("method", message, "Leave method out")])
+    method = _method(study, problem)
     if isinstance(study.criterion, Pareto):
         shares = Span(0.0, 1.0, study.criterion.points)
         grid = Grid({**designs.axes, FRONT: shares}, designs.fixed)
     # What is chosen is no parameter of the result.
     return Optimisation(study, plan, grid, designs, problem, method).check_verification()
+
+
+def _problems_of_method(name: str | None) -> Iterable[Problem]:
+    if name in FORMER:
+        yield Problem("method", f"the method {name} went", f'Write method = "{FORMER[name]}"')
+    elif name is not None and name not in METHODS:
+        yield Problem("method", f"'{name[:60]}' is not a method", suggestion(name, METHODS))
+
+
+def _method(study: OptimiseStudy, problem: OptimisationProblem) -> str:
+    method = study.method or ("exact" if is_closed(problem) else "search")
+    if method == "exact" and not is_closed(problem):
+        message = "there is no closed form of this problem"
+        raise StudyError([Problem("method", message, "Leave method out")])
+    return method
 
 
 def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:

@@ -126,12 +126,12 @@ def derivatives(
         piece = slice(start, start + BLOCK)
         near = {name: values[name][piece] for name in (*whole.parameters, *parameters)}
         outputs, kinds = model.at(near, share)
-        for place, parameter in enumerate(parameters):
+        for number, parameter in enumerate(parameters):
             side = sides.get(parameter, both)[piece]
             told = model.derived(near, parameter, side, outputs, kinds, share)
             if not watch.stopped():
                 for array, part in zip((value, slope, error, status), told, strict=True):
-                    array[place, :, piece] = part
+                    array[number, :, piece] = part
     return {
         (output, parameter): Derived(*(array[k, j] for array in (value, slope, error, status)))
         for k, parameter in enumerate(parameters)

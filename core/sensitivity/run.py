@@ -104,17 +104,17 @@ class _Evaluator:
         with np.errstate(all="ignore"):
             part = self.watch.part(number / self.long) if self.long else None
             known = run_equations(plan, {**self.designs, **samples}, part)
-            told: Arrays = {n: np.broadcast_to(v, shape) for n, v in regimes(plan, known).items()}
+            arrays: Arrays = {n: np.broadcast_to(v, shape) for n, v in regimes(plan, known).items()}
         if not self.long:
             self.watch.advance(number)
-        valid = {name: is_valid(verdict) for name, verdict in told.items()}
+        valid = {name: is_valid(verdict) for name, verdict in arrays.items()}
         for name in plan.outputs:
             values = np.asarray(from_si(name, np.asarray(known[name], dtype=np.float64)))
             verdict = plan.verdict_on(name)
             holds = valid[verdict.name] if verdict is not None else True
             values = np.where(holds & np.isfinite(values), values, np.nan)
-            told[name] = np.broadcast_to(values, shape)
-        return told
+            arrays[name] = np.broadcast_to(values, shape)
+        return arrays
 
 
 def _variables(evaluator: _Evaluator) -> Arrays:
