@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 from vibrafeed.core.dataset.table import (
     Table,
     TableVariable,
-    flag_attributes,
-    quantity_attributes,
     regime_attributes,
 )
 from vibrafeed.core.mechanics.arrays import Array, Mask
@@ -39,12 +37,11 @@ from vibrafeed.core.optimise.problem import (
 from vibrafeed.core.optimise.search import filled, most_reliable
 from vibrafeed.core.optimise.uncertain import judged_afresh
 from vibrafeed.core.plan.grid import to_si
-from vibrafeed.core.plan.labels import coordinates_of, global_attributes, link_to_verdict
+from vibrafeed.core.plan.labels import coordinates_of, global_attributes
 from vibrafeed.core.plan.pieces import Computed
-from vibrafeed.core.plan.replicates import INTERVAL, REPLICATES
+from vibrafeed.core.plan.replicates import REPLICATES
 from vibrafeed.core.plan.sample import Sample, sample_of
-from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES, Flag
-from vibrafeed.core.quantities.quantity import in_sentence
+from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES
 from vibrafeed.core.study.optimise_study import Limited, Pareto
 from vibrafeed.core.sweep.verify import AGAINST, Rounding, rounding_of
 from vibrafeed.core.watch import Watch
@@ -227,13 +224,6 @@ def _better(
     return solved, int(chosen[worst]), float(max(more[worst], 0.0))
 
 
-BINDS = {
-    "free": Flag(0, "the constraint is not active"),
-    "binds": Flag(1, "the constraint holds with equality"),
-}
-KNEE = {"point": Flag(0, "a point of the front"), "knee": Flag(1, "its knee")}
-
-
 def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
     """Return the results of an optimisation as a table, verified if the study asks for it.
 
@@ -241,7 +231,13 @@ def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
     """
     arrays, dims, problem = computed.arrays, tuple(prepared.grid.axes), prepared.problem
     scene, says = prepared.plan.scene, METHODS[prepared.method].says
-    attributes, words = _attributes(prepared, arrays), criterion_in_words(problem)
+    attributes, words = dict(prepared.attributes), criterion_in_words(problem)
+    for verdict in prepared.plan.verdicts:
+        names = {*verdict.regimes}
+        if (arrays[verdict.name] == REGIMES["not_assessed"].value).any():
+            names.add("not_assessed")
+        judged = verdict.outputs if len(prepared.plan.verdicts) > 1 else ()
+        attributes[verdict.name] = regime_attributes(tuple(names), judged)
     gaps = arrays["optimum_gap"][np.isfinite(arrays["optimum_gap"])]
     accuracy = [
         "optimum_gap: what another method finds better, over the largest size of the objective; "
@@ -271,81 +267,6 @@ def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
             **verified(prepared, arrays, watch),
         },
     )
-
-
-def _attributes(
-    prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]
-) -> dict[str, dict[str, Any]]:
-    problem = prepared.problem
-    output = problem.criterion.output
-    attributes: dict[str, dict[str, Any]] = {
-        name: quantity_attributes(name, **link_to_verdict(prepared.plan, name))
-        for name in prepared.units
-        if name in QUANTITIES
-    }
-    for name in problem.names:
-        attributes[f"best_{name}"] = {
-            **quantity_attributes(name),
-            "long_name": f"Best {in_sentence(QUANTITIES[name].label)}",
-        }
-        for end in ("lower", "upper"):
-            attributes[f"binds_{name}_{end}"] = _binds(f"the {end} bound of {name}")
-    for kept in problem.kept:
-        what = kept.name.replace("_", " ")
-        attributes[f"margin_{kept.name}"] = {
-            "units": QUANTITIES[kept.output].unit,
-            "long_name": f"Margin of {what}",
-            "comment": f"Distance of {kept.output} from its bound; 0 where it binds.",
-        }
-        attributes[f"binds_{kept.name}"] = _binds(what)
-        broken, error = broken_names(kept.name)
-        attributes[broken] = {
-            "units": "1",
-            "long_name": f"Probability that {what} is broken",
-            "comment": "Over all distributions; a unit without a value breaks it.",
-        }
-        attributes[error] = {
-            "units": "1",
-            "long_name": f"Error of the probability that {what} is broken",
-            "comment": INTERVAL,
-        }
-    attributes["objective"] |= {
-        "units": QUANTITIES[output].unit,
-        "comment": f"At the optimum: {criterion_in_words(problem)}.",
-        "criterion": problem.criterion.kind,
-        "output": output,
-        **link_to_verdict(prepared.plan, output),
-    }
-    if "objective_error" in prepared.units:
-        attributes["objective_error"] |= {"units": QUANTITIES[output].unit}
-    if problem.is_sampled:
-        attributes["objective"]["comment"] += " Over points that did not choose it."
-        attributes["objective_error"]["comment"] = INTERVAL
-    attributes["optimum_status"] = flag_attributes(
-        "optimum_status", OPTIMUM_STATUSES, tuple(OPTIMUM_STATUSES)
-    )
-    for name in problem.sensitive if prepared.study.sensitivities else ():
-        attributes[f"sensitivity_{name}"] = {
-            "units": "1",
-            "long_name": f"Sensitivity to {in_sentence(QUANTITIES[name].label)}",
-            "comment": f"d ln({output})/d ln({name}) at the optimum.",
-        }
-    if "knee" in prepared.units:
-        attributes["knee"] = flag_attributes("knee", KNEE, tuple(KNEE))
-    for verdict in prepared.plan.verdicts:
-        names = {*verdict.regimes}
-        if (arrays[verdict.name] == REGIMES["not_assessed"].value).any():
-            names.add("not_assessed")
-        judged = verdict.outputs if len(prepared.plan.verdicts) > 1 else ()
-        attributes[verdict.name] = regime_attributes(tuple(names), judged)
-    return attributes
-
-
-def _binds(what: str) -> dict[str, Any]:
-    return {
-        **flag_attributes("optimum_status", BINDS, tuple(BINDS)),
-        "long_name": f"Whether {what} binds",
-    }
 
 
 def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
