@@ -91,6 +91,8 @@ def information(
 
 
 def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
+    # Entropy of the predicted speed less that of its error [bit], times the share of points with a
+    # speed; and the deviations of the unknowns after over before.
     known = ~np.isnan(value)
     count = known.sum(axis=0)
     least = np.where(known, value - AROUND * spread, np.inf).min(axis=0)
@@ -117,6 +119,8 @@ def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
 
 
 def _left(density: Array, points: Array, steps: Array) -> Array:
+    # sqrt(E[Var(x|y)]/Var(x)), E[Var(x|y)] = 1/n sum_y dy (sum_i p_i(y) x_i^2 - (sum_i p_i(y)
+    # x_i)^2/sum_i p_i(y)). Points that predict no speed keep their share of the variance.
     away = points - points.mean(axis=0)
     before = np.square(away).mean(axis=0)
     whole = density.sum(axis=0)

@@ -137,6 +137,7 @@ Turned = Callable[[Array, Array, Array, Array], Candidate]
 
 
 def _straight(k: Array, g: Array, mu: Array, mu_s: Array) -> tuple[Candidate, Candidate]:
+    # Two drives along the track: the best one that slips, and the edge of stick.
     zero = np.zeros_like(k)
     lift_off = np.arcsin(np.minimum(g, 1.0))
     beta = np.minimum(np.arctan(mu), lift_off)
@@ -242,6 +243,8 @@ def plane_physical_fastest(
 
 
 def _turned_block(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
+    # The best drive from the side, which turns friction away from the track (theory 12.2). The
+    # direction of friction, x = cos(psi), is found by Newton's method.
     A = np.hypot(1.0, mu)
     p2 = (1 - k) * (1 + k)
     exists = (k > 0) & (p2 > 0) & (A * np.sqrt(np.maximum(p2, 0.0)) > mu * g)
@@ -275,6 +278,9 @@ def _turned_block(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 
 
 def _held_block(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
+    # The best drive from the side at the edge of stick, |D| = mu_s n: a_x = D_x (1 - mu_k/mu_s),
+    # with D the drive in the plane less gravity and n the normal force per mass. As |D|^2 = q^2 -
+    # k^2 - 2 k D_x with q = cos(beta), D_x is largest where q^2 - (mu_s n)^2 is.
     dz = g * (mu_s / np.hypot(1.0, mu_s)) ** 2
     q2 = (1 - dz) * (1 + dz)
     exists = (k > 0) & (q2 > 0) & (mu_s > mu)
@@ -289,6 +295,7 @@ def _held_block(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 
 
 def _block_acceleration(D: tuple[Array, Array], floor: Array, mu: Array) -> tuple[Array, Array]:
+    # D (1 - mu n/|D|) of a part that slides from rest.
     left = 1.0 - ratio(mu * floor, np.hypot(*D), 0.0)
     return D[0] * left, D[1] * left
 
@@ -340,6 +347,7 @@ def cylinder_physical_fastest(
 
 
 def _turned_cylinder(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
+    # The best drive of a contact that slips at an angle to the track, bisected to rounding.
     zero = np.zeros_like(k)
     exists = k > 0
     if not np.any(exists):
@@ -367,6 +375,7 @@ def _turned_cylinder(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 
 
 def _held_cylinder(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
+    # The best drive at the limit of static friction, closed in on by golden sections.
     zero = np.zeros_like(k)
     exists = (k > 0) & (mu_s > mu)
     if not np.any(exists):
@@ -388,6 +397,9 @@ def _held_cylinder(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 def _slip_value(
     psi: NDArray[np.complexfloating], k: Array, g: Array, mu: Array
 ) -> tuple[NDArray[np.complexfloating], NDArray[np.complexfloating]]:
+    # The largest a_x of a cylinder that slips along (cos psi, sin psi), -inf where no drive makes
+    # it slip so, and the drive's d_z: the best elevation is a closed form. An imaginary step of psi
+    # gives the derivative.
     s, x = np.sin(psi), np.cos(psi)
     w = s * (2 * mu * g * x - k)
     uv = -s * (1 - 2 * (mu * x) ** 2)
@@ -420,6 +432,8 @@ def _bracket(
 def _held_point(
     eta: Array, k: Array, g: Array, mu: Array, mu_s: Array
 ) -> tuple[Array, Array, Array, Array]:
+    # a_x, D_x, D_y and n at the limit of static friction in the direction eta: the unit length of
+    # the drive leaves a quadratic in n; a_x is a multiple of n, so that the larger root counts.
     along, across = mu_s * np.cos(eta), 3 * mu_s * np.sin(eta)
     a, b = 1 + along**2 + across**2, g - k * along
     left = b * b - a * (k * k + g * g - 1)

@@ -170,16 +170,21 @@ def plane_thesis_pareto(
 def _printed_accelerations(
     P: Array, c: Array, G: Array, mu: Array, alpha: Array, beta: Array
 ) -> tuple[Array, Array]:
+    # a_x and a_y of (3.11), with friction mu (G - P sin(beta)) against both.
     friction = mu * (G - P * np.sin(beta))
     push = P * np.cos(beta)
     return push * np.cos(alpha) - c - friction, push * np.sin(alpha) - friction
 
 
 def _curve_beta(alpha: Array, mu: Array) -> Array:
+    # On the curve tan(beta) = mu (cos(alpha) + sin(alpha)).
     return np.asarray(np.arctan(mu * (np.cos(alpha) + np.sin(alpha))))
 
 
 def _on_curve(level: Array, mu: Array) -> tuple[Array, Array]:
+    # The limit of a_y is a level of d_y + mu d_z, with the drive direction d: the highest point
+    # over d_x + mu d_z of the circle that its plane cuts from the unit sphere is the foot of the
+    # plane plus a step along the projected gradient.
     A2 = 1.0 + mu * mu
     A = np.hypot(1.0, mu)
     s = np.minimum(level / A, 1.0)
@@ -190,6 +195,7 @@ def _on_curve(level: Array, mu: Array) -> tuple[Array, Array]:
 
 
 def _alpha_max(g: Array, mu: Array) -> Array:
+    # Where a_y = 0 on the curve; 90 deg where it stays negative.
     return _on_curve(np.minimum(mu * g, np.hypot(1.0, mu)), mu)[0]
 
 
@@ -319,6 +325,7 @@ def track_physical_fastest(
 
 
 def _both_contacts(y: Array, z: Array, mu: Array) -> tuple[Array, Array]:
+    # The angles of the largest d_x + mu (d_y + d_z) with d_y <= y and d_z <= z.
     kept = np.minimum(y, 1.0)
     wall = np.minimum(mu * np.sqrt((1 - kept) * (1 + kept)) / np.hypot(1.0, mu), z)
     across = np.sqrt(np.maximum((1 - wall) * (1 + wall) - kept * kept, 0.0))
@@ -331,6 +338,7 @@ def _both_contacts(y: Array, z: Array, mu: Array) -> tuple[Array, Array]:
 def _both_value(
     P: Array, c: Array, gy: Array, gz: Array, mu: Array, alpha: Array, beta: Array
 ) -> Array:
+    # K_0 (theory 4.4): the drive along x less gravity and friction on floor and wall.
     push = P * np.cos(beta)
     floor, wall = gz - P * np.sin(beta), gy - push * np.sin(alpha)
     return np.asarray(push * np.cos(alpha) - c - mu * (floor + wall))

@@ -103,9 +103,8 @@ class Optimisation(Prepared):
         more = max(1.0, self.problem.nodes / NODES)
         if not self.problem.is_motion:
             return Price(0.0, MARGIN * SECONDS[self.method] * more)
-        free = {one.name: (one.lower, one.upper) for one in self.problem.variables}
         method = methods_of(self.plan.scene.name)[self.plan.variant]
-        motion = price(self.plan, self.designs, method.seconds_a_cell, free)
+        motion = price(self.plan, self.designs, method.seconds_a_cell, self.problem.bounds)
         # One interval of nine nodes is in the price of a search; more nodes cost as much more.
         motions = more * expected_points(len(self.problem.names))
         return Price(motion.start, MARGIN * MOTION_SECONDS + motions * motion.cell)

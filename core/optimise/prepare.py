@@ -20,7 +20,6 @@ from vibrafeed.core.optimise.problem import (
     SECOND,
     Kept,
     OptimisationProblem,
-    Variable,
 )
 from vibrafeed.core.optimise.search import MAX_VARIABLES
 from vibrafeed.core.optimise.uncertain import LEAST_SHARE, MAX_UNCERTAIN, uncertain_of
@@ -68,12 +67,11 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     problems += _problems_of_method(study.method)
     if problems:
         raise StudyError(dict.fromkeys(problems))
-    variables = tuple(_variable(name, between) for name, between in bounds.items())
     unsure = None
     if intervals:
         how = study.robust or "worst"
         unsure = uncertain_of(intervals, how, study.quantile, is_limited=bool(kept))
-    problem = OptimisationProblem(plan, variables, study.criterion, kept, unsure)
+    problem = OptimisationProblem(plan, _in_si(bounds), study.criterion, kept, unsure)
     middles = {name: Fixed(nominal(each)) for name, each in intervals.items()}
     designs = grid = Grid.of({**values, **middles})
     method = _method(study, problem)
@@ -140,11 +138,15 @@ def _problems_of_bounds(bounds: Mapping[str, Between]) -> Iterable[Problem]:
         )
 
 
-def _variable(name: str, between: Between) -> Variable:
-    ends = (between.lower, between.upper)
-    if QUANTITIES[name].count:
-        ends = (math.ceil(between.lower), math.floor(between.upper))
-    return Variable(name, *(float(to_si(name, np.asarray(end))) for end in ends))
+def _in_si(bounds: Mapping[str, Between]) -> dict[str, tuple[float, float]]:
+    ends = {}
+    for name, between in bounds.items():
+        lower, upper = between.lower, between.upper
+        if QUANTITIES[name].count:
+            lower, upper = math.ceil(lower), math.floor(upper)
+        lower, upper = (float(to_si(name, np.asarray(end))) for end in (lower, upper))
+        ends[name] = lower, upper
+    return ends
 
 
 def choose_problem_scene(

@@ -27,15 +27,12 @@ from vibrafeed.core.watch import Watch
 LIMIT = "limit"
 """Name of the limit of a criterion, and of its value among the arrays of a design."""
 
-ROUNDING = 1e-15
-"""Of an output's scale: a smaller violation of a limit may be rounding."""
-
-UNKNOWN = 1e300
-"""Stands for an unknown error: larger than any value, but finite."""
+ROUNDING = 1e-15  # of an output's scale: a smaller violation of a limit may be rounding
+UNKNOWN = 1e300  # stands for an unknown error: larger than any value, but finite
 
 LONGEST = 1000.0
-"""Times the periods over which a motion that does not repeat is followed, to see whether it stands:
-some fall into another motion, far slower, after a hundred thousand periods only."""
+"""Times the periods over which a motion that does not repeat is followed: some fall into another
+motion, far slower, after a hundred thousand periods only."""
 
 SECOND: dict[str, str] = {
     f"oriented_feed_rate{end}": f"purity{end}" for end in ("", "_lower", "_upper")
@@ -43,19 +40,9 @@ SECOND: dict[str, str] = {
 """Of choices that are as good by a maximised output, the output that decides between them: a line
 that also lets wrong parts through gives no fewer right ones."""
 
-TIE = 1e-12
-"""Share of an output's scale within which choices are as good."""
+TIE = 1e-12  # share of an output's scale within which choices are as good
 
 Arrays = dict[str, Any]
-
-
-@dataclass(frozen=True)
-class Variable:
-    """A variable of an optimisation, between bounds in SI units."""
-
-    name: str
-    lower: float
-    upper: float
 
 
 @dataclass(frozen=True)
@@ -148,7 +135,8 @@ class OptimisationProblem:
     """
 
     plan: Plan
-    variables: tuple[Variable, ...]
+    bounds: Mapping[str, tuple[float, float]]
+    """The lower and the upper end of each variable, SI units."""
     criterion: Criterion
     kept: tuple[Kept, ...]
     uncertain: Uncertain | None = None
@@ -160,17 +148,17 @@ class OptimisationProblem:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """The names of the variables."""
-        return tuple(variable.name for variable in self.variables)
+        return tuple(self.bounds)
 
     @cached_property
     def lower(self) -> Array:
         """The lower bounds, shape (variables,), SI units."""
-        return np.array([variable.lower for variable in self.variables])
+        return np.array([lower for lower, _ in self.bounds.values()])
 
     @cached_property
     def upper(self) -> Array:
         """The upper bounds, shape (variables,), SI units."""
-        return np.array([variable.upper for variable in self.variables])
+        return np.array([upper for _, upper in self.bounds.values()])
 
     def inside(self, unit: Array) -> Array:
         """Return points, shares of the bounds (variables, ...), in SI units; both ends exact."""
@@ -236,11 +224,7 @@ class OptimisationProblem:
         return run_equations(plan, {**given, **chosen}, watch)
 
     def whole(self, x: Array) -> Array:
-        """Return candidates with counts, such as a number of parts, rounded to whole numbers.
-
-        `x` has the shape (variables, ...), in SI units, and so has the result; it is `x` itself if
-        no variable is a count.
-        """
+        """Return candidates, shape (variables, ...), with counts rounded to whole numbers."""
         counted = np.array([QUANTITIES[name].count for name in self.names])
         if not counted.any():
             return x
@@ -253,9 +237,8 @@ class OptimisationProblem:
     def objective(self, known: Arrays) -> Array:
         """Return the value to maximise, in the unit of studies; NaN where an output has no value.
 
-        It is the output with its sign (minus to minimise it), less a weight times the size of the
-        other output, if the criterion has one. `known` has all quantities at the candidates, SI
-        units.
+        It is the output with its sign (minus to minimise it), less the weight times the size of the
+        other output. `known` has all quantities at the candidates, SI units.
         """
         value = self.sign * self.output(self.criterion.output, known)
         if self.weight and self.against:
@@ -263,11 +246,7 @@ class OptimisationProblem:
         return value
 
     def counted(self, x: Array, design: Mapping[str, Array]) -> Array:
-        """Return the objective of candidates, or its statistic over uncertain parameters.
-
-        That is the worst case, the mean or the quantile that the study asks for; NaN where an
-        output has no value.
-        """
+        """Return the objective of candidates, or its statistic; NaN where there is none."""
         if self.uncertain is None:
             return self.objective(self.known(x, design))
         over = self.over(design, x)
@@ -279,10 +258,9 @@ class OptimisationProblem:
         return np.where(lost, np.nan, counts)
 
     def margin(self, kept: Kept, known: Arrays, design: Mapping[str, Array]) -> Array:
-        """Return the distance of an output from its bound, in the unit of studies, at candidates.
+        """Return the distance of an output from its bound, below 0 where it is broken.
 
-        It is negative where the constraint `kept` is broken. `known` has all quantities at the
-        candidates, SI units; a bound that differs between designs is in `design`.
+        In the unit of studies; `known` are the quantities at candidates, SI units.
         """
         value = self.output(kept.output, known)
         bound = design[LIMIT] if kept.bound is None else kept.bound
@@ -299,11 +277,9 @@ class OptimisationProblem:
         """Return objective, violation of the constraints and error of the objective of candidates.
 
         The violation is the sum of all over their scales; where an output has no value it is inf
-        and the objective -inf: a NaN would end scipy's differential evolution. The error is the
-        statistical error of the mean of a motion that does not repeat, 0 where the motion repeats,
-        and `UNKNOWN` for outputs whose error is not known. With uncertain parameters the objective
-        is the statistic that the study asks for, and the largest violation and error count. All
-        have the shape of the candidates and designs together.
+        and the objective -inf: a NaN would end scipy's differential evolution. With uncertain
+        parameters the objective is the statistic that the study asks for, and the largest violation
+        and error count. All have the shape of the candidates and designs together.
         """
         if self.uncertain is not None:
             design = self.over(design, x)
@@ -340,8 +316,8 @@ class OptimisationProblem:
     def longer(self, times: float = LONGEST) -> OptimisationProblem:
         """Return the problem with motions that do not repeat followed `times` as long.
 
-        Their means are then known better. It is the problem itself if its outputs are closed forms,
-        or if the method of motion has no limit of its own on the periods.
+        It is the problem itself if its outputs are closed forms, or if the method of motion has no
+        limit of its own on the periods.
         """
         if not self.is_motion or "max_periods" not in self.plan.defaults:
             return self
@@ -352,9 +328,8 @@ class OptimisationProblem:
     def chance_error(self, known: Arrays) -> Array:
         """Return the statistical error of the objective at candidates, in the unit of studies.
 
-        A motion that does not repeat is averaged over a limited time, and its mean is uncertain. It
-        is 0 where the motion repeats, and `UNKNOWN` if the objective's error cannot be told.
-        `known` has all quantities at the candidates, as the method `known` returns them.
+        A motion that does not repeat is averaged over a limited time. It is 0 where it repeats, and
+        `UNKNOWN` for other outputs than the mean velocity.
         """
         motion = known.get("motion")
         if not isinstance(motion, Motion):
@@ -375,8 +350,7 @@ class OptimisationProblem:
     def over(self, design: Mapping[str, Array], x: Array) -> dict[str, Array]:
         """Return designs with the nodes of the uncertain parameters added, along a new first axis.
 
-        A statistic over that axis is then one over the uncertainty. Only for a problem that has
-        uncertain parameters.
+        Only for a problem that has uncertain parameters.
         """
         assert self.uncertain is not None
         axes = max(x.ndim - 1, *(values.ndim for values in design.values()))
@@ -386,9 +360,7 @@ class OptimisationProblem:
     def safe_margin(self, kept: Kept, x: Array, design: Mapping[str, Array]) -> Array:
         """Return the margin of a constraint at candidates, the least one over uncertain parameters.
 
-        A margin is the distance of an output from its bound, negative where it is broken, in the
-        unit of studies. `x` are candidates, SI units, shape (variables, ...), `design` has the
-        fixed parameters, which broadcast with them.
+        `x` are candidates, SI units, shape (variables, ...), with which `design` broadcasts.
         """
         if self.uncertain is None:
             return self.margin(kept, self.known(x, design), design)
@@ -402,8 +374,7 @@ class OptimisationProblem:
 
         It is the largest size over the corners and middles of the variables' bounds, or 1 where an
         output is 0 or has no value. Violations and gaps are divided by it, so that they can be
-        compared and added. `design` has the fixed parameters, SI units, shape (cells,); `watch` may
-        stop motions.
+        compared and added.
         """
         ways = np.array(list(product((0.0, 0.5, 1.0), repeat=len(self.names)))).T[:, None, :]
         x = self.lower[:, None, None] + (self.upper - self.lower)[:, None, None] * ways
@@ -439,11 +410,7 @@ class OptimisationProblem:
         return regimes(self.plan, snapped)
 
     def limited(self) -> OptimisationProblem:
-        """Return the problem of one point of a front: one output with a limit of the other.
-
-        Its optimum for each value of the limit, `design[LIMIT]`, is a point of the front. Only for
-        criteria of two outputs.
-        """
+        """Return the problem of a point of a front: an output with a limit of the other one."""
         criterion = self.criterion
         assert isinstance(criterion, Pareto | Limited | Weighted)
         inner = Limited(output=criterion.output, against=criterion.against, limit=0.0)
@@ -495,7 +462,7 @@ class Optima:
     status : ndarray of int8
         Value of an `OPTIMUM_STATUSES` entry.
     value : ndarray or None
-        The objective as the method computes it; None if it is to be taken from the scene's outputs.
+        The objective as the method computes it; None for that of the scene's outputs.
     evaluations : ndarray of int64 or int
         Number of points at which the outputs were computed.
     says : str
