@@ -52,8 +52,8 @@ class Scatter:
         measured, or if errors are known and a discrepancy is not `wanted`. `model` has the measured
         runs.
         """
-        # Where errors are known it is 0 in nine of ten calibrations before anything is measured, and
-        # else spread as half a Cauchy distribution as wide as the errors. Where none is known it is
+        # Where errors are known it is 0 in nine of ten calibrations before any measurement, else
+        # spread as half a Cauchy distribution as wide as the errors. Where none is known it is
         # all the scatter there is, and each size of it is as likely as its double.
         runs = model.runs
         if not runs.measured.any() or (runs.errors_known and not wanted):

@@ -86,8 +86,8 @@ def information(
         mean = np.where(known, value, 0.0).sum(axis=0) / count
         square = np.square(np.where(known, value - mean, 0.0)).sum(axis=0) / count
     nothing = ~known.any(axis=0)
-    deviation = np.sqrt(square)
-    return gain, np.where(nothing, np.nan, mean), np.where(nothing, np.nan, deviation), left
+    mean, deviation = (np.where(nothing, np.nan, one) for one in (mean, np.sqrt(square)))
+    return gain, mean, deviation, left
 
 
 def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:

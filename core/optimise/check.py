@@ -219,8 +219,7 @@ def _better(
         sound &= ~fresh.surprises(problem, x, here, scales)[0]
     ours = problem.sign * known["objective"][chosen]
     more = np.where(sound, theirs - ours, -np.inf)
-    worst = int(np.argmax(more))
-    solved = optima.status != STATUS["not_computed"]
+    worst, solved = int(np.argmax(more)), optima.status != STATUS["not_computed"]
     return solved, int(chosen[worst]), float(max(more[worst], 0.0))
 
 

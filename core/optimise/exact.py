@@ -84,8 +84,7 @@ def plane_thesis_limited(
     # Without drive a_y is -mu G at every angle.
     infeasible |= valid & ~driven & (mu * G > E)
     along, across = _printed_accelerations(P, c, G, mu, alpha, beta)
-    status = statuses(valid, infeasible, driven, along)
-    return optimum(alpha, beta, along, across, status)
+    return optimum(alpha, beta, along, across, statuses(valid, infeasible, driven, along))
 
 
 def plane_thesis_weighted(
@@ -250,8 +249,7 @@ def track_fastest(
         alpha = np.minimum(alpha, np.arcsin(sine))
     beta = np.zeros_like(alpha)
     K = P * (np.cos(alpha) + mu * np.sin(alpha)) - c - mu * wall_margin
-    status = statuses(valid, infeasible, driven, K)
-    return optimum(alpha, beta, K, np.zeros_like(K), status)
+    return optimum(alpha, beta, K, np.zeros_like(K), statuses(valid, infeasible, driven, K))
 
 
 PRINTED_TRACK = Family(
@@ -320,8 +318,7 @@ def track_physical_fastest(
     status = np.where(at_edge, STATUS["not_attained"], status).astype(np.int8)
     hidden = at_edge | (status == STATUS["no_motion"])
     alpha, beta, K = (np.where(hidden, np.nan, part) for part in (alpha, beta, K))
-    across = np.where(hidden, np.nan, np.zeros_like(K))
-    return optimum(alpha, beta, K, across, status)
+    return optimum(alpha, beta, K, np.where(hidden, np.nan, 0.0), status)
 
 
 def _both_contacts(y: Array, z: Array, mu: Array) -> tuple[Array, Array]:

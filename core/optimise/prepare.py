@@ -69,8 +69,9 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         raise StudyError(dict.fromkeys(problems))
     unsure = None
     if intervals:
-        how = study.robust or "worst"
-        unsure = uncertain_of(intervals, how, study.quantile, is_limited=bool(kept))
+        unsure = uncertain_of(
+            intervals, study.robust or "worst", study.quantile, is_limited=bool(kept)
+        )
     problem = OptimisationProblem(plan, _in_si(bounds), study.criterion, kept, unsure)
     middles = {name: Fixed(nominal(each)) for name, each in intervals.items()}
     designs = grid = Grid.of({**values, **middles})
