@@ -20,10 +20,10 @@ from vibrafeed.core.intake import parse_study
 from vibrafeed.core.motion.result import STATUS, Motion
 from vibrafeed.core.optimise.exact import closed_optima, is_closed
 from vibrafeed.core.optimise.methods import METHODS
+from vibrafeed.core.optimise.optima import compute, designs_of
 from vibrafeed.core.optimise.optimisation import Optimisation
 from vibrafeed.core.optimise.prepare import prepare
 from vibrafeed.core.optimise.problem import STATUS as OPTIMUM
-from vibrafeed.core.optimise.run import compute, designs_of
 from vibrafeed.core.watch import Watch
 
 Groups = dict[str, Any]

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from vibrafeed.core.errors import VibrafeedError
+from vibrafeed.core.optimise.optima import KIND
 from vibrafeed.core.optimise.prepare import prepare
 from vibrafeed.core.optimise.problem import STATUS
-from vibrafeed.core.optimise.run import KIND
 from vibrafeed.core.plan.pieces import carry_out
 from vibrafeed.core.study.grid_study import Study
 from vibrafeed.core.study.optimise_study import Maximise, Minimise, OptimiseStudy, OutputLimit

@@ -13,12 +13,12 @@ __all__ = [
 
 if TYPE_CHECKING:
     from vibrafeed.core.sensitivity.prepare import Sensitivity
-    from vibrafeed.core.sensitivity.run import KIND
+    from vibrafeed.core.sensitivity.sampling import KIND
 else:
     __getattr__ = lazily(
         __name__,
         {
-            "run": ("KIND",),
+            "sampling": ("KIND",),
             "prepare": ("Sensitivity",),
         },
     )

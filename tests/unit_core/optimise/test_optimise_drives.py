@@ -13,8 +13,8 @@ from point_slopes import motion_sensitivities
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, parse_study, prepare_content
 from vibrafeed.core.kinds import run_study
+from vibrafeed.core.optimise.optima import designs_of
 from vibrafeed.core.optimise.prepare import prepare
-from vibrafeed.core.optimise.run import designs_of
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 PARAMETERS = study()["parameters"]

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from vibrafeed.core.intake import parse_study
+from vibrafeed.core.optimise.optima import designs_of
 from vibrafeed.core.optimise.prepare import prepare
 from vibrafeed.core.optimise.problem import OptimisationProblem, chosen_cells
-from vibrafeed.core.optimise.run import designs_of
 from vibrafeed.core.optimise.search import most_reliable
 
 NOISE = 0.2
