@@ -19,10 +19,9 @@ import numpy as np
 
 from benchmarks.options import options
 from benchmarks.timing import timed
-from vibrafeed.core.calibrate.boxes import explore
+from vibrafeed.core.calibrate.boxes import NONE_BEFORE, explore
 from vibrafeed.core.calibrate.calibration import Calibration
 from vibrafeed.core.calibrate.posterior import posterior_of
-from vibrafeed.core.calibrate.scatter import NONE_BEFORE
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.watch import Watch
 
@@ -86,7 +85,7 @@ def drawn(random: np.random.Generator, kind: str) -> tuple[Calibration, np.ndarr
 def held(prepared: Calibration, truth: np.ndarray) -> np.ndarray:
     """Return a mask: the intervals of 68 and 95 % hold each unknown; shape (2, unknowns)."""
     found = posterior_of(
-        prepared.likelihood, explore(prepared.likelihood, prepared.points, Watch())
+        prepared.likelihood, explore(prepared.likelihood, prepared.study.points, Watch())
     )
     low68, high68, low95, high95 = found.quantiles(found.points, (0.16, 0.84, 0.025, 0.975))
     return np.array([(low68 <= truth) & (truth <= high68), (low95 <= truth) & (truth <= high95)])

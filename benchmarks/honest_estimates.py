@@ -20,10 +20,10 @@ from vibrafeed.core.intake import parse_study
 from vibrafeed.core.motion.result import STATUS, Motion
 from vibrafeed.core.optimise.exact import closed_optima, is_closed
 from vibrafeed.core.optimise.methods import METHODS
-from vibrafeed.core.optimise.optima import STATUS as OPTIMUM
+from vibrafeed.core.optimise.optima import compute, designs_of
 from vibrafeed.core.optimise.optimisation import Optimisation
 from vibrafeed.core.optimise.prepare import prepare
-from vibrafeed.core.optimise.run import compute, designs_of
+from vibrafeed.core.optimise.problem import STATUS as OPTIMUM
 from vibrafeed.core.watch import Watch
 
 Groups = dict[str, Any]
@@ -303,7 +303,7 @@ def optimum_against_finer(count: int) -> list[Measured]:
         other = "scipy" if prepared.method != "scipy" else "search"
         finer = METHODS[other].solve(problem, design, scales, Watch())
         x = np.where(np.isnan(finer.x), problem.lower[:, None], finer.x)
-        reference, beyond = problem.judged(x, design, scales)
+        reference, beyond, _ = problem.judged(x, design, scales)
         if is_closed(problem):
             reference = np.fmax(reference, closed_optima(problem, design).value)
         found = {key: values.ravel() for key, values in found.items()}

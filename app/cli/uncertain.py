@@ -79,7 +79,7 @@ def _show_output(result: Table, output: str, units: ShownUnits) -> None:
     sensitivity study with a single cell, `output` the name of the output; `units` are those for
     printing.
     """
-    from vibrafeed.core.sensitivity.variables import QUANTILE, UNCERTAIN
+    from vibrafeed.core.sensitivity.prepare import QUANTILE, UNCERTAIN
 
     columns = {
         name.removeprefix(f"{output}_"): column

@@ -14,14 +14,14 @@ __all__ = [
 
 if TYPE_CHECKING:
     from vibrafeed.core.calibrate.calibration import Calibration
-    from vibrafeed.core.calibrate.kind import KIND
+    from vibrafeed.core.calibrate.estimate import KIND
     from vibrafeed.core.calibrate.prepare import MAX_UNKNOWNS
 else:
     __getattr__ = lazily(
         __name__,
         {
             "calibration": ("Calibration",),
-            "kind": ("KIND",),
+            "estimate": ("KIND",),
             "prepare": ("MAX_UNKNOWNS",),
         },
     )

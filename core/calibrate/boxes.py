@@ -1,4 +1,4 @@
-"""The grid of the unknowns, which is fine where the mass of the posterior is.
+"""The likelihood of runs, and a grid of the unknowns that is fine where the posterior has mass.
 
 The box between the bounds is cut into equal boxes, and whichever box holds much mass over which
 the predictions change is halved along each unknown, again and again. How much predictions change
@@ -14,9 +14,173 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.calibrate.scatter import Likelihood, log_sum
+from vibrafeed.core.calibrate.model import Model, Predicted
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.watch import Watch
+
+NONE_BEFORE = 0.9
+"""Prior probability that the errors explain all scatter."""
+KNOWN_SIZES, UNKNOWN_SIZES = 18, 28
+"""Number of sizes of the discrepancy that are tried, with known errors and without."""
+FINER = 24  # number of sizes, once it is known which are likely
+HARDLY = 1e-5  # of the largest probability of a size: less likely ones are left out
+REACH = 3.0  # standard deviations about the centre of a box within which all its values lie
+HOPELESS = 1e60  # a residual where a motion has no speed
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Sizes that the discrepancy may have: the scatter of speeds that no unknown explains.
+
+    Attributes
+    ----------
+    sizes : ndarray, shape (sizes,)
+        Standard deviations, in the unit of what was measured.
+    log_before : ndarray, shape (sizes,)
+        Logarithms of their prior probabilities.
+    """
+
+    sizes: Array
+    log_before: Array
+
+    @classmethod
+    def of(cls, model: Model, *, wanted: bool) -> Scatter:
+        """Return the sizes that the discrepancy may have, and logs of their prior probabilities.
+
+        The discrepancy is the scatter of the measured values beyond errors and unknowns; its sizes
+        are standard deviations in the unit of the output. There is only size 0 if no value is
+        measured, or if errors are known and a discrepancy is not `wanted`. `model` has the measured
+        runs.
+        """
+        # Where errors are known it is 0 in nine of ten calibrations before any measurement, else
+        # spread as half a Cauchy distribution as wide as the errors. Where none is known it is
+        # all the scatter there is, and each size of it is as likely as its double.
+        runs = model.runs
+        if not runs.measured.any() or (runs.errors_known and not wanted):
+            return cls(np.zeros(1), np.zeros(1))
+        if not runs.errors_known:
+            values = runs.value[runs.measured]
+            size = max(float(np.sqrt(np.mean(np.square(values)))), 1e-12)
+            sizes = size * np.logspace(-4.0, 0.5, UNKNOWN_SIZES)
+            return cls(sizes, np.full(sizes.size, -np.log(sizes.size)))
+        typical = float(np.median(runs.error[runs.measured]))
+        shares = np.logspace(-1.5, 2.5, KNOWN_SIZES)
+        # A size has the mass from halfway to its neighbours; the ends have all that lies beyond.
+        below = np.arctan(np.sqrt(shares[1:] * shares[:-1])) * 2.0 / np.pi
+        before = (1.0 - NONE_BEFORE) * np.diff(below, prepend=0.0, append=1.0)
+        sizes = typical * shares
+        return cls(np.concatenate([[0.0], sizes]), np.log(np.concatenate([[NONE_BEFORE], before])))
+
+    def finer(self, likely: Array) -> Scatter:
+        """Return sizes of the discrepancy that lie closer together where they are likely.
+
+        `likely` are the probabilities of the present sizes given the runs, shape (sizes,). Size 0
+        stays among them if it is one now; prior probabilities are interpolated.
+        """
+        sizes, before = self.sizes[self.sizes > 0], self.log_before[self.sizes > 0]
+        likely = likely[self.sizes > 0]
+        if not sizes.size or not likely.sum() > 0:
+            return self
+        held = np.flatnonzero(likely > HARDLY * likely.max())
+        first, last = max(held[0] - 1, 0), min(held[-1] + 1, sizes.size - 1)
+        logs = np.log(sizes)
+        fine = np.linspace(logs[first], logs[last], FINER)
+        step = np.log((fine[1] - fine[0]) / (logs[1] - logs[0]))
+        scatter = Scatter(np.exp(fine), np.interp(fine, logs, before) + step)
+        if sizes.size == self.sizes.size:
+            return scatter
+        return Scatter(
+            np.concatenate([self.sizes[:1], scatter.sizes]),
+            np.concatenate([self.log_before[:1], scatter.log_before]),
+        )
+
+
+@dataclass(frozen=True)
+class Likelihood:
+    """The likelihood of the observations of a calibration.
+
+    Attributes
+    ----------
+    model : Model
+        The motions.
+    scatter : Scatter
+        The sizes that the discrepancy may have.
+    outlier_probability : float
+        Probability that an observed behaviour is wrong.
+    """
+
+    model: Model
+    scatter: Scatter
+    outlier_probability: float
+
+    def log(
+        self,
+        value: Array,
+        variance: Array,
+        shown: Array,
+        points: Array,
+        within: Array | float = 0.0,
+    ) -> Array:
+        """Return log(likelihood times prior) of points, for each assumed size of the discrepancy.
+
+        The discrepancy is the scatter of measurements beyond their errors; its sizes and their
+        prior are in `self.scatter`. A run with a behaviour that was seen ("hops") counts by its
+        probability.
+        """
+        runs = self.model.runs
+        where = runs.measured
+        residual = value[:, where] - runs.value[where]
+        square = np.square(np.where(np.isnan(residual), HOPELESS, residual))
+        known = variance[:, where] + np.square(runs.error[where])
+        around = np.broadcast_to(within, value.shape)[:, where]
+        nearest = np.square(np.maximum(0.0, np.sqrt(square) - REACH * np.sqrt(around)))
+        log = np.empty((len(points), self.scatter.sizes.size))
+        for k, size in enumerate(self.scatter.sizes):
+            own = known + size**2
+            whole = own + around
+            # A wide box would explain too much by its variance alone: it explains a run no better
+            # than a point would at which its value comes nearest to the measured one.
+            spent = square / whole + np.log(whole)
+            log[:, k] = -0.5 * np.maximum(spent, nearest / own + np.log(own)).sum(axis=1)
+        seen = np.log(
+            self.outlier_probability + (1.0 - 2.0 * self.outlier_probability) * shown
+        ).sum(axis=1)
+        log += (seen + self.model.log_prior(points))[:, np.newaxis] + self.scatter.log_before
+        return np.asarray(log)
+
+    def shown(self, predicted: Predicted) -> Array:
+        """Return 1 where a part shows the regime that was observed in a run, else 0.
+
+        `predicted` are the motions at points of the unknowns. The result is an array of floats of
+        shape (points, runs with an observed regime).
+        """
+        columns = [
+            predicted.shows(word)[:, k] for k, word in enumerate(self.model.runs.seen) if word
+        ]
+        if not columns:
+            return np.zeros((len(predicted.value), 0))
+        return np.asarray(np.stack(columns, axis=1), dtype=np.float64)
+
+
+def log_sum(log: Array) -> Array:
+    """Return log(sum exp(log)) over the last axis, without overflow of the exponential.
+
+    `log` holds logarithms of probabilities, minus infinity for 0; the result has its shape without
+    the last axis. It sums probabilities that are too small to be represented.
+    """
+    top = log.max(axis=-1, keepdims=True)
+    top = np.where(np.isfinite(top), top, 0.0)
+    with np.errstate(divide="ignore"):
+        total: Array = np.log(np.exp(log - top).sum(axis=-1)) + top[..., 0]
+    return total
+
+
+def shares_of(log: Array) -> Array:
+    """Return the shares of a whole from their logarithms; all equal if none is finite."""
+    top = log.max()
+    mass = np.exp(log - top) if np.isfinite(top) else np.ones(log.shape)
+    return np.asarray(mass / mass.sum())
+
 
 FIRST_SHARE = 4  # the first boxes take at most this fraction (1/4) of all points
 FINEST_FIRST = 8  # halvings of the range of an unknown for the first boxes, at most
@@ -116,20 +280,6 @@ def explore(likelihood: Likelihood, most: int, watch: Watch) -> Explored:
 
     Boxes that hold much mass and over which predictions change are halved along each unknown, until
     little is left to refine or `most` points were predicted.
-
-    Parameters
-    ----------
-    likelihood : Likelihood
-        The likelihood of the observations, with the model that simulates the runs.
-    most : int
-        Largest number of points of the unknowns at which runs are simulated.
-    watch : Watch
-        Progress, and when to stop.
-
-    Raises
-    ------
-    StoppedError
-        If the watch stops it.
     """
     count = len(likelihood.model.unknowns)
     boxes = _first(likelihood, most, watch)
@@ -160,27 +310,10 @@ def points_of(likelihood: Likelihood, centre: Array) -> Array:
     `centre` are the points as shares of the way between the bounds of each unknown.
     """
     model = likelihood.model
-    points: Array = model.lower + centre * model.width
-    return points
+    return np.asarray(model.lower + centre * model.width)
 
 
 def _first(likelihood: Likelihood, most: int, watch: Watch) -> PosteriorBoxes:
-    """Return the regular grid of boxes with which the exploration of the unknowns begins.
-
-    A box is a block of values of the unknowns, for which its centre is simulated. The range of each
-    unknown is halved equally often, 2 to 8 times, so that the boxes take at most a quarter of the
-    points (but at least 4 boxes along each unknown). Slopes and the roughness within a box come
-    from differences between neighbours.
-
-    Parameters
-    ----------
-    likelihood : Likelihood
-        Has the model of the runs.
-    most : int
-        Largest number of points of the whole exploration.
-    watch : Watch
-        Takes the progress; raises `StoppedError` if it stops the simulation.
-    """
     count = len(likelihood.model.unknowns)
     halvings = int(np.log2(most / FIRST_SHARE) / count)
     halvings = max(2, min(FINEST_FIRST, halvings))
@@ -207,26 +340,14 @@ def _first(likelihood: Likelihood, most: int, watch: Watch) -> PosteriorBoxes:
 
 
 def _bend(values: Array, axis: int) -> Array:
-    """Return the distance of values from a straight line within half a box, in their own unit.
-
-    It is a quarter of the second difference along `axis` (a number of an unknown). `values` are the
-    predictions at the centres of the first regular grid: an axis for each unknown, the last the
-    runs; the result has the same shape. It estimates the error of linear prediction within a box.
-    """
+    # A quarter of the second difference: distance from a straight line within half a box.
     near = np.pad(values, [(1, 1) if k == axis else (0, 0) for k in range(values.ndim)], "reflect",
                   reflect_type="odd")  # fmt: skip
-    bend: Array = 0.25 * np.diff(near, 2, axis=axis)
-    return bend
+    return np.asarray(0.25 * np.diff(near, 2, axis=axis))
 
 
 def _softened(shown: Array) -> Array:
-    """Return the share of each box in which the observed regime occurs, blurred over neighbours.
-
-    `shown` is 1 or 0 at the centre of each box of the first regular grid: an axis for each unknown,
-    the last the runs with an observed regime. Blurring with weights 1/4, 1/2, 1/4 along each
-    unknown makes boxes at the border of a regime neither certain nor excluded. The result has the
-    same shape.
-    """
+    # Blurred by 1/4, 1/2, 1/4: boxes at the border of a regime are neither certain nor excluded.
     soft = shown
     for axis in range(shown.ndim - 1):
         near = np.pad(soft, [(1, 1) if k == axis else (0, 0) for k in range(soft.ndim)], "edge")
@@ -236,21 +357,6 @@ def _softened(shown: Array) -> Array:
 
 
 def _split(likelihood: Likelihood, parents: PosteriorBoxes, watch: Watch) -> PosteriorBoxes:
-    """Halve boxes along each unknown, simulate the runs at the new centres, and return the halves.
-
-    Slopes are those of a plane fitted to the halves of a box; what it does not fit is their
-    roughness. Where the observed regime differs between the halves of a box, each gets a mean of
-    its own and the box's share.
-
-    Parameters
-    ----------
-    likelihood : Likelihood
-        With the model that simulates the runs.
-    parents : PosteriorBoxes
-        The boxes to halve: n boxes with k unknowns give n 2^k.
-    watch : Watch
-        Raises `StoppedError` if it stops the simulation.
-    """
     count = parents.centre.shape[1]
     signs = np.array([*product((-1.0, 1.0), repeat=count)])  # (children, unknowns)
     step = 0.25 * parents.width[:, np.newaxis, np.newaxis]
@@ -286,24 +392,12 @@ def _split(likelihood: Likelihood, parents: PosteriorBoxes, watch: Watch) -> Pos
 
 
 def _log_mass(likelihood: Likelihood, boxes: PosteriorBoxes) -> Array:
-    """Return the logarithm of the posterior mass of each box, shape (boxes, sizes).
-
-    The mass is the density at the centre, with the change of predictions within the box as a
-    variance, times the volume. There is one for each size that the discrepancy of the model may
-    have, its standard deviation in the unit of the measured output.
-    """
     points, within = points_of(likelihood, boxes.centre), boxes.rough + boxes.change
     log = likelihood.log(boxes.value, boxes.variance, boxes.shown, points, within)
     return log + boxes.log_volume[:, np.newaxis]
 
 
 def _sizes(log: Array) -> Array:
-    """Return the probability of each size of the discrepancy, shape (sizes,), which add up to 1.
-
-    The discrepancy is the scatter that no unknown explains, and its size a standard deviation.
-    `log` are the logarithms of the posterior masses, shape (boxes, sizes); without any finite one
-    all sizes are equally likely.
-    """
     top = log.max()
     if not np.isfinite(top):
         return np.full(log.shape[1], 1.0 / log.shape[1])
@@ -312,29 +406,10 @@ def _sizes(log: Array) -> Array:
 
 
 def _score(likelihood: Likelihood, boxes: PosteriorBoxes, log: Array) -> Array:
-    """Return the gain expected from halving each box of the unknowns, shape (boxes,), without unit.
-
-    The boxes with the largest gain of accuracy are halved next. It is the share of the posterior
-    mass in the box times the variance of predictions within it over that of the errors of
-    measurement, prediction and discrepancy, summed over the measured runs, at most 10, with a term
-    for the border of an observed regime. Of the variance the part that is linear in the unknowns
-    (`change`) counts a tenth, the rest (`rough`) whole. Boxes that cannot be halved have 0.
-
-    Parameters
-    ----------
-    likelihood : Likelihood
-        Has the runs and the sizes of the discrepancy.
-    boxes : PosteriorBoxes
-        The boxes, with predictions at their centres.
-    log : ndarray, shape (boxes, sizes)
-        Logarithms of the posterior masses, for each assumed size of the discrepancy.
-    """
     runs = likelihood.model.runs
-    top = log.max()
-    if not np.isfinite(top):
+    if not np.isfinite(log.max()):
         return np.zeros(len(boxes))
-    mass = np.exp(log - top)
-    mass /= mass.sum()
+    mass = shares_of(log)
     where, size = runs.measured, likelihood.scatter.sizes
     usual = float(mass.sum(axis=0) @ np.square(size))
     if runs.errors_known:

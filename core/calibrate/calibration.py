@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
+from math import prod
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from vibrafeed.core.calibrate.boxes import Likelihood
 from vibrafeed.core.calibrate.model import Model
 from vibrafeed.core.calibrate.posterior import AXIS, MAX_MODES, Posterior
-from vibrafeed.core.calibrate.scatter import Likelihood
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.method import Method
 from vibrafeed.core.motion.systems import methods_of
@@ -18,6 +21,7 @@ from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.plan.price import MARGIN, Price, price
 from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.study.calibrate_study import CalibrateStudy
 from vibrafeed.core.watch import Watch
 
@@ -67,15 +71,6 @@ def information(
     entropy of the unknowns is expected to fall (D. V. Lindley, Annals of Mathematical Statistics 27
     (1956) 986). `grid` spans the drives of the candidates; `watch` may stop the simulation
     (`StoppedError`).
-
-    Returns
-    -------
-    gain : ndarray, shape (candidates,)
-        Information in bits.
-    mean, deviation : ndarray, shape (candidates,)
-        Of the predicted speeds, in the output's unit; NaN where no motion has one.
-    left : ndarray, shape (unknowns, candidates)
-        Standard deviation of each unknown after the measurement, over that before.
     """
     points = posterior.ensemble(ENSEMBLE)
     found = model.predict(points, watch, columns_of(grid))
@@ -91,28 +86,13 @@ def information(
         mean = np.where(known, value, 0.0).sum(axis=0) / count
         square = np.square(np.where(known, value - mean, 0.0)).sum(axis=0) / count
     nothing = ~known.any(axis=0)
-    deviation = np.sqrt(square)
-    return gain, np.where(nothing, np.nan, mean), np.where(nothing, np.nan, deviation), left
+    mean, deviation = (np.where(nothing, np.nan, one) for one in (mean, np.sqrt(square)))
+    return gain, mean, deviation, left
 
 
 def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
-    """Return the information of candidate runs in bits, and the deviations of unknowns that remain.
-
-    Parameters
-    ----------
-    value, spread : ndarray, shape (ensemble, candidates)
-        Predicted speed and its standard deviation at each point of the ensemble; NaN without speed.
-    points : ndarray, shape (ensemble, unknowns)
-        The unknowns at these points, which represent the posterior.
-
-    Returns
-    -------
-    gain : ndarray, shape (candidates,)
-        Entropy of the predicted speed less that of its error [bit], times the share of points with
-        a speed.
-    left : ndarray, shape (unknowns, candidates)
-        Standard deviation after the measurement over that before.
-    """
+    # Entropy of the predicted speed less that of its error [bit], times the share of points with a
+    # speed; and the deviations of the unknowns after over before.
     known = ~np.isnan(value)
     count = known.sum(axis=0)
     least = np.where(known, value - AROUND * spread, np.inf).min(axis=0)
@@ -139,25 +119,8 @@ def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
 
 
 def _left(density: Array, points: Array, steps: Array) -> Array:
-    """Return the share of each unknown's deviation that is expected to remain after a measurement.
-
-    That is sqrt(E[Var(x|y)]/Var(x)), from 0 to 1, for every candidate run, with E[Var(x|y)] = 1/n
-    sum_y dy (sum_i p_i(y) x_i^2 - (sum_i p_i(y) x_i)^2/sum_i p_i(y)). Points that predict no speed
-    keep their share of the variance.
-
-    Parameters
-    ----------
-    density : ndarray, shape (n, speeds, candidates)
-        Probability density p_i(y) of the measured speed y that point i predicts [1/unit of y].
-    points : ndarray, shape (n, unknowns)
-        The unknowns x_i at n equally likely points.
-    steps : ndarray, shape (candidates,)
-        Distance dy of the speeds.
-
-    Returns
-    -------
-    ndarray, shape (unknowns, candidates)
-    """
+    # sqrt(E[Var(x|y)]/Var(x)), E[Var(x|y)] = 1/n sum_y dy (sum_i p_i(y) x_i^2 - (sum_i p_i(y)
+    # x_i)^2/sum_i p_i(y)). Points that predict no speed keep their share of the variance.
     away = points - points.mean(axis=0)
     before = np.square(away).mean(axis=0)
     whole = density.sum(axis=0)
@@ -172,14 +135,35 @@ def _left(density: Array, points: Array, steps: Array) -> Array:
     return np.sqrt(np.clip(share, 0.0, 1.0))
 
 
-RUN, MODE, ESTIMATE = "run", "mode", "mean median deviation lower_68 upper_68 lower_95 upper_95"
-ESTIMATES = ("best", *ESTIMATE.split())
-"""Estimates of each unknown; the names of variables begin with these words."""
-BANDS = ("lower_68", "upper_68", "lower_95", "upper_95")
+RUN, MODE = "run", "mode"
+BANDS = {
+    "lower_68": "lower end of 68 %", "upper_68": "upper end of 68 %",
+    "lower_95": "lower end of 95 %", "upper_95": "upper end of 95 %",
+}  # fmt: skip
+ESTIMATES = {
+    "best": "best", "mean": "mean", "median": "median", "deviation": "standard deviation", **BANDS,
+}  # fmt: skip
+"""Estimates of each unknown, in words; the names of variables begin with the keys."""
 CANDIDATE = "candidate_"
 LEFT = "deviation_after_"
 POINT_SECONDS = 4e-6  # of a point and a run, beside following the motion
 FEW_SECONDS = 1.5  # for densities, modes and the last digits
+
+
+class CalibrationVariable(NamedTuple):
+    """A variable of the result: its dimensions, unit, long name, and comment if it has one."""
+
+    name: str
+    dims: tuple[str, ...]
+    unit: str
+    label: str
+    comment: str = ""
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """The CF attributes of the variable."""
+        more = {"comment": self.comment} if self.comment else {}
+        return {"units": self.unit, "long_name": self.label, **more}
 
 
 @dataclass(frozen=True)
@@ -209,14 +193,9 @@ class Calibration(Prepared):
         return methods_of(self.plan.scene.name)[self.plan.variant]
 
     @property
-    def points(self) -> int:
-        """The largest number of grid points of the unknowns."""
-        return self.study.points
-
-    @property
     def cells(self) -> int:
         """The largest number of motions that are simulated."""
-        return self.points * len(self.model.runs) + self.asked
+        return self.study.points * len(self.model.runs) + self.asked
 
     @property
     def asked(self) -> int:
@@ -229,70 +208,25 @@ class Calibration(Prepared):
         return AXIS[len(self.model.names)] ** len(self.model.names)
 
     @cached_property
+    def variables(self) -> dict[str, CalibrationVariable]:
+        """Every variable of the result by name, in the order in which they are stored."""
+        return {one.name: one for one in _variables(self)}
+
+    @cached_property
     def units(self) -> dict[str, str]:
-        """The unit of each variable of the result by name, in the order in which they are stored.
-
-        Variables are estimates, correlations, discrepancy, modes, values by run, densities, and,
-        with candidates of further runs, the information that each would add.
-        """
-        model, units = self.model, dict[str, str]()
-        output = QUANTITIES[model.runs.output].unit
-        for unknown in model.unknowns:
-            units |= {f"{what}_{unknown.name}": unknown.unit for what in ESTIMATES}
-        units |= {f"correlation_{a}_{b}": "1" for a, b in combinations(model.names, 2)}
-        units |= dict.fromkeys(("discrepancy", *(f"discrepancy_{b}" for b in BANDS)), output)
-        units["discrepancy_probability"] = "1"
-        units |= {f"mode_{unknown.name}": unknown.unit for unknown in model.unknowns}
-        units["mode_share"] = "1"
-        units |= dict.fromkeys((model.runs.output, "error", "predicted", "predicted_best"), output)
-        units |= {f"predicted_{band}": output for band in BANDS}
-        units |= {"predicted_spread": output, "residual": output, "residual_over_error": "1"}
-        if model.runs.watched.any():
-            units["probability_of_seen"] = "1"
-        for unknown in model.unknowns:
-            units[f"density_{unknown.name}"] = "1" if unknown.unit == "1" else f"({unknown.unit})-1"
-        units |= {f"density_{a}_{b}": "1" for a, b in self.pairs}
-        units["log_density"] = "1"
-        if self.candidates:
-            units |= {"information": "bit", "expected": output, "expected_deviation": output}
-            units |= {f"{LEFT}{unknown.name}": unknown.unit for unknown in model.unknowns}
-        return units
-
-    @property
-    def pairs(self) -> list[tuple[str, str]]:
-        """The pairs of unknowns with a two-dimensional density.
-
-        None where `log_density` shows it.
-        """
-        names = self.model.names
-        return [*combinations(names, 2)] if len(names) > 2 else []
+        """The unit of each variable."""
+        return {name: one.unit for name, one in self.variables.items()}
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
-        """The names of the dimensions of each variable of the result, by name of the variable.
+        """The names of the dimensions of each variable."""
+        return {name: one.dims for name, one in self.variables.items()}
 
-        Values by run lie over `run`, modes over `mode`, densities over their unknowns, and
-        information over the axes of the candidates of further runs; all other variables are single
-        numbers.
-        """
-        model = self.model
-        by_run = {model.runs.output, "error", "residual", "residual_over_error"}
-        by_run |= {name for name in self.units if name.startswith("predicted")}
-        dims: dict[str, tuple[str, ...]] = dict.fromkeys(self.units, ())
-        dims |= dict.fromkeys(name for name in self.units if name in by_run)  # type: ignore[arg-type]
-        for name in self.units:
-            if name in by_run or name == "probability_of_seen":
-                dims[name] = (RUN,)
-            elif name.startswith("mode_"):
-                dims[name] = (MODE,)
-        dims |= {f"density_{name}": (name,) for name in model.names}
-        dims |= {f"density_{a}_{b}": (a, b) for a, b in self.pairs}
-        dims["log_density"] = model.names
-        if self.candidates:
-            axes = tuple(CANDIDATE + name for name in self.candidates.axes)
-            dims |= dict.fromkeys(("information", "expected", "expected_deviation"), axes)
-            dims |= dict.fromkeys((f"{LEFT}{name}" for name in model.names), axes)
-        return dims
+    @property
+    def pairs(self) -> list[tuple[str, str]]:
+        """The pairs of unknowns with a density; none where `log_density` shows it."""
+        names = self.model.names
+        return [*combinations(names, 2)] if len(names) > 2 else []
 
     @property
     def sizes(self) -> dict[str, int]:
@@ -315,13 +249,8 @@ class Calibration(Prepared):
 
         It counts 8 bytes for each value of each variable, and the most modes that are stored.
         """
-        count, sizes = 0, self.sizes
-        for dims in self.dims.values():
-            values = 1
-            for dim in dims:
-                values *= sizes[dim]
-            count += 8 * values
-        return count
+        sizes = self.sizes
+        return sum(8 * prod(sizes[dim] for dim in dims) for dims in self.dims.values())
 
     @property
     def computed_bytes(self) -> int:
@@ -349,5 +278,61 @@ class Calibration(Prepared):
 
     def what_fits(self, share: float) -> str:
         """Return a sentence that says how to shrink the study to a share of its size."""
-        del share
         return "Calibrate fewer unknowns, or fewer candidates"
+
+
+def _variables(prepared: Calibration) -> Iterator[CalibrationVariable]:
+    made, model, over = CalibrationVariable, prepared.model, (RUN,)
+    output = QUANTITIES[model.runs.output]
+    unit, lowered = output.unit, {u.name: in_sentence(u.label) for u in model.unknowns}
+    for unknown in model.unknowns:
+        for what, says in ESTIMATES.items():
+            label = f"{says.capitalize()} of the {lowered[unknown.name]}"
+            yield made(f"{what}_{unknown.name}", (), unknown.unit, label)
+    for a, b in combinations(model.names, 2):
+        yield made(f"correlation_{a}_{b}", (), "1", f"Correlation of {a} and {b}")
+    yield made("discrepancy", (), unit, "Discrepancy", "Standard deviation of what errors and "
+              "unknowns do not explain: its median. All else is averaged over it.")  # fmt: skip
+    for band, says in BANDS.items():
+        yield made(f"discrepancy_{band}", (), unit, f"Discrepancy, {says}")
+    yield made("discrepancy_probability", (), "1", "Probability of a discrepancy",
+              "That there is any discrepancy; 0.1 before the runs.")  # fmt: skip
+    for unknown in model.unknowns:
+        label = f"Best of each mode, {lowered[unknown.name]}"
+        yield made(f"mode_{unknown.name}", (MODE,), unknown.unit, label)
+    yield made("mode_share", (MODE,), "1", "Share of the mode", "Of the mass of the posterior.")
+    yield made(model.runs.output, over, unit, f"Measured {output.label.lower()}")
+    yield made("error", over, unit, "Error", "Standard deviation of the measured value.")
+    yield made("predicted", over, unit, "Predicted", "Mean over the posterior of the predicted "
+              "value.")  # fmt: skip
+    yield made("predicted_best", over, unit, "Predicted by the best values", "Value predicted with "
+              "the best values.")  # fmt: skip
+    for band, says in BANDS.items():
+        yield made(f"predicted_{band}", over, unit, f"Predicted, {says}")
+    yield made("predicted_spread", over, unit, "Spread", "Of a motion that does not repeat, at the "
+              "best values.")  # fmt: skip
+    yield made("residual", over, unit, "Residual", "Measured less predicted by the best values.")
+    yield made("residual_over_error", over, "1", "Residual over error", "With the error of the "
+              "run, its spread and the discrepancy.")  # fmt: skip
+    if model.runs.watched.any():
+        yield made("probability_of_seen", over, "1", "Probability of the observation", "By the "
+                  "posterior, run by run.")  # fmt: skip
+    for unknown in model.unknowns:
+        per = "1" if unknown.unit == "1" else f"({unknown.unit})-1"
+        label = f"Density of the {lowered[unknown.name]}"
+        yield made(f"density_{unknown.name}", (unknown.name,), per, label)
+    for a, b in prepared.pairs:
+        yield made(f"density_{a}_{b}", (a, b), "1", f"Density of {a} and {b}")
+    yield made("log_density", model.names, "1", "Logarithm of the posterior density", "Natural, 0 "
+              "where it is largest on this grid.")  # fmt: skip
+    if prepared.candidates:
+        drive = tuple(CANDIDATE + name for name in prepared.candidates.axes)
+        yield made("information", drive, "bit", "Expected information", "What measuring the speed "
+                  "there adds.")  # fmt: skip
+        yield made("expected", drive, unit, "Expected speed", "Mean over the posterior.")
+        yield made("expected_deviation", drive, unit, "Deviation of the expected speed", "Over the "
+                  "posterior.")  # fmt: skip
+        for unknown in model.unknowns:
+            label = f"Standard deviation of the {lowered[unknown.name]} after the measurement"
+            yield made(f"{LEFT}{unknown.name}", drive, unknown.unit, label, "Expected standard "
+                      "deviation after the speed there is measured.")  # fmt: skip

@@ -100,12 +100,6 @@ class Unknown:
 
     @cached_property
     def _ends(self) -> tuple[float, float]:
-        """Return lower and upper bound of the unknown, in the units of studies.
-
-        A normal prior is cut at `MAX_DEVIATIONS` standard deviations from its mean, or at the
-        limits of the quantity if they are nearer. A limit that is no value itself, such as a
-        friction of 0, is approached by a thousandth of a standard deviation only.
-        """
         if not isinstance(self.prior, Normal):
             return self.prior.lower, self.prior.upper
         quantity = quantity_of(self.table, self.parameter)
@@ -161,8 +155,7 @@ class Runs:
     @property
     def measured(self) -> Mask:
         """A mask of the runs with a measured value, shape (runs,)."""
-        is_measured: Mask = np.isfinite(self.value)
-        return is_measured
+        return np.asarray(np.isfinite(self.value))
 
     @property
     def watched(self) -> Mask:
@@ -250,26 +243,6 @@ class Model:
         """Return the predicted values and behaviours of runs, for points of the unknowns.
 
         Points are simulated in groups of about `CELLS_AT_A_TIME` motions, as a bound on memory.
-
-        Parameters
-        ----------
-        points : ndarray, shape (points, unknowns)
-            Values of the unknowns, in the units of studies.
-        watch : Watch
-            Takes the progress and may stop the simulation.
-        columns : mapping of str to ndarray of shape (runs,), optional
-            Parameters of the runs by name, in the units of studies; by default of the observed
-            runs.
-
-        Returns
-        -------
-        Predicted
-            Arrays of shape (points, runs).
-
-        Raises
-        ------
-        StoppedError
-            If the watch stops the simulation.
         """
         columns = self.runs.columns if columns is None else columns
         count = max((values.size for values in columns.values()), default=1)
@@ -284,25 +257,6 @@ class Model:
     def _predict(
         self, points: Array, count: int, columns: Mapping[str, Array], watch: Watch
     ) -> Predicted:
-        """Simulate the motions of `count` runs at points of the unknowns, and return predictions.
-
-        Parameters
-        ----------
-        points : ndarray, shape (points, unknowns)
-            Values of the unknowns, in the units of studies.
-        count : int
-            Number of runs.
-        columns : mapping of str to ndarray, shape (count,)
-            Parameters in which the runs differ, in the units of studies.
-        watch : Watch
-            May stop the simulation; its motions then have no value.
-
-        Returns
-        -------
-        Predicted
-            Values in the unit of the measured output, variances, and regimes; shape (points,
-            count).
-        """
         given = self._parameters(points, columns)
         with np.errstate(all="ignore"):
             known = run_equations(self.plan, {n: given[n] for n in self.plan.parameters}, watch)
@@ -330,19 +284,6 @@ class Model:
         )
 
     def _parameters(self, points: Array, columns: Mapping[str, Array]) -> dict[str, Array]:
-        """Return the parameters of simulated runs in SI units, by name, for points of the unknowns.
-
-        An unknown of the table "unknowns" is the parameter itself; one of "offsets" is added to the
-        given value, one of "factors" multiplied with it. Values broadcast to the shape (points,
-        runs).
-
-        Parameters
-        ----------
-        points : ndarray, shape (points, unknowns)
-            Values of the unknowns, in the units of studies.
-        columns : mapping of str to ndarray, shape (runs,)
-            Parameters that differ between runs, in the units of studies.
-        """
         known: dict[str, Array] = {name: np.asarray(value) for name, value in self.shared.items()}
         known |= {name: values[np.newaxis] for name, values in columns.items()}
         for k, unknown in enumerate(self.unknowns):
@@ -371,7 +312,6 @@ class Model:
         return log
 
     def _friction(self, name: str, points: Array) -> NDArray[np.float64] | float | None:
-        """Return a friction coefficient at points, if the study sets it separately."""
         if name in self.names:
             return points[:, self.names.index(name)]
         return self.shared.get(name)

@@ -11,8 +11,14 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from vibrafeed.core.calibrate.boxes import Explored, PosteriorBoxes, points_of
-from vibrafeed.core.calibrate.scatter import Likelihood, log_sum
+from vibrafeed.core.calibrate.boxes import (
+    Explored,
+    Likelihood,
+    PosteriorBoxes,
+    log_sum,
+    points_of,
+    shares_of,
+)
 from vibrafeed.core.mechanics.arrays import Array
 
 POINTS = 60_000  # points within the boxes, about
@@ -77,8 +83,7 @@ class Posterior:
 
     def mean(self, values: Array) -> Array:
         """Return the posterior mean of values, which have the points along their first axis."""
-        mean: Array = np.tensordot(self.weights, np.nan_to_num(values), 1)
-        return mean
+        return np.asarray(np.tensordot(self.weights, np.nan_to_num(values), 1))
 
     def covariance(self) -> Array:
         """Return the covariance matrix of the unknowns, shape (unknowns, unknowns)."""
@@ -94,8 +99,7 @@ class Posterior:
         places = (np.arange(count) + 0.5) / count
         order = np.lexsort(self.points.T)
         chosen = np.searchsorted(np.cumsum(self.weights[order]), places)
-        points: Array = self.points[order[np.minimum(chosen, len(order) - 1)]]
-        return points
+        return np.asarray(self.points[order[np.minimum(chosen, len(order) - 1)]])
 
 
 def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
@@ -103,82 +107,45 @@ def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
 
     Predictions at a point follow from those at the centre of its box by their slopes, so that no
     motion is simulated here.
-
-    Parameters
-    ----------
-    likelihood : Likelihood
-        The likelihood of the observations.
-    explored : Explored
-        The adaptive grid: boxes of the unknowns, with mass, predictions and slopes.
     """
     boxes, log_mass = explored.boxes, explored.log_mass
-    top = log_mass.max()
-    mass = np.exp(log_mass - top) if np.isfinite(top) else np.ones(len(boxes))
-    mass /= mass.sum()
-    kept = mass > NEGLIGIBLE / len(mass)
-    boxes = boxes.only(kept)
+    boxes = boxes.only(shares_of(log_mass) > NEGLIGIBLE / len(boxes))
     most = min(POINTS, max(2_000, MAX_NUMBERS // max(1, boxes.value.shape[1])))
     each = int(np.clip(most // len(boxes), 1, 512))
     likelihood = replace(likelihood, scatter=likelihood.scatter.finer(explored.sizes))
     share, where = _within(boxes, each)
     value = boxes.value[where] + np.einsum("prk,pk->pr", boxes.slope[where], share)
-    centre = boxes.centre[where] + share
-    points = points_of(likelihood, centre)
+    points = points_of(likelihood, boxes.centre[where] + share)
     variance = (boxes.variance + boxes.rough)[where]
     shown = boxes.shown[where]
     log = likelihood.log(value, variance, shown, points)
     density = log_sum(log)
-    whole = density + boxes.log_volume[where]
-    top = whole.max()
-    weights = np.exp(whole - top) if np.isfinite(top) else np.ones(len(whole))
-    weights /= weights.sum()
+    weights = shares_of(density + boxes.log_volume[where])
     known = np.isfinite(density)
     sizes = weights[known] @ np.exp(log[known] - density[known, np.newaxis])
     return Posterior(likelihood, explored, points, weights, value, variance, shown, density, sizes)
 
 
 def _within(boxes: PosteriorBoxes, each: int) -> tuple[Array, NDArray[np.int64]]:
-    """Return points in all boxes, relative to the centres, and the index of each point's box.
-
-    There are `each` points in a box: a Sobol set that fills the box evenly, shifted by other random
-    numbers in every box. Points are in shares of the way between the bounds, shape (points,
-    unknowns); indices have the shape (points,). A single point lies at the centre.
-    """
     count = boxes.centre.shape[1]
     if each == 1:
         return np.zeros((len(boxes), count)), np.arange(len(boxes))
     random = np.random.default_rng(0)
     even = scipy.stats.qmc.Sobol(count, seed=0).random(1 << int(np.ceil(np.log2(each))))[:each]
-    shift = random.random((len(boxes), 1, count))
-    share = (even + shift) % 1.0 - 0.5
+    share = (even + random.random((len(boxes), 1, count))) % 1.0 - 0.5
     share = share * boxes.width[:, np.newaxis, np.newaxis]
     return share.reshape(-1, count), np.repeat(np.arange(len(boxes)), each)
 
 
 def weighted_quantiles(values: Array, weights: Array, shares: Sequence[float]) -> Array:
-    """Return quantiles of weighted values, such as medians and bounds of a posterior.
-
-    Parameters
-    ----------
-    values, weights : ndarray, shape (points,)
-        Values and their weights, which need not sum to 1; NaN and infinite values are ignored.
-    shares : sequence of float
-        The share of the weight that lies below each quantile, 0 to 1.
-
-    Returns
-    -------
-    ndarray, shape (shares,)
-        In the unit of the values; NaN if no weight is left.
-    """
+    """Return quantiles of weighted values, such as medians and bounds of a posterior."""
     order = np.argsort(values)
+    order = order[np.isfinite(values[order])]
     values, weights = values[order], weights[order]
-    finite = np.isfinite(values)
-    values, weights = values[finite], weights[finite]
     if not weights.sum() > 0:
         return np.full(len(shares), np.nan)
     below = np.cumsum(weights) - 0.5 * weights
-    quantiles: Array = np.interp(np.asarray(shares) * weights.sum(), below, values)
-    return quantiles
+    return np.interp(np.asarray(shares) * weights.sum(), below, values)
 
 
 def axes_of(posterior: Posterior) -> list[Array]:
@@ -230,12 +197,6 @@ def log_density(posterior: Posterior, axes: Sequence[Array]) -> Array:
 
 
 def _box_of(boxes: PosteriorBoxes, share: Array) -> NDArray[np.int64]:
-    """Return the index of the box in which each point lies, shape (points,).
-
-    Boxes are blocks of different sizes that fill the space of the unknowns. Those of one size lie
-    on a regular grid, so that integer keys of its cells can be compared. `share` are the points,
-    shape (points, unknowns): each unknown as (value - lower)/(upper - lower) of its bounds.
-    """
     box = np.zeros(len(share), dtype=np.int64)
     for halvings in np.unique(boxes.halvings).tolist():
         ours = np.flatnonzero(boxes.halvings == halvings)
@@ -249,12 +210,6 @@ def _box_of(boxes: PosteriorBoxes, share: Array) -> NDArray[np.int64]:
 
 
 def _keys(share: Array, halvings: int) -> NDArray[np.int64]:
-    """Return, for each point, the number of the grid cell in which it lies, shape (points,).
-
-    Points in one box have equal numbers, so that the box of a point is found by search. `share` are
-    the points, shape (points, unknowns): each unknown as (value - lower)/(upper - lower) of its
-    bounds. The grid has 2^`halvings` equal cells along each unknown.
-    """
     keys = np.zeros(len(share), dtype=np.int64)
     for column in np.floor(share * 2.0**halvings).astype(np.int64).T:
         keys = (keys << halvings) + column
@@ -282,22 +237,6 @@ def pair(posterior: Posterior, axes: Sequence[Array], first: int, second: int) -
 
 
 def _bin_mass(posterior: Posterior, axes: Sequence[Array], which: Sequence[int]) -> Array:
-    """Return the posterior mass around each node of a regular grid of some unknowns.
-
-    Each weighted point shares its weight linearly among the nodes on both sides of it. Nodes at an
-    edge gather from one side only, so their mass is doubled. Divided by the spacing it is a
-    density.
-
-    Parameters
-    ----------
-    posterior : Posterior
-        The weighted points.
-    axes : sequence of ndarray
-        Evenly spaced values of each of these unknowns, in the units of studies; the result has an
-        axis for each.
-    which : sequence of int
-        Positions of these unknowns among all.
-    """
     shape = tuple(len(axis) for axis in axes)
     mass = np.zeros(int(np.prod(shape)))
     lows, shares, inside = [], [], np.ones(len(posterior.points), dtype=bool)
@@ -334,13 +273,10 @@ class PosteriorMode:
         Its share of the posterior mass.
     best : ndarray, shape (unknowns,)
         The point of the highest density among its points, in the units of studies.
-    mean : ndarray, shape (unknowns,)
-        Its centre of mass, likewise.
     """
 
     share: float
     best: Array
-    mean: Array
 
 
 def modes_of(posterior: Posterior, axes: Sequence[Array]) -> list[PosteriorMode]:
@@ -381,11 +317,6 @@ def modes_of(posterior: Posterior, axes: Sequence[Array]) -> list[PosteriorMode]
 
 
 def _deeply_parted(labels: NDArray[np.int16], depth: Array) -> NDArray[np.int16]:
-    """Return labels of modes, in which those without a deep valley between them are one.
-
-    `labels` has the number of its mode for each node of the grid, from 1 to at most `MAX_MODES`,
-    `depth` how far the log density lies below its top. The shallowest valley goes first.
-    """
     merged = labels.copy()
     while True:
         numbers = np.unique(merged).tolist()
@@ -403,12 +334,6 @@ def _deeply_parted(labels: NDArray[np.int16], depth: Array) -> NDArray[np.int16]
 
 
 def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16]:
-    """Return labels of the heavy regions of a grid, numbered from 1 by mass; 0 elsewhere.
-
-    `labels` numbers the connected regions of high density, 0 between them, by node of the grid;
-    `mass` is the posterior mass of each node, flat. Regions of less than `LEAST_MODE` of the mass,
-    or beyond the first `MAX_MODES`, are no modes. The result has the shape of `labels`.
-    """
     shares = np.bincount(labels.ravel(), mass)
     shares[0] = 0.0  # between them
     heavy = [label for label in np.argsort(-shares)[:MAX_MODES] if shares[label] >= LEAST_MODE]
@@ -418,16 +343,10 @@ def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16
 
 
 def _modes(posterior: Posterior, labels: NDArray[np.int16]) -> list[PosteriorMode]:
-    """Return share of the mass, best point and mean of each mode, the heaviest first.
-
-    `labels` has the number of its mode for each point of the posterior, shape (points,).
-    """
-    weights, log = posterior.weights, posterior.log
-    shares = np.bincount(labels, weights)
+    shares = np.bincount(labels, posterior.weights)
     modes = []
     for label in np.unique(labels).tolist():
         ours = np.flatnonzero(labels == label)
-        mean = weights[ours] @ posterior.points[ours] / shares[label]
-        best = posterior.points[ours[np.argmax(log[ours])]]
-        modes.append(PosteriorMode(float(shares[label]), best, mean))
+        best = posterior.points[ours[np.argmax(posterior.log[ours])]]
+        modes.append(PosteriorMode(float(shares[label]), best))
     return sorted(modes, key=lambda mode: -mode.share)

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from vibrafeed.core.calibrate.boxes import Likelihood, Scatter
 from vibrafeed.core.calibrate.calibration import ENSEMBLE, MAX_CANDIDATES, Calibration
 from vibrafeed.core.calibrate.model import OUTPUTS, Model, Runs, Unknown
-from vibrafeed.core.calibrate.scatter import Likelihood, Scatter
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.prepare import choose_system, fix_for_unused_setting
@@ -40,25 +40,17 @@ def prepare(study: CalibrateStudy) -> Calibration:
 
     That chooses the plan of the simulated motion, and gathers the observed runs, the unknowns with
     their priors, the scatter of measurements and the candidates for the next run.
-
-    Raises
-    ------
-    StudyError
-        With every problem of scene, method, parameters, observations, unknowns and candidates.
     """
     problems = [*_misused(study), *_problems_of_unknowns(study)]
-    columns, more = _columns(study)
-    problems += more
+    columns = _columns(study, problems)
     output, more = _observed(study.observations)
-    problems += more
-    error, more = _errors(study, output)
-    problems += more
+    error, wrong = _errors(study, output)
+    problems += [*more, *wrong]
     values = {name: v for name, v in study.values().items() if isinstance(v, Fixed)}
     shared = {name: value.value for name, value in values.items()}
     unknowns = _unknowns(study)
     problems += _open(unknowns, shared, columns)
-    spans, more = _spans(unknowns, shared, columns)
-    problems += more
+    spans = _spans(unknowns, shared, columns, problems)
     asked = study.asked_next()
     problems += _problems_of_candidates(asked, shared, columns)
     # What is wrong with values above is no reason to blame the names of a plan.
@@ -104,11 +96,6 @@ MINUTE = 1 / 30  # of the median error of the other runs: a run with less outwei
 
 
 def _minute_errors(runs: Runs) -> Iterable[str]:
-    """Yield a warning of each run whose error is far below that of the others.
-
-    An error that is a share, such as 5 %, is next to nothing for a speed near 0: such a run would
-    settle the unknowns by itself.
-    """
     errors = np.where(runs.measured, runs.error, np.nan)
     for k in np.flatnonzero(errors > 0):
         usual = np.nanmedian(np.delete(errors, k)) if np.isfinite(errors).sum() > 1 else 0.0
@@ -123,23 +110,22 @@ def _minute_errors(runs: Runs) -> Iterable[str]:
 
 
 def _misused(study: CalibrateStudy) -> Iterable[Problem]:
-    """Yield problems of what calibrations do not support: verification, ranges of parameters."""
     if study.verify is not None:
-        message = "a calibration is not verified cell by cell"
-        fix = "Leave it out, and simulate the best values with verify"
-        yield Problem("verify", message, fix)
+        yield Problem(
+            "verify",
+            "a calibration is not verified cell by cell",
+            "Leave it out, and simulate the best values with verify",
+        )
     for name, value in study.values().items():
         if not isinstance(value, Fixed):
-            fix = "Give one value that all runs share; what differs stands in the observations"
-            yield Problem(f"parameters.{name}", "it has several values", fix)
+            yield Problem(
+                f"parameters.{name}",
+                "it has several values",
+                "Give one value that all runs share; what differs stands in the observations",
+            )
 
 
 def _unknowns(study: CalibrateStudy) -> tuple[Unknown, ...]:
-    """Return the unknowns of a study with their priors, in its order.
-
-    An unknown is a parameter itself, or an offset or a factor of one: `offset_` or `factor_` then
-    begins its name.
-    """
     found = []
     for name, prior in study.priors().items():
         table = next((t for t in ("offsets", "factors") if name.startswith(STEMS[t])), "unknowns")
@@ -148,87 +134,81 @@ def _unknowns(study: CalibrateStudy) -> tuple[Unknown, ...]:
 
 
 def _problems_of_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
-    """Yield the problems of the number of unknowns of a calibration: none, or too many.
-
-    More than `MAX_UNKNOWNS` cannot be resolved by the grid on which the posterior is computed.
-    """
     count = len(study.priors())
     if not count:
-        fix = "Name some, for example [unknowns] friction = { lower = 0.1, upper = 0.6 }"
-        yield Problem("unknowns", "no unknown is given", fix)
-    if count > MAX_UNKNOWNS:
-        message = (
-            f"there are {count} unknowns: a grid of that dimension would be too coarse to trust"
+        yield Problem(
+            "unknowns",
+            "no unknown is given",
+            "Name some, for example [unknowns] friction = { lower = 0.1, upper = 0.6 }",
         )
-        fix = f"Look for {MAX_UNKNOWNS} at most: move those that matter least to the parameters"
-        yield Problem("unknowns", message, fix)
+    if count > MAX_UNKNOWNS:
+        yield Problem(
+            "unknowns",
+            f"there are {count} unknowns: a grid of that dimension would be too coarse to trust",
+            f"Look for {MAX_UNKNOWNS} at most: move those that matter least to the parameters",
+        )
 
 
-def _columns(study: CalibrateStudy) -> tuple[dict[str, Array], list[Problem]]:
-    """Return the parameters that the observed runs give, and the problems of the table of runs.
-
-    Parameters are arrays of shape (runs,) by name, in the units of studies, NaN where a run lacks
-    one. It is a problem if only some runs give a parameter, or if the study gives it as well for
-    all runs together.
-    """
+def _columns(study: CalibrateStudy, problems: list[Problem]) -> dict[str, Array]:
     rows = [parameters_of(run) for run in study.observations]
     names = [name for name in QUANTITIES if any(name in row for row in rows)]
-    problems = []
     for name in names:
         lacking = [k for k, row in enumerate(rows, 1) if name not in row]
         if lacking:
-            message = f"other runs have {name}, and this one has not"
-            fix = "Give it in every run, or once among the parameters"
-            place = f"observations row {lacking[0]}, {name}"
             more = f" ({len(lacking)} such rows)" if len(lacking) > 1 else ""
-            problems.append(Problem(place, message + more, fix))
+            problems.append(
+                Problem(
+                    f"observations row {lacking[0]}, {name}",
+                    f"other runs have {name}, and this one has not" + more,
+                    "Give it in every run, or once among the parameters",
+                )
+            )
     columns = {n: np.array([row.get(n, np.nan) for row in rows]) for n in names}
     for name in columns:
         if name in study.values():
-            message = f"{name} stands in the parameters and in the observations"
-            problems.append(Problem(f"parameters.{name}", message, "Give it once"))
-    return columns, problems
+            problems.append(
+                Problem(
+                    f"parameters.{name}",
+                    f"{name} stands in the parameters and in the observations",
+                    "Give it once",
+                )
+            )
+    return columns
 
 
 def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
-    """Return the name of the measured output, and problems of runs that give none or several.
-
-    `rows` are the observed runs. All give the same output, conveying_velocity or feed_rate; a run
-    with an observed regime needs no value. If no run has a value the name is conveying_velocity.
-    """
     problems = []
     for k, row in enumerate(rows, 1):
-        given = [name for name in OBSERVED if getattr(row, name) is not None]
-        if len(given) > 1:
-            message = f"it gives both {' and '.join(given)}"
-            problems.append(Problem(f"observations row {k}", message, "Give one of them"))
-        elif not given and row.regime is None:
-            fix = "Give conveying_velocity with its unit, feed_rate, or regime"
+        outputs = [name for name in OBSERVED if getattr(row, name) is not None]
+        if len(outputs) > 1:
+            problems.append(
+                Problem(
+                    f"observations row {k}",
+                    f"it gives both {' and '.join(outputs)}",
+                    "Give one of them",
+                )
+            )
+        elif not outputs and row.regime is None:
             problems.append(
                 Problem(
                     f"observations row {k}",
                     f"the run in row {k} of the observations has no measured value",
-                    fix,
+                    "Give conveying_velocity with its unit, feed_rate, or regime",
                 )
             )
     used = [name for name in OBSERVED if any(getattr(row, name) is not None for row in rows)]
     if len(used) > 1 and not problems:
-        message = "some runs give conveying_velocity, others feed_rate"
         problems.append(
             Problem(
-                "observations", message, "Give the same one of the two in all runs of observations"
+                "observations",
+                "some runs give conveying_velocity, others feed_rate",
+                "Give the same one of the two in all runs of observations",
             )
         )
     return (used or list(OBSERVED))[0], problems
 
 
 def _errors(study: CalibrateStudy, output: str) -> tuple[Array, list[Problem]]:
-    """Return the standard deviation of each run's measured value, shape (runs,), and the problems.
-
-    `output` is the name of the measured output, in whose unit they are; 0 where no error is known.
-    The error of a run goes before that of the study, which may be a share such as "5 %". Either all
-    measured runs have an error or none.
-    """
     errors, lacking, problems = [], [], list[Problem]()
     for k, run in enumerate(study.observations, 1):
         value = getattr(run, output)
@@ -237,71 +217,54 @@ def _errors(study: CalibrateStudy, output: str) -> tuple[Array, list[Problem]]:
             try:
                 error = read_error(output, study.error, value)
             except UnitError as wrong:
-                place = "error" if value else f"observations row {k}, error"
-                problems.append(Problem(place, wrong.message, wrong.fix))
+                problems.append(
+                    Problem(
+                        ("error" if value else f"observations row {k}, error"),
+                        wrong.message,
+                        wrong.fix,
+                    )
+                )
         if value is not None and error is None:
             lacking.append(k)
         errors.append(error or 0.0)
     measured = sum(getattr(run, output) is not None for run in study.observations)
     if lacking and len(lacking) < measured and not problems:
-        message = "other runs have an error, and this one has not"
-        fix = "Give error in every run, once for all above them, or nowhere"
-        problems.append(Problem(f"observations row {lacking[0]}, error", message, fix))
+        problems.append(
+            Problem(
+                f"observations row {lacking[0]}, error",
+                "other runs have an error, and this one has not",
+                "Give error in every run, once for all above them, or nowhere",
+            )
+        )
     return np.array(errors), problems
 
 
 def _open(
     unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array]
 ) -> Iterable[Problem]:
-    """Yield problems of unknowns that have a given value too, and of offsets of missing parameters.
-
-    Parameters
-    ----------
-    unknowns : iterable of Unknown
-        The unknowns of the study.
-    shared : mapping of str to float
-        Parameters given once for all runs, in the units of studies.
-    columns : mapping of str to ndarray, shape (runs,)
-        Parameters given run by run.
-    """
     for unknown in unknowns:
         path, names = f"{unknown.table}.{unknown.parameter}", {*shared, *columns}
         if unknown.table == "unknowns" and unknown.parameter in names:
             where = "observations" if unknown.parameter in columns else "parameters"
-            message = f"{unknown.parameter} is unknown, and given in the {where}"
             yield Problem(
                 path,
-                message,
+                f"{unknown.parameter} is unknown, and given in the {where}",
                 f"Give {unknown.parameter} once, or unknown offsets or factors of it: "
                 "[offsets], [factors]",
             )
         elif unknown.table != "unknowns" and unknown.parameter not in names:
-            message = f"there is no {unknown.parameter} among the parameters or observations"
-            fix = "Give what it changes, or move it to [unknowns]"
-            yield Problem(path, message, fix)
+            yield Problem(
+                path,
+                f"there is no {unknown.parameter} among the parameters or observations",
+                "Give what it changes, or move it to [unknowns]",
+            )
 
 
 def _spans(
-    unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array]
-) -> tuple[dict[str, Values], list[Problem]]:
-    """Return the range of every parameter that the study varies, and problems of ranges too wide.
-
-    A parameter ranges over its values in the runs, over the bounds of its unknown, or over its
-    given values with the bounds of an unknown offset or factor. With the ranges, the constraints of
-    the scene are checked and the time of motions is estimated. All values are in the units of
-    studies.
-
-    Parameters
-    ----------
-    unknowns : iterable of Unknown
-        The unknowns of the calibration, with bounds.
-    shared : mapping of str to float
-        Parameters given once for all runs.
-    columns : mapping of str to ndarray, shape (runs,)
-        Parameters given run by run, NaN where a run lacks one.
-    """
+    unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array],
+    problems: list[Problem],
+) -> dict[str, Values]:  # fmt: skip
     spans: dict[str, Values] = {}
-    problems = []
     for name, column in columns.items():
         values = np.unique(column[~np.isnan(column)]).tolist()
         spans[name] = Points(tuple(values)) if len(values) > 1 else Fixed(values[0])
@@ -322,86 +285,68 @@ def _spans(
             low, high = float(ends.min()), float(ends.max())
         quantity = QUANTITIES[unknown.parameter]
         if low < quantity.lower or high > quantity.upper:
-            least = f"{quantity.lower:g}" if low < quantity.lower else f"{quantity.upper:g}"
-            word = "below" if low < quantity.lower else "above"
-            message = f"with it {unknown.parameter} may come {word} {least}{quantity.suffix}"
+            bounds = ("below", quantity.lower), ("above", quantity.upper)
+            word, least = bounds[low >= quantity.lower]
             problems.append(
-                Problem(f"{unknown.table}.{unknown.parameter}", message, "Narrow its range")
+                Problem(
+                    f"{unknown.table}.{unknown.parameter}",
+                    f"with it {unknown.parameter} may come {word} {least:g}{quantity.suffix}",
+                    "Narrow its range",
+                )
             )
         spans[unknown.parameter] = Span(low, high, 2) if high > low else Fixed(low)
-    return spans, problems
+    return spans
 
 
 def _problems_of_candidates(
     asked: Mapping[str, Values], shared: Mapping[str, float], columns: Mapping[str, Array]
 ) -> Iterable[Problem]:
-    """Yield problems of candidates of further runs: parameters that no run varies, or too many.
-
-    Parameters
-    ----------
-    asked : mapping of str to Values
-        Values or ranges of the candidates' parameters; empty without candidates.
-    shared, columns : mapping
-        Parameters that all measured runs share, and those in which they differ.
-    """
     for name in asked:
         if name not in columns:
-            fix = "Range over parameters that differ between the runs"
             where = "all runs share it" if name in shared else "no run has it"
-            yield Problem(f"candidates.{name}", where, fix)
+            yield Problem(
+                f"candidates.{name}", where, "Range over parameters that differ between the runs"
+            )
     cells = Grid.of(asked).cells if asked else 0
     if cells > MAX_CANDIDATES:
-        message = f"there are {cells:,} of them, each of which takes {ENSEMBLE} motions"
-        yield Problem("candidates", message, f"Give at most {MAX_CANDIDATES:,}")
+        yield Problem(
+            "candidates",
+            f"there are {cells:,} of them, each of which takes {ENSEMBLE} motions",
+            f"Give at most {MAX_CANDIDATES:,}",
+        )
 
 
 def _of_scene(study: CalibrateStudy, scene: Scene, method: str) -> Iterable[Problem]:
-    """Yield problems of a scene without conveying velocity, and of unused settings.
-
-    `scene` and `method` are those chosen for the study, such as rectangle-on-plane and "events"; a
-    setting is unused if no equation of the method takes it.
-    """
     if scene.name not in CONTACTS:
-        fix = f"Choose among {', '.join(CONTACTS)}"
         yield Problem(
-            "scene", f"the scene {scene.name} gives no conveying velocity to calibrate", fix
+            "scene",
+            f"the scene {scene.name} gives no conveying velocity to calibrate",
+            f"Choose among {', '.join(CONTACTS)}",
         )
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
     for name in study.settings():
         if name not in needed:
-            message = f"the method {method} does not use it"
-            yield Problem(name, message, fix_for_unused_setting(scene, name))
+            yield Problem(
+                name, f"the method {method} does not use it", fix_for_unused_setting(scene, name)
+            )
 
 
 def _without_order(scene: Scene, spans: Mapping[str, Values]) -> Scene:
-    """Return the scene without the constraint static >= kinetic friction, if one is unknown.
-
-    `spans` has the ranges of parameters by name. With an unknown friction the constraint would be
-    broken at the corners of the range; the prior forbids those points instead. Else the scene is
-    returned as it is.
-    """
-    names = STATIC_ABOVE_KINETIC.parameters
-    both = [spans.get(name) for name in names]
-    if not any(isinstance(one, Span) for one in both):
+    if not any(isinstance(spans.get(name), Span) for name in STATIC_ABOVE_KINETIC.parameters):
         return scene
     left = tuple(one for one in scene.constraints if one is not STATIC_ABOVE_KINETIC)
     return replace(scene, constraints=left)
 
 
 def _too_few(study: CalibrateStudy, unknowns: tuple[Unknown, ...]) -> Iterable[Problem]:
-    """Yield a problem if no error is given and too few measured runs show their scatter.
-
-    There have to be two runs more than unknowns; runs with an observed regime only do not count.
-    """
     if study.error is not None or any(run.error is not None for run in study.observations):
         return
     measured = sum(
         any(getattr(run, name) is not None for name in OBSERVED) for run in study.observations
     )
     if 0 < measured < len(unknowns) + 2:
-        message = f"no error is known, and {measured} measured runs do not show their scatter"
-        fix = f'Give error, such as "5 %", or at least {len(unknowns) + 2} runs'
-        yield Problem("error", message, fix)
-
-
-__all__ = ["MAX_UNKNOWNS", "prepare"]
+        yield Problem(
+            "error",
+            f"no error is known, and {measured} measured runs do not show their scatter",
+            f'Give error, such as "5 %", or at least {len(unknowns) + 2} runs',
+        )

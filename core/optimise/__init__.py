@@ -15,15 +15,15 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from vibrafeed.core.optimise.kind import KIND
     from vibrafeed.core.optimise.methods import METHODS
+    from vibrafeed.core.optimise.optima import KIND
     from vibrafeed.core.optimise.optimisation import Optimisation
     from vibrafeed.core.optimise.reach import nearest, ways
 else:
     __getattr__ = lazily(
         __name__,
         {
-            "kind": ("KIND",),
+            "optima": ("KIND",),
             "methods": ("METHODS",),
             "optimisation": ("Optimisation",),
             "reach": ("nearest", "ways"),

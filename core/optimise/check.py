@@ -1,4 +1,4 @@
-"""The check of every optimum, once, by a method that did not find it.
+"""Optima checked and labelled: each answer once, by a method that did not find it.
 
 That is the closed form where there is one, else points all over the bounds. `verify` in a study
 goes further for some random optima: it computes the outputs there in extended precision (those of a
@@ -7,29 +7,41 @@ motion by another method), and the optimum by another method.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vibrafeed.core.dataset.table import (
+    Table,
+    TableVariable,
+    regime_attributes,
+)
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.motion.verify import Comparison, compare
-from vibrafeed.core.optimise.afresh import judged_afresh
 from vibrafeed.core.optimise.exact import closed_optima, is_closed
+from vibrafeed.core.optimise.front import FLAT
 from vibrafeed.core.optimise.methods import METHODS
-from vibrafeed.core.optimise.optima import STATUS
-from vibrafeed.core.optimise.optimisation import Optimisation
+from vibrafeed.core.optimise.optimisation import Optimisation, criterion_in_words
 from vibrafeed.core.optimise.problem import (
     LIMIT,
     ROUNDING,
+    STATUS,
     OptimisationProblem,
+    broken_names,
+    cells_of,
     chosen_cells,
     columns,
 )
 from vibrafeed.core.optimise.search import filled, most_reliable
+from vibrafeed.core.optimise.uncertain import judged_afresh
 from vibrafeed.core.plan.grid import to_si
+from vibrafeed.core.plan.labels import coordinates_of, global_attributes
+from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.plan.replicates import REPLICATES
 from vibrafeed.core.plan.sample import Sample, sample_of
-from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES
 from vibrafeed.core.study.optimise_study import Limited, Pareto
 from vibrafeed.core.sweep.verify import AGAINST, Rounding, rounding_of
 from vibrafeed.core.watch import Watch
@@ -47,19 +59,7 @@ def gap_of(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> Array:
-    """Return the objective of another method less ours, to check it; NaN without both.
-
-    Parameters
-    ----------
-    method : str
-        The one by which our optima were found.
-    value : ndarray, shape (cells,)
-        Our objective.
-    lost : ndarray of bool, shape (cells,)
-        True where there is no optimum.
-    design, scales : mapping of str to ndarray, each of shape (cells,)
-        The fixed parameters, and the sizes of outputs, by which violations are divided.
-    """
+    """Return the objective of another method less ours, to check it; NaN without both."""
     design = _slack(problem, design, scales)
     reference = np.full(lost.shape, np.nan)
     if method != "exact" and is_closed(problem):
@@ -89,17 +89,15 @@ def best_of_points(
     It is -inf where no point keeps the constraints. Of motions that do not repeat the best points
     are followed for longer before one is chosen. Arguments as in `gap_of`.
     """
-    cells, points = next(iter(design.values())).size, POINTS
-    if problem.is_motion:
-        points = POINTS_MOTION
-    unit = filled(len(problem.names), cells, points)
+    cells = cells_of(design)
+    unit = filled(len(problem.names), cells, POINTS_MOTION if problem.is_motion else POINTS)
     x = problem.inside(unit)[:, None, :]
     step = max(1, BLOCK // (unit.shape[1] * problem.nodes))
     best = np.full(cells, -np.inf)
     for start in range(0, cells, step):
         piece = np.arange(start, min(start + step, cells))
         here, sizes = chosen_cells(design, piece), chosen_cells(scales, piece)
-        judged = problem.judged_with_error(x, columns(here), columns(sizes))
+        judged = problem.judged(x, columns(here), columns(sizes))
         value, beyond, error = (np.broadcast_to(one, judged[0].shape) for one in judged)
         best[piece] = np.where(beyond <= 0, value, -np.inf).max(axis=1)
         unsure = (error > 0).any(axis=1) & (beyond <= 0).any(axis=1)
@@ -110,20 +108,6 @@ def best_of_points(
     return best
 
 
-def accuracy(gaps: Array) -> str:
-    """Return the accuracy of optima in words, as an attribute of a file.
-
-    `gaps` is the variable `optimum_gap`: by how much another method finds better optima, over the
-    size of the objective.
-    """
-    text = (
-        "optimum_gap: what another method finds better, over the largest size of the objective; "
-        "below 0 where it finds less"
-    )
-    known = gaps[np.isfinite(gaps)]
-    return f"{text}; the largest here is {known.max():.2g}" if known.size else text
-
-
 def verified(
     prepared: Optimisation, arrays: Mapping[str, NDArray[np.generic]], watch: Watch
 ) -> dict[str, str | int]:
@@ -131,15 +115,6 @@ def verified(
 
     The outputs at the optima are computed another way, and another method looks for better optima.
     Empty if the study does not ask for it.
-
-    Parameters
-    ----------
-    prepared : Optimisation
-        The study.
-    arrays : mapping of str to ndarray
-        The computed variables, in the units of studies.
-    watch : Watch
-        May stop the verification; what was compared until then counts.
     """
     if prepared.study.verify is None:
         return {}
@@ -151,11 +126,12 @@ def verified(
     design = _design(prepared, sample, known)
     # An edge of stick that is approached and never reached is a jump of the outputs.
     smooth = answered[known["optimum_status"][answered] != STATUS["not_attained"]]
-    rival = _rival(prepared)
+    # Motions take too long: their optima are compared with points in any case.
+    rival = "search" if prepared.method != "search" else "scipy"
+    rival = "" if prepared.problem.is_motion else rival
     watch = watch.part(0.5 if rival else 1.0)
-    against, sentences = [], []
+    against, sentences, failed = [], [], 0
     judged, lost, left = np.zeros((3, sample.count), dtype=np.bool_)
-    failed = 0
     if smooth.size:
         agreement, by = _outputs(prepared, design, x, known, smooth, watch)
         against.append(by)
@@ -170,8 +146,7 @@ def verified(
         lost[answered] |= ~solved
         left[answered] |= ~solved
         if solved.any():
-            unit = QUANTITIES[prepared.problem.criterion.output].unit
-            more = f"{better:.2g}{'' if unit == '1' else f' {unit}'} more"
+            more = f"{better:.2g}{QUANTITIES[prepared.problem.criterion.output].suffix} more"
             more = more if better else "nothing better"
             sentences.append(f"objective {sample.where(cell)}: {rival} finds {more}")
     if sample.count and not answered.size:
@@ -186,12 +161,6 @@ def verified(
 
 
 def _design(prepared: Optimisation, sample: Sample, known: Mapping[str, Array]) -> dict[str, Array]:
-    """Return the fixed parameters of the sampled cells in SI units, with each optimum's own limit.
-
-    With these another method can solve the same problem. On a trade-off front the limit is the size
-    of the other output at the point. `known` are the computed variables of the cells, in the units
-    of studies.
-    """
     problem = prepared.problem
     design = prepared.designs.at(sample.positions, sample.count, prepared.plan.parameters)
     criterion = problem.criterion
@@ -209,43 +178,17 @@ def _outputs(
     chosen: NDArray[np.intp],
     watch: Watch,
 ) -> tuple[Rounding | Comparison, str]:
-    """Return the agreement of the outputs at some optima with outputs computed another way.
-
-    The second result names that way: extended precision, or another method of motion.
-
-    Parameters
-    ----------
-    prepared : Optimisation
-        The study.
-    design, x : mapping of str to ndarray, ndarray
-        Fixed parameters and best values of the sampled cells, SI units; x is (variables, cells).
-    known : mapping of str to ndarray
-        The computed variables of these cells, in the units of studies.
-    chosen : ndarray of int
-        Positions of the cells to compare.
-    watch : Watch
-        May stop the work.
-    """
     problem, plan = prepared.problem, prepared.plan
     given = dict(zip(problem.names, x, strict=True))
     cells = {name: (given | dict(design))[name][chosen] for name in plan.parameters}
     names = [name for name in plan.outputs if name in known]
     if problem.is_motion:
         got = {name: known[name][chosen] for name in names}
-        other = prepared.other_motion
-        assert other is not None  # the study would have been refused
-        return compare(
-            plan, cells, got, other.name, watch
-        ), f"the motion by the method {other.name}"
+        assert prepared.other_motion is not None  # the study would have been refused
+        other = prepared.other_motion.name
+        return compare(plan, cells, got, other, watch), f"the motion by the method {other}"
     values = {name: np.asarray(to_si(name, known[name][chosen])) for name in names}
     return rounding_of(plan, cells, values, watch), AGAINST
-
-
-def _rival(prepared: Optimisation) -> str | None:
-    # Motions take too long: their optima are compared with points in any case.
-    if prepared.problem.is_motion:
-        return None
-    return "search" if prepared.method != "search" else "scipy"
 
 
 def _better(
@@ -256,28 +199,6 @@ def _better(
     chosen: NDArray[np.intp],
     watch: Watch,
 ) -> tuple[NDArray[np.bool_], int, float]:
-    """Return the advantage of another method's optima over ours, in sampled cells.
-
-    Parameters
-    ----------
-    prepared : Optimisation
-        The study.
-    rival : str
-        The other method, a key of `METHODS`.
-    design, known : mapping of str to ndarray
-        The fixed parameters, SI units, and our results, in the units of studies, over all sampled
-        cells.
-    chosen : ndarray of int
-        Positions in these of the cells to compare.
-    watch : Watch
-        May stop the other method.
-
-    Returns
-    -------
-    tuple
-        True for each of the chosen cells that the rival solved before a stop; the position of the
-        cell where its objective is furthest above ours; by how much, 0 if nowhere.
-    """
     if watch.stopped():
         return np.zeros(chosen.size, dtype=np.bool_), -1, 0.0
     problem = prepared.problem
@@ -289,7 +210,7 @@ def _better(
     optima = METHODS[rival].solve(problem, here, scales, watch)
     lost = np.isnan(optima.x).any(axis=0)
     x = np.where(lost, problem.lower[:, None], optima.x)
-    theirs, beyond = problem.judged(x, here, scales)
+    theirs, beyond, _ = problem.judged(x, here, scales)
     sound = ~lost & (beyond <= METHODS[rival].tolerance)
     if problem.uncertain is not None:
         # As ours are: at points of which neither search knew.
@@ -298,6 +219,103 @@ def _better(
         sound &= ~fresh.surprises(problem, x, here, scales)[0]
     ours = problem.sign * known["objective"][chosen]
     more = np.where(sound, theirs - ours, -np.inf)
-    worst = int(np.argmax(more))
-    solved = optima.status != STATUS["not_computed"]
+    worst, solved = int(np.argmax(more)), optima.status != STATUS["not_computed"]
     return solved, int(chosen[worst]), float(max(more[worst], 0.0))
+
+
+def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
+    """Return the results of an optimisation as a table, verified if the study asks for it.
+
+    `computed` has the arrays of all variables by name; `watch` may stop the verification.
+    """
+    arrays, dims, problem = computed.arrays, tuple(prepared.grid.axes), prepared.problem
+    scene, says = prepared.plan.scene, METHODS[prepared.method].says
+    attributes, words = dict(prepared.attributes), criterion_in_words(problem)
+    for verdict in prepared.plan.verdicts:
+        names = {*verdict.regimes}
+        if (arrays[verdict.name] == REGIMES["not_assessed"].value).any():
+            names.add("not_assessed")
+        judged = verdict.outputs if len(prepared.plan.verdicts) > 1 else ()
+        attributes[verdict.name] = regime_attributes(tuple(names), judged)
+    gaps = arrays["optimum_gap"][np.isfinite(arrays["optimum_gap"])]
+    accuracy = [
+        "optimum_gap: what another method finds better, over the largest size of the objective; "
+        "below 0 where it finds less",
+        *([f"the largest here is {gaps.max():.2g}"] if gaps.size else []),
+    ]
+    if problem.uncertain is not None:
+        accuracy.insert(
+            0,
+            "errors of mean, quantile and probabilities are half the widths of 95 % intervals, "
+            f"from {REPLICATES} scramblings of Sobol points which the search did not use",
+        )
+    return Table(
+        coordinates_of(prepared.plan, prepared.grid),
+        {name: TableVariable(dims, arrays[name], attributes[name]) for name in prepared.units},
+        {
+            **global_attributes(prepared, f"optimisation, {says}"),
+            "title": prepared.study.title or f"{scene.title}: {words}",
+            "criterion": words,
+            "method": prepared.method,
+            # That of the motion; `method` is the optimiser's.
+            **({"motion_method": prepared.plan.variant} if scene.choice == "method" else {}),
+            "message": _message(prepared, arrays),
+            "accuracy": "; ".join(accuracy),
+            "evaluations": float(arrays["evaluations"].sum()),
+            **computed.notes,
+            **verified(prepared, arrays, watch),
+        },
+    )
+
+
+def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
+    by_value = {flag.value: (name, flag.description) for name, flag in OPTIMUM_STATUSES.items()}
+    arrays = {name: values.ravel() for name, values in arrays.items()}
+    if arrays["optimum_status"].size > 1:
+        statuses, more = arrays["optimum_status"], ""
+        if isinstance(prepared.study.criterion, Pareto):
+            statuses, more = _of_fronts(prepared.study.criterion, arrays)
+        counts = np.bincount(statuses, minlength=len(by_value))
+        parts = [f"{by_value[v][0]} {n:,}" for v, n in enumerate(counts) if n]
+        answers = "1 answer" if statuses.size == 1 else f"{statuses.size:,} answers"
+        return f"of {answers}: {', '.join(parts)}{more}"
+    name, description = by_value[int(arrays["optimum_status"][0])]
+    text = f"{name}: {description}"
+    if np.isnan(arrays["objective"][0]):
+        return text
+    clauses = [
+        f"{n} = {arrays[f'best_{n}'][0]:.6g}{QUANTITIES[n].suffix}" for n in prepared.problem.names
+    ]
+    binding = [n.removeprefix("binds_") for n in arrays if n.startswith("binds_") and arrays[n][0]]
+    tight = f"; binding: {', '.join(binding)}" if binding else "; nothing binds"
+    return "; ".join((text, ", ".join(clauses) + tight, *_shares_broken(prepared, arrays)))
+
+
+def _of_fronts(
+    criterion: Pareto, arrays: Mapping[str, NDArray[Any]]
+) -> tuple[NDArray[np.int8], str]:
+    known = {
+        name: arrays[name].reshape(-1, criterion.points)
+        for name in ("optimum_status", "front_points", criterion.output, criterion.against)
+    }
+    single = known["front_points"][:, 0] == 1
+    status = known["optimum_status"]
+    statuses = np.concatenate([status[single, 0], status[~single].ravel()])
+    if not single.any():
+        return statuses, ""
+    other = np.abs(known[criterion.against][single, 0]).max()
+    is_none = other <= FLAT * np.abs(known[criterion.output][single, 0]).max()
+    reached = f"{criterion.against} = 0" if is_none else f"the least |{criterion.against}|"
+    where = "" if single.size == 1 else f" in {single.sum():,} of {single.size:,} designs"
+    return (
+        statuses,
+        f"; no trade-off{where}: {reached} is reached at the largest {criterion.output}",
+    )
+
+
+def _shares_broken(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> Iterator[str]:
+    if prepared.problem.uncertain is None or not prepared.problem.kept:
+        return
+    shares = {one.name: arrays[broken_names(one.name)[0]][0] for one in prepared.problem.kept}
+    told = [f"{100 * share:.2g} % of units break {name}" for name, share in shares.items() if share]
+    yield ", ".join(told) or "no unit of those drawn breaks a limit"

@@ -8,11 +8,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
+from vibrafeed.core.mechanics.arrays import Array, ratio
 from vibrafeed.core.optimise.exact import closed_front
 from vibrafeed.core.optimise.methods import METHODS
-from vibrafeed.core.optimise.optima import Optima
-from vibrafeed.core.optimise.problem import LIMIT, OptimisationProblem, cells_of
+from vibrafeed.core.optimise.problem import LIMIT, Optima, OptimisationProblem, cells_of
 from vibrafeed.core.study.optimise_study import Pareto, Weighted
 from vibrafeed.core.study.values import evenly
 from vibrafeed.core.watch import Watch
@@ -36,17 +35,6 @@ def find_front(
     Without a closed form both ends are found first, then the largest output at equally spaced
     limits of the other one, all designs and limits at once. The arrays of the result have the shape
     (cells * points,), the points of a design one after the other.
-
-    Parameters
-    ----------
-    problem : OptimisationProblem
-        The problem, with a criterion of kind `pareto`.
-    design, scales : mapping of str to ndarray, each of shape (cells,)
-        Fixed parameters, and sizes of the outputs, by which violations are divided.
-    method : str
-        A key of `METHODS`.
-    watch : Watch
-        Takes the progress, and may stop the search.
     """
     criterion = problem.criterion
     assert isinstance(criterion, Pareto)
@@ -65,9 +53,12 @@ def find_front(
     status = np.repeat(least.status[:, None], points, axis=1)
     evaluations = np.ones((cells, points), dtype=np.int64)
     optima = least
-    rest = np.flatnonzero(~_is_one_point(problem, top, least, design, scales))
+    most, there = (_value(problem, criterion.output, end, design) for end in (top, least))
+    # Without a trade-off one choice is best in both outputs, and a front is one point.
+    rest = np.flatnonzero(~(there >= most - SMALL * scales[criterion.output]))
     if rest.size:
-        first, last = (_other(problem, end, design)[rest] for end in (top, least))
+        against = (np.abs(_value(problem, criterion.against, end, design)) for end in (top, least))
+        first, last = (one[rest] for one in against)
         levels = first[:, None] + (last - first)[:, None] * evenly(0.0, 1.0, points)
         repeated = {name: np.repeat(values[rest], points) for name, values in design.items()}
         wide = {name: np.repeat(values[rest], points) for name, values in scales.items()}
@@ -84,21 +75,6 @@ def find_front(
     )  # fmt: skip
 
 
-def _is_one_point(
-    problem: OptimisationProblem,
-    top: Optima,
-    least: Optima,
-    design: Mapping[str, Array],
-    scales: Mapping[str, Array],
-) -> Mask:
-    """True for a design without a trade-off, shape (cells,): one choice is best in both outputs.
-
-    The output is as large at the end where the other one is least, `least`, as at the other end.
-    """
-    most, there = (_value(problem, problem.criterion.output, end, design) for end in (top, least))
-    return there >= most - SMALL * scales[problem.criterion.output]
-
-
 def distinct_points(output: Array, other: Array, sizes: Sequence[Array]) -> Array:
     """Return the number of distinct points of each trade-off front, 0 of one without a value.
 
@@ -110,20 +86,9 @@ def distinct_points(output: Array, other: Array, sizes: Sequence[Array]) -> Arra
     return np.isfinite(output).any(axis=1) + np.logical_or(*moved).sum(axis=1, dtype=np.float64)
 
 
-def _other(problem: OptimisationProblem, optima: Optima, design: Mapping[str, Array]) -> Array:
-    """Return the size of the other output at an end of trade-off fronts; NaN without an optimum."""
-    assert problem.against is not None
-    return np.abs(_value(problem, problem.against, optima, design))
-
-
 def _value(
     problem: OptimisationProblem, name: str, optima: Optima, design: Mapping[str, Array]
 ) -> Array:
-    """Return an output at an end of trade-off fronts; NaN without an optimum.
-
-    `optima` are the optima of all designs, `design` has the fixed parameters, SI units, shape
-    (cells,); the result is in the unit of studies, shape (cells,).
-    """
     lost = np.isnan(optima.x).any(axis=0)
     x = np.where(lost, problem.lower[:, None], optima.x)
     value = problem.output(name, problem.known(x, design))
@@ -139,10 +104,6 @@ def knee(output: Array, other: Array) -> NDArray[np.int8]:
     """
 
     def over_range(values: Array) -> Array:
-        """Return values scaled to 0 to 1 over their range along the last axis.
-
-        0 without a range.
-        """
         low, high = values.min(axis=1, keepdims=True), values.max(axis=1, keepdims=True)
         # A range of rounding is none.
         span = np.where(high - low > FLAT * np.maximum(np.abs(high), np.abs(low)), high - low, 0.0)

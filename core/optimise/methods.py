@@ -1,14 +1,146 @@
-"""The optimisers, by name. Each takes problem, designs, scales of the outputs, and a watch."""
+"""The optimisers, by name, and that of scipy: one design after the other, loaded when it runs."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
-from vibrafeed.core.optimise.exact import by_exact, is_closed
-from vibrafeed.core.optimise.optima import Solver
-from vibrafeed.core.optimise.problem import OptimisationProblem
-from vibrafeed.core.optimise.scipy_methods import by_scipy
+import numpy as np
+import scipy
+
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.optimise.exact import by_exact
+from vibrafeed.core.optimise.problem import (
+    STATUS,
+    Optima,
+    OptimisationProblem,
+    Solver,
+    cells_of,
+    chosen_cells,
+    columns,
+    statuses_of,
+)
 from vibrafeed.core.optimise.search import by_search
+from vibrafeed.core.watch import Watch
+
+TOLERANCE = 1e-8  # a violation over the outputs' sizes that still counts as none
+ABOUT = 6_000  # evaluations of a design, for the progress
+INFEASIBLE = 1e6  # anything that keeps the constraints is better
+NO_VALUE = 1e9  # stands for a missing value where SLSQP needs a number
+MOST_SHARE = 0.98  # of the progress of a design before its end: `ABOUT` is a guess
+
+
+def by_scipy(
+    problem: OptimisationProblem,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    watch: Watch,
+) -> Optima:
+    """Return the best candidate of every design by scipy's differential evolution and SLSQP.
+
+    SLSQP follows slopes: it polishes closed forms alone, not motions, which jump, nor values under
+    uncertain parameters, which have kinks. Arguments and result as in `by_search`; designs after a
+    stop are not computed.
+    """
+    cells = cells_of(design)
+    x = np.full((len(problem.names), cells), np.nan)
+    status = np.full(cells, STATUS["not_computed"], dtype=np.int8)
+    evaluations = np.zeros(cells, dtype=np.int64)
+    says = ""
+    for cell in range(cells):
+        if watch.stopped():
+            break
+        single = _Design(problem, chosen_cells(design, [cell]), chosen_cells(scales, [cell]),
+                      watch.part(1 / cells))  # fmt: skip
+        unit, says = single.best()
+        if watch.stopped() and (problem.is_motion or not single.ended):
+            break  # the points that were asked for last have no value
+        value, beyond = single.judged(unit[:, None])
+        status[cell] = statuses_of(value, beyond, TOLERANCE)[0]
+        if status[cell] == STATUS["optimal"]:
+            x[:, cell] = problem.inside(unit)
+        evaluations[cell] = single.evaluations
+        single.tell(1.0)
+    return Optima(x, status, evaluations=evaluations, says=says)
+
+
+class _Design:
+    def __init__(
+        self,
+        problem: OptimisationProblem,
+        design: Mapping[str, Array],
+        scales: Mapping[str, Array],
+        watch: Watch,
+    ):
+        self.problem, self.watch = problem, watch
+        self.design, self.scales = columns(design), columns(scales)
+        self.size = float(problem.scale(scales)[0])
+        self.evaluations, self.reported, self.ended = 0, 0.0, False
+
+    def tell(self, share: float) -> None:
+        if share > self.reported:
+            self.watch.advance(share - self.reported)
+            self.reported = share
+
+    def judged(self, unit: Array) -> tuple[Array, Array]:
+        self.tell(min(self.evaluations / ABOUT, MOST_SHARE))
+        self.evaluations += unit.shape[1]
+        quiet = replace(self.watch, progress=None)
+        x = self.problem.inside(unit)[:, None, :]
+        value, beyond, _ = self.problem.judged(x, self.design, self.scales, quiet)
+        return value[0] / self.size, beyond[0]
+
+    def ranked(self, unit: Array) -> Array:
+        value, beyond = self.judged(np.reshape(unit, (len(unit), -1)))
+        return np.where(
+            beyond > 0, np.where(np.isfinite(beyond), INFEASIBLE + beyond, np.inf), -value
+        )
+
+    def best(self) -> tuple[Array, str]:
+        bounds = [(0.0, 1.0)] * len(self.problem.names)
+        result = scipy.optimize.differential_evolution(
+            lambda unit: self.ranked(unit) if unit.ndim > 1 else self.ranked(unit)[0],
+            bounds,
+            vectorized=True,
+            updating="deferred",
+            init="sobol",
+            popsize=16,
+            maxiter=300,
+            tol=1e-14,
+            atol=1e-14,
+            polish=False,
+            rng=1,
+            callback=lambda intermediate_result: self.watch.stopped(),
+        )
+        self.ended = not self.watch.stopped()
+        point, said = np.asarray(result.x), str(result.message)
+        is_smooth = not self.problem.is_motion and self.problem.uncertain is None
+        if not is_smooth or not self.ended or not np.isfinite(result.fun):
+            return point, said
+        kept = {"type": "ineq", "fun": lambda unit: self.smooth(unit)[1:]}
+        polished = scipy.optimize.minimize(
+            lambda unit: -float(self.smooth(unit)[0]),
+            point,
+            jac="3-point",
+            method="SLSQP",
+            bounds=bounds,
+            constraints=[kept] if self.problem.kept else [],
+            options={"ftol": 1e-15, "maxiter": 200},
+        )
+        both = np.clip(np.stack([point, polished.x], axis=1), 0.0, 1.0)
+        value, beyond = self.judged(both)
+        place = np.lexsort((-value, np.maximum(beyond, TOLERANCE / 10)))[0]
+        return both[:, place], f"{said} {polished.message}"
+
+    def smooth(self, unit: Array) -> Array:
+        problem = self.problem
+        self.evaluations += 1
+        known = problem.known(problem.inside(unit)[:, None, None], self.design)
+        rows = [problem.objective(known) / self.size]
+        for kept in problem.kept:
+            rows.append(problem.margin(kept, known, self.design) / self.scales[kept.output])
+        values = np.array([float(np.broadcast_to(row, (1, 1))[0, 0]) for row in rows])
+        return np.where(np.isfinite(values), values, -NO_VALUE)
 
 
 @dataclass(frozen=True)
@@ -23,22 +155,17 @@ class OptimisationMethod:
         A margin within so much of its output's scale counts as none: what the method leaves.
     says : str
         What it is, in one line.
-    at_once : bool
-        Whether it takes all designs at once.
     """
 
     solve: Solver
     tolerance: float
     says: str
-    at_once: bool = True
 
 
 METHODS: dict[str, OptimisationMethod] = {
     "exact": OptimisationMethod(by_exact, 1e-10, "closed form"),
     "search": OptimisationMethod(by_search, 1e-8, "differential evolution of all designs at once"),
-    "scipy": OptimisationMethod(
-        by_scipy, 1e-7, "scipy's differential evolution and SLSQP", at_once=False
-    ),
+    "scipy": OptimisationMethod(by_scipy, 1e-7, "scipy's differential evolution and SLSQP"),
 }
 """Every optimiser, by the name that a study gives."""
 
@@ -52,18 +179,3 @@ FORMER = {
     ),
 }
 """Names of methods that went, and the one to name instead."""
-
-
-def refusal(name: str, problem: OptimisationProblem) -> tuple[str, str] | None:
-    """Return the reason why a method cannot solve a problem, and advice; None if it can.
-
-    `name` is the method, a key of `METHODS`.
-    """
-    if name == "exact" and not is_closed(problem):
-        return "there is no closed form of this problem", "Leave method out"
-    return None
-
-
-def default_method(problem: OptimisationProblem) -> str:
-    """Return the name of the method for a study that names none."""
-    return "exact" if is_closed(problem) else "search"

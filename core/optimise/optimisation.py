@@ -5,20 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import Any
 
+from vibrafeed.core.dataset.table import flag_attributes, quantity_attributes
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.method import Method
 from vibrafeed.core.motion.prepare import other_method
 from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.optimise.problem import OptimisationProblem, broken_names
-from vibrafeed.core.optimise.robust import NODES
 from vibrafeed.core.optimise.search import expected_points
-from vibrafeed.core.optimise.slopes import sensitive
+from vibrafeed.core.optimise.uncertain import NODES
 from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.plan.labels import link_to_verdict
 from vibrafeed.core.plan.prepared import Box, Prepared
 from vibrafeed.core.plan.price import MARGIN, Price, price
-from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.plan.replicates import INTERVAL
+from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES, Flag
+from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.study.distributions import Distribution, nominal, tolerance
 from vibrafeed.core.study.optimise_study import Limited, OptimiseStudy, Pareto, Weighted
 from vibrafeed.core.study.values import Between
@@ -57,41 +61,15 @@ class Optimisation(Prepared):
         return replace(self, problem=replace(self.problem, uncertain=uncertain.with_nodes(values)))
 
     @cached_property
-    def units(self) -> dict[str, str]:
-        """The unit of each variable of an optimisation's result by name, in order, as in files.
+    def attributes(self) -> dict[str, dict[str, Any]]:
+        """The CF attributes of each variable of the result but the verdicts, in its order."""
+        return _attributes(self)
 
-        Variables are best values, objective, outputs, margins and flags of constraints, status and
-        regime.
-        """
-        problem = self.problem
-        criterion = problem.criterion
-        units = {f"best_{name}": QUANTITIES[name].unit for name in problem.names}
-        units["objective"] = QUANTITIES[criterion.output].unit
-        if problem.states_error or problem.is_sampled:
-            units["objective_error"] = units["objective"]
-        if problem.is_sampled:
-            units["objective_left_out"] = "1"
-        judged = (
-            criterion.output,
-            problem.against,
-            problem.second,
-            *(kept.output for kept in problem.kept),
-        )
-        asked = [name for name in self.study.outputs if name != "regime"]
-        units |= {name: QUANTITIES[name].unit for name in (*filter(None, judged), *asked)}
-        for kept in problem.kept:
-            units[f"margin_{kept.name}"] = QUANTITIES[kept.output].unit
-            units[f"binds_{kept.name}"] = "1"
-            if problem.uncertain is not None:
-                units |= dict.fromkeys(broken_names(kept.name), "1")
-        for name in problem.names:
-            units |= {f"binds_{name}_lower": "1", f"binds_{name}_upper": "1"}
-        units |= dict.fromkeys(("optimum_gap", "evaluations"), "1")
-        if isinstance(criterion, Pareto):
-            units |= dict.fromkeys(("knee", "front_points"), "1")
-        if self.study.sensitivities:
-            units |= dict.fromkeys((f"sensitivity_{name}" for name in sensitive(problem)), "1")
-        return {**units, "optimum_status": "1", **dict.fromkeys(self.plan.verdict_names, "1")}
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """The unit of each variable of an optimisation's result by name, in order, as in files."""
+        units = {name: one.get("units", "1") for name, one in self.attributes.items()}
+        return {**units, **dict.fromkeys(self.plan.verdict_names, "1")}
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
@@ -125,9 +103,8 @@ class Optimisation(Prepared):
         more = max(1.0, self.problem.nodes / NODES)
         if not self.problem.is_motion:
             return Price(0.0, MARGIN * SECONDS[self.method] * more)
-        free = {one.name: (one.lower, one.upper) for one in self.problem.variables}
         method = methods_of(self.plan.scene.name)[self.plan.variant]
-        motion = price(self.plan, self.designs, method.seconds_a_cell, free)
+        motion = price(self.plan, self.designs, method.seconds_a_cell, self.problem.bounds)
         # One interval of nine nodes is in the price of a search; more nodes cost as much more.
         motions = more * expected_points(len(self.problem.names))
         return Price(motion.start, MARGIN * MOTION_SECONDS + motions * motion.cell)
@@ -172,32 +149,100 @@ class Optimisation(Prepared):
         return self.cells * (8 * (len(self.units) - short) + short)
 
 
+# --- the variables of the result
+
+
+BINDS = {
+    "free": Flag(0, "the constraint is not active"),
+    "binds": Flag(1, "the constraint holds with equality"),
+}
+KNEE = {"point": Flag(0, "a point of the front"), "knee": Flag(1, "its knee")}
+
+
+def _attributes(prepared: Optimisation) -> dict[str, dict[str, Any]]:
+    problem, plan, study = prepared.problem, prepared.plan, prepared.study
+    criterion, names = problem.criterion, problem.names
+    unit = QUANTITIES[criterion.output].unit
+
+    def of(name: str, **more: str) -> dict[str, Any]:
+        return {**quantity_attributes(name, **link_to_verdict(plan, name)), **more}
+
+    def binds(what: str) -> dict[str, Any]:
+        flags = flag_attributes("optimum_status", BINDS, tuple(BINDS))
+        return {**flags, "long_name": f"Whether {what} binds"}
+
+    attributes = {
+        f"best_{name}": {
+            **quantity_attributes(name),
+            "long_name": f"Best {in_sentence(QUANTITIES[name].label)}",
+        }
+        for name in names
+    }
+    afresh = " Over points that did not choose it." if problem.is_sampled else ""
+    attributes["objective"] = of(
+        "objective",
+        units=unit,
+        comment=f"At the optimum: {criterion_in_words(problem)}.{afresh}",
+        criterion=criterion.kind,
+        output=criterion.output,
+        **link_to_verdict(plan, criterion.output),
+    )
+    if problem.states_error or problem.is_sampled:
+        attributes["objective_error"] = of("objective_error", units=unit)
+    if problem.is_sampled:
+        attributes["objective_error"]["comment"] = INTERVAL
+        attributes["objective_left_out"] = of("objective_left_out")
+    for name in (*problem.concerned, *study.outputs):
+        if name != "regime":
+            attributes[name] = of(name)
+    for kept in problem.kept:
+        what = kept.name.replace("_", " ")
+        attributes[f"margin_{kept.name}"] = {
+            "units": QUANTITIES[kept.output].unit,
+            "long_name": f"Margin of {what}",
+            "comment": f"Distance of {kept.output} from its bound; 0 where it binds.",
+        }
+        attributes[f"binds_{kept.name}"] = binds(what)
+        if problem.uncertain is not None:
+            label = f"robability that {what} is broken"
+            comment = "Over all distributions; a unit without a value breaks it."
+            broken, error = broken_names(kept.name)
+            attributes[broken] = {"units": "1", "long_name": f"P{label}", "comment": comment}
+            label = f"Error of the p{label}"
+            attributes[error] = {"units": "1", "long_name": label, "comment": INTERVAL}
+    for name, end in product(names, ("lower", "upper")):
+        attributes[f"binds_{name}_{end}"] = binds(f"the {end} bound of {name}")
+    attributes |= {name: of(name) for name in ("optimum_gap", "evaluations")}
+    if isinstance(criterion, Pareto):
+        attributes["knee"] = flag_attributes("knee", KNEE, tuple(KNEE))
+        attributes["front_points"] = of("front_points")
+    for name in problem.sensitive if study.sensitivities else ():
+        attributes[f"sensitivity_{name}"] = {
+            "units": "1",
+            "long_name": f"Sensitivity to {in_sentence(QUANTITIES[name].label)}",
+            "comment": f"d ln({criterion.output})/d ln({name}) at the optimum.",
+        }
+    attributes["optimum_status"] = flag_attributes(
+        "optimum_status", OPTIMUM_STATUSES, tuple(OPTIMUM_STATUSES)
+    )
+    return attributes
+
+
 # --- in words
 
 
 def criterion_in_words(problem: OptimisationProblem) -> str:
     """Return the criterion in a few words."""
-    return _looked_for(problem) + _over_interval(problem)
-
-
-def _over_interval(problem: OptimisationProblem) -> str:
-    """Return the words on uncertain parameters for a criterion; empty if there are none.
-
-    An example is ", in the worst case over friction from 0.2 to 0.4".
-    """
-    if problem.uncertain is None:
-        return ""
-    how = {"worst": "in the worst case", "mean": "on average"}.get(problem.uncertain.how)
-    how = how or f"of the {problem.uncertain.quantile:g} quantile"
-    names = (_known(name, one) for name, one in problem.uncertain.distributions.items())
-    return f", {how} over {', '.join(names)}"
+    words, uncertain = _looked_for(problem), problem.uncertain
+    if uncertain is None:
+        return words
+    how = {"worst": "in the worst case", "mean": "on average"}.get(uncertain.how)
+    how = how or f"of the {uncertain.quantile:g} quantile"
+    names = (_known(name, one) for name, one in uncertain.distributions.items())
+    return f"{words}, {how} over {', '.join(names)}"
 
 
 def _known(name: str, distribution: Distribution) -> str:
-    """Return the uncertainty of a parameter in words, such as "friction from 0.2 to 0.4".
-
-    It stands in the criterion of an optimisation; `name` is the parameter.
-    """
     unit = QUANTITIES[name].suffix
     if isinstance(distribution, Between):
         return f"{name} from {distribution.lower:g} to {distribution.upper:g}{unit}"
@@ -206,7 +251,6 @@ def _known(name: str, distribution: Distribution) -> str:
 
 
 def _looked_for(problem: OptimisationProblem) -> str:
-    """Return the objective of an optimisation in words, such as "largest conveying_velocity"."""
     criterion = problem.criterion
     output, against = criterion.output, problem.against
     if isinstance(criterion, Weighted):

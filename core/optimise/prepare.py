@@ -11,7 +11,8 @@ import numpy as np
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS
-from vibrafeed.core.optimise.methods import FORMER, METHODS, default_method, refusal
+from vibrafeed.core.optimise.exact import is_closed
+from vibrafeed.core.optimise.methods import FORMER, METHODS
 from vibrafeed.core.optimise.optimisation import Optimisation
 from vibrafeed.core.optimise.problem import (
     CONTACT_OUTPUTS,
@@ -19,11 +20,9 @@ from vibrafeed.core.optimise.problem import (
     SECOND,
     Kept,
     OptimisationProblem,
-    Variable,
 )
-from vibrafeed.core.optimise.robust import LEAST_SHARE, MAX_UNCERTAIN, uncertain_of
 from vibrafeed.core.optimise.search import MAX_VARIABLES
-from vibrafeed.core.optimise.slopes import MAX_SENSITIVE
+from vibrafeed.core.optimise.uncertain import LEAST_SHARE, MAX_UNCERTAIN, uncertain_of
 from vibrafeed.core.plan.grid import Grid, to_si
 from vibrafeed.core.plan.plan import choose_scene
 from vibrafeed.core.plan.prepared import Chosen, locate_problem, plan_study
@@ -31,7 +30,7 @@ from vibrafeed.core.quantities import FLAGS, QUANTITIES
 from vibrafeed.core.scenes import SCENES, Scene
 from vibrafeed.core.scenes.scene import behind
 from vibrafeed.core.study.distributions import Distribution, nominal, tolerance
-from vibrafeed.core.study.grid_study import only_the_plain_sine
+from vibrafeed.core.study.grid_study import DrivenStudy, only_the_plain_sine
 from vibrafeed.core.study.optimise_study import ANGLES, Limited, OptimiseStudy, Pareto
 from vibrafeed.core.study.values import Between, Fixed, Span, Values
 from vibrafeed.core.suggestions import suggestion
@@ -40,13 +39,7 @@ FRONT = "front"
 
 
 def prepare(study: OptimiseStudy) -> Optimisation:
-    """Return the optimisation that a study describes, checked and planned, ready to be computed.
-
-    Raises
-    ------
-    StudyError
-        With every problem of scene, criterion, constraints, variables, parameters and method.
-    """
+    """Return the optimisation that a study describes, checked and planned, ready to be computed."""
     values, intervals = study.values(), study.intervals()
     asked = tuple(dict.fromkeys((*study.criterion_outputs(), *study.outputs)))
     scene, variant, _ = chosen = _chosen(study, asked)
@@ -59,27 +52,29 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     bounds = study.bounds() or _default_bounds(scene, variant, outputs, values)
     problems = [
         *_misplaced(study, values),
-        *_problems_of_count(bounds),
-        *_problems_of_whole_bounds(bounds),
+        *_problems_of_constraints(study),
+        *_problems_of_bounds(bounds),
         *_problems_of_intervals(study, intervals, values, bounds),
     ]
-    spans = _spans(bounds, intervals, values)
+    ends = {name: (one.lower, one.upper) for name, one in bounds.items()}
+    ends |= {name: tolerance(name, one) for name, one in intervals.items()}
+    spans = {name: Span(*pair, 2) for name, pair in ends.items() if name not in values}
     try:
         plan, _ = plan_study(study, outputs, chosen, spans)
     except StudyError as error:
         problems += (locate_problem(_of_other_drive(each, scene), study) for each in error.problems)
-    problems += _unknown_method(study.method)
+    problems += _problems_of_method(study.method)
     if problems:
         raise StudyError(dict.fromkeys(problems))
-    variables = tuple(_variable(name, between) for name, between in bounds.items())
-    how = study.robust or "worst"
     unsure = None
     if intervals:
-        unsure = uncertain_of(intervals, how, study.quantile, is_limited=bool(kept))
-    problem = OptimisationProblem(plan, variables, study.criterion, kept, unsure)
+        unsure = uncertain_of(
+            intervals, study.robust or "worst", study.quantile, is_limited=bool(kept)
+        )
+    problem = OptimisationProblem(plan, _in_si(bounds), study.criterion, kept, unsure)
     middles = {name: Fixed(nominal(each)) for name, each in intervals.items()}
     designs = grid = Grid.of({**values, **middles})
-    method = _method(study, problem, designs)
+    method = _method(study, problem)
     if isinstance(study.criterion, Pareto):
         shares = Span(0.0, 1.0, study.criterion.points)
         grid = Grid({**designs.axes, FRONT: shares}, designs.fixed)
@@ -87,98 +82,71 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     return Optimisation(study, plan, grid, designs, problem, method).check_verification()
 
 
-def _spans(
-    bounds: Mapping[str, Between],
-    intervals: Mapping[str, Distribution],
-    values: Mapping[str, Values],
-) -> dict[str, Span]:
-    """Return the range of each variable and uncertain parameter, for the plan, in units of studies.
-
-    Names that are also parameters are left out.
-    """
-    ends = {name: (one.lower, one.upper) for name, one in bounds.items()}
-    ends |= {name: tolerance(name, one) for name, one in intervals.items()}
-    return {name: Span(*pair, 2) for name, pair in ends.items() if name not in values}
-
-
-def _unknown_method(name: str | None) -> Iterable[Problem]:
-    """Yield the problem of an unknown method."""
+def _problems_of_method(name: str | None) -> Iterable[Problem]:
     if name in FORMER:
         yield Problem("method", f"the method {name} went", f'Write method = "{FORMER[name]}"')
     elif name is not None and name not in METHODS:
         yield Problem("method", f"'{name[:60]}' is not a method", suggestion(name, METHODS))
 
 
-def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
-    """Return the scene and the variant for an optimisation, as the user named them or by default.
+def _method(study: OptimiseStudy, problem: OptimisationProblem) -> str:
+    method = study.method or ("exact" if is_closed(problem) else "search")
+    if method == "exact" and not is_closed(problem):
+        message = "there is no closed form of this problem"
+        raise StudyError([Problem("method", message, "Leave method out")])
+    return method
 
-    `asked` are the outputs of criterion and study, which with the parameters decide whether closed
-    forms or the motion in time are needed. Raises `StudyError` if there are none such, or if a
-    drive other than the plain sine is given with outputs that do not come from a motion.
-    """
+
+def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
     named = (*asked, *(each.output for each in study.constraints))
     given = (*study.values(), *study.bounds(), *study.intervals())
     try:
         chosen = choose_problem_scene(study.scene, study.variant, named, given)
     except StudyError as error:
         raise StudyError(locate_problem(each, study) for each in error.problems) from None
-    scene = chosen[0]
-    if study.drive is not None and (scene.choice != "method" or scene.name not in CONTACTS):
-        fix = f"Ask for conveying_velocity of {', '.join(CONTACTS)}, or give these"
-        raise StudyError([only_the_plain_sine(fix)])
+    refused = [*drive_refusal(study, chosen[0])]
+    if refused:
+        raise StudyError(refused)
     return chosen
 
 
-def _problems_of_whole_bounds(bounds: Mapping[str, Between]) -> Iterable[Problem]:
-    """Yield a problem for each variable that counts something and has no choice within its bounds.
+def drive_refusal(study: DrivenStudy, scene: Scene) -> Iterable[Problem]:
+    """Yield the problem of a measured drive if a study's scene is none that can follow it."""
+    if study.drive is not None and (scene.choice != "method" or scene.name not in CONTACTS):
+        yield only_the_plain_sine(
+            f"Ask for conveying_velocity of {', '.join(CONTACTS)}, or give these"
+        )
 
-    Variables such as a number of parts are whole numbers; `bounds` has the bounds of all variables.
-    """
+
+def _problems_of_bounds(bounds: Mapping[str, Between]) -> Iterable[Problem]:
     for name, between in bounds.items():
         if QUANTITIES[name].count and math.ceil(between.lower) >= math.floor(between.upper):
-            message = "it is a whole number, and there is no choice between these bounds"
-            fix = "Widen them, or give one value among the parameters"
-            yield Problem(f"variables.{name}", message, fix)
-
-
-def _problems_of_count(bounds: Mapping[str, Between]) -> Iterable[Problem]:
-    """Yield a problem if an optimisation has too many variables, or none; `bounds` are theirs."""
+            yield Problem(
+                f"variables.{name}",
+                "it is a whole number, and there is no choice between these bounds",
+                "Widen them, or give one value among the parameters",
+            )
     if not bounds:
-        message = "there are no variables"
-        fix = 'Name some, for example [variables] beta = { lower = 0, upper = "90 deg" }'
-        yield Problem("variables", message, fix)
+        yield Problem(
+            "variables",
+            "there are no variables",
+            'Name some, for example [variables] beta = { lower = 0, upper = "90 deg" }',
+        )
     if len(bounds) > MAX_VARIABLES:
-        message = f"there are {len(bounds)} of them"
-        yield Problem("variables", message, f"Choose at most {MAX_VARIABLES}")
+        yield Problem(
+            "variables", f"there are {len(bounds)} of them", f"Choose at most {MAX_VARIABLES}"
+        )
 
 
-def _method(study: OptimiseStudy, problem: OptimisationProblem, designs: Grid) -> str:
-    """Return the name of the method by which a study is optimised, asked for or by default.
-
-    `designs` is the grid of the fixed parameters; the default depends on their number. Raises
-    `StudyError` if the method cannot solve the problem, or if sensitivities are asked for too many
-    designs.
-    """
-    if study.sensitivities and designs.cells > MAX_SENSITIVE:
-        message = f"each of {designs.cells:,} designs would be derived singly"
-        fix = f"Range over at most {MAX_SENSITIVE:,} designs, or leave sensitivities out"
-        raise StudyError([Problem("sensitivities", message, fix)])
-    method = study.method or default_method(problem)
-    why_not = refusal(method, problem)
-    if why_not is not None:
-        raise StudyError([Problem("method", *why_not)])
-    return method
-
-
-def _variable(name: str, between: Between) -> Variable:
-    """Return a variable with its bounds in SI units; those of counts are rounded inwards.
-
-    `between` are the bounds in the unit of studies. `name` is the parameter.
-    """
-    ends = (between.lower, between.upper)
-    if QUANTITIES[name].count:
-        ends = (math.ceil(between.lower), math.floor(between.upper))
-    return Variable(name, *(float(to_si(name, np.asarray(end))) for end in ends))
+def _in_si(bounds: Mapping[str, Between]) -> dict[str, tuple[float, float]]:
+    ends = {}
+    for name, between in bounds.items():
+        lower, upper = between.lower, between.upper
+        if QUANTITIES[name].count:
+            lower, upper = math.ceil(lower), math.floor(upper)
+        lower, upper = (float(to_si(name, np.asarray(end))) for end in (lower, upper))
+        ends[name] = lower, upper
+    return ends
 
 
 def choose_problem_scene(
@@ -189,18 +157,6 @@ def choose_problem_scene(
     Motion is taken if an output needs it, or if a parameter belongs to a drive other than the plain
     sine, which closed forms do not know. The third result are problems of the variant, which is
     then replaced by the default.
-
-    Parameters
-    ----------
-    name, variant : str, str or None
-        Scene and variant of the study.
-    outputs, parameters : iterable of str
-        All outputs that are asked for; all parameters, variables included.
-
-    Raises
-    ------
-    StudyError
-        If there is no such scene, or the names are those of two kinds of drive.
     """
     scene, chosen, problems = choose_scene(name, variant)
     closed = {output for one in scene.variants for output in scene.outputs(one)}
@@ -209,28 +165,14 @@ def choose_problem_scene(
         # A wave, a drive unit and a floor that gives have equations of their own.
         plain = system.variants[method] == SYSTEMS[name].variants[method]
         if not plain or any(o not in closed and o in system.outputs(method) for o in outputs):
-            fix = (
-                "Remove it, or ask for outputs of the closed forms alone" if plain else "Remove it"
-            )
-            refusals = (
-                [
-                    Problem(
-                        "variant", "variant is given, but a simulated motion has no variants", fix
-                    )
-                ]
-                if variant
-                else []
-            )
-            return system, method, refusals
+            more = ", or ask for outputs of the closed forms alone" if plain else ""
+            message = "variant is given, but a simulated motion has no variants"
+            problem = Problem("variant", message, f"Remove it{more}")
+            return system, method, [problem] if variant else []
     return scene, chosen, problems
 
 
 def _kept(study: OptimiseStudy, scene: Scene, variant: str) -> Iterable[Kept]:
-    """Yield every bound that outputs of an optimisation have to keep, in the units of studies.
-
-    They are the limit of the criterion, contacts with floor and wall, as far as this variant has
-    them and the study keeps them, and the constraints of the study.
-    """
     if isinstance(study.criterion, Limited):
         yield Kept(LIMIT, study.criterion.against, study.criterion.limit, True, True)
     switches = {"floor_contact": study.floor_contact, "wall_contact": study.wall_contact}
@@ -245,11 +187,6 @@ def _kept(study: OptimiseStudy, scene: Scene, variant: str) -> Iterable[Kept]:
 def _default_bounds(
     scene: Scene, variant: str, outputs: Iterable[str], values: Mapping[str, Values]
 ) -> dict[str, Between]:
-    """Return default bounds of the drive's angles, for a study that names no variables.
-
-    They are of those angles on which the `outputs` depend, which the study does not give among its
-    `values`, and for which 0 to 90 degrees are allowed in this scene and variant.
-    """
     needed = behind(outputs, scene.producers(variant).get).keys()
     refused = {
         constraint.parameters[0]
@@ -265,15 +202,13 @@ def _default_bounds(
 
 
 def _misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Problem]:
-    """Yield the problems that concern several sections of an optimisation study.
-
-    `values` are its parameters. Variables may not be given as parameters, outputs that are codes
-    may not be optimised, and constraints have to be consistent.
-    """
     criterion = study.criterion
     if isinstance(criterion, Limited) and criterion.limit < 0:
-        fix = "Give the largest absolute value, 0 or more"
-        yield Problem("criterion.limit", f"it is {criterion.limit:g}", fix)
+        yield Problem(
+            "criterion.limit",
+            f"it is {criterion.limit:g}",
+            "Give the largest absolute value, 0 or more",
+        )
     places = {f"constraints.{i}.output": one.output for i, one in enumerate(study.constraints)}
     places |= {"criterion.output": criterion.output}
     places |= {"criterion.against": getattr(criterion, "against", "")}
@@ -292,21 +227,14 @@ def _misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[P
         )
     for name in study.bounds():
         if name in values:
-            fix = f"Remove {name} from the variables or from the parameters"
             yield Problem(
                 f"variables.{name}",
                 f"{name} is given twice: in [variables] and in [parameters]",
-                fix,
+                f"Remove {name} from the variables or from the parameters",
             )
-    yield from _problems_of_constraints(study)
 
 
 def _problems_of_constraints(study: OptimiseStudy) -> Iterable[Problem]:
-    """Yield the problems of each constraint of an optimisation, and of two bounds with one name.
-
-    A constraint is an output with a lower bound, an upper one or both, perhaps of its absolute
-    value. A problem names the path in the study and a fix.
-    """
     seen: set[str] = set()
     for number, constraint in enumerate(study.constraints):
         path = f"constraints.{number}"
@@ -342,50 +270,48 @@ def _problems_of_intervals(
     values: Mapping[str, Values],
     bounds: Mapping[str, Between],
 ) -> Iterable[Problem]:
-    """Yield problems of the uncertain parameters of a study that optimises.
-
-    Found are names that are also fixed or varied, too many of them, and settings of `robust` (what
-    of the uncertain objective is optimised: worst case, mean, quantile) that do not fit.
-
-    Parameters
-    ----------
-    intervals : mapping of str to Distribution
-        The uncertain parameters.
-    values : mapping of str to Values
-        The fixed parameters.
-    bounds : mapping of str to Between
-        The variables.
-    """
     for name in intervals:
         if name in values or name in bounds:
             section = "parameters" if name in values else "variables"
-            fix = f"Remove it there, or under {section}.{name}"
-            yield Problem(f"uncertain.{name}", f"it is also under {section}", fix)
+            yield Problem(
+                f"uncertain.{name}",
+                f"it is also under {section}",
+                f"Remove it there, or under {section}.{name}",
+            )
     if len(intervals) > MAX_UNCERTAIN:
-        fix = f'Keep the {MAX_UNCERTAIN} that matter most: kind = "sensitivity" shows which'
-        yield Problem("uncertain", f"there are {len(intervals)} of them", fix)
+        yield Problem(
+            "uncertain",
+            f"there are {len(intervals)} of them",
+            f'Keep the {MAX_UNCERTAIN} that matter most: kind = "sensitivity" shows which',
+        )
     yield from _problems_of_quantile(study)
     if study.robust is not None and not intervals:
-        fix = "Add [uncertain], for example friction = { lower = 0.2, upper = 0.4 }"
-        yield Problem("robust", "no parameter is uncertain", fix)
+        yield Problem(
+            "robust",
+            "no parameter is uncertain",
+            "Add [uncertain], for example friction = { lower = 0.2, upper = 0.4 }",
+        )
     if intervals and isinstance(study.criterion, Pareto):
-        fix = "Use the criterion limit, at several limits"
         yield Problem(
             "uncertain",
             "a trade-off (criterion pareto) cannot be computed with uncertain parameters",
-            fix,
+            "Use the criterion limit, at several limits",
         )
 
 
 def _problems_of_quantile(study: OptimiseStudy) -> Iterable[Problem]:
-    """Yield the problems of the quantile of a study: missing, without use, or too rare."""
     if study.robust == "quantile" and study.quantile is None:
-        fix = "Add quantile = 0.05 for what all but a twentieth of the parts do better than"
-        yield Problem("quantile", "it is missing", fix)
+        yield Problem(
+            "quantile",
+            "it is missing",
+            "Add quantile = 0.05 for what all but a twentieth of the parts do better than",
+        )
     if study.quantile is not None and not LEAST_SHARE <= study.quantile <= 1 - LEAST_SHARE:
-        message = f"a quantile of {study.quantile:g} takes too many points"
-        fix = f'Give {LEAST_SHARE:g} to {1 - LEAST_SHARE:g}, or take robust = "worst"'
-        yield Problem("quantile", message, fix)
+        yield Problem(
+            "quantile",
+            f"a quantile of {study.quantile:g} takes too many points",
+            f'Give {LEAST_SHARE:g} to {1 - LEAST_SHARE:g}, or take robust = "worst"',
+        )
     if study.quantile is not None and study.robust != "quantile":
         yield Problem(
             "quantile",
@@ -395,21 +321,15 @@ def _problems_of_quantile(study: OptimiseStudy) -> Iterable[Problem]:
 
 
 def _of_other_drive(problem: Problem, scene: Scene) -> Problem:
-    """Return a plan's problem, reworded if only the plain sine drive has the output.
-
-    `scene` is the one that was planned.
-    """
     producers = scene.producers(scene.default_variant)
     closed = SCENES.get(scene.name)
     if "wave" not in producers or closed is None or not problem.about:
         return problem
     if not any(problem.about in closed.outputs(variant) for variant in closed.variants):
         return problem
-    message = (
-        f"'{problem.about}' is a closed form of the plain sine, and the study gives another drive"
+    return replace(
+        problem,
+        message=f"'{problem.about}' is a closed form of the plain sine, and the study gives "
+        "another drive",
+        fix="Take an output of the motion, such as conveying_velocity",
     )
-    fix = "Take an output of the motion, such as conveying_velocity"
-    return replace(problem, message=message, fix=fix)
-
-
-__all__ = ["FRONT", "choose_problem_scene", "prepare"]

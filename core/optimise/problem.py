@@ -1,41 +1,38 @@
-"""The problem that an optimiser solves: variables, objective, and what has to be kept.
+"""The problem that an optimiser solves, and the optima that it finds.
 
 Candidates are arrays. The outputs come from the scene's own plan, as in a sweep.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.result import Motion
-from vibrafeed.core.optimise.robust import Uncertain
 from vibrafeed.core.plan.equations import regimes, run_equations
 from vibrafeed.core.plan.grid import from_si
 from vibrafeed.core.plan.plan import Plan
-from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES
+from vibrafeed.core.study.distributions import Distribution
 from vibrafeed.core.study.optimise_study import Criterion, Limited, Minimise, Pareto, Weighted
 from vibrafeed.core.watch import Watch
 
 LIMIT = "limit"
 """Name of the limit of a criterion, and of its value among the arrays of a design."""
 
-ROUNDING = 1e-15
-"""Of an output's scale: a smaller violation of a limit may be rounding."""
-
-UNKNOWN = 1e300
-"""Stands for an unknown error: larger than any value, but finite."""
+ROUNDING = 1e-15  # of an output's scale: a smaller violation of a limit may be rounding
+UNKNOWN = 1e300  # stands for an unknown error: larger than any value, but finite
 
 LONGEST = 1000.0
-"""Times the periods over which a motion that does not repeat is followed, to see whether it stands:
-some fall into another motion, far slower, after a hundred thousand periods only."""
+"""Times the periods over which a motion that does not repeat is followed: some fall into another
+motion, far slower, after a hundred thousand periods only."""
 
 SECOND: dict[str, str] = {
     f"oriented_feed_rate{end}": f"purity{end}" for end in ("", "_lower", "_upper")
@@ -43,19 +40,9 @@ SECOND: dict[str, str] = {
 """Of choices that are as good by a maximised output, the output that decides between them: a line
 that also lets wrong parts through gives no fewer right ones."""
 
-TIE = 1e-12
-"""Share of an output's scale within which choices are as good."""
+TIE = 1e-12  # share of an output's scale within which choices are as good
 
 Arrays = dict[str, Any]
-
-
-@dataclass(frozen=True)
-class Variable:
-    """A variable of an optimisation, between bounds in SI units."""
-
-    name: str
-    lower: float
-    upper: float
 
 
 @dataclass(frozen=True)
@@ -81,6 +68,64 @@ class Kept:
     absolute: bool = False
 
 
+How = Literal["worst", "mean", "quantile"]
+
+
+@dataclass(frozen=True)
+class Uncertain:
+    """Parameters that are not known exactly, at the nodes at which candidates are judged.
+
+    Attributes
+    ----------
+    distributions : mapping of str to Distribution
+        Of each parameter.
+    values : mapping of str to ndarray
+        The parameters at the nodes, shape (nodes,), SI units.
+    how : {"worst", "mean", "quantile"}
+        What counts over the nodes.
+    weights : ndarray, optional
+        Of a mean that is no plain one.
+    quantile : float
+        Which quantile counts.
+    counted : int, optional
+        The number of nodes, the first ones, that a mean or a quantile counts; constraints hold at
+        all nodes. All of them if None.
+    """
+
+    distributions: Mapping[str, Distribution]
+    values: Mapping[str, Array]
+    how: How
+    weights: Array | None = None
+    quantile: float = 0.5
+    counted: int | None = None
+
+    @property
+    def size(self) -> int:
+        """The number of nodes."""
+        return next(iter(self.values.values())).size
+
+    def with_nodes(self, values: Mapping[str, Array]) -> Uncertain:
+        """Return the same with further nodes after the others; `values` are theirs, SI units."""
+        longer = {name: np.append(one, values[name]) for name, one in self.values.items()}
+        return replace(self, values=longer)
+
+    def counts(self, values: Array, sign: float) -> Array:
+        """Return the statistic of values over uncertain parameters: least, mean or quantile.
+
+        `values` has the points of the uncertain parameters along its first axis, which is taken
+        away. `sign` is -1 if the sign of the output was turned, as it is minimised.
+        """
+        values = values[: self.counted]
+        if self.how == "quantile":
+            share = self.quantile if sign > 0 else 1 - self.quantile
+            return np.asarray(np.quantile(values, share, axis=0))
+        if self.how == "worst":
+            return np.asarray(values.min(axis=0))
+        if self.weights is None:
+            return np.asarray(values.mean(axis=0))
+        return np.asarray(np.tensordot(self.weights, values, axes=1))
+
+
 @dataclass(frozen=True)
 class OptimisationProblem:
     """The problem that an optimiser solves, for any number of designs at once.
@@ -90,7 +135,8 @@ class OptimisationProblem:
     """
 
     plan: Plan
-    variables: tuple[Variable, ...]
+    bounds: Mapping[str, tuple[float, float]]
+    """The lower and the upper end of each variable, SI units."""
     criterion: Criterion
     kept: tuple[Kept, ...]
     uncertain: Uncertain | None = None
@@ -102,17 +148,17 @@ class OptimisationProblem:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """The names of the variables."""
-        return tuple(variable.name for variable in self.variables)
+        return tuple(self.bounds)
 
     @cached_property
     def lower(self) -> Array:
         """The lower bounds, shape (variables,), SI units."""
-        return np.array([variable.lower for variable in self.variables])
+        return np.array([lower for lower, _ in self.bounds.values()])
 
     @cached_property
     def upper(self) -> Array:
         """The upper bounds, shape (variables,), SI units."""
-        return np.array([variable.upper for variable in self.variables])
+        return np.array([upper for _, upper in self.bounds.values()])
 
     def inside(self, unit: Array) -> Array:
         """Return points, shares of the bounds (variables, ...), in SI units; both ends exact."""
@@ -154,6 +200,12 @@ class OptimisationProblem:
         return tuple(dict.fromkeys(name for name in names if name))
 
     @cached_property
+    def sensitive(self) -> tuple[str, ...]:
+        """The parameters by which a study with sensitivities derives the criterion's output."""
+        parameters = self.plan.only(self.criterion.output).parameters
+        return tuple(dict.fromkeys((*self.names, *parameters)))
+
+    @cached_property
     def bare(self) -> Plan:
         """The plan without regimes and outputs that are only reported."""
         return self.plan.part(self.concerned)
@@ -165,30 +217,14 @@ class OptimisationProblem:
         watch: Watch | None = None,
         plan: Plan | None = None,
     ) -> Arrays:
-        """Return every quantity at candidates by name, parameters and outputs, in SI units.
-
-        Parameters
-        ----------
-        x : ndarray, shape (variables, ...)
-            Values of the variables, SI units; counts, such as a number of springs, are rounded.
-        design : mapping of str to ndarray
-            The fixed parameters, which broadcast with a candidate.
-        watch : Watch, optional
-            May stop motions.
-        plan : Plan, optional
-            The equations to run; by default all of the problem.
-        """
+        """Return every quantity at candidates by name, parameters and outputs, in SI units."""
         plan = plan or self.plan
         given = {name: design[name] for name in plan.parameters if name in design}
         chosen = dict(zip(self.names, self.whole(x), strict=True))
         return run_equations(plan, {**given, **chosen}, watch)
 
     def whole(self, x: Array) -> Array:
-        """Return candidates with counts, such as a number of parts, rounded to whole numbers.
-
-        `x` has the shape (variables, ...), in SI units, and so has the result; it is `x` itself if
-        no variable is a count.
-        """
+        """Return candidates, shape (variables, ...), with counts rounded to whole numbers."""
         counted = np.array([QUANTITIES[name].count for name in self.names])
         if not counted.any():
             return x
@@ -201,9 +237,8 @@ class OptimisationProblem:
     def objective(self, known: Arrays) -> Array:
         """Return the value to maximise, in the unit of studies; NaN where an output has no value.
 
-        It is the output with its sign (minus to minimise it), less a weight times the size of the
-        other output, if the criterion has one. `known` has all quantities at the candidates, SI
-        units.
+        It is the output with its sign (minus to minimise it), less the weight times the size of the
+        other output. `known` has all quantities at the candidates, SI units.
         """
         value = self.sign * self.output(self.criterion.output, known)
         if self.weight and self.against:
@@ -211,18 +246,7 @@ class OptimisationProblem:
         return value
 
     def counted(self, x: Array, design: Mapping[str, Array]) -> Array:
-        """Return the objective of candidates, or its statistic over uncertain parameters.
-
-        That is the worst case, the mean or the quantile that the study asks for; NaN where an
-        output has no value.
-
-        Parameters
-        ----------
-        x : ndarray, shape (variables, ...)
-            Candidates, SI units.
-        design : mapping of str to ndarray
-            The fixed parameters, which broadcast with a candidate to the shape of the result.
-        """
+        """Return the objective of candidates, or its statistic; NaN where there is none."""
         if self.uncertain is None:
             return self.objective(self.known(x, design))
         over = self.over(design, x)
@@ -234,10 +258,9 @@ class OptimisationProblem:
         return np.where(lost, np.nan, counts)
 
     def margin(self, kept: Kept, known: Arrays, design: Mapping[str, Array]) -> Array:
-        """Return the distance of an output from its bound, in the unit of studies, at candidates.
+        """Return the distance of an output from its bound, below 0 where it is broken.
 
-        It is negative where the constraint `kept` is broken. `known` has all quantities at the
-        candidates, SI units; a bound that differs between designs is in `design`.
+        In the unit of studies; `known` are the quantities at candidates, SI units.
         """
         value = self.output(kept.output, known)
         bound = design[LIMIT] if kept.bound is None else kept.bound
@@ -250,44 +273,35 @@ class OptimisationProblem:
         design: Mapping[str, Array],
         scales: Mapping[str, Array],
         watch: Watch | None = None,
-    ) -> tuple[Array, Array]:
-        """Return the objective and the sum of all violations over their scales, without NaN.
-
-        Where an output has no value the objective is -inf and the violation inf: a NaN would end
-        scipy's differential evolution. Arguments as in `known`; `scales` are those of the outputs.
-        """
-        return self.judged_with_error(x, design, scales, watch)[:2]
-
-    def judged_with_error(
-        self,
-        x: Array,
-        design: Mapping[str, Array],
-        scales: Mapping[str, Array],
-        watch: Watch | None = None,
     ) -> tuple[Array, Array, Array]:
         """Return objective, violation of the constraints and error of the objective of candidates.
 
-        The error is the statistical error of the mean of a motion that does not repeat, 0 where the
-        motion repeats, and `UNKNOWN` for outputs whose error is not known. With uncertain
+        The violation is the sum of all over their scales; where an output has no value it is inf
+        and the objective -inf: a NaN would end scipy's differential evolution. With uncertain
         parameters the objective is the statistic that the study asks for, and the largest violation
-        and error count.
-
-        Parameters
-        ----------
-        x : ndarray, shape (variables, ...)
-            Candidates, SI units. The three results have the shape of the candidates and designs
-            together.
-        design, scales : mapping of str to ndarray
-            The fixed parameters, and the size of each output, by which violations are divided.
-        watch : Watch, optional
-            May stop motions.
+        and error count. All have the shape of the candidates and designs together.
         """
+        if self.uncertain is not None:
+            design = self.over(design, x)
+        known = self.known(x, design, watch, self.bare)
+        shape = np.broadcast_shapes(*(part.shape for part in (*x, *design.values())))
+        value = np.broadcast_to(self.objective(known), shape)
+        if self.second:
+            value = value + TIE * scales[self.criterion.output] * np.nan_to_num(
+                self.output(self.second, known)
+            )
+        beyond = np.zeros(shape)
+        for kept in self.kept:
+            margin = self.margin(kept, known, design)
+            beyond = beyond + np.maximum(-margin, 0.0) / scales[kept.output]
+        lost = np.isnan(value) | np.isnan(beyond)
+        value, beyond = np.where(lost, -np.inf, value), np.where(lost, np.inf, beyond)
+        error = np.broadcast_to(self.chance_error(known), shape)
         if self.uncertain is None:
-            return self._judged(x, design, scales, watch)
-        values, beyond, chance_error = self._judged(x, self.over(design, x), scales, watch)
-        lost = np.isinf(values).any(axis=0)
-        value = self.uncertain.counts(np.where(lost, 0.0, values), self.sign)
-        return np.where(lost, -np.inf, value), beyond.max(axis=0), chance_error.max(axis=0)
+            return value, beyond, error
+        none = np.isinf(value).any(axis=0)
+        value = self.uncertain.counts(np.where(none, 0.0, value), self.sign)
+        return np.where(none, -np.inf, value), beyond.max(axis=0), error.max(axis=0)
 
     @property
     def is_sampled(self) -> bool:
@@ -302,8 +316,8 @@ class OptimisationProblem:
     def longer(self, times: float = LONGEST) -> OptimisationProblem:
         """Return the problem with motions that do not repeat followed `times` as long.
 
-        Their means are then known better. It is the problem itself if its outputs are closed forms,
-        or if the method of motion has no limit of its own on the periods.
+        It is the problem itself if its outputs are closed forms, or if the method of motion has no
+        limit of its own on the periods.
         """
         if not self.is_motion or "max_periods" not in self.plan.defaults:
             return self
@@ -314,9 +328,8 @@ class OptimisationProblem:
     def chance_error(self, known: Arrays) -> Array:
         """Return the statistical error of the objective at candidates, in the unit of studies.
 
-        A motion that does not repeat is averaged over a limited time, and its mean is uncertain. It
-        is 0 where the motion repeats, and `UNKNOWN` if the objective's error cannot be told.
-        `known` has all quantities at the candidates, as the method `known` returns them.
+        A motion that does not repeat is averaged over a limited time. It is 0 where it repeats, and
+        `UNKNOWN` for other outputs than the mean velocity.
         """
         motion = known.get("motion")
         if not isinstance(motion, Motion):
@@ -337,16 +350,7 @@ class OptimisationProblem:
     def over(self, design: Mapping[str, Array], x: Array) -> dict[str, Array]:
         """Return designs with the nodes of the uncertain parameters added, along a new first axis.
 
-        A statistic over that axis is then one over the uncertainty. Only for a problem that has
-        uncertain parameters.
-
-        Parameters
-        ----------
-        design : mapping of str to ndarray
-            Values of the fixed parameters, SI units.
-        x : ndarray, shape (variables, ...)
-            Candidates. The nodes get the shape (nodes, 1, ...), which broadcasts with candidates
-            and designs, so that quantities that depend on candidates alone are computed once.
+        Only for a problem that has uncertain parameters.
         """
         assert self.uncertain is not None
         axes = max(x.ndim - 1, *(values.ndim for values in design.values()))
@@ -356,9 +360,7 @@ class OptimisationProblem:
     def safe_margin(self, kept: Kept, x: Array, design: Mapping[str, Array]) -> Array:
         """Return the margin of a constraint at candidates, the least one over uncertain parameters.
 
-        A margin is the distance of an output from its bound, negative where it is broken, in the
-        unit of studies. `x` are candidates, SI units, shape (variables, ...), `design` has the
-        fixed parameters, which broadcast with them.
+        `x` are candidates, SI units, shape (variables, ...), with which `design` broadcasts.
         """
         if self.uncertain is None:
             return self.margin(kept, self.known(x, design), design)
@@ -367,35 +369,12 @@ class OptimisationProblem:
         depends = margins.ndim == over[next(iter(self.uncertain.values))].ndim
         return np.asarray(margins.min(axis=0) if depends else margins)
 
-    def _judged(
-        self,
-        x: Array,
-        design: Mapping[str, Array],
-        scales: Mapping[str, Array],
-        watch: Watch | None,
-    ) -> tuple[Array, Array, Array]:
-        known = self.known(x, design, watch, self.bare)
-        shape = np.broadcast_shapes(*(part.shape for part in (*x, *design.values())))
-        value = np.broadcast_to(self.objective(known), shape)
-        if self.second:
-            value = value + TIE * scales[self.criterion.output] * np.nan_to_num(
-                self.output(self.second, known)
-            )
-        beyond = np.zeros(shape)
-        for kept in self.kept:
-            margin = self.margin(kept, known, design)
-            beyond = beyond + np.maximum(-margin, 0.0) / scales[kept.output]
-        lost = np.isnan(value) | np.isnan(beyond)
-        chance_error = np.broadcast_to(self.chance_error(known), shape)
-        return np.where(lost, -np.inf, value), np.where(lost, np.inf, beyond), chance_error
-
     def scales(self, design: Mapping[str, Array], watch: Watch | None = None) -> dict[str, Array]:
         """Return the size of each output that takes part, in each design, shape (cells,), by name.
 
         It is the largest size over the corners and middles of the variables' bounds, or 1 where an
         output is 0 or has no value. Violations and gaps are divided by it, so that they can be
-        compared and added. `design` has the fixed parameters, SI units, shape (cells,); `watch` may
-        stop motions.
+        compared and added.
         """
         ways = np.array(list(product((0.0, 0.5, 1.0), repeat=len(self.names)))).T[:, None, :]
         x = self.lower[:, None, None] + (self.upper - self.lower)[:, None, None] * ways
@@ -421,15 +400,6 @@ class OptimisationProblem:
 
         At an optimum on the verge of lift-off the normal acceleration is a rounding of either sign:
         a contact that is to be kept counts as kept if it is within `touching` times its size.
-
-        Parameters
-        ----------
-        known : mapping of str to ndarray
-            All quantities at the points, SI units.
-        scales : mapping of str to ndarray
-            The size of each output in each design.
-        touching : float
-            A share, some roundings.
         """
         snapped = dict(known)
         for kept in self.kept:
@@ -440,11 +410,7 @@ class OptimisationProblem:
         return regimes(self.plan, snapped)
 
     def limited(self) -> OptimisationProblem:
-        """Return the problem of one point of a front: one output with a limit of the other.
-
-        Its optimum for each value of the limit, `design[LIMIT]`, is a point of the front. Only for
-        criteria of two outputs.
-        """
+        """Return the problem of a point of a front: an output with a limit of the other one."""
         criterion = self.criterion
         assert isinstance(criterion, Pareto | Limited | Weighted)
         inner = Limited(output=criterion.output, against=criterion.against, limit=0.0)
@@ -479,3 +445,53 @@ def columns(design: Mapping[str, Array]) -> dict[str, Array]:
 def chosen_cells(design: Mapping[str, Array], cells: Any) -> dict[str, Array]:
     """Return a selection of the designs."""
     return {name: values[cells] for name, values in design.items()}
+
+
+STATUS: Mapping[str, int] = {name: flag.value for name, flag in OPTIMUM_STATUSES.items()}
+"""The value of each `OPTIMUM_STATUSES` entry."""
+
+
+@dataclass(frozen=True)
+class Optima:
+    """The optima of every design; all arrays but `x` have the shape (cells,).
+
+    Attributes
+    ----------
+    x : ndarray, shape (variables, cells)
+        The best values, SI units; NaN where there are none.
+    status : ndarray of int8
+        Value of an `OPTIMUM_STATUSES` entry.
+    value : ndarray or None
+        The objective as the method computes it; None for that of the scene's outputs.
+    evaluations : ndarray of int64 or int
+        Number of points at which the outputs were computed.
+    says : str
+        The method's own message at the end.
+    """
+
+    x: Array
+    status: NDArray[np.int8]
+    value: Array | None = None
+    evaluations: NDArray[np.int64] | int = 1
+    says: str = ""
+
+    def chosen(self, cells: NDArray[np.intp]) -> Optima:
+        """Return the optima at some positions."""
+        value = None if self.value is None else self.value[cells]
+        evaluations = np.broadcast_to(self.evaluations, self.status.shape)[cells]
+        return Optima(self.x[:, cells], self.status[cells], value, evaluations, self.says)
+
+
+Solver = Callable[[OptimisationProblem, Mapping[str, Array], Mapping[str, Array], Watch], Optima]
+"""Takes problem, designs (arrays of shape (cells,)), scales of the outputs, and a watch."""
+
+
+def statuses_of(value: Array, beyond: Array, tolerance: float = 0.0) -> NDArray[np.int8]:
+    """Return the status of best points: optimal, infeasible, or without a value, shape (cells,).
+
+    `value` are their objectives; `beyond` their violations of constraints, which `tolerance`
+    allows.
+    """
+    status = np.where(np.isfinite(beyond), STATUS["infeasible"], STATUS["no_value"])
+    kept = (beyond <= tolerance) & np.isfinite(value)
+    return np.where(kept, STATUS["optimal"], status).astype(np.int8)

@@ -6,23 +6,20 @@ output goes, and so which limit would have to give way. Then the same limits wit
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
-from pydantic import BaseModel
 
 from vibrafeed.core.errors import VibrafeedError
-from vibrafeed.core.optimise.kind import KIND
-from vibrafeed.core.optimise.optima import STATUS
+from vibrafeed.core.optimise.optima import KIND
 from vibrafeed.core.optimise.prepare import prepare
+from vibrafeed.core.optimise.problem import STATUS
 from vibrafeed.core.plan.pieces import carry_out
 from vibrafeed.core.study.grid_study import Study
 from vibrafeed.core.study.optimise_study import Maximise, Minimise, OptimiseStudy, OutputLimit
 from vibrafeed.core.study.values import Between, Fixed
-
-Section = TypeVar("Section", bound=BaseModel)
 
 SOLVED = (STATUS["optimal"], STATUS["not_attained"])
 
@@ -50,10 +47,6 @@ class Reach:
     choice: dict[str, float]
 
 
-Bound = tuple[OutputLimit, str]
-"""A limit, and which of its ends."""
-
-
 def nearest(study: Study) -> list[Reach]:
     """Return the nearest approach to each bound of an optimisation that cannot be met.
 
@@ -61,47 +54,42 @@ def nearest(study: Study) -> list[Reach]:
     output. Bounds of absolute values are left out; empty for a study of another kind. Each has the
     output, the bound, the value and the variables there, in the units of studies.
     """
+    reaches: list[Reach] = []
     if not isinstance(study, OptimiseStudy):
-        return []
-    reaches = [(one, _reach(study, one)) for one in _single(study) if not one[0].absolute]
-    return [reach for one, reach in reaches if reach is not None and _is_beyond(reach.value, one)]
+        return reaches
+    single = [
+        (one, end)
+        for one in study.constraints
+        for end in ("lower", "upper")
+        if getattr(one, end) is not None
+    ]
+    for limit, end in single:
+        if limit.absolute:
+            continue
+        is_upper, bound = end == "upper", float(getattr(limit, end))
+        kept = [
+            OutputLimit(
+                output=other.output, absolute=other.absolute, **{side: getattr(other, side)}
+            )
+            for other, side in single
+            if (other, side) != (limit, end)
+        ]
+        changes: dict[str, Any] = {
+            "criterion": (Minimise if is_upper else Maximise)(output=limit.output),
+            "constraints": tuple(kept),
+            "sensitivities": False,
+        }
+        if study.robust is not None:  # a limit holds for all units, whatever the objective counts
+            changes |= {"robust": "worst", "quantile": None}
+        solved = _solved(study.model_copy(update=changes))
+        if solved is not None and (solved[0] > bound if is_upper else solved[0] < bound):
+            reaches.append(Reach(limit.output, bound, solved[0], is_upper, solved[1]))
+    return reaches
 
 
-def _reach(study: OptimiseStudy, named_bound: Bound) -> Reach | None:
-    """Return the nearest approach of an output to one of its bounds, with the others kept.
-
-    This is for a study whose constraints cannot all be kept. The output of the bound is itself
-    minimised or maximised. `named_bound` is a constraint of the study and the end, ``"upper"`` or
-    another, that is looked at. None if that problem has no solution either. The result has that
-    value of the output, and the variables there, in the units of studies.
-    """
-    limit, end = named_bound
-    kept = []
-    for other, side in _single(study):
-        if (other, side) != named_bound:
-            more = {"absolute": other.absolute, side: getattr(other, side)}
-            kept.append(OutputLimit(output=other.output, **more))
-    criterion = (Minimise if end == "upper" else Maximise)(output=limit.output)
-    changes: dict[str, Any] = {
-        "criterion": criterion,
-        "constraints": tuple(kept),
-        "sensitivities": False,
-    }
-    if study.robust is not None:  # a limit holds for all units, whatever the objective counts
-        changes |= {"robust": "worst", "quantile": None}
-    values = _solved(study.model_copy(update=changes))
-    if values is None:
-        return None
-    choice = {name: float(values[f"best_{name}"]) for name in study.bounds()}
-    bound = float(getattr(limit, end))
-    return Reach(limit.output, bound, float(values["objective"]), end == "upper", choice)
-
-
-def _solved(study: OptimiseStudy) -> dict[str, Any] | None:
-    """Return the variables of the result of an optimisation of one design; None without a solution.
-
-    None, too, if the study cannot be planned: it is one that the program makes up to advise a user.
-    """
+def _solved(study: OptimiseStudy) -> tuple[float, dict[str, float]] | None:
+    # The best value and its choice; None without one, or if the study cannot be planned: it is one
+    # that the program makes up to advise a user.
     try:
         table = carry_out(prepare(study), KIND.compute, KIND.label)
     except VibrafeedError:  # such as an output that is none of this sort of study
@@ -109,27 +97,8 @@ def _solved(study: OptimiseStudy) -> dict[str, Any] | None:
     values = {name: variable.values for name, variable in table.variables.items()}
     if int(values["optimum_status"]) not in SOLVED or not np.isfinite(values["objective"]):
         return None
-    return values
-
-
-def _is_beyond(value: float, named_bound: Bound) -> bool:
-    """True if a value, in the unit of the quantity, violates a bound."""
-    limit, end = named_bound
-    bound = float(getattr(limit, end))
-    return value > bound if end == "upper" else value < bound
-
-
-def _single(study: OptimiseStudy) -> list[Bound]:
-    """Return every bound of the constraints of a study separately: constraint and end of it.
-
-    The end is ``"lower"`` or ``"upper"``; a constraint may have both.
-    """
-    return [
-        (limit, end)
-        for limit in study.constraints
-        for end in ("lower", "upper")
-        if getattr(limit, end) is not None
-    ]
+    choice = {name: float(values[f"best_{name}"]) for name in study.bounds()}
+    return float(values["objective"]), choice
 
 
 # --- what would do it
@@ -173,75 +142,32 @@ def ways(study: Study) -> list[Way]:
     """
     if not isinstance(study, OptimiseStudy) or study.variables is None:
         return []
-    reached = []
-    for change, other in (
-        ("another frequency", _with_frequency(study)),
-        ("more friction", _with_friction(study)),
-        ("an elliptical drive", _with_ellipse(study)),
-    ):
-        table = None if other is None else _solved(other)
-        if table is not None and other is not None:
-            choice = {name: float(table[f"best_{name}"]) for name in other.bounds()}
-            wanted = study.criterion.output
-            reached.append(Way(change, wanted, float(table["objective"]), choice))
-    return reached
+    changed = {
+        "another frequency": _freed(study, "frequency", lambda f: (f / WIDER, f * WIDER)),
+        "more friction": _freed(study, "friction", lambda friction: (friction, MAX_FRICTION)),
+        "an elliptical drive": _with_ellipse(study),
+    }
+    solved = {change: _solved(other) for change, other in changed.items() if other is not None}
+    wanted = study.criterion.output
+    return [Way(change, wanted, *found) for change, found in solved.items() if found is not None]
 
 
-def _with_frequency(study: OptimiseStudy) -> OptimiseStudy | None:
-    """Return the study with the frequency as one more variable, within a factor of four, or None.
-
-    It is solved to tell a user whose constraints cannot be kept whether another frequency would
-    help. None if the study does not give one frequency.
-    """
-    given = study.values().get("frequency")
-    if not isinstance(given, Fixed):
+def _freed(
+    study: OptimiseStudy, name: str, ends: Callable[[float], tuple[float, float]]
+) -> OptimiseStudy | None:
+    given = study.values().get(name)
+    lower, upper = ends(given.value) if isinstance(given, Fixed) else (0.0, 0.0)
+    if lower >= upper:
         return None
-    free = Between(lower=given.value / WIDER, upper=given.value * WIDER)
-    return _freed(study, "frequency", free)
-
-
-def _with_friction(study: OptimiseStudy) -> OptimiseStudy | None:
-    """Return the study with its friction as one more variable, from its value up to 0.8, or None.
-
-    It is solved to tell a user whose constraints cannot be kept whether more friction would help.
-    None if the friction is not one fixed value, or is that large already.
-    """
-    given = study.values().get("friction")
-    if not isinstance(given, Fixed) or given.value >= MAX_FRICTION:
-        return None
-    return _freed(study, "friction", Between(lower=given.value, upper=MAX_FRICTION))
-
-
-def _freed(study: OptimiseStudy, name: str, bounds: Between) -> OptimiseStudy | None:
-    """Return the study with one more parameter as a variable between bounds, or None.
-
-    None if the study names no variables: the default ones would then be lost.
-    """
-    if study.variables is None:
-        return None
-    return study.model_copy(
-        update={
-            "parameters": _changed(study.parameters, (name,), {}),
-            "variables": _changed(study.variables, (), {name: bounds}),
-        }
-    )
+    return _changed(study, (name,), {name: Between(lower=lower, upper=upper)})
 
 
 def _with_ellipse(study: OptimiseStudy) -> OptimiseStudy | None:
-    """Return the study with an elliptical drive as large as its straight one, or None.
-
-    It is solved to tell a user whose constraints cannot be kept whether such a drive would help.
-    The amplitudes along and normal to the track run up to that of the straight drive, their phase
-    over a turn. None if neither amplitude nor elevation is a variable, or if the drive has an
-    azimuth.
-    """
     bounds, values = study.bounds(), study.values()
-    line = [name for name in OF_A_LINE if name in bounds]
     size = bounds.get("amplitude") or values.get("amplitude")
-    if not line or "alpha" in bounds or "alpha" in values or study.variables is None:
-        return None
     largest = getattr(size, "upper", getattr(size, "value", None))
-    if largest is None:
+    given = {"alpha"} & {*bounds, *values}  # such a drive has no azimuth
+    if largest is None or given or not {*OF_A_LINE} & {*bounds}:
         return None
     of_axis = Between(lower=0.0, upper=largest)
     ellipse = {
@@ -249,15 +175,19 @@ def _with_ellipse(study: OptimiseStudy) -> OptimiseStudy | None:
         "amplitude_normal_1": of_axis,
         "phase_normal_1": Between(lower=0.0, upper=360.0),
     }
-    return study.model_copy(
-        update={
-            "parameters": _changed(study.parameters, OF_A_LINE, {}),
-            "variables": _changed(study.variables, OF_A_LINE, ellipse),
-        }
-    )
+    return _changed(study, OF_A_LINE, ellipse)
 
 
-def _changed(section: Section, left: Collection[str], more: Mapping[str, Any]) -> Section:
-    """Return a section of a study with some names removed and others added."""
-    kept = {n: getattr(section, n) for n in section.model_fields_set if n not in left}
-    return section.model_construct(**kept, **more)
+def _changed(
+    study: OptimiseStudy, left: Collection[str], free: Mapping[str, Between]
+) -> OptimiseStudy:
+    def without(section: Any) -> dict[str, Any]:
+        return {n: getattr(section, n) for n in section.model_fields_set if n not in left}
+
+    parameters, variables = study.parameters, study.variables
+    assert variables is not None
+    changes = {
+        "parameters": parameters.model_construct(**without(parameters)),
+        "variables": variables.model_construct(**without(variables) | dict(free)),
+    }
+    return study.model_copy(update=changes)

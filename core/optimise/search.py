@@ -19,16 +19,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.optimise.optima import STATUS, Optima, statuses_of
 from vibrafeed.core.optimise.problem import (
     LONGEST,
+    STATUS,
     UNKNOWN,
+    Optima,
     OptimisationProblem,
     cells_of,
     chosen_cells,
     columns,
+    statuses_of,
 )
-from vibrafeed.core.optimise.robust import NODES
+from vibrafeed.core.optimise.uncertain import NODES
 from vibrafeed.core.watch import Watch
 
 MAX_VARIABLES = 8
@@ -36,7 +38,7 @@ MEMBERS = 24  # of a population, and 8 more for each variable
 TIMES_MOTION = 2  # so many times the members for motions, which jump
 SAMPLES = 1024  # points from which the first members are taken
 MAX_GENERATIONS = 400
-ROUGH_GENERATIONS = 40
+ROUGH_GENERATIONS = 25
 """For each variable. Where motions do not repeat tops stand on tops: populations do not narrow."""
 CROSSED = 0.9  # share of the variables that change
 SMALL = 1e-12  # a population that is narrower in all variables has converged
@@ -124,20 +126,6 @@ def by_search(
     Designs are taken in pieces that fit the cache. Where motions do not repeat, a mean has a
     statistical error, and the largest of thousands of means is one that chance favoured: the best
     points are then followed again, over a longer time.
-
-    Parameters
-    ----------
-    design, scales : mapping of str to ndarray, each of shape (cells,)
-        The fixed parameters of each design, SI units, and the sizes of its outputs, by which
-        violations are divided.
-    watch : Watch
-        Takes the progress, and may stop the search: unfinished designs then have no optimum.
-
-    Returns
-    -------
-    Optima
-        The best values, shape (variables, cells), NaN where there are none; statuses and numbers of
-        evaluations, shape (cells,).
     """
     cells = cells_of(design)
     step = max(1, CELLS * NODES // max(NODES, problem.nodes))
@@ -163,7 +151,7 @@ def _of_piece(
 
     def judge(unit: Array, cells: NDArray[np.intp]) -> Candidates:
         here = columns(chosen_cells(design, cells)), columns(chosen_cells(scales, cells))
-        value, beyond, error = problem.judged_with_error(problem.inside(unit), *here, quiet)
+        value, beyond, error = problem.judged(problem.inside(unit), *here, quiet)
         return Candidates(unit, beyond, value, np.broadcast_to(error, value.shape))
 
     def choose(seen: Candidates, cell: int) -> int:
@@ -199,21 +187,6 @@ def best_points(
     """Return the best point of the unit box of each design.
 
     Where outputs jump, populations start again around the best point, in ever smaller boxes.
-
-    Parameters
-    ----------
-    judge : callable
-        Judges points of designs, which have the numbers 0 to `cells` - 1.
-    variables, cells : int
-        Their number, and that of the designs.
-    watch : Watch
-        Takes the progress, and may stop the search.
-    jumps : bool
-        True if outputs may jump: populations then have more members. Where values have statistical
-        errors, one design is searched after the other.
-    choose : callable, optional
-        Takes all points of such a design that were judged, and its number; returns the index of the
-        one to keep. The best by default.
     """
     result = _nothing(variables, cells)
     members = (TIMES_MOTION if jumps else 1) * (MEMBERS + 8 * variables)
@@ -320,7 +293,6 @@ def _evolved(
 
 
 def _first(judge: Judge, variables: int, cells: NDArray[np.intp]) -> Candidates:
-    """Return points all over the box, and as many of the box around those that keep the limits."""
     corners = np.stack(np.meshgrid(*[[0.0, 1.0]] * variables, indexing="ij"))
     points = np.concatenate([corners.reshape(variables, -1), spread(SAMPLES, variables)], axis=1)
     points = points[:, None, :SAMPLES]
@@ -335,18 +307,12 @@ def _first(judge: Judge, variables: int, cells: NDArray[np.intp]) -> Candidates:
 
 
 def _chosen(points: Candidates, members: int) -> Candidates:
-    """Return the first members of populations: half are the best points, half are spread out."""
     order = np.lexsort((-points.value, points.beyond), axis=-1)[:, : members // 2]
     rest = np.broadcast_to(np.arange(members - members // 2), (len(order), members - members // 2))
     return points.at(np.concatenate([order, rest], axis=1))
 
 
 def _trial(points: Candidates, random: np.random.Generator) -> Array:
-    """Return a trial point for each member, of the shape of the points.
-
-    It is a step towards the best member or none, and along the difference of two others, in some of
-    the variables. The random numbers are the same for all designs.
-    """
     unit = points.unit
     count, _, members = unit.shape
     best = np.take_along_axis(unit, points.best()[None, :, None], axis=2)
@@ -411,17 +377,6 @@ def most_reliable(
     the largest objective less its statistical error are followed for longer, and the best of these
     is taken. Points that keep the constraints come first. The objective is -inf if no point has a
     value.
-
-    Parameters
-    ----------
-    problem : OptimisationProblem
-        The problem.
-    unit : ndarray, shape (variables, n)
-        Points that were evaluated, as shares of the bounds.
-    judged : tuple of ndarray, each of shape (n,)
-        Their objective, violation of constraints, and statistical error of the objective.
-    design, scales : mapping of str to ndarray
-        Fixed parameters and sizes of the outputs of one design, arrays of shape (1,).
     """
     value, beyond, chance_error = judged
     best = int(np.lexsort((-value, beyond))[0])
@@ -434,7 +389,7 @@ def most_reliable(
     chosen = open_[np.unique(np.concatenate(ranked))]
     for times, most in ROUNDS:
         x = problem.inside(unit[:, chosen])
-        again, violation, unsure = problem.longer(times).judged_with_error(x, design, scales)
+        again, violation, unsure = problem.longer(times).judged(x, design, scales)
         kept = np.lexsort((_known(unsure) - again, violation))[:most]
         chosen = chosen[kept]
     return int(chosen[0]), float(again[kept[0]])

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from math import ceil
+from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -84,7 +85,11 @@ Derivatives: TypeAlias = dict[tuple[str, str], Derived]
 
 
 def derivatives(
-    plan: Plan, cells: Mapping[str, Any], parameters: Collection[str], watch: Watch | None = None
+    plan: Plan,
+    cells: Mapping[str, Any],
+    parameters: Collection[str],
+    watch: Watch | None = None,
+    sides: Mapping[str, NDArray[np.int8]] = MappingProxyType({}),
 ) -> Derivatives:
     """Return the derivatives of every output of a plan by some parameters, at some cells.
 
@@ -102,6 +107,8 @@ def derivatives(
         What to derive by: parameters of the cells, or those with a default value.
     watch : Watch, optional
         May stop the work; derivatives that are not finished have the status `not_computed`.
+    sides : mapping of str to ndarray, shape (cells,), optional
+        By parameter: 1 or -1 where only values above or below that of the cell count, 0 where all.
 
     Raises `StudyError` if no output depends on a parameter.
     """
@@ -113,16 +120,18 @@ def derivatives(
     shape = (len(parameters), len(plan.outputs), count)
     value, slope, error = np.full((3, *shape), np.nan)
     status = np.full(shape, STATUS["not_computed"], dtype=np.int8)
+    both = np.zeros(count, dtype=np.int8)
     share = 1 / (ceil(count / BLOCK) * (1 + len(parameters)))
     for start in range(0, count, BLOCK):
         piece = slice(start, start + BLOCK)
         near = {name: values[name][piece] for name in (*whole.parameters, *parameters)}
         outputs, kinds = model.at(near, share)
-        for place, parameter in enumerate(parameters):
-            told = model.derived(near, parameter, outputs, kinds, share)
+        for number, parameter in enumerate(parameters):
+            side = sides.get(parameter, both)[piece]
+            told = model.derived(near, parameter, side, outputs, kinds, share)
             if not watch.stopped():
                 for array, part in zip((value, slope, error, status), told, strict=True):
-                    array[place, :, piece] = part
+                    array[number, :, piece] = part
     return {
         (output, parameter): Derived(*(array[k, j] for array in (value, slope, error, status)))
         for k, parameter in enumerate(parameters)
@@ -228,10 +237,11 @@ class _Model:
         return outputs, kinds
 
     def derived(
-        self, values: Mapping[str, Array], parameter: str, middle: Array, kinds: Array, share: float
-    ) -> tuple[Array, Array, Array, NDArray[np.int8]]:
+        self, values: Mapping[str, Array], parameter: str, side: NDArray[np.int8], middle: Array,
+        kinds: Array, share: float,
+    ) -> tuple[Array, Array, Array, NDArray[np.int8]]:  # fmt: skip
         """Return value, derivative, its error and its status, given outputs and kinds at cells."""
-        scale = _scale_of(parameter, values[parameter])
+        scale = scale_of(parameter, values[parameter])
         size, finite = np.abs(middle) / scale, np.isfinite(middle)
         slope, error = np.full(middle.shape, np.nan), np.full(middle.shape, np.inf)
         status = np.full(middle.shape, STATUS["kink"], dtype=np.int8)
@@ -243,7 +253,8 @@ class _Model:
                 break
             near = {name: array[todo] for name, array in values.items()}
             here = middle[:, todo], kinds[:, todo], size[:, todo]
-            tried = self._tried(near, parameter, relative * scale[todo], *here, share)
+            step = relative * scale[todo]
+            tried = self._tried(near, parameter, side[todo], step, *here, share)
             better = tried[1] < error[:, todo]
             for array, new in zip((slope, error, status), tried, strict=True):
                 array[:, todo] = np.where(better, new, array[:, todo])
@@ -257,8 +268,8 @@ class _Model:
         return middle, slope, error, status
 
     def _tried(
-        self, near: Mapping[str, Array], parameter: str, step: Array, middle: Array, kinds: Array,
-        size: Array, share: float,
+        self, near: Mapping[str, Array], parameter: str, side: NDArray[np.int8], step: Array,
+        middle: Array, kinds: Array, size: Array, share: float,
     ) -> tuple[Array, Array, Array]:  # fmt: skip
         """Return derivatives by one step, their errors, infinite if it does not count, and status.
 
@@ -266,14 +277,16 @@ class _Model:
         """
         at = near[parameter]
         over, under = (self._may_be(near, parameter, at + way * step) for way in (1, -1))
-        inside, step = over != under, np.where(over >= under, step, -step)
+        way = np.where(side == 0, 1 * over - under, side)
+        inside, step = way != 0, np.where(way < 0, -step, step)
+        allowed = np.where(side > 0, over, under) | (side == 0)
         around = at + np.where(inside, OFFSETS[1], OFFSETS[0]) * step
         moved = {name: np.tile(array, 4) for name, array in near.items()}
         rows = self.at({**moved, parameter: around.ravel()}, share)
         outputs, others = (row.reshape(-1, *around.shape) for row in rows)
         # At an end of its range a motion may be of another kind, as without any rebound.
         own = np.where(inside, others[:, -1], kinds)
-        same = np.isclose(others, own[:, np.newaxis], rtol=1e-12, atol=0).all(axis=(0, 1))
+        same = np.isclose(others, own[:, np.newaxis], rtol=1e-12, atol=0).all(axis=(0, 1)) & allowed
         values = np.concatenate([np.moveaxis(outputs, 1, 0), middle[np.newaxis]])
         slopes = slopes_of(values, step, inside)
         with np.errstate(all="ignore"):
@@ -299,7 +312,7 @@ class _Model:
         return np.asarray(allowed)
 
 
-def _scale_of(parameter: str, at: Array) -> Array:
+def scale_of(parameter: str, at: Array) -> Array:
     """Return a power of two near the size of each value, or the least usual size, 1 for angles."""
     quantity = QUANTITIES[parameter]
     least = 1.0 if quantity.is_angle else (quantity.usual or (0.0,))[0]

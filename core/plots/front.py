@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from vibrafeed.core.optimise.optima import STATUS
 from vibrafeed.core.optimise.optimisation import criterion_in_words
+from vibrafeed.core.optimise.problem import STATUS
 from vibrafeed.core.plots.fixed import fixed_positions
 from vibrafeed.core.plots.heading import finish, source_of
 from vibrafeed.core.plots.landscape import prepared_of

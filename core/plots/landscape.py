@@ -22,12 +22,11 @@ from numpy.typing import NDArray
 from vibrafeed.core.dataset.table import quantity_attributes
 from vibrafeed.core.intake import parse_json
 from vibrafeed.core.optimise import Optimisation
-from vibrafeed.core.optimise.afresh import BLOCK, pictured
-from vibrafeed.core.optimise.optima import STATUS
+from vibrafeed.core.optimise.optima import designs_of
 from vibrafeed.core.optimise.optimisation import criterion_in_words
 from vibrafeed.core.optimise.prepare import prepare
-from vibrafeed.core.optimise.problem import Kept, OptimisationProblem, chosen_cells
-from vibrafeed.core.optimise.run import designs_of
+from vibrafeed.core.optimise.problem import STATUS, Kept, OptimisationProblem, chosen_cells
+from vibrafeed.core.optimise.uncertain import BLOCK, pictured
 from vibrafeed.core.plan.grid import from_si, to_si
 from vibrafeed.core.plots.fixed import fixed_positions
 from vibrafeed.core.plots.heading import finish, number_lines, source_of

@@ -25,7 +25,7 @@ from vibrafeed.core.plots.style import Options, Style, mix
 from vibrafeed.core.plots.text import in_brackets, number, with_unit, words
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.quantity import in_sentence
-from vibrafeed.core.sensitivity.variables import LEVEL, QUANTILE, UNCERTAIN
+from vibrafeed.core.sensitivity.prepare import LEVEL, QUANTILE, UNCERTAIN
 from vibrafeed.core.study.distributions import read_distribution, tolerance
 from vibrafeed.core.study.shown import Shown, ShownUnits
 from vibrafeed.core.suggestions import suggestion

@@ -12,13 +12,13 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from vibrafeed.core.sensitivity.kind import KIND
     from vibrafeed.core.sensitivity.prepare import Sensitivity
+    from vibrafeed.core.sensitivity.sampling import KIND
 else:
     __getattr__ = lazily(
         __name__,
         {
-            "kind": ("KIND",),
+            "sampling": ("KIND",),
             "prepare": ("Sensitivity",),
         },
     )

@@ -95,13 +95,6 @@ class Budget:
 
     @cached_property
     def _points(self) -> Array:
-        """The points to evaluate, shape (parameters, points), in the units of studies.
-
-        In this order: the nominal point; each parameter alone at its lower, then its upper end; for
-        derivatives, each parameter alone near its nominal value and four small steps around that;
-        the corners of the box of tolerances, or some of them if they are many; quasi-random points
-        inside.
-        """
         count = len(self.middle)
         unit = np.eye(count)
         lower, upper, middle = self.ends[0], self.ends[1], self.middle

@@ -47,25 +47,7 @@ class Indices(NamedTuple):
 
 
 def design(inputs: int, count: int, seed: int, replicates: int = REPLICATES) -> Array:
-    """Return the points in the unit box at which outputs are evaluated for Sobol indices.
-
-    Parameters
-    ----------
-    inputs : int
-        Number of uncertain parameters.
-    count : int
-        Points of each kind in a set, a power of two.
-    seed : int
-        Equal seeds give equal points.
-    replicates : int
-        Number of independent sets, whose scatter gives the errors of the indices.
-
-    Returns
-    -------
-    ndarray, shape (inputs, inputs + 2, replicates, count)
-        The points a and b between 0 and 1, then for each input i the points ab_i: those of a with
-        input i taken from b.
-    """
+    """Return the points in the unit box at which outputs are evaluated for Sobol indices."""
     both = points(2 * inputs, count, seed, replicates)
     a, b = both[:inputs], both[inputs:]
     sample = np.repeat(a[:, None], inputs + 2, axis=1)
@@ -80,17 +62,6 @@ def indices_of(values: Array) -> Indices:
 
     The first index of an input is the share of the variance due to it alone, the total one its
     share with all interactions. Errors come from the scatter of independent sets of points.
-
-    Parameters
-    ----------
-    values : ndarray, shape (..., inputs + 2, sets, points of a set)
-        The outputs at two independent samples and at those with one input of the first taken from
-        the second; NaN where there is none: then the point is left out with all that belong to it.
-
-    Returns
-    -------
-    Indices
-        Arrays of shape (..., inputs); NaN where the output does not vary.
     """
     known = np.asarray(np.isfinite(values).all(axis=-3, keepdims=True))
     values = np.where(known, values, 0.0)
@@ -107,7 +78,6 @@ def indices_of(values: Array) -> Indices:
     size = np.asarray(np.abs(centre[..., 0, 0, 0]))
 
     def estimate(sums: Array) -> Array:
-        """Return the indices from sums over replicates."""
         count, both, squares, *means = sums
         mean = both / (2 * count)
         variance = squares / (2 * count) - mean**2

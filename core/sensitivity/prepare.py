@@ -1,9 +1,9 @@
-"""From a study of uncertain parameters to what can be carried out."""
+"""From a study of uncertain parameters to what can be carried out, and what comes of it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -12,29 +12,158 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.motion.prepare import choose_system
-from vibrafeed.core.motion.systems import CONTACTS, methods_of
-from vibrafeed.core.optimise.prepare import choose_problem_scene
+from vibrafeed.core.motion.systems import methods_of
+from vibrafeed.core.optimise.prepare import choose_problem_scene, drive_refusal
 from vibrafeed.core.plan.grid import Grid, to_si
 from vibrafeed.core.plan.kind import Sketch
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.plan.prepared import Chosen, Prepared, locate_problem, plan_study
 from vibrafeed.core.plan.price import Price, price
+from vibrafeed.core.plan.replicates import INTERVAL
 from vibrafeed.core.plan.statistics import LEVELS
-from vibrafeed.core.quantities import FLAGS, REGIMES
+from vibrafeed.core.quantities import FLAGS, QUANTITIES, REGIMES
+from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.sensitivity.budget import Budget
 from vibrafeed.core.sensitivity.indices import MAX_INPUTS
-from vibrafeed.core.sensitivity.variables import (
-    LEVEL,
-    QUANTILE,
-    UNCERTAIN,
-    ResultVariable,
-    result_variables,
-)
 from vibrafeed.core.study.distributions import Distribution, nominal, tolerance
-from vibrafeed.core.study.grid_study import only_the_plain_sine
 from vibrafeed.core.study.sensitivity_study import Demand, SensitivityStudy
 from vibrafeed.core.study.values import Fixed, Span, Values
 from vibrafeed.core.suggestions import suggestion
+
+UNCERTAIN = "uncertain"
+"""The dimension of the uncertain parameters."""
+QUANTILE = "quantile"
+LEVEL = "level"
+"""The dimension of the quantiles of which a whole distribution is drawn."""
+
+
+@dataclass(frozen=True)
+class ResultVariable:
+    """A variable of the result.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    over : str
+        Its dimension besides those of the grid; empty for none.
+    unit : str
+        Its unit.
+    label, comment : str
+        Short name and description.
+    more : mapping
+        Further attributes.
+    """
+
+    name: str
+    over: str
+    unit: str
+    label: str
+    comment: str
+    more: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def attributes(self) -> Mapping[str, Any]:
+        """The CF attributes of the variable."""
+        return {"units": self.unit, "long_name": self.label, "comment": self.comment} | dict(
+            self.more
+        )
+
+
+def result_variables(study: SensitivityStudy, outputs: tuple[str, ...]) -> Iterator[ResultVariable]:
+    """Yield every variable of the result of a study with uncertain parameters, except `regime`.
+
+    Those of demands come first, then those of each output, with name, unit and description.
+    """
+    for demand in study.demands:
+        yield from _of_demand(demand)
+    for name in outputs:
+        yield from _of_output(study, name)
+
+
+def _of_demand(demand: Demand) -> Iterator[ResultVariable]:
+    name = f"probability_{demand.name}"
+    what = f"robability of {in_words(demand)}"
+    comment = "Points without a valid value count as not meeting it."
+    yield ResultVariable(name, "", "1", f"P{what}", comment, demand.model_dump(exclude_none=True))
+    yield ResultVariable(f"{name}_error", "", "1", f"Error of the p{what}", INTERVAL)
+
+
+def in_words(demand: Demand) -> str:
+    """Return a demand in words, such as ``acceleration along x at least 1 m s-2``.
+
+    A demand is a regime, or an output with one or two bounds; these are in the unit of the output.
+    """
+    if demand.regime is not None:
+        return f"the regime {demand.regime}"
+    output = QUANTITIES[str(demand.output)]
+    ends = [
+        f"{words} {end:g}{output.suffix}"
+        for words, end in (("at least", demand.at_least), ("at most", demand.at_most))
+        if end is not None
+    ]
+    return f"{in_sentence(output.label)} {' and '.join(ends)}"
+
+
+def _of_output(study: SensitivityStudy, name: str) -> Iterator[ResultVariable]:
+    quantity = QUANTITIES[name]
+    unit, what = quantity.unit, in_sentence(quantity.label)
+
+    def variable(
+        part: str, words: str, comment: str, over: str = "", unit: str = unit
+    ) -> ResultVariable:
+        return ResultVariable(f"{name}_{part}", over, unit, f"{words} of the {what}", comment)
+
+    def with_error(part: str, words: str, comment: str, over: str = "", unit: str = unit) -> Any:
+        yield variable(part, words, comment, over, unit)
+        error = f"Error of the {in_sentence(words)}"
+        yield variable(f"{part}_error", error, INTERVAL, over, unit)
+
+    if "distribution" in study.analyses:
+        yield from with_error("mean", "Mean", "Over the points that have a valid value.")
+        yield from with_error("deviation", "Standard deviation", "Over the same points.")
+        comment = "The value below which so large a share of the points lies."
+        yield from with_error(QUANTILE, "Quantile", comment, QUANTILE)
+        yield variable("distribution", "Distribution", comment, LEVEL)
+    yield variable(
+        "left_out", "Share left out", "Points that have no value, or in a regime where the values "
+        "do not describe a real part.", unit="1",
+    )  # fmt: skip
+    if "sobol" in study.analyses:
+        yield from with_error(
+            "first", "First Sobol index", "Share of the variance that would vanish if "
+            "this parameter alone were known.", UNCERTAIN, "1",
+        )  # fmt: skip
+        yield from with_error(
+            "total", "Total Sobol index", "Share of the variance that would remain if "
+            "all other parameters were known.", UNCERTAIN, "1",
+        )  # fmt: skip
+    if "budget" in study.analyses:
+        yield variable("nominal", "Nominal value", "All parameters at their nominal values.")
+        for end in ("lower", "upper"):
+            yield variable(
+                f"at_{end}",
+                f"Value at the {end} end",
+                f"This parameter at the {end} end of its tolerance, the others nominal.",
+                UNCERTAIN,
+            )
+        yield variable(
+            "linear",
+            "Linear change",
+            "The derivative by this parameter, times half its tolerance; none at a kink.",
+            UNCERTAIN,
+        )
+        yield variable(
+            "variance_share",
+            "Share of the variance",
+            "Of this parameter in the variance of the linear budget; none at a kink.",
+            UNCERTAIN,
+            "1",
+        )
+        comment = "Over the box of all tolerances: of its corners, and of points inside."
+        yield variable("least", "Least value", comment)
+        yield variable("largest", "Largest value", comment)
+
 
 MAX_VALUES = 10_000_000
 """Most values of one design: evaluations times outputs, which fill a few hundred megabytes."""
@@ -126,10 +255,6 @@ class Sensitivity(Prepared):
 
     @property
     def _ends(self) -> dict[str, tuple[float, float]]:
-        """The ends of the uncertain parameters' tolerances by name, SI units.
-
-        The price of motions is estimated between them.
-        """
         ends = {}
         for name, uncertain in self.uncertain.items():
             low, high = to_si(name, np.array(tolerance(name, uncertain))).tolist()
@@ -154,27 +279,25 @@ def evaluations_of(study: SensitivityStudy, budget: Budget) -> int:
 
 
 def prepare(study: SensitivityStudy) -> Sensitivity:
-    """Return a study with uncertain parameters as checked and planned, ready to be computed.
-
-    Raises
-    ------
-    StudyError
-        With every problem of scene, outputs, demands, parameters and distributions.
-    """
+    """Return a study with uncertain parameters as checked and planned, ready to be computed."""
     uncertain, asked = study.distributions(), study.asked()
     if not uncertain:
-        fix = "Add a parameter, for example friction = { mean = 0.3, deviation = 0.03 }"
-        raise StudyError([Problem("uncertain", "no parameter is uncertain", fix)])
+        raise StudyError(
+            [
+                Problem(
+                    "uncertain",
+                    "no parameter is uncertain",
+                    "Add a parameter, for example friction = { mean = 0.3, deviation = 0.03 }",
+                )
+            ]
+        )
     problems = [*_problems_of(study)]
     given = (*study.values(), *uncertain)
     try:
         chosen = choose(Sketch(study.scene, study.variant, study.method, asked, given))
     except StudyError as error:
         raise StudyError([*problems, *error.problems]) from None
-    scene = chosen[0]
-    if study.drive is not None and (scene.choice != "method" or scene.name not in CONTACTS):
-        fix = f"Ask for conveying_velocity of {', '.join(CONTACTS)}, or give these"
-        problems.append(only_the_plain_sine(fix))
+    problems += drive_refusal(study, chosen[0])
     values = study.values()
     spans = {n: _span(n, one) for n, one in uncertain.items() if n not in values}
     try:
@@ -201,10 +324,13 @@ def choose(sketch: Sketch) -> Chosen:
         return choose_problem_scene(sketch.scene, sketch.variant, sketch.outputs, sketch.names)
     scene, chosen, problems = choose_system(sketch.scene, sketch.method, sketch.names)
     if sketch.variant is not None:
-        fix = "Remove variant, or leave out method"
         problems = [
             *problems,
-            Problem("variant", "variant is given, but a simulated motion has no variants", fix),
+            Problem(
+                "variant",
+                "variant is given, but a simulated motion has no variants",
+                "Remove variant, or leave out method",
+            ),
         ]
     return scene, chosen, problems
 
@@ -215,46 +341,37 @@ def _span(name: str, distribution: Distribution) -> Values:
 
 
 def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
-    """Yield the problems between the sections of a study with uncertain parameters.
-
-    They can be told before its scene is looked at: names in two sections, too many uncertain
-    parameters, codes as outputs, verification, demands.
-    """
     values, uncertain = study.values(), study.distributions()
     for name in uncertain:
         if name in values:
-            fix = f"Remove {name} from [uncertain] or from [parameters]"
             yield Problem(
                 f"uncertain.{name}",
                 f"{name} is given twice: in [uncertain] and in [parameters]",
-                fix,
+                f"Remove {name} from [uncertain] or from [parameters]",
             )
     if len(uncertain) > MAX_INPUTS:
-        message = f"{len(uncertain)} parameters are uncertain"
         yield Problem(
             "uncertain",
-            message,
+            f"{len(uncertain)} parameters are uncertain",
             f"Keep the {MAX_INPUTS} parameters that matter most in [uncertain]",
         )
     for name in study.outputs:
         if name in FLAGS:
-            fix = 'Ask for its probability: [[demands]] regime = "hopping"'
             yield Problem(
                 "outputs",
                 f"the output {name} has names as values, not numbers, so it has no statistics",
-                fix,
+                'Ask for its probability: [[demands]] regime = "hopping"',
             )
     if study.verify is not None:
-        message = "a sensitivity study states the errors of its statistics and cannot be verified"
-        yield Problem("verify", message, "Leave out verify")
+        yield Problem(
+            "verify",
+            "a sensitivity study states the errors of its statistics and cannot be verified",
+            "Leave out verify",
+        )
     yield from _problems_of_demands(study.demands)
 
 
 def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
-    """Yield the problems of the demands of a study: unclear ones, codes as outputs, repetitions.
-
-    A demand is a bound on an output or a regime, whose probability is computed.
-    """
     seen: set[str] = set()
     for number, demand in enumerate(demands):
         path = f"demands.{number}"
@@ -262,31 +379,35 @@ def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
         if wrong is not None:
             yield Problem(path, *wrong)
         if demand.output in FLAGS:
-            fix = 'Name the regime, for example regime = "hopping"'
             yield Problem(
                 f"{path}.output",
                 f"the output {demand.output} has names as values, not numbers, so it cannot "
                 f"be limited",
-                fix,
+                'Name the regime, for example regime = "hopping"',
             )
         if demand.name in seen:
-            fix = "Remove one of them, or put it into another study"
             about = demand.output or demand.regime
-            yield Problem(path, f"two demands limit {about} on the same side", fix)
+            yield Problem(
+                path,
+                f"two demands limit {about} on the same side",
+                "Remove one of them, or put it into another study",
+            )
         seen.add(demand.name)
 
 
 def _unclear(demand: Demand) -> tuple[str, str] | None:
-    """Return message and fix for a demand that does not say what is asked; None if it is clear.
-
-    A demand is a regime, or an output with one or two bounds.
-    """
     is_bounded = demand.at_least is not None or demand.at_most is not None
     if (demand.output is None) == (demand.regime is None):
         return "it names neither or both", "Name an output, or a regime"
     if demand.regime is not None:
-        fix = "Remove the bounds: the result is the probability of the regime"
-        return ("a regime has no bounds", fix) if is_bounded else None
+        return (
+            (
+                "a regime has no bounds",
+                "Remove the bounds: the result is the probability of the regime",
+            )
+            if is_bounded
+            else None
+        )
     if not is_bounded:
         return "the demand has no bound", "Give at_least, at_most or both"
     if demand.at_least is None or demand.at_most is None or demand.at_least <= demand.at_most:
@@ -295,11 +416,6 @@ def _unclear(demand: Demand) -> tuple[str, str] | None:
 
 
 def _problems_of_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Problem]:
-    """Yield a problem for each demand of a study on a regime that no cell of the study can have.
-
-    A demand says what parts should do, for example that they hop; the share of the uncertain cases
-    that meet it is computed. `plan` knows the regimes that belong to the study's outputs.
-    """
     for number, demand in enumerate(study.demands):
         if demand.regime is not None and demand.regime not in plan.regimes:
             if demand.regime in REGIMES:
@@ -314,17 +430,24 @@ def _problems_of_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Proble
 
 
 def _check_size(prepared: Sensitivity) -> None:
-    """Raise `StudyError` if a study with uncertain parameters needs too much memory or time.
-
-    What counts is the number of evaluations of one design times its outputs, and that of all
-    designs.
-    """
     outputs, each = len(prepared.plan.outputs), prepared.evaluations
     if each * outputs > MAX_VALUES:
-        message = f"each design takes {each:,} evaluations of {outputs} outputs"
-        fix = f"Take fewer samples or outputs: {MAX_VALUES:,} values a design at most"
-        raise StudyError([Problem("samples", message, fix)])
+        raise StudyError(
+            [
+                Problem(
+                    "samples",
+                    f"each design takes {each:,} evaluations of {outputs} outputs",
+                    f"Take fewer samples or outputs: {MAX_VALUES:,} values a design at most",
+                )
+            ]
+        )
     if each * prepared.cells > MAX_EVALUATIONS:
-        message = f"{prepared.cells:,} designs take {each:,} evaluations each"
-        fix = f"Take fewer designs or samples: {MAX_EVALUATIONS:,} evaluations at most"
-        raise StudyError([Problem("samples", message, fix)])
+        raise StudyError(
+            [
+                Problem(
+                    "samples",
+                    f"{prepared.cells:,} designs take {each:,} evaluations each",
+                    f"Take fewer designs or samples: {MAX_EVALUATIONS:,} evaluations at most",
+                )
+            ]
+        )

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from vibrafeed.core.mechanics import floor, rolling, wall
-from vibrafeed.core.optimise.families.cylinder_physical import cylinder_physical_fastest
-from vibrafeed.core.optimise.families.plane_physical import plane_physical_fastest
-from vibrafeed.core.optimise.families.plane_thesis import (
+from vibrafeed.core.mechanics import rolling, wall
+from vibrafeed.core.optimise.best_angles import cylinder_physical_fastest, plane_physical_fastest
+from vibrafeed.core.optimise.exact import (
     plane_thesis_limited,
     plane_thesis_pareto,
     plane_thesis_weighted,
+    track_fastest,
+    track_physical_fastest,
 )
-from vibrafeed.core.optimise.families.track import track_fastest, track_physical_fastest
-from vibrafeed.core.optimise.optima import STATUS
+from vibrafeed.core.optimise.problem import STATUS
 from vibrafeed.core.quantities import OPTIMUM_STATUSES
 
 RANDOM = np.random.default_rng(1204)

@@ -11,7 +11,7 @@ import pytest
 
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
-from vibrafeed.core.optimise.optima import STATUS
+from vibrafeed.core.optimise.problem import STATUS
 from work import calls
 
 RANDOM = np.random.default_rng(512)

@@ -13,8 +13,8 @@ from point_slopes import motion_sensitivities
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, parse_study, prepare_content
 from vibrafeed.core.kinds import run_study
+from vibrafeed.core.optimise.optima import designs_of
 from vibrafeed.core.optimise.prepare import prepare
-from vibrafeed.core.optimise.run import designs_of
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 PARAMETERS = study()["parameters"]
@@ -79,7 +79,7 @@ def test_the_worst_case_is_that_of_every_value_by_itself() -> None:
     x = problem.lower[:, None] + np.random.default_rng(2).random((4, 50)) * (
         problem.upper - problem.lower
     ).reshape(-1, 1)
-    found, beyond = problem.judged(x, design, problem.scales(design))
+    found, beyond, _ = problem.judged(x, design, problem.scales(design))
     alone = []
     assert problem.uncertain is not None
     for friction in problem.uncertain.values["friction"]:

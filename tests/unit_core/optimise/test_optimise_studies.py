@@ -19,7 +19,7 @@ from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, parse_json, parse_study, prepare_content
 from vibrafeed.core.kinds import KINDS, run_study
 from vibrafeed.core.optimise import METHODS
-from vibrafeed.core.optimise.optima import STATUS
+from vibrafeed.core.optimise.problem import STATUS
 from vibrafeed.core.quantities import REGIMES
 
 CONFIGS = sorted((Path(__file__).parents[3] / "configs").glob("optimise-*.toml"))

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from vibrafeed.core.intake import parse_study
+from vibrafeed.core.optimise.optima import designs_of
 from vibrafeed.core.optimise.prepare import prepare
 from vibrafeed.core.optimise.problem import OptimisationProblem, chosen_cells
-from vibrafeed.core.optimise.run import designs_of
 from vibrafeed.core.optimise.search import most_reliable
 
 NOISE = 0.2
@@ -32,7 +32,7 @@ class Noisy:
         assert times > 1
         return Noisy(noisy=False)
 
-    def judged_with_error(self, x, design, scales):
+    def judged(self, x, design, scales):
         del design, scales
         doubt = np.where(x[0] < 0.85, NOISE if self.noisy else NOISE / 100, 0.0)
         value = self.true(x[0])
@@ -44,7 +44,7 @@ class Noisy:
 
 def test_the_luckiest_point_is_not_kept():
     problem, unit = Noisy(), np.linspace(0, 1, 2000)[None]
-    value, beyond, doubt = problem.judged_with_error(unit, {}, {})
+    value, beyond, doubt = problem.judged(unit, {}, {})
     lucky = int(value.argmax())
     place, kept = most_reliable(problem, unit, (value, beyond, doubt), {}, {})
     assert value[lucky] > 1.1
@@ -60,7 +60,7 @@ def test_a_known_value_beats_lucky_ones_that_do_not_stand():
     longer = Noisy(noisy=False)
     longer.true = problem.true
     problem.longer = lambda times: longer
-    value, beyond, doubt = problem.judged_with_error(unit, {}, {})
+    value, beyond, doubt = problem.judged(unit, {}, {})
     assert unit[0, value.argmax()] < 0.85
     place, kept = most_reliable(problem, unit, (value, beyond, doubt), {}, {})
     assert unit[0, place] >= 0.85
@@ -69,7 +69,7 @@ def test_a_known_value_beats_lucky_ones_that_do_not_stand():
 
 def test_what_breaks_a_constraint_is_not_kept():
     problem, unit = Noisy(), np.linspace(0, 1, 2000)[None]
-    value, _, doubt = problem.judged_with_error(unit, {}, {})
+    value, _, doubt = problem.judged(unit, {}, {})
     beyond = np.where(unit[0] > 0.4, 1.0, 0.0)
     place, _ = most_reliable(problem, unit, (value, beyond, doubt), {}, {})
     assert unit[0, place] <= 0.4
@@ -94,7 +94,7 @@ def test_simulated_velocities_stand(restitution):
     problem, design, scales = simulated(restitution)
     unit = np.linspace(0, 1, 300)[None]
     x = problem.lower[:, None] + (problem.upper - problem.lower)[:, None] * unit
-    judged = problem.judged_with_error(x, design, scales)
+    judged = problem.judged(x, design, scales)
     value = judged[0]
     best = int(value.argmax())
     place, kept = most_reliable(problem, unit, judged, design, scales)
@@ -104,7 +104,7 @@ def test_simulated_velocities_stand(restitution):
         assert doubt[best] == 0
     else:
         assert doubt[best] > 0  # the largest mean is chance in part
-        again, _, unsure = problem.longer(300.0).judged_with_error(x[:, [place]], design, scales)
+        again, _, unsure = problem.longer(300.0).judged(x[:, [place]], design, scales)
         assert abs(again - kept) <= unsure + 1e-12
         # What is kept is no less than what was sure of the largest.
         assert kept >= value[best] - doubt[best]

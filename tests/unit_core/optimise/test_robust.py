@@ -14,7 +14,7 @@ from local_client import local_client
 from vibrafeed.app.cli import app
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
-from vibrafeed.core.optimise.robust import NODES, uncertain_of
+from vibrafeed.core.optimise.uncertain import NODES, uncertain_of
 from vibrafeed.core.study.distributions import read_distribution
 from vibrafeed.core.study.values import Between
 

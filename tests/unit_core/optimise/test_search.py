@@ -11,10 +11,9 @@ from benchmarks.motions import planar_motion
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.optimise.methods import METHODS
-from vibrafeed.core.optimise.optima import STATUS
+from vibrafeed.core.optimise.optima import designs_of
 from vibrafeed.core.optimise.prepare import prepare
-from vibrafeed.core.optimise.problem import chosen_cells
-from vibrafeed.core.optimise.run import designs_of
+from vibrafeed.core.optimise.problem import STATUS, chosen_cells
 from vibrafeed.core.optimise.search import Candidates, best_points
 from vibrafeed.core.watch import Watch
 

@@ -40,7 +40,7 @@ def drawn(figure):
 
 @pytest.mark.night
 def test_a_robust_landscape_is_that_of_the_worst_case(picture):
-    from vibrafeed.core.optimise.run import designs_of
+    from vibrafeed.core.optimise.optima import designs_of
     from vibrafeed.core.plots.landscape import _computed
     from vibrafeed.core.study.shown import ShownUnits
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import cached_property
 from itertools import combinations
 
@@ -70,9 +70,9 @@ class Findings:
         self.units = ShownUnits()
         self.output = QUANTITIES[self.model.runs.output]
 
-    def sentences(self) -> list[str]:
-        """Return all findings as sentences, the most important first."""
-        return [
+    def text(self) -> str:
+        """Return all findings as sentences, one per line, the most important first."""
+        sentences = [
             *self._explained(),
             *self._estimates(),
             *self._modes(),
@@ -82,13 +82,12 @@ class Findings:
             *self._far(),
             *self._next(),
         ]
+        return "\n".join(f"{sentence}." for sentence in sentences)
 
     def _value(self, name: str) -> float:
-        """Return the value of a variable without dimensions."""
         return float(self.arrays[name])
 
     def _explained(self) -> Iterator[str]:
-        """Yield sentences if no values explain the runs, or if the grid is too coarse for them."""
         if not np.isfinite(self.posterior.explored.log_mass.max()):
             yield "No values of the unknowns explain the observations: widen their ranges"
         if self.posterior.explored.left > 0.3:
@@ -98,11 +97,6 @@ class Findings:
             )
 
     def _estimates(self) -> Iterator[str]:
-        """Yield a sentence with best value and 95 % interval of each unknown.
-
-        The best value is left out where it means little: with several modes, or where the runs
-        cannot separate the unknown from another.
-        """
         several = len(self.arrays["mode_share"]) > 1
         for unknown in self.model.unknowns:
             deviation = self._value(f"deviation_{unknown.name}")
@@ -116,10 +110,6 @@ class Findings:
             yield f"{unknown.label} ({unknown.name}): {told_best}{low} to {high} with 95 %"
 
     def _modes(self) -> Iterator[str]:
-        """Yield a sentence with the values and shares of all modes, if there are several.
-
-        A mode is a separate region of the unknowns that explains the runs.
-        """
         shares = self.arrays["mode_share"]
         if len(shares) < 2:
             return
@@ -134,10 +124,6 @@ class Findings:
 
     @cached_property
     def _pairs(self) -> dict[tuple[str, str], str]:
-        """The sentences on pairs of unknowns that the runs cannot separate, by names of the pair.
-
-        Empty with several modes, as correlations then describe none of them.
-        """
         if len(self.arrays["mode_share"]) > 1:
             return {}
         pairs = combinations(enumerate(self.model.unknowns), 2)
@@ -151,37 +137,24 @@ class Findings:
         return {name for names in self._pairs for name in names}
 
     def _alone(self) -> Iterator[str]:
-        """Yield a sentence for each unknown, or pair of unknowns, that the runs do not determine.
-
-        A single unknown is one whose posterior deviation is above 70 % of its prior deviation.
-        """
         yield from self._pairs.values()
-        named = self.unsettled
         for one in self.model.unknowns:
-            before = _deviation_before(one)
-            if one.name not in named and self._value(f"deviation_{one.name}") > HARDLY * before:
+            deviation = self._value(f"deviation_{one.name}")
+            if one.name not in self.unsettled and deviation > HARDLY * _deviation_before(one):
                 yield f"The runs say next to nothing about {one.name}: it is as it was given"
 
     def _pair(self, unknown: Unknown, other: Unknown, j: int, k: int) -> str:
-        """Return a sentence on two unknowns that the runs cannot separate; empty if they can.
-
-        The runs either determine only the ratio or product of both, or leave them strongly
-        correlated. `j` and `k` are the positions of `unknown` and `other` among the unknowns of the
-        model.
-        """
         points, weights = self.posterior.points, self.posterior.weights
         correlation = self._value(f"correlation_{unknown.name}_{other.name}")
-        first, second = points[:, j], points[:, k]
         if min(unknown.lower, other.lower) > 0:
-            logs = [np.log(first), np.log(second)]
+            logs = [np.log(points[:, j]), np.log(points[:, k])]
             wide = min(_deviation(log, weights) for log in logs)
-            for sign, word in ((-1.0, "ratio"), (1.0, "product")):
+            for sign, word, mark in ((-1.0, "ratio", "/"), (1.0, "product", "*")):
                 joint = logs[0] + sign * logs[1]
                 if _deviation(joint, weights) < ALIKE * wide:
                     least, middle, most = np.exp(
                         self.posterior.quantiles(joint, (0.025, 0.5, 0.975))
                     )
-                    mark = "/" if sign < 0 else "*"
                     unit = _joint_unit(unknown.unit, other.unit, mark)
                     return (
                         f"The runs determine only the {word} {unknown.name} {mark} {other.name}, "
@@ -197,43 +170,38 @@ class Findings:
         return ""
 
     def _bounds(self) -> Iterator[str]:
-        """Yield a sentence for each unknown whose density is high at a bound: it may lie beyond.
-
-        Unknowns with a normal prior, and those of which the runs say nothing, are left out.
-        """
         for unknown in self.model.unknowns:
+            least = HARDLY * _deviation_before(unknown)
+            if (
+                isinstance(unknown.prior, Normal)
+                or not self._value(f"deviation_{unknown.name}") < least
+            ):
+                continue
             axis, density = self.arrays[unknown.name], self.arrays[f"density_{unknown.name}"]
             for end, bound, word in ((0, unknown.lower, "lower"), (-1, unknown.upper, "upper")):
                 near = abs(axis[end] - bound) < 1e-9 * unknown.width
-                free = not isinstance(unknown.prior, Normal)
-                some = self._value(f"deviation_{unknown.name}") < HARDLY * _deviation_before(
-                    unknown
-                )
-                if near and free and some and density[end] > AT_BOUND * density.max():
+                if near and density[end] > AT_BOUND * density.max():
                     value = in_unit(bound, unknown.unit, self.units)
                     beyond = f"its {word} bound, {value}: widen its range"
                     yield f"{unknown.name} may lie beyond {beyond}"
 
     def _scatter(self) -> Iterator[str]:
-        """Yield a sentence on the residuals: the errors explain them, or a discrepancy does."""
         runs = self.model.runs
         sizes = self.prepared.likelihood.scatter.sizes
         if sizes.size == 1:
             return
         size = in_unit(self._value("discrepancy"), self.output.unit, self.units)
-        residual = self.arrays["residual"]
-        rms = in_unit(
-            float(np.sqrt(np.nanmean(np.square(residual)))), self.output.unit, self.units, 4
-        )
+        rms = float(np.sqrt(np.nanmean(np.square(self.arrays["residual"]))))
+        left = in_unit(rms, self.output.unit, self.units, 4)
         if not runs.errors_known:
             yield (
-                f"The best values leave residuals of {rms} (rms); no errors were given to explain "
+                f"The best values leave residuals of {left} (rms); no errors were given to explain "
                 "them"
             )
             return
         likely = self._value("discrepancy_probability")
         if likely < 0.5:
-            yield f"Their errors explain the speeds; the residuals are {rms} (rms)"
+            yield f"Their errors explain the speeds; the residuals are {left} (rms)"
         else:
             yield (
                 f"The speeds scatter by some {size} beyond their errors ({100 * likely:.0f} % "
@@ -241,11 +209,6 @@ class Findings:
             )
 
     def _far(self) -> Iterator[str]:
-        """Yield sentences on runs far from the prediction, or in a regime that is hardly predicted.
-
-        Far is more than 3.5 standard deviations; hardly, a posterior probability below 0.1. At most
-        five runs are named in either sentence.
-        """
         over = np.abs(np.nan_to_num(self.arrays["residual_over_error"]))
         far = [f"{k + 1} ({over[k]:.1f} errors)" for k in np.argsort(-over) if over[k] > FAR]
         if far:
@@ -257,11 +220,6 @@ class Findings:
                 yield f"Not as it was seen: run {', '.join(odd[:5])}"
 
     def _next(self) -> Iterator[str]:
-        """Yield a sentence on the candidate run that would add most information, if any are given.
-
-        It says the drive, the speed to be expected there, and how much narrower an interval would
-        get.
-        """
         grid = self.prepared.candidates
         if grid is None:
             return
@@ -287,11 +245,6 @@ class Findings:
         )
 
     def _narrower(self, candidate: int) -> str:
-        """Return words on the 95 % interval of an unknown that is expected after one more run.
-
-        `candidate` is the number of that run among the candidates, from 0; the unknown is the one
-        whose interval narrows most.
-        """
         shares = {
             narrowest: self.arrays[f"{LEFT}{narrowest.name}"].ravel()[candidate]
             / self._value(f"deviation_{narrowest.name}")
@@ -307,37 +260,19 @@ class Findings:
 
 
 def _deviation_before(unknown: Unknown) -> float:
-    """Return the standard deviation that an unknown has before the runs are considered.
-
-    It is that of its normal prior, but at most that of a uniform distribution between its bounds,
-    in the unit of the unknown. The findings compare it with the deviation after the runs.
-    """
-    uniform = unknown.width / np.sqrt(12.0)
-    return float(
-        min(uniform, unknown.prior.deviation if isinstance(unknown.prior, Normal) else np.inf)
-    )
+    given = unknown.prior.deviation if isinstance(unknown.prior, Normal) else np.inf
+    return float(min(unknown.width / np.sqrt(12.0), given))
 
 
 def _deviation(values: Array, weights: Array) -> float:
-    """Return the standard deviation of weighted values."""
     mean = weights @ values
     return float(np.sqrt(weights @ np.square(values - mean)))
 
 
 def _joint_unit(first: str, second: str, mark: str) -> str:
-    """Return the unit of the ratio or product of two unknowns as text after a space, or "".
-
-    `first` and `second` are the units of the unknowns, `mark` is "/" for the ratio, "*" for the
-    product.
-    """
     read = ["" if unit == "1" else SI.get(unit, unit) for unit in (first, second)]
     if mark == "/" and read[0] == read[1]:
         return ""
     if mark == "/":
         return f" {read[0]} per {read[1]}".replace("  ", " ") if read[1] else f" {read[0]}".rstrip()
     return f" {' '.join(filter(None, read))}".rstrip()
-
-
-def summary(sentences: Sequence[str]) -> str:
-    """Return sentences as one text, one per line."""
-    return "\n".join(f"{sentence}." for sentence in sentences)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,19 +15,28 @@ from vibrafeed.core.dataset.regimes import is_valid
 from vibrafeed.core.dataset.table import Table, TableVariable
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.plan import statistics
 from vibrafeed.core.plan.draws import values_at
 from vibrafeed.core.plan.equations import regimes, run_equations
 from vibrafeed.core.plan.grid import from_si
+from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.plan.labels import coordinates_of, global_attributes, verdict_variables
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.replicates import REPLICATES
 from vibrafeed.core.plan.statistics import LEVELS
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
+from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.sensitivity.indices import design, indices_of
-from vibrafeed.core.sensitivity.prepare import Sensitivity
-from vibrafeed.core.sensitivity.variables import LEVEL, QUANTILE, UNCERTAIN
-from vibrafeed.core.study.sensitivity_study import Demand
+from vibrafeed.core.sensitivity.prepare import (
+    LEVEL,
+    QUANTILE,
+    UNCERTAIN,
+    Sensitivity,
+    choose,
+    prepare,
+)
+from vibrafeed.core.study.sensitivity_study import Demand, SensitivityStudy
 from vibrafeed.core.watch import Watch
 
 BLOCK = 1 << 18
@@ -36,43 +45,12 @@ BLOCK = 1 << 18
 Arrays = dict[str, NDArray[Any]]
 
 
-@dataclass(frozen=True)
-class SampledOutputs:
-    """Outputs of some designs at points, in the units of studies.
-
-    Attributes
-    ----------
-    outputs : mapping of str to ndarray
-        Shape (designs, ...); NaN where there is no sound value.
-    regimes : mapping of str to ndarray of int8
-        The regimes by each verdict, of the same shape.
-    """
-
-    outputs: Mapping[str, Array]
-    regimes: Mapping[str, NDArray[np.int8]]
-
-    def shaped(self, *shape: int) -> SampledOutputs:
-        """Return the sampled outputs with points in another shape; designs stay first.
-
-        `shape` is that of the points, without the axis of designs.
-        """
-        return SampledOutputs(
-            {name: one.reshape(-1, *shape) for name, one in self.outputs.items()},
-            {name: one.reshape(-1, *shape) for name, one in self.regimes.items()},
-        )
-
-
 def compute(prepared: Sensitivity, watch: Watch) -> Computed:
     """Return all variables of a study with uncertain parameters, in the units of studies.
 
     Every design, a cell of the grid, is evaluated at many points of the uncertain parameters, and
     the statistics over them are variables over the grid; some have a dimension of their own before
     it. Designs are taken in blocks that fit the memory.
-
-    Raises
-    ------
-    StoppedError
-        If `watch` stops it; there is no result of some points only.
     """
     shape = tuple(prepared.grid.shape.values())
     designs = {
@@ -94,7 +72,7 @@ def compute(prepared: Sensitivity, watch: Watch) -> Computed:
 
 
 class _Evaluator:
-    """Computes the outputs of some designs at points, and tells a watch of each evaluation."""
+    """Computes outputs and verdicts of some designs, and tells a watch of each evaluation."""
 
     def __init__(
         self, prepared: Sensitivity, designs: Mapping[str, Array], count: int, watch: Watch
@@ -102,19 +80,12 @@ class _Evaluator:
         self.prepared, self.designs, self.count, self.watch = prepared, designs, count, watch
         self.long = sum(one.takes_long for one in prepared.plan.equations)
 
-    def at(self, shares: Array) -> SampledOutputs:
-        """Return the outputs at points of the unit box, shape (parameters, ...).
-
-        A coordinate is the share of the parameter's distribution below its value.
-        """
-        drawn = values_at(self.prepared.uncertain, shares.reshape(len(shares), -1))
-        return self.of(drawn).shaped(*shares.shape[1:])
-
-    def of(self, samples: Mapping[str, Array]) -> SampledOutputs:
+    def of(self, samples: Mapping[str, Array]) -> Arrays:
         """Return outputs and regimes of all designs at values of the uncertain parameters.
 
         `samples` has the values, SI units, each of shape (n,); the results have the shape (designs,
-        n), in the units of studies. Raises `StoppedError` if the watch stops it.
+        n), in the units of studies; outputs are NaN where there is no sound value. Raises
+        `StoppedError` if the watch stops it.
         """
         number = next(iter(samples.values())).size
         step = max(1, BLOCK // self.count)
@@ -125,84 +96,59 @@ class _Evaluator:
                 raise StoppedError(
                     "the study was stopped before all its points were computed; run it again"
                 )
-        return SampledOutputs(
-            {n: np.concatenate([part.outputs[n] for part in parts], -1) for n in parts[0].outputs},
-            {n: np.concatenate([part.regimes[n] for part in parts], -1) for n in parts[0].regimes},
-        )
+        return {name: np.concatenate([part[name] for part in parts], -1) for name in parts[0]}
 
-    def _some(self, samples: Mapping[str, Array]) -> SampledOutputs:
-        """Return outputs and regimes of all designs at some points of the uncertain parameters.
-
-        `samples` has the values of these parameters, SI units, shape (points,); the results have
-        the shape (designs, points), in the units of studies, NaN where an output has no valid
-        value.
-        """
+    def _some(self, samples: Mapping[str, Array]) -> Arrays:
         plan, number = self.prepared.plan, next(iter(samples.values())).size
         shape = (self.count, number)
         with np.errstate(all="ignore"):
             part = self.watch.part(number / self.long) if self.long else None
             known = run_equations(plan, {**self.designs, **samples}, part)
-            verdicts = {n: np.broadcast_to(one, shape) for n, one in regimes(plan, known).items()}
-            valid = {n: is_valid(one) for n, one in verdicts.items()}
+            arrays: Arrays = {n: np.broadcast_to(v, shape) for n, v in regimes(plan, known).items()}
         if not self.long:
             self.watch.advance(number)
-        outputs = {}
+        valid = {name: is_valid(verdict) for name, verdict in arrays.items()}
         for name in plan.outputs:
             values = np.asarray(from_si(name, np.asarray(known[name], dtype=np.float64)))
-            values = np.broadcast_to(values, shape)
             verdict = plan.verdict_on(name)
             holds = valid[verdict.name] if verdict is not None else True
-            outputs[name] = np.where(holds & np.isfinite(values), values, np.nan)
-        return SampledOutputs(outputs, verdicts)
+            values = np.where(holds & np.isfinite(values), values, np.nan)
+            arrays[name] = np.broadcast_to(values, shape)
+        return arrays
 
 
 def _variables(evaluator: _Evaluator) -> Arrays:
-    """Return all variables of a study with uncertain parameters for some designs, by name.
-
-    Designs are the last axis of each array. `evaluator` computes the outputs of these designs at
-    points of the uncertain parameters; the variables are statistics over the points, in the units
-    of studies.
-    """
     prepared = evaluator.prepared
     study = prepared.study
-    nominal = evaluator.of(_first(prepared.budget.values()))
-    statistics_of: Arrays = {name: one[..., 0] for name, one in nominal.regimes.items()}
-    for name, values in _of_points(evaluator):
-        statistics_of[name] = values
+    points = prepared.budget.values()
+    nominal = evaluator.of({name: one[:1] for name, one in points.items()})
+    statistics_of = {name: nominal[name][..., 0] for name in prepared.plan.verdict_names}
+    statistics_of |= dict(_of_points(evaluator))
     if "budget" in study.analyses:
-        placed = evaluator.of(prepared.budget.values())
+        placed = evaluator.of(points)
         for name in prepared.outputs:
-            told = prepared.budget.budget_of(placed.outputs[name])
+            told = prepared.budget.budget_of(placed[name])
             statistics_of |= {f"{name}_{part}": one for part, one in vars(told).items()}
     return {name: statistics_of[name] for name in prepared.dims}
 
 
-def _first(values: Mapping[str, Array]) -> dict[str, Array]:
-    return {name: one[:1] for name, one in values.items()}
-
-
 def _of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Yield name and values of each statistic of points that are sampled from the distributions.
-
-    They are probabilities of demands, then for each output the share of points without a value,
-    distribution and Sobol indices. `evaluator` computes outputs of some designs, the last axis of
-    each array.
-    """
     prepared, study = evaluator.prepared, evaluator.prepared.study
-    drawn = {"distribution", "sobol"} & set(study.analyses) or study.demands
-    if not drawn:
+    if not ({"distribution", "sobol"} & set(study.analyses) or study.demands):
         none = np.full(evaluator.count, np.nan)
         yield from ((f"{name}_left_out", none) for name in prepared.outputs)
         return
     at = design(len(prepared.uncertain), study.samples // REPLICATES, study.seed)
-    # The points a alone tell of distributions, so that they do not hang on what else is asked.
-    values = evaluator.at(at if "sobol" in study.analyses else at[:, :1])
+    if "sobol" not in study.analyses:
+        at = at[:, :1]  # these tell of distributions, which do not hang on what else is asked
+    drawn = evaluator.of(values_at(prepared.uncertain, at.reshape(len(at), -1)))
+    values = {name: one.reshape(-1, *at.shape[1:]) for name, one in drawn.items()}
     for demand in study.demands:
-        estimate = statistics.probability(_met(demand, values))
+        estimate = statistics.probability(_met(demand, values, prepared.plan.verdict_names))
         yield f"probability_{demand.name}", estimate.value
         yield f"probability_{demand.name}_error", estimate.error
     for name in prepared.outputs:
-        output = values.outputs[name]
+        output = values[name]
         first = output[:, 0]
         yield f"{name}_left_out", statistics.share(np.isnan(first))
         if "distribution" in study.analyses:
@@ -222,17 +168,11 @@ def _of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
                 yield f"{name}_{part}", estimate.T
 
 
-def _met(demand: Demand, values: SampledOutputs) -> Mask:
-    """True where a demand of a study is met, shape (designs, sets, points of a set).
-
-    A demand is a regime, or bounds of an output in the unit of studies. `values` has outputs and
-    regimes at the points, with an axis for Sobol's samples after that of the designs, of which the
-    first counts. A missing value does not meet a demand.
-    """
+def _met(demand: Demand, values: Arrays, verdicts: Iterable[str]) -> Mask:
     if demand.regime is not None:
         wanted = REGIMES[demand.regime].value
-        return np.any([one[:, 0] == wanted for one in values.regimes.values()], axis=0)
-    output = values.outputs[str(demand.output)][:, 0]
+        return np.any([values[name][:, 0] == wanted for name in verdicts], axis=0)
+    output = values[str(demand.output)][:, 0]
     met = np.isfinite(output)
     if demand.at_least is not None:
         met = met & (output >= demand.at_least)
@@ -253,15 +193,19 @@ def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
         for name, one in prepared.result_variables.items()
     }
     for name, verdict in verdict_variables(prepared.plan, dims, arrays).items():
-        comment = f"{verdict.attributes['comment']}; of the nominal values"
-        attributes = {**verdict.attributes, "comment": comment}
+        attributes = {
+            **verdict.attributes,
+            "comment": f"{verdict.attributes['comment']}; of the nominal values",
+        }
         variables[name] = replace(verdict, attributes=attributes)
     return Table(
         {**coordinates_of(prepared.plan, prepared.grid), **_coordinates(prepared)},
         variables,
         {
             **global_attributes(prepared, "over uncertain parameters"),
-            "uncertain_parameters": _distributions(prepared),
+            "uncertain_parameters": json.dumps(
+                {name: one.canonical() for name, one in prepared.uncertain.items()}
+            ),
             "evaluations": float(prepared.evaluations) * prepared.cells,
             "accuracy": f"errors are half the widths of 95 % intervals, from {REPLICATES} "
             f"scramblings of {prepared.study.samples // REPLICATES:,} Sobol points",
@@ -271,11 +215,6 @@ def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
 
 
 def _coordinates(prepared: Sensitivity) -> dict[str, TableVariable]:
-    """Return the coordinates of a study with uncertain parameters besides the axes of its grid.
-
-    These are the uncertain parameters, the quantiles and the levels of the distribution, shares
-    from 0 to 1 at which a value is given; only those that some variable has as a dimension.
-    """
     names = [*prepared.uncertain]
     ends = np.linspace(0.0, 1.0, LEVELS)
     uncertain = {
@@ -296,5 +235,22 @@ def _coordinates(prepared: Sensitivity) -> dict[str, TableVariable]:
     return {name: one for name, one in coordinates.items() if name in used}
 
 
-def _distributions(prepared: Sensitivity) -> str:
-    return json.dumps({name: one.canonical() for name, one in prepared.uncertain.items()})
+KIND: Final = Kind(
+    name="sensitivity",
+    title="Show the effect of uncertain parameters",
+    description="Shows how outputs vary with uncertain parameters: probabilities, "
+    "quantiles, Sobol indices, tolerance budgets, for each of many designs.",
+    model=SensitivityStudy,
+    scenes=(SCENES, SYSTEMS),
+    example={
+        "kind": "sensitivity",
+        "scene": "rectangle-on-plane",
+        "outputs": ["acceleration_x"],
+        "uncertain": {"friction": {"mean": 0.3, "deviation": 0.03}},
+        "parameters": {"frequency": "50 Hz", "amplitude": "0.5 mm", "beta": 30},
+    },
+    prepare=prepare,
+    choose=choose,
+    compute=compute,
+    label=label,
+)

@@ -1,4 +1,4 @@
-"""Optima under what is uncertain, judged at fresh points: the search chose by others (theory 12.4).
+"""Values under what is not known: the worst case, the mean or a quantile (theory 12.4).
 
 The best of many candidates at some points owes part of its value to these points. At others, drawn
 from the same distributions, nothing favours it: mean, quantile and the share of units that break a
@@ -7,15 +7,24 @@ limit are true there, with errors from independent scramblings, as in a study of
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.optimise.problem import Kept, OptimisationProblem, cells_of, chosen_cells
-from vibrafeed.core.optimise.robust import SEED, Uncertain, samples_of
+from vibrafeed.core.optimise.problem import (
+    How,
+    Kept,
+    OptimisationProblem,
+    Uncertain,
+    cells_of,
+    chosen_cells,
+)
+from vibrafeed.core.plan import draws
 from vibrafeed.core.plan.draws import points, values_at
 from vibrafeed.core.plan.grid import parameter_to_si
 from vibrafeed.core.plan.replicates import REPLICATES
@@ -26,7 +35,68 @@ from vibrafeed.core.plan.statistics import (
     quantiles,
     share,
 )
-from vibrafeed.core.study.distributions import tolerance
+from vibrafeed.core.study.distributions import Distribution, tolerance
+from vibrafeed.core.study.values import Between
+
+NODES = 9  # over the interval of an uncertain parameter
+SAMPLES = 64  # points drawn from distributions, for all candidates of a search
+BEYOND = 3.2  # of these points lie beyond a quantile, at least
+LEAST_SHARE = 1e-3  # of a quantile, from either end: a rarer one takes too many points
+SEED = 0  # of the points of a search
+LEVELS = {1: NODES, 2: 5, 3: 3}
+"""Nodes of each of so many parameters, all with all, for the worst case; of more the two ends."""
+MAX_UNCERTAIN = 6
+
+
+def uncertain_of(
+    distributions: Mapping[str, Distribution],
+    how: How,
+    quantile: float | None,
+    *,
+    is_limited: bool = False,
+) -> Uncertain:
+    """Return the points of uncertain parameters at which each candidate of an optimum is judged.
+
+    The worst case has points all over the box of the tolerances, ends included. Mean and quantile
+    have points that are sampled once for all candidates, or those of Gauss for the mean over one
+    interval; if limits are to be kept, the points of the box come after them.
+    """
+    (name, law), *others = distributions.items()
+    share = 0.5 if quantile is None else quantile
+    weights = None
+    if how == "worst":
+        return Uncertain(distributions, _box(distributions), how)
+    if how == "mean" and not others and isinstance(law, Between):
+        low, high = parameter_to_si(name, np.array([law.lower, law.upper]))
+        roots, weights = np.polynomial.legendre.leggauss(NODES)
+        values, weights = {name: low + (high - low) * (roots + 1) / 2}, weights / 2
+    else:
+        count = samples_of(how, share)
+        values = values_at(distributions, draws.points(len(distributions), count, SEED)[:, 0])
+    uncertain = Uncertain(distributions, values, how, weights, share)
+    if not is_limited:
+        return uncertain
+    return replace(uncertain.with_nodes(_box(distributions)), counted=uncertain.size)
+
+
+def samples_of(how: How, quantile: float) -> int:
+    """Return the number of sampled points for a mean or a quantile, a power of two."""
+    rare = min(quantile, 1 - quantile) if how == "quantile" else 0.5
+    return max(SAMPLES, 1 << math.ceil(math.log2(BEYOND / rare)))
+
+
+def _box(distributions: Mapping[str, Distribution]) -> dict[str, Array]:
+    count = len(distributions)
+    shares = np.linspace(0.0, 1.0, LEVELS.get(count, 2))
+    nodes = np.array(list(product(shares, repeat=count)))
+    if shares.size == 2:
+        nodes = np.concatenate([nodes, np.full((1, count), 0.5)])
+    bounds = {}
+    for (name, one), places in zip(distributions.items(), nodes.T, strict=True):
+        lower, upper = tolerance(name, one)
+        bounds[name] = parameter_to_si(name, lower + (upper - lower) * places)
+    return bounds
+
 
 TIMES, TIMES_MOTION = 16, 4  # the points of a search in each scrambling; motions take long
 BLOCK = 1 << 18  # evaluations at a time, which bounds the memory
@@ -76,13 +146,6 @@ class Afresh:
 
         They break a constraint, or, of closed forms, have a worse worst case. Arguments as in
         `judged_afresh`.
-
-        Returns
-        -------
-        ndarray of bool, shape (cells,)
-            True where a constraint is broken.
-        dict of int to dict of str to ndarray
-            The uncertain parameters at the worst points, SI units, of each design that has some.
         """
         lost = np.isnan(x).any(axis=0)
         worse = {
@@ -134,21 +197,7 @@ def judged_afresh(
     tolerance: float,
     number: int = 1,
 ) -> Afresh:
-    """Return statistic, margins and broken shares of choices at fresh uncertain parameters.
-
-    Parameters
-    ----------
-    problem : OptimisationProblem
-        A problem with uncertain parameters.
-    x : ndarray, shape (variables, cells)
-        The choices, SI units; where they are NaN those of the lower bounds are judged.
-    design, scales : mapping of str to ndarray, each of shape (cells,)
-        The fixed parameters, SI units, and the sizes of the outputs.
-    tolerance : float
-        Of the method by which they were found: what it leaves of a limit does not break it.
-    number : int
-        Another one draws other points.
-    """
+    """Return statistic, margins and broken shares of choices at fresh uncertain parameters."""
     assert problem.uncertain is not None
     x = some(problem, x)
     fresh, inside = _fresh(problem.uncertain, problem.is_motion, SEED + number)
@@ -162,7 +211,6 @@ def judged_afresh(
     ]  # fmt: skip
 
     def joined(parts: list[Estimate]) -> Estimate:
-        """Return estimates of all cells."""
         return Estimate(*(np.concatenate(one) for one in zip(*parts, strict=True)))
 
     return Afresh(
@@ -176,10 +224,6 @@ def judged_afresh(
 
 
 def _fresh(uncertain: Uncertain, is_motion: bool, seed: int) -> tuple[Uncertain, Mask]:
-    """Return the uncertain parameters at fresh points, and which lie within all tolerances.
-
-    Motions, which take long, are followed at fewer. Equal seeds give equal points.
-    """
     laws = uncertain.distributions
     times = TIMES_MOTION if is_motion else TIMES
     count = times * samples_of(uncertain.how, uncertain.quantile)
@@ -199,19 +243,6 @@ def _judged(
     inside: Mask,
     left: Mapping[str, Array],
 ) -> Afresh:
-    """Return statistic, margins and broken shares of choices of some designs at the nodes.
-
-    Parameters
-    ----------
-    problem : OptimisationProblem
-        Its nodes are the fresh points.
-    x, design : ndarray, mapping of str to ndarray
-        As `judged_afresh` takes them.
-    inside : ndarray of bool, shape (points,)
-        Whether a point lies within all tolerances.
-    left : mapping of str to ndarray
-        By how much an output may break its limit, shape (cells,).
-    """
     uncertain = problem.uncertain
     assert uncertain is not None
     over = problem.over(design, x)
@@ -219,7 +250,6 @@ def _judged(
     shape = (cells_of(design), uncertain.size)
 
     def of_cells(values: Array) -> Array:
-        """Return values at points as an array (cells, points)."""
         return np.broadcast_to(values, shape[::-1]).T
 
     values = of_cells(problem.objective(known))
@@ -249,7 +279,6 @@ def _judged(
 
 
 def _objective(uncertain: Uncertain, values: Array, sign: float) -> Estimate:
-    """Return the statistic that counts of the values to maximise, shape (cells, sets, points)."""
     if uncertain.how == "mean":
         return mean_and_deviation(values)[0]
     quantile = uncertain.quantile if sign > 0 else 1 - uncertain.quantile
