@@ -240,7 +240,7 @@ def _problems_of_picture(plot: Path | None) -> list[Problem]:
     if plot is None:
         return []
     with needing("plot", "matplotlib"):
-        from vibrafeed.core.plots.files import check_format
+        from vibrafeed.core.plots.drawing import check_format
     try:
         check_format(plot)
     except PlotError as error:

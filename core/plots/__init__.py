@@ -11,21 +11,19 @@ from typing import TYPE_CHECKING
 from vibrafeed.core.lazy import lazily
 
 if TYPE_CHECKING:
-    from vibrafeed.core.plots.drawing import draw
-    from vibrafeed.core.plots.files import draw_file, save
-    from vibrafeed.core.plots.fixed import read_fixed
+    from vibrafeed.core.plots.drawing import draw, draw_file, save
     from vibrafeed.core.plots.measured import draw_fit
     from vibrafeed.core.plots.pictures import PlotError
+    from vibrafeed.core.plots.selection import read_fixed
     from vibrafeed.core.plots.sheet import write_sheet
 else:  # the table of pictures is read without matplotlib
     __getattr__ = lazily(
         __name__,
         {
-            "drawing": ("draw",),
-            "files": ("draw_file", "save"),
-            "fixed": ("read_fixed",),
+            "drawing": ("draw", "draw_file", "save"),
             "measured": ("draw_fit",),
             "pictures": ("PlotError",),
+            "selection": ("read_fixed",),
             "sheet": ("write_sheet",),
         },
     )

@@ -15,11 +15,9 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.regimes import percent, regime_shares
 from vibrafeed.core.dataset.table import Table
-from vibrafeed.core.plots.drawing import draw
-from vibrafeed.core.plots.files import check_format, read, save
+from vibrafeed.core.plots.drawing import check_format, draw, read, save
 from vibrafeed.core.plots.pictures import PlotError
-from vibrafeed.core.plots.style import Style
-from vibrafeed.core.plots.text import long_name, number, shown_in, units_of, words
+from vibrafeed.core.plots.style import Style, long_name, number, shown_in, units_of, words
 from vibrafeed.core.quantities import FLAGS, QUANTITIES, REGIMES
 from vibrafeed.core.quantities.flags import is_regime
 from vibrafeed.core.quantities.optimum import OF_THE_SEARCH
@@ -73,7 +71,6 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     at = TOP
 
     def write(text: str, x: float = LEFT, *, size: float = 9, **look: Any) -> None:
-        """Write a line of text at the current height."""
         page.text(x, at, text, size=size, va="top", **{"color": style.ink, **look})
 
     for line in textwrap.wrap(title or str(dataset.attrs.get("title", "")), TITLE_LETTERS):
@@ -124,7 +121,6 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
 
 
 def _picture(dataset: xarray.Dataset, units: str | None) -> Figure | None:
-    """Return the picture of a result; None of a single design, which may have none."""
     try:
         return draw([dataset], units=units)
     except PlotError:
@@ -134,18 +130,12 @@ def _picture(dataset: xarray.Dataset, units: str | None) -> Figure | None:
 
 
 def _first(rows: list[tuple[str, str]]) -> list[tuple[str, str]]:
-    """Return the first rows of a table; the last one says how many are left out."""
     if len(rows) <= MAX_ROWS:
         return rows
     return [*rows[: MAX_ROWS - 1], (f"{len(rows) - MAX_ROWS + 1} more in the file", "")]
 
 
 def _parameters(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
-    """Return label and value, or range of values, of each parameter of a result, for a table.
-
-    Settings of the computation, such as a tolerance, are left out. `units` are those that the
-    reader wants.
-    """
     rows = []
     for name, array in dataset.coords.items():
         if name not in QUANTITIES or name in SETTINGS:
@@ -155,11 +145,6 @@ def _parameters(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, s
 
 
 def _outputs(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
-    """Return label and value, or range of values, of each output of a result as texts for a table.
-
-    Codes such as a status, and what the search itself reports, are left out. `units` are those that
-    the reader wants.
-    """
     table = Table.of_xarray(dataset)
     return [
         (long_name(array), _values(array, units, table.valid(str(name))))
@@ -172,11 +157,6 @@ def _outputs(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]
 def _values(
     array: xarray.DataArray, units: ShownUnits, valid: NDArray[np.bool_] | None = None
 ) -> str:
-    """Return the value or the range of an array with its unit; a dash if no value is finite.
-
-    `units` are those that the reader wants. Of several values only those that are `valid` count, a
-    mask of the same shape.
-    """
     shown = shown_in(array, units)
     values = np.asarray(array.values, dtype=float) * shown.factor
     if valid is not None and values.size > 1:
@@ -192,10 +172,6 @@ def _values(
 
 
 def _regimes(dataset: xarray.Dataset) -> str:
-    """Return sentences on the regimes that occur in a result, with their shares of the cells.
-
-    A single regime is described instead; the text is empty if the dataset has no regimes.
-    """
     sentences = []
     for name in (str(one) for one in dataset.data_vars if is_regime(str(one))):
         of = long_name(dataset[name]).removeprefix("Regime")

@@ -1,20 +1,28 @@
-"""One style for all pictures: light or dark, of a page's or of a column's width."""
+"""One style for all pictures, and numbers, units and names as a person reads them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from io import BytesIO
 
 import matplotlib
+import numpy as np
+import xarray
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap, ListedColormap, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from numpy import linspace
+from numpy.typing import NDArray
 
-from vibrafeed.core.study.shown import ShownUnits
+from vibrafeed.core.plots.pictures import PlotError
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities.quantity import in_sentence
+from vibrafeed.core.study.shown import Shown, ShownUnits, read_shown
+from vibrafeed.core.study.units import UnitError
 
 RGB = tuple[float, float, float]
 SMALL = 0.8  # text of a small picture over that of a normal one
@@ -23,12 +31,18 @@ LOW = 0.68  # its height: the text below and above takes more of it
 HALF = 0.55  # how bright a colour is on which dark lines are seen better than light ones
 DARKEST = 0.8  # of a scale that ends in a colour on which lines are still seen
 
+GREEK = (
+    "Gamma", "Lambda", "alpha", "beta", "gamma", "delta", "zeta", "theta", "kappa", "lambda", "mu",
+    "xi", "rho", "sigma", "tau", "chi", "psi",
+)  # fmt: skip
+LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+SUBSCRIPTS = {"inf": r"\infty"}
+
 
 class NotebookFigure(Figure):
     """A figure that a notebook shows by itself: matplotlib teaches it that with pyplot only."""
 
     def _repr_png_(self) -> bytes:
-        """Return the figure as PNG, for notebooks."""
         buffer = BytesIO()
         self.savefig(buffer, format="png")
         return buffer.getvalue()
@@ -36,15 +50,7 @@ class NotebookFigure(Figure):
 
 @dataclass(frozen=True)
 class Style:
-    """Colours and sizes that all kinds of picture share.
-
-    Attributes
-    ----------
-    dark : bool
-        Use light colours on a dark background.
-    small : bool
-        For a column of a document.
-    """
+    """Colours and sizes that all kinds of picture share, on a dark ground or in a small format."""
 
     dark: bool = False
     small: bool = False
@@ -117,16 +123,10 @@ class Style:
         """Return the size of a text of `size` points in a picture of normal size."""
         return size * (SMALL if self.small else 1.0)
 
-    def width(self, size: float) -> float:
-        """Return the width of a line of `size` points in a picture of normal size."""
-        return size * (SMALL if self.small else 1.0)
+    width = text  # of a line
 
     def sheet(self, width: float = 8.0, height: float = 6.4) -> Figure:
-        """Return an empty figure of matplotlib, on which a picture is drawn.
-
-        `width` and `height` are those of a normal picture [inch]; in the style of small pictures it
-        is smaller.
-        """
+        """Return an empty figure, whose size is that of a normal picture [inch]."""
         if self.small:
             width, height = NARROW * width, LOW * height
         figure = NotebookFigure(
@@ -143,27 +143,20 @@ class Style:
 
     def dress(self, figure: Figure) -> None:
         """Apply the style's colours and text sizes to all axes and legends of a figure."""
+        frame = mix(self.ground, self.ink, 0.75)
         for axes in figure.findobj(Axes):
-            self._dress_axes(axes)
+            axes.set_facecolor(self.ground)
+            for spine in axes.spines.values():
+                spine.set(edgecolor=frame, linewidth=0.8)
+            axes.tick_params(
+                which="both", colors=frame, labelcolor=self.ink, labelsize=self.text(9.5)
+            )
+            for side in (axes.xaxis, axes.yaxis):
+                side.label.set(color=self.ink, fontsize=self.text(10))
+                side.get_offset_text().set(color=self.ink, fontsize=self.text(8.5))
         for legend in figure.findobj(Legend):
             for text in (legend.get_title(), *legend.get_texts()):
-                text.set_color(self.ink)
-                text.set_fontsize(self.text(9))
-
-    def _dress_axes(self, axes: Axes) -> None:
-        axes.set_facecolor(self.ground)
-        for spine in axes.spines.values():
-            spine.set_edgecolor(mix(self.ground, self.ink, 0.75))
-            spine.set_linewidth(0.8)
-        axes.tick_params(
-            which="both", colors=mix(self.ground, self.ink, 0.75), labelcolor=self.ink,
-            labelsize=self.text(9.5),
-        )  # fmt: skip
-        for side in (axes.xaxis, axes.yaxis):
-            side.label.set_color(self.ink)
-            side.label.set_fontsize(self.text(10))
-            side.get_offset_text().set_color(self.ink)
-            side.get_offset_text().set_fontsize(self.text(8.5))
+                text.set(color=self.ink, fontsize=self.text(9))
 
     def add_grid(self, axes: Axes) -> None:
         """Draw grid lines behind the values."""
@@ -172,10 +165,7 @@ class Style:
 
 
 def mix(colour: str | RGB, other: str | RGB, share: float) -> RGB:
-    """Return a mixture of two colours; `share` is that of the second one, 0 to 1.
-
-    Colours are texts or red, green and blue, 0 to 1; so is the result, in the latter form.
-    """
+    """Return a mixture of two colours as red, green and blue, 0 to 1; `share` is of the second."""
     red, green, blue = (
         (1 - share) * a + share * b for a, b in zip(to_rgb(colour), to_rgb(other), strict=True)
     )
@@ -187,28 +177,10 @@ LIGHT = Style()
 
 @dataclass(frozen=True)
 class Options:
-    """The options of a picture; every picture takes the same, and refuses those without effect.
+    """The options of a picture, as for `vibrafeed.plot`; one that has no effect is refused.
 
-    Attributes
-    ----------
-    kind : str or None
-        The name of the picture; None where the first that fits is drawn.
-    variable : str or None
-        The output; the first that fits if None.
-    axes : tuple of str or None
-        One or two dimensions, the first across.
-    at : mapping of str to float
-        Values of other dimensions, in the unit of the dataset.
-    nearest : bool
-        Whether a value of `at` that the dataset does not have stands for the nearest one.
-    title : str or None
-        The name over the picture; that of what it shows if None.
-    style : Style
-        Colours and sizes.
-    units : ShownUnits
-        Units in which values are read.
-    is_natural : bool
-        Whether the kind is the first that fits, and nobody named it.
+    Values of `at` are in the unit of the dataset. `is_natural` says that the kind is the first that
+    fits, and nobody named it.
     """
 
     kind: str | None = None
@@ -220,3 +192,105 @@ class Options:
     style: Style = LIGHT
     units: ShownUnits = field(default_factory=ShownUnits)
     is_natural: bool = False
+
+    @property
+    def asks(self) -> bool:
+        """True if an output or axes are asked for."""
+        return (self.variable, self.axes) != (None, None)
+
+
+def words(name: str) -> str:
+    """Return an identifier as words."""
+    return name.replace("_", " ")
+
+
+def name_in_words(name: str) -> str:
+    """Return an identifier as words, with its numbers as subscripts."""
+    return re.sub(r" (\d+)\b", lambda found: found[1].translate(LOWERED), words(name))
+
+
+def shown_in(array: xarray.DataArray, units: ShownUnits) -> Shown:
+    """Return the unit in which an array is shown, by its largest finite value, and the factor."""
+    values = np.abs(np.asarray(array.values, dtype=np.float64))
+    largest = float(values[np.isfinite(values)].max(initial=0.0))
+    return units.of(str(array.attrs.get("units", "1")), largest)
+
+
+def units_of(dataset: xarray.Dataset, asked: Sequence[str] | str | None) -> ShownUnits:
+    """Return the units in which a picture shows values: those asked for, else those of the study.
+
+    `PlotError` tells that a name is not a unit.
+    """
+    words = dataset.attrs.get("shown_units", "") if asked is None else asked
+    listed = words.split(",") if isinstance(words, str) else list(words)
+    try:
+        return read_shown(word for word in listed if word.strip())
+    except UnitError as error:
+        raise PlotError("units", error.message, error.fix) from None
+
+
+def number(value: float, digits: int = 6) -> str:
+    """Return a number with the significant digits it needs, at most `digits`."""
+    return f"{value + 0.0:.{digits}g}".replace("-", "\N{MINUS SIGN}")
+
+
+def with_unit(text: str, unit: str) -> str:
+    """Return a number with its unit, separated by a non-breaking space."""
+    return text + unit if unit in ("", "°") else f"{text}\N{NO-BREAK SPACE}{unit}"
+
+
+def math_symbol(symbol: str) -> str:
+    r"""Return a symbol such as `mu_s` in matplotlib's notation; empty for an expression."""
+    match = re.fullmatch("(" + "|".join(GREEK) + r"|[A-Za-z])_?(\d|[a-z]+)?", symbol)
+    if not match:
+        return ""
+    base, below = match.groups()
+    base = f"\\{base}" if base in GREEK else base
+    below = SUBSCRIPTS.get(below, rf"\mathrm{{{below}}}") if below else ""
+    return f"${base}_{{{below}}}$" if below else f"${base}$"
+
+
+def long_name(array: xarray.DataArray) -> str:
+    """Return the long name of a variable, or its identifier as words."""
+    return str(array.attrs.get("long_name", words(str(array.name))))
+
+
+def axis_label(array: xarray.DataArray, unit: str) -> str:
+    """Return the label of an axis: long name, symbol, unit."""
+    parts = (long_name(array), math_symbol(str(array.attrs.get("symbol", ""))), in_brackets(unit))
+    return " ".join(part for part in parts if part)
+
+
+def short_label(array: xarray.DataArray, unit: str) -> str:
+    """Return symbol and unit of an output for a narrow axis, or its long name without a symbol."""
+    symbol = math_symbol(str(array.attrs.get("symbol", "")))
+    return f"{symbol} {in_brackets(unit)}".rstrip() if symbol else axis_label(array, unit)
+
+
+def demand_in_words(array: xarray.DataArray, units: ShownUnits) -> str:
+    """Return in words the demand whose probability an array has; empty for other arrays.
+
+    An example is "Probability of conveying velocity at least 80 mm/s".
+    """
+    name, attributes = str(array.name), array.attrs
+    if not name.startswith("probability_") or "output" not in attributes:
+        return ""
+    output = QUANTITIES[str(attributes["output"])]
+    ends = {key: float(attributes[key]) for key in ("at_least", "at_most") if key in attributes}
+    shown = units.of(output.unit, max(map(abs, ends.values()), default=0.0))
+    bounds = " and ".join(
+        f"{words(key)} {with_unit(number(shown.factor * end, 4), shown.unit)}"
+        for key, end in ends.items()
+    )
+    what = "Error of the probability" if name.endswith("_error") else "Probability"
+    return f"{what} of {in_sentence(output.label)} {bounds}".rstrip()
+
+
+def in_brackets(unit: str) -> str:
+    """Return a unit in brackets; empty without a unit."""
+    return f"({unit})" if unit else ""
+
+
+def scaled(array: xarray.DataArray, factor: float) -> NDArray[np.float64]:
+    """Return values multiplied by a unit's factor."""
+    return np.asarray(array.values, dtype=np.float64) * factor

@@ -72,7 +72,7 @@ def result(sort: str) -> xarray.Dataset:
 
 
 OF = {
-    **dict.fromkeys(("posterior", "speeds"), "calibration"),
+    "posterior": "calibration",
     **dict.fromkeys(("distribution", "indices", "tornado"), "uncertain"),
     **dict.fromkeys(("line", "map", "contour", "levels"), "sweep"),
     "front": "front", "positions": "row", "trajectory": "course", "animation": "course",

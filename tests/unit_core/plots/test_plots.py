@@ -18,7 +18,7 @@ from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.plots import PlotError, draw, draw_file
 from vibrafeed.core.plots.selection import select
-from vibrafeed.core.plots.text import math_symbol
+from vibrafeed.core.plots.style import math_symbol
 from vibrafeed.core.quantities import REGIMES
 
 DEGREES = {"start": 0, "stop": 60, "num": 13}

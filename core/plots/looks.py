@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.regimes import flags_of
 from vibrafeed.core.plots.pictures import unreadable
-from vibrafeed.core.plots.style import LIGHT, RGB, Style, mix
-from vibrafeed.core.plots.text import words
+from vibrafeed.core.plots.style import LIGHT, RGB, Style, mix, words
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.quantities.pictures import FILLS, INKS
 
@@ -34,74 +33,37 @@ LINE_STRENGTH = 0.3  # opacity of hatches of sparse lines, which contours cross
 # dense hatches.
 LOOKS = {
     name: (hatch, INKS[name], width)
-    for name, hatch, width in (
-        ("not_assessed", "", 1.8),
-        ("contact", "", 1.8),
-        ("stick", "..", 0.9),
-        ("slip", "", 1.8),
-        ("roll", "oo", 3.2),
-        ("flight", "///", 1.3),
-        ("wall_lost", "\\\\\\", 1.3),
-        ("flight_and_wall_lost", "xxx", 1.3),
-        ("no_motion", "..", 0.9),
-        ("stopped", "o", 0.9),
-        ("outside_cone", "---", 1.3),
-        ("invalid_geometry", "++", 1.3),
-        ("tipping", "|||", 1.3),
-        ("faster_than_track", "|||", 1.3),
-        ("unbounded", "..", 1.8),
-        ("separation", "", 1.8),
-        ("sliding", "", 1.8),
-        ("two_solutions", "xxx", 1.3),
-        ("no_solution", "---", 1.3),
-        ("apart", "", 1.8),
-        ("overlap", "xxx", 1.3),
-        ("no_impact", "..", 0.9),
-        ("impact_stick", "..", 0.9),
-        ("impact_slip", "", 1.8),
-        ("simultaneous", "|||", 1.3),
-        ("impact", "", 1.8),
-        ("singular", "---", 1.3),
-        # --- motion in time
-        ("stick_slip", ".", 1.8),
-        ("hopping", "/", 1.8),
-        ("hop_after_hop", "//", 1.8),
-        ("period_doubled", "\\", 1.8),
-        ("aperiodic", "x", 1.8),
-        ("runaway", "xxx", 1.3),
-        ("unresolved", "---", 1.3),
-        ("rests", "", 1.8),
-        ("tumbles", "/", 1.8),
-        # --- drive units
-        ("resonance", "", 1.8),
-        ("tuned_stiff", "..", 0.9),
-        ("tuned_soft", "/", 1.8),
-        ("hits_magnet", "x", 1.8),
-        ("overstressed", "..", 1.8),
-        ("isolation_poor", "\\", 1.8),
-        ("several_amplitudes", "", 1.8),
-        ("hunting", "x", 1.8),
-        ("stalls", "xxx", 1.3),
-        ("thrown_load", "/", 1.8),
-        # --- which way up
-        ("unstable_side", "/", 1.8),
-        ("stands", "", 1.8),
-        ("may_topple", "..", 0.9),
-        ("no_pass", "", 1.8),
-        ("passes", "", 1.8),
-        # --- rows of parts
-        ("crowded", "\\", 1.8),
-        ("indeterminate_force", "x", 1.8),
-        ("out_of_phase_possible", "\\", 1.8),
-        ("separating", "..", 0.9),
-        ("blocked", "", 1.8),
-        ("not_supported", "xxx", 1.3),
-        # --- round parts
-        ("neutral", "", 1.8),
-        ("rolls_and_slips", "///", 1.3),
-        ("soft_contact", "..", 0.9),
+    for hatch, width, names in (
+        (
+            "", 1.8,
+            "not_assessed contact slip separation sliding apart impact_slip impact rests "
+            "resonance several_amplitudes stands no_pass passes blocked neutral"
+        ),
+        (
+            "..", 0.9,
+            "stick no_motion no_impact impact_stick tuned_stiff may_topple separating "
+            "soft_contact"
+        ),
+        ("oo", 3.2, "roll"),
+        ("///", 1.3, "flight rolls_and_slips"),
+        ("\\\\\\", 1.3, "wall_lost"),
+        (
+            "xxx", 1.3,
+            "flight_and_wall_lost two_solutions overlap runaway stalls not_supported"
+        ),
+        ("o", 0.9, "stopped"),
+        ("---", 1.3, "outside_cone no_solution singular unresolved"),
+        ("++", 1.3, "invalid_geometry"),
+        ("|||", 1.3, "tipping faster_than_track simultaneous"),
+        ("..", 1.8, "unbounded overstressed"),
+        (".", 1.8, "stick_slip"),
+        ("/", 1.8, "hopping tumbles tuned_soft thrown_load unstable_side"),
+        ("//", 1.8, "hop_after_hop"),
+        ("\\", 1.8, "period_doubled isolation_poor crowded out_of_phase_possible"),
+        ("x", 1.8, "aperiodic hits_magnet hunting indeterminate_force"),
     )
-}
+    for name in names.split()
+}  # fmt: skip
 PLAIN = ("", "#8a8a8a", 1.8)
 
 ON_FILL = "#000000"  # what is written on a fill
@@ -271,7 +233,6 @@ def luminance(colours: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _ink(look: Look, face: RGB) -> RGB:
-    """Return the hatching colour of a regime that is visible on the colour `face`."""
     if not look.valid:
         return look.hatch_ink if look.style.dark else to_rgb(look.colour)
     return to_rgb("#ffffff" if luminance(np.array(face)) < 0.5 else "#000000")
