@@ -38,7 +38,6 @@ from vibrafeed.core.quantities.pictures import FILLS
 from vibrafeed.core.study.shown import ShownUnits
 
 DOTS = 100  # dots per inch
-PALETTE = 32  # colours: enough for smooth text
 SAMPLED = 8  # frames from which the colours are taken
 SIZE = (6.4, 4.0)  # inches
 MARGIN = 0.06  # of the view's width, left and right
@@ -109,7 +108,7 @@ def _write_gif(frames: Iterable[Frame], target: Path) -> None:
     pictures = [Image.fromarray(frame) for frame in frames]
     some = pictures[:: max(1, len(pictures) // SAMPLED)]
     sheet = Image.fromarray(np.concatenate([np.asarray(picture) for picture in some]))
-    palette = sheet.quantize(PALETTE, dither=Image.Dither.NONE)
+    palette = sheet.quantize(32, dither=Image.Dither.NONE)
     first, *others = (
         picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures
     )

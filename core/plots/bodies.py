@@ -18,8 +18,6 @@ from vibrafeed.core.plots.selection import check_result, fixed_positions, held_f
 from vibrafeed.core.plots.style import Options, Style, mix, number
 
 BODIES = (1, 2)
-RIM = 48  # points of a rim
-ARROW = 0.45  # of the width of the bodies: the arrow of the faster one
 MARGIN = 0.12  # of the width of the bodies, left free around them
 AXES = "xyz"
 MILLI = 1000.0  # millimetres in a metre
@@ -127,7 +125,7 @@ def _cylinder(length: float, diameter: float, azimuth: float, elevation: float) 
     level = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
     flat = np.cos(elevation)
     axis = np.array([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)])
-    turns = np.linspace(0, 2 * np.pi, RIM, endpoint=False)[:, None]
+    turns = np.linspace(0, 2 * np.pi, 48, endpoint=False)[:, None]
     rim = (np.cos(turns) * level + np.sin(turns) * np.cross(axis, level)) * diameter / 2
     return np.concatenate([rim + axis * length / 2, rim - axis * length / 2])
 
@@ -154,7 +152,8 @@ def _draw_bodies(
         )  # fmt: skip
         speed = body.velocity[list(view)]
         if fastest and np.linalg.norm(speed) > 0:
-            tip = centre + ARROW * size * speed / fastest
+            # The arrow of the faster one: so long, of the width of the bodies.
+            tip = centre + 0.45 * size * speed / fastest
             low, high = np.minimum(low, tip), np.maximum(high, tip)
             axes.add_patch(
                 FancyArrowPatch(

@@ -34,7 +34,6 @@ from vibrafeed.core.quantities import letter_of
 from vibrafeed.core.study.shown import ShownUnits
 from vibrafeed.core.suggestions import suggestion
 
-DPI = 150  # dots per inch of a PNG
 MOVING = (".gif", ".mp4")  # of which `animate` writes the first
 FORMATS = {".png": "png", ".svg": "svg", ".pdf": "pdf"}
 METADATA: Mapping[str, dict[str, str | None]] = {
@@ -48,8 +47,6 @@ DASHES: tuple[Dashes, ...] = (
     "solid", (0, (6, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)), (0, (10, 3)),
     (0, (3, 1, 1, 1, 1, 1)), (0, (1, 3)),
 )  # fmt: skip
-ORIGIN = ("scene", "variant", "method")
-BEYOND = "Pale: values there do not describe a real part"
 
 
 def draw(
@@ -154,7 +151,7 @@ def _draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figu
     return finish(
         figure, sheet, style, name=options.title or long_name(first.variable), facts=common,
         source="; ".join(filter(None, titles)), entries=entries,
-        note=BEYOND if any(beyond) else "",
+        note="Pale: values there do not describe a real part" if any(beyond) else "",
     )  # fmt: skip
 
 
@@ -247,7 +244,7 @@ def _labels(
     facts = [list(dict.fromkeys(selection.fixed)) for selection in selections]
     common = [fact for fact in facts[0] if all(fact in other for other in facts)]
     parts = [[fact for fact in own if fact not in common] for own in facts]
-    for key in ORIGIN:
+    for key in ("scene", "variant", "method"):
         values = [str(dataset.attrs.get(key, "")) for dataset in datasets]
         if len(set(values)) > 1:
             parts = [
@@ -357,7 +354,7 @@ def save(figure: Figure, target: Path) -> None:
     """Save a figure as PNG, SVG or PDF, by the suffix; a file appears only when complete."""
     name = FORMATS[target.suffix.lower()]
     picture = io.BytesIO()
-    figure.savefig(picture, format=name, dpi=DPI, metadata=METADATA[name])
+    figure.savefig(picture, format=name, dpi=150, metadata=METADATA[name])
     with whole(target) as temporary:
         temporary.write_bytes(picture.getvalue())
 

@@ -73,10 +73,7 @@ Painter = Callable[[FigureBase, Selection, Sequence[Look], Style], tuple[Axes, l
 
 __all__ = ["draw", "fits"]
 
-MAX_CURVES = FEW
-MAX_MARKED = 12  # points of a curve that are marked: between them nothing was computed
 MAX_RUNS = 20  # of a regime; the borders of more would hide the curve
-STRIP = 0.055  # of the height of the curves: the strip of regimes of one curve
 BAND = 0.4  # opacity of the band of a spread
 DASHES = ((4.0, 2.0), (1.0, 1.5), (7.0, 2.0, 1.0, 2.0), (3.0, 1.5, 1.0, 1.5, 1.0, 1.5))
 
@@ -162,7 +159,7 @@ def _draw_line(
 ) -> tuple[Axes, list[Artist]]:
     # Outputs that have a name in each cell are drawn as strips.
     across = selection.axes[0]
-    chosen = thin(selection.axes[1].values.size, MAX_CURVES) if len(selection.axes) > 1 else [0]
+    chosen = thin(selection.axes[1].values.size, FEW) if len(selection.axes) > 1 else [0]
     regimes = selection.regimes.reshape(across.values.size, -1)[:, chosen]
     if selection.categories:
         return _draw_categories(figure, selection, regimes, looks, style, chosen)
@@ -174,7 +171,8 @@ def _draw_line(
             shade = colour if look.valid else mix(colour, "#9a9a9a", 0.35)
             stroke = _stroke(look, looks, alike)
             _part(axes, across.values, curve, states == look.value, stroke, shade)
-        if across.values.size <= MAX_MARKED:
+        # Few points are marked: between them nothing was computed.
+        if across.values.size <= 12:
             axes.plot(across.values, curve, "o", color=colour, markersize=style.width(4), zorder=4)
         _mark_edges(axes, across.values, curve, states, looks, style)
     if selection.spread is not None and selection.spread.any():
@@ -210,7 +208,7 @@ def _draw_regimes(
     alike = bool((regimes == regimes[:, :1]).all())
     striped = not alike and len({_stroke(look, looks, alike) for look in looks}) < len(looks)
     if striped:
-        heights = (1.0, STRIP * len(chosen))
+        heights = (1.0, 0.055 * len(chosen))
         axes, lowest = figure.subplots(2, 1, sharex=True, height_ratios=heights)
         _add_strips(lowest, across, regimes, looks, _labels(selection, chosen))
         entries: list[Artist] = [swatch(look, look.fill, hatched=not look.valid) for look in looks]

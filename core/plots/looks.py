@@ -23,7 +23,6 @@ from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.quantities.pictures import FILLS, INKS
 
 VEIL_STRENGTH = 0.45  # opacity of the veil over values that are not valid
-TINT_VEIL = 0.68  # share of the ground colour in the tint of a background
 HATCH_WIDTH = 0.7  # points
 HATCH_STRENGTH = 0.3  # opacity of hatches, below which values have to be readable
 LINE_STRENGTH = 0.3  # opacity of hatches of sparse lines, which contours cross
@@ -75,7 +74,6 @@ NOTES = {
 }  # fmt: skip
 
 
-MOST_CATEGORIES = 8  # categories of a picture; more are drawn as numbers
 NO_VALUE = -1
 
 CATEGORY_FILLS = (
@@ -118,7 +116,7 @@ class Look:
     def tint(self) -> RGB:
         """A pale tint for backgrounds."""
         if self.paint:
-            return mix(self.paint, self.style.ground, TINT_VEIL)
+            return mix(self.paint, self.style.ground, 0.68)
         return mix(self.colour, self.style.ground, 0.88)
 
     @property
@@ -253,7 +251,7 @@ def categories_of(array: xarray.DataArray) -> dict[int, str] | None:
     else:
         return None
     present = np.unique(codes_of(array.values)).tolist()
-    if len(present) > MOST_CATEGORIES:
+    if len(present) > 8:
         return None
     named[NO_VALUE] = "no value"
     return {value: named.get(value, other.format(value)) for value in present}

@@ -54,21 +54,15 @@ from vibrafeed.core.quantities.pictures import LEVELS
 __all__ = ["draw", "fits"]
 
 MAX_POINTS = 500  # of an axis of cells; one is then two points of the picture wide
-MAX_CONTOUR_POINTS = 1000  # of an axis of contours; a picture shows no more
 BORDER = "#1a1a1a"  # on fills, which are light in every style
 
-LINES = 10  # level lines, roughly
 PALE = 0.5  # share of the ground colour in the colour of a regime
-SPEED = "m s-1"
-NOTHING = 1e-6  # of the largest value: smaller ones count as 0
 HATCH = "\\\\"
 FORWARD, ZERO, BACKWARD = 1.3, 2.2, 1.5  # points
 TEXT_SIZE = 10  # points
 BOX = (500.0, 330.0)  # points: width and height of the frame of a normal picture, roughly
 RASTER = (250, 165)  # of the frame, in which room for labels is sought
 CLEARANCE = 1.3  # of a label's size
-OTHERS = 0.02  # of a label's box that may lie over other regimes
-DEPTH_TOLERANCE = 0.1  # how much less deep a place may be that lies nearer to the middle
 
 Array = NDArray[np.float64]
 Masked = np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]
@@ -78,7 +72,7 @@ def _draw_contour(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
     axes = figure.add_subplot()
-    across, up, values, regimes = set_plane(axes, selection, MAX_CONTOUR_POINTS)
+    across, up, values, regimes = set_plane(axes, selection, 1000)
     x, y = across.values, up.values
     scale = scale_of(values, style)
     faces = {look: to_rgb(style.ground) for look in looks}
@@ -140,7 +134,7 @@ def _draw_levels(
     faces = [mix(look.fill, style.ground, PALE) for look in looks]
     _fill_cells(axes, across, up, regimes, looks, faces)
     _add_borders(axes, across, up, regimes, looks, colour=mix(style.ground, style.ink, 0.45))
-    backward = str(selection.variable.attrs.get("units")) == SPEED
+    backward = str(selection.variable.attrs.get("units")) == "m s-1"
     entries = _add_lines(axes, plane, "speed" if backward else "value", selection.unit, style)
     if _hatch_below(axes, across.values, up.values, values, style):
         label = "backward" if backward else "below zero"
@@ -154,7 +148,8 @@ def _draw_levels(
 
 def _hatch_below(axes: Axes, x: Array, y: Array, values: Array, style: Style) -> bool:
     """Hatch the area of a map where values are negative; True if there is any."""
-    negative = np.nan_to_num(values) < -NOTHING * np.nanmax(np.abs(values), initial=0.0)
+    # Of the largest value; what is smaller counts as 0.
+    negative = np.nan_to_num(values) < -1e-6 * np.nanmax(np.abs(values), initial=0.0)
     if not negative.any():
         return False
     shown = np.ones_like(values) if negative.all() else np.ma.masked_invalid(-values)
@@ -171,7 +166,7 @@ def _add_lines(axes: Axes, plane: Plane, what: str, unit: str, style: Style) -> 
     ends = value_range(values)
     if ends is None:
         return []
-    locator = MaxNLocator(LINES, steps=[1, 2, 2.5, 5, 10])
+    locator = MaxNLocator(10, steps=[1, 2, 2.5, 5, 10])
     levels = np.asarray(locator.tick_values(*ends))
     levels = levels[(levels > ends[0]) & (levels < ends[1])]
     masked = np.ma.masked_invalid(values)
@@ -315,13 +310,15 @@ def _centre(inside: NDArray[np.bool_], width: float, height: float) -> tuple[flo
     rows = math.ceil(height * RASTER[1] / BOX[1] * CLEARANCE)
     framed = np.pad(inside, 1)  # the frame is a border too
     filled = uniform_filter(framed.astype(float), size=(rows, columns), mode="constant")
-    free = filled[1:-1, 1:-1] > 1 - OTHERS
+    # So much of a label's box may lie over other regimes.
+    free = filled[1:-1, 1:-1] > 1 - 0.02
     if not free.any():
         return None
     depth = distance_transform_edt(framed)[1:-1, 1:-1]
     row, column = np.meshgrid(*(np.arange(n) for n in inside.shape), indexing="ij")
     aside = np.hypot(row - row[inside].mean(), column - column[inside].mean())
-    best = int(np.where(free, depth - DEPTH_TOLERANCE * aside, -np.inf).argmax())
+    # A place may be so much less deep if it lies nearer to the middle.
+    best = int(np.where(free, depth - 0.1 * aside, -np.inf).argmax())
     return (best % RASTER[0] + 0.5) / RASTER[0], (best // RASTER[0] + 0.5) / RASTER[1]
 
 

@@ -13,16 +13,10 @@ from vibrafeed.core.measured.drive import Fit
 from vibrafeed.core.plots.parts import finish
 from vibrafeed.core.plots.style import LIGHT, Style, words
 
-SIZE = (10.0, 7.0)  # inches
 AXES = ("along", "across", "normal")  # in the order of the colours of a series
 MAX_POINTS = 3000  # of one axis; more hide one another
 FINE = 721  # points of a smooth curve
-DISPLAYED = 1.3  # times the highest fitted order: the end of the drawn spectrum
 EXACT = 1e-9  # of the frequency: a smaller error is not printed
-MICRO = 1e6  # micrometres in a metre
-
-MARKERS = "osD^vPX*ph<"
-NOTHING = 1e-18  # drawn in place of an error of 0, which a logarithmic axis cannot show
 
 
 def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
@@ -32,7 +26,7 @@ def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
     on the right the spectrum, in which dots mark the fitted harmonics, and the path of the track.
     """
     style = Style(dark=dark)
-    figure = style.sheet(*SIZE)
+    figure = style.sheet(10.0, 7.0)
     left, right = figure.subfigures(1, 2, width_ratios=(1.25, 1.0), squeeze=False)[0]
     count = len(fit.axes)
     periods = left.subplots(count + 1, 1, sharex=True, height_ratios=(*(1.0,) * count, 0.8))
@@ -95,7 +89,7 @@ def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
     frequencies = (
         np.arange(amplitude.shape[1]) * fit.frequency / fit.periods * (1 - 1 / fit.samples)
     )
-    shown = frequencies <= max(DISPLAYED * fit.orders[-1], fit.orders[-1] + 1) * fit.frequency
+    shown = frequencies <= max(1.3 * fit.orders[-1], fit.orders[-1] + 1) * fit.frequency
     orders = np.array(fit.orders)
     peaks = fit.amplitudes * (2.0 * np.pi * fit.frequency * orders) ** 2
     for axis, curve, row, significant in zip(
@@ -129,7 +123,7 @@ def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
 
 def _draw_path(axes: Axes, fit: Fit, style: Style) -> None:
     phase = np.linspace(0.0, 2.0 * np.pi, FINE)
-    moved = dict(zip(fit.axes, MICRO * fit.displacement(phase), strict=True))
+    moved = dict(zip(fit.axes, 1e6 * fit.displacement(phase), strict=True))
     if "along" not in moved or "normal" not in moved:
         for axis, curve in moved.items():
             axes.plot(
@@ -166,8 +160,9 @@ def draw_report(dataset: xarray.Dataset) -> Figure | None:
     for number, curve in enumerate(flags_of(dataset["curve"].attrs).values()):
         here = dataset.isel(curve=number)
         seconds = here["time_per_cell"].values * 1e6
-        low, high = (np.fmax(here[name].values, NOTHING) for name in ("error", "error_largest"))
-        colour, marker = (set_[number % len(set_)] for set_ in (style.series, MARKERS))
+        # Errors of 0 have no place on a logarithmic axis.
+        low, high = (np.fmax(here[name].values, 1e-18) for name in ("error", "error_largest"))
+        colour, marker = (set_[number % len(set_)] for set_ in (style.series, "osD^vPX*ph<"))
         axes.vlines(seconds, low, high, color=colour, lw=1.2)
         axes.plot(seconds, high, "_", color=colour, ms=8)
         axes.plot(seconds, low, f"{marker}-", color=colour, ms=6.5, lw=1.4, label=words(curve))

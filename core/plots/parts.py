@@ -26,21 +26,14 @@ from vibrafeed.core.plots.style import RGB, Style, long_name, number
 
 DOT = " \N{MIDDLE DOT} "
 # Sizes of the title, of the facts below it and of the legend [points].
-NAME = 13.0
 FACTS = 8.5
-LEGEND = 9.0
-HANDLE = 5.0  # widths of a letter: a swatch of the legend, and the gap behind it
 MARGIN = 0.02  # of the width, on either side
 GIVES_WAY = "gives way"
 AIR = 2.0  # dots between texts
 
-DECADE = 10.0
-BANDS = 12  # levels of a scale, roughly
 OUTLIERS = 1.0  # per cent on either side that may be cut off ...
 SPREAD = 4.0  # ... where the range shrinks by more than this
 FLAT = 1e-9  # of the largest value: a smaller range is drawn as one value
-MINOR_SIGN = 0.1  # a sign that reaches less of the other leaves the colours to that one
-STRONG = 85.0  # per cent: the middle one is often as pale as a veil
 
 
 def finish(
@@ -121,7 +114,7 @@ def _cut(figure: Figure, text: str, width: float, size: float, weight: str = "no
 
 
 def _add_name(figure: Figure, name: str, style: Style) -> Text:
-    size, width = style.text(NAME), (1 - 2 * MARGIN) * figure.bbox.width
+    size, width = style.text(13.0), (1 - 2 * MARGIN) * figure.bbox.width
     words, count = name.split(), 1
     while (
         count < len(words)
@@ -138,11 +131,12 @@ def _add_name(figure: Figure, name: str, style: Style) -> Text:
 def _add_legend(figure: Figure, entries: Sequence[Artist], note: str, style: Style) -> None:
     if not entries:
         return
-    size = style.text(LEGEND)
+    size = style.text(9.0)
     letter = _text_width(figure, "n", size)
     widest = max(_text_width(figure, str(entry.get_label()), size) for entry in entries)
     width = (1 - 2 * MARGIN) * figure.bbox.width
-    columns = int(width // (widest + HANDLE * letter + 2 * letter))
+    # A swatch of the legend, and the gap behind it, take five letters.
+    columns = int(width // (widest + 5.0 * letter + 2 * letter))
     legend = figure.legend(
         handles=list(entries),
         loc="outside lower left",
@@ -201,7 +195,8 @@ class Scale:
         finite = values[np.isfinite(values)]
         if not finite.size:
             return 1.0, 1.0, 1.0
-        return self.colour(float(np.percentile(finite, STRONG)))
+        # The middle one is often as pale as a veil.
+        return self.colour(float(np.percentile(finite, 85.0)))
 
     def colour(self, value: float) -> RGB:
         """Return the colour of a value."""
@@ -236,13 +231,14 @@ def scale_of(values: NDArray[np.float64], style: Style) -> Scale | None:
     ends = value_range(values)
     if ends is None:
         return None
-    locator = MaxNLocator(BANDS, steps=[1, 2, 2.5, 5, 10])
+    locator = MaxNLocator(12, steps=[1, 2, 2.5, 5, 10])
     levels = np.asarray(locator.tick_values(*ends), dtype=np.float64)
     under, over = np.nanmin(values) < levels[0], np.nanmax(values) > levels[-1]
     extend: Literal["neither", "min", "max", "both"] = (
         "both" if under and over else "min" if under else "max" if over else "neither"
     )
-    if min(-ends[0], ends[1]) > MINOR_SIGN * max(-ends[0], ends[1]):
+    # A sign that reaches less of the other leaves the colours to that one.
+    if min(-ends[0], ends[1]) > 0.1 * max(-ends[0], ends[1]):
         most = float(np.abs(levels).max())
         return Scale(levels, style.two_signs, Normalize(-most, most), extend)
     norm = Normalize(float(levels[0]), float(levels[-1]))
@@ -262,7 +258,7 @@ def set_log(spine: Axis, values: NDArray[np.float64]) -> None:
     spine.axes.set(**{f"{spine.axis_name}scale": "log"})  # type: ignore[attr-defined]
     spine.set_major_formatter(plain)
     spine.set_minor_formatter(NullFormatter())
-    if values[-1] < DECADE * values[0]:
+    if values[-1] < 10.0 * values[0]:
         spine.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
         spine.set_minor_locator(NullLocator())
 

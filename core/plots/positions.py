@@ -21,8 +21,6 @@ from vibrafeed.core.plots.trajectory import TIME, followed
 from vibrafeed.core.study.shown import Shown, ShownUnits
 
 FIRST = "part_position_1"
-TOUCHES = 1e-9
-"""Of the way that is shown: gaps that are no larger are those of parts that touch."""
 PALE = 0.25
 
 
@@ -66,7 +64,8 @@ def read_row(dataset: xarray.Dataset, units: ShownUnits) -> RowPositions:
     time, along = shown_in(dataset[TIME], units), shown_in(dataset[FIRST], units)
     centres = np.array([scaled(dataset[name], along.factor) for name in names])
     length = scaled(dataset["length"], along.factor).item() if "length" in dataset else 0.0
-    closed = np.diff(centres, axis=0) - length <= TOUCHES * np.ptp(centres)
+    # Of the way that is shown: a smaller gap is none.
+    closed = np.diff(centres, axis=0) - length <= 1e-9 * np.ptp(centres)
     return RowPositions(scaled(dataset[TIME], time.factor), centres, length, closed, time, along)
 
 

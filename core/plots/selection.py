@@ -33,11 +33,9 @@ from vibrafeed.core.study.units import UnitError, read_number
 from vibrafeed.core.study.values import position_on_axis
 from vibrafeed.core.suggestions import suggestion
 
-LOG_TOLERANCE = 1e-6
 SPEEDS = ("conveying_velocity",)
 """Outputs that are read off lines of equal value, over the colours of their regimes."""
 SPACE = "\N{NO-BREAK SPACE}"
-COUNT = "_count"
 ANY_REGIME = -2
 FEW = 7  # values of an axis between which nothing is drawn: curves, not contours
 
@@ -57,7 +55,7 @@ class PlotAxis:
         if self.values.size < 3 or self.values[0] <= 0:
             return False
         steps = np.diff(np.log(self.values))
-        return bool(np.ptp(steps) <= LOG_TOLERANCE * steps.max())
+        return bool(np.ptp(steps) <= 1e-6 * steps.max())
 
 
 @dataclass(frozen=True)
@@ -260,7 +258,7 @@ def _variable(dataset: xarray.Dataset, name: str | None) -> str:
     if name is None:
         # What is one value, or counts cells, says less than what varies.
         varies = [key for key in outputs if dataset[key].size > 1]
-        values = [key for key in varies if not key.endswith(COUNT)]
+        values = [key for key in varies if not key.endswith("_count")]
         return next(iter([*values, *varies, *outputs]))
     if is_regime(name):
         fix = "Draw kind map, or choose an output: " + ", ".join(outputs)

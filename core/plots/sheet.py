@@ -26,10 +26,8 @@ from vibrafeed.core.study.shown import ShownUnits
 PAGE = 8.27, 11.69  # inches, A4
 LEFT, RIGHT, TOP, BOTTOM = 0.08, 0.92, 0.955, 0.045
 LINE = 0.0165  # of the page's height
-DPI = 200  # of the picture
 MAX_ROWS = 18  # rows of a table; the file has all
 LETTERS = 108  # letters of a line
-TITLE_LETTERS = 54  # letters of a line of the title
 SETTINGS = ("tolerance", "max_periods", "gravity", "hold_down_number", "curvature_number")
 
 
@@ -73,7 +71,7 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     def write(text: str, x: float = LEFT, *, size: float = 9, **look: Any) -> None:
         page.text(x, at, text, size=size, va="top", **{"color": style.ink, **look})
 
-    for line in textwrap.wrap(title or str(dataset.attrs.get("title", "")), TITLE_LETTERS):
+    for line in textwrap.wrap(title or str(dataset.attrs.get("title", "")), 54):
         write(line, size=15, weight="bold")
         at -= 1.7 * LINE
     at -= 0.3 * LINE
@@ -103,7 +101,7 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     foot = BOTTOM + (len(assumed) + 3.5) * 0.8 * LINE
     if (drawn := _picture(dataset, units)) is not None:
         picture = io.BytesIO()
-        drawn.savefig(picture, format="png", dpi=DPI)
+        drawn.savefig(picture, format="png", dpi=200)
         picture.seek(0)
         axes = page.add_axes((LEFT, foot, RIGHT - LEFT, at - foot - LINE))
         axes.imshow(imread(picture), aspect="equal", interpolation="antialiased")

@@ -46,12 +46,9 @@ ANALYSIS = {"distribution": "distribution", "indices": "sobol", "tornado": "budg
 LEFT_OUT = "_left_out"
 BINS = 32  # bars of a distribution
 HEIGHT = 0.36  # of a bar, as a share of its parameter's room
-ABOVE = 1.2  # height of the axes over that of the bars
-SMOOTH = 4  # quantiles from which on a smooth curve is laid through them
 PADDING = 0.08  # share of the largest value that is left free beyond it
 SHARES = (0.95, 0.68)  # of the posterior, that are drawn as areas
 PALE, DEEP = 0.2, 0.5  # share of the curve's colour in the areas of 95 % and 68 %
-MAX_TICKS = 5
 SIDE = {1: (8.0, 5.6), 2: (8.0, 7.2), 3: (9.0, 8.4), 4: (10.0, 9.6)}  # inches
 
 Array = NDArray[np.float64]
@@ -207,7 +204,7 @@ def _draw_distribution(axes: Axes, result: UncertainOutput, style: Style) -> Dra
         entries.append(Line2D([], [], color=style.accent, linewidth=2.0, label=label))
     axes.set(xlabel=result.axis, ylabel="Share of the parts (%)")
     axes.margins(x=0.03)
-    axes.set_ylim(top=axes.get_ylim()[1] * ABOVE)  # room for the names of quantiles
+    axes.set_ylim(top=axes.get_ylim()[1] * 1.2)  # room for the names of quantiles
     style.add_grid(axes)
     left = float(result.design[f"{result.output}{LEFT_OUT}"])
     note = f"{_percent(left)} of the points have no valid value" if left > 0 else ""
@@ -222,7 +219,7 @@ def _share_below(values: Array, levels: Array, edges: Array) -> Array:
     """
     last = np.append(np.diff(values) > 0, True)
     values, levels = values[last], levels[last]
-    if values.size < SMOOTH:
+    if values.size < 4:
         return np.interp(edges, values, levels)
     return np.asarray(np.clip(PchipInterpolator(values, levels)(edges), 0.0, 1.0))
 
@@ -355,7 +352,7 @@ def _draw_posterior(dataset: xarray.Dataset, options: Options) -> Figure:
                 else:
                     panel.tick_params(labelleft=False)
             panel.set_xlim(x[0], x[-1])
-            panel.xaxis.set_major_locator(MaxNLocator(MAX_TICKS))
+            panel.xaxis.set_major_locator(MaxNLocator(5))
             if count == 1:
                 panel.set_ylabel("Density")
             if j == count - 1:

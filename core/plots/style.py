@@ -27,9 +27,6 @@ from vibrafeed.core.study.units import UnitError
 RGB = tuple[float, float, float]
 SMALL = 0.8  # text of a small picture over that of a normal one
 NARROW = 0.55  # width of a small picture over that of a normal one
-LOW = 0.68  # its height: the text below and above takes more of it
-HALF = 0.55  # how bright a colour is on which dark lines are seen better than light ones
-DARKEST = 0.8  # of a scale that ends in a colour on which lines are still seen
 
 GREEK = (
     "Gamma", "Lambda", "alpha", "beta", "gamma", "delta", "zeta", "theta", "kappa", "lambda", "mu",
@@ -106,7 +103,8 @@ class Style:
     @property
     def single_sign(self) -> Colormap:
         """The colour map for values of one sign."""
-        colours = matplotlib.colormaps["YlGnBu"](linspace(0.0, DARKEST, 256))
+        # Up to a colour on which lines are still seen.
+        colours = matplotlib.colormaps["YlGnBu"](linspace(0.0, 0.8, 256))
         return ListedColormap(colours[::-1] if self.dark else colours, "one sign")
 
     @property
@@ -117,7 +115,7 @@ class Style:
     def on(self, colour: RGB) -> str:
         """Return a readable text colour on a colour: light or dark."""
         red, green, blue = colour
-        return "#16181c" if 0.299 * red + 0.587 * green + 0.114 * blue > HALF else "#eceef1"
+        return "#16181c" if 0.299 * red + 0.587 * green + 0.114 * blue > 0.55 else "#eceef1"
 
     def text(self, size: float) -> float:
         """Return the size of a text of `size` points in a picture of normal size."""
@@ -128,7 +126,7 @@ class Style:
     def sheet(self, width: float = 8.0, height: float = 6.4) -> Figure:
         """Return an empty figure, whose size is that of a normal picture [inch]."""
         if self.small:
-            width, height = NARROW * width, LOW * height
+            width, height = NARROW * width, 0.68 * height
         figure = NotebookFigure(
             figsize=(width, height), layout="constrained", facecolor=self.ground
         )

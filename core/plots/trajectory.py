@@ -41,15 +41,9 @@ NEEDED = (
 )  # fmt: skip
 MILLI = 1000.0
 PANELS = (3.0, 2.4, 1.8)  # relative heights of the panels
-WALL_PANEL = 1.6  # relative height of the panel of the wall
-WALL_HEIGHT = 0.8  # inches that it adds to a picture
 PALE = 0.55  # share of the ground colour in the colour of a mode
-AT_REST = 1e-9  # of the heights: a smaller position is rounding
 MAX_PERIODS = 12  # periods up to which a line marks each
 ORBIT_POINTS = 400
-STRAIGHT = 1e-6  # of an orbit's length: one that is no wider is a line
-ORBIT_AXES = (0.80, 0.60, 0.19, 0.30)  # of the upper panel
-ORBIT_MARGIN = 0.7  # of the heights, above them
 
 # Hatch and colour of the background while the part is in a mode; in flight it is the ground.
 MODES = {
@@ -61,14 +55,10 @@ LEGEND = {
     "stick": "sticking", "forward": "sliding forward", "backward": "sliding backward",
     "flight": "in flight",
 }  # fmt: skip
-UNKNOWN = ("", "#b0b0b0")
 
 TIMES = 400  # points of a trajectory that is computed for a picture
 FALL = ("path_along", "path_height", "path_pitch", "path_gap", "path_corners", "length")
 HEIGHTS = ("height", "diameter")  # of a part, whichever it has
-FALL_PANELS = (2.6, 1.2, 1.2)  # relative heights of the panels
-OUTLINES = 14  # of the part, drawn between start and end
-QUIET_TAIL = 0.12  # of the time shown, after the last change
 STILL = 1e-3  # of the part's size, and of a turn
 
 Array = NDArray[np.float64]
@@ -198,7 +188,8 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
         raise no_motion(", because the simulation found no cycle")
     horizontal = shown_in(dataset["position_along"], units)
     position = horizontal.factor * values_of(dataset["position_along"])
-    if np.nanmax(np.abs(position)) <= AT_REST * horizontal.factor * np.nanmax(np.abs(part)):
+    # A smaller position is rounding.
+    if np.nanmax(np.abs(position)) <= 1e-9 * horizontal.factor * np.nanmax(np.abs(part)):
         position, horizontal = np.zeros_like(position), height
     moved = swing + values_of(dataset["relative_velocity_along"])
     fastest = xarray.DataArray([swing, moved], attrs={"units": "m s-1"})
@@ -228,9 +219,9 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
 
 def _draw_trajectory(figure: Figure, shown: Trajectory, style: Style) -> tuple[Axes, list[Artist]]:
     walled = shown.wall is not None
-    ratios = (*PANELS, WALL_PANEL) if walled else PANELS
+    ratios = (*PANELS, 1.6) if walled else PANELS
     if walled:
-        figure.set_figheight(figure.get_figheight() + style.text(WALL_HEIGHT))
+        figure.set_figheight(figure.get_figheight() + style.text(0.8))
     panels = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios)
     heights, velocities, positions = panels[:3]
     for axes in panels:
@@ -248,7 +239,7 @@ def _draw_trajectory(figure: Figure, shown: Trajectory, style: Style) -> tuple[A
     heights.plot(shown.time, shown.part, **part)
     heights.set_ylim(*ends)
     if shown.orbit is not None:
-        heights.set_ylim(ends[0], ends[1] + ORBIT_MARGIN * (ends[1] - ends[0]))
+        heights.set_ylim(ends[0], ends[1] + 0.7 * (ends[1] - ends[0]))
         _draw_orbit(heights, shown.orbit, style)
     heights.set_ylabel(f"Height{under}({shown.height_unit})")
 
@@ -325,11 +316,12 @@ def _orbit(wave: Wave) -> Array | None:
     phases = np.linspace(0.0, TURN, ORBIT_POINTS + 1)
     orbit = np.stack([position_at(wave, axis, phases) for axis in (ALONG, NORMAL)])
     length, width = np.linalg.svd(orbit, compute_uv=False)
-    return orbit if width > STRAIGHT * length else None
+    # One that is no wider is a line.
+    return orbit if width > 1e-6 * length else None
 
 
 def _draw_orbit(axes: Axes, orbit: Array, style: Style) -> None:
-    inset = axes.inset_axes(ORBIT_AXES, facecolor=style.ground, zorder=5)
+    inset = axes.inset_axes((0.80, 0.60, 0.19, 0.30), facecolor=style.ground, zorder=5)
     inset.plot(*orbit, color=style.other, linewidth=style.width(1.4))
     inset.plot(*orbit[:, :1], color=style.other, marker="o", markersize=style.width(3.5))
     ahead = orbit[:, ORBIT_POINTS // 12 : ORBIT_POINTS // 12 + 2].T
@@ -358,7 +350,7 @@ def spells(modes: Sequence[str], time: Array) -> list[tuple[str, float, float]]:
 
 def _look(mode: str, style: Style) -> tuple[str, RGB]:
     """Return hatch and background colour for what a part does."""
-    hatch, colour = ("", style.ground) if mode == "flight" else MODES.get(mode, UNKNOWN)
+    hatch, colour = ("", style.ground) if mode == "flight" else MODES.get(mode, ("", "#b0b0b0"))
     return hatch, mix(colour, style.ground, PALE)
 
 
@@ -421,7 +413,7 @@ def _draw_fall(
     pitch = angle.factor * pitch[part]
     touches = (dataset["path_corners"].values[part] > 0).tolist()
 
-    side, gaps, pitches = figure.subplots(3, 1, height_ratios=FALL_PANELS)
+    side, gaps, pitches = figure.subplots(3, 1, height_ratios=(2.6, 1.2, 1.2))
     gaps.sharex(pitches)
     gaps.tick_params(labelbottom=False)
     path = length.factor * np.stack([along, upward])[:, part]
@@ -460,7 +452,7 @@ def _draw_side(axes: Axes, outlines: Array, path: Array, unit: str, style: Style
     """
     moved = np.abs(np.diff(outlines, axis=0)).sum(axis=(1, 2))
     passed = np.concatenate([[0.0], np.cumsum(moved)])
-    chosen = np.unique(np.searchsorted(passed, np.linspace(0.0, passed[-1], OUTLINES)))
+    chosen = np.unique(np.searchsorted(passed, np.linspace(0.0, passed[-1], 14)))
     shades = np.linspace(0.75, 0.15, len(chosen))
     axes.add_collection(
         LineCollection(
@@ -496,7 +488,7 @@ def _end_of_fall(outlines: Array, pitch: Array, size: float) -> int:
     still &= np.abs(pitch - pitch[-1]) < STILL * 360
     moving = np.flatnonzero(~still)
     last = int(moving[-1]) + 1 if moving.size else len(pitch)
-    return min(len(pitch), max(2, int(np.ceil(last * (1 + QUIET_TAIL)))))
+    return min(len(pitch), max(2, int(np.ceil(last * (1 + 0.12)))))
 
 
 def _facts_of_fall(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
