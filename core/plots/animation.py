@@ -66,9 +66,10 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
 
 def draw(dataset: xarray.Dataset, options: Options) -> Never:
     """Raise `PlotError`, since animations are files written by `animate`, not figures."""
-    fix = "Call vibrafeed.animate, or end the name in .gif"
     raise PlotError(
-        "kind", "an animation can only be written to a file, not returned as a figure", fix
+        "kind",
+        "an animation can only be written to a file, not returned as a figure",
+        "Call vibrafeed.animate, or end the name in .gif",
     )
 
 
@@ -92,8 +93,11 @@ def animate(
         If the file cannot be written; no part of it is left behind.
     """
     if target.suffix.lower() != ".gif":
-        message = f"'{target.suffix}': unknown animation format"
-        raise PlotError("output", message, "End the name of the animation in .gif")
+        raise PlotError(
+            "output",
+            f"'{target.suffix}': unknown animation format",
+            "End the name of the animation in .gif",
+        )
     style, shown = Style(dark=dark, small=small), units_of(dataset, units)
     if FIRST in dataset:
         frames = draw_lane(dataset, shown, style, DOTS, slow=slow, title=title)

@@ -86,9 +86,11 @@ def draw(
         raise PlotError("dataset", "there is none", "Give one or more")
     for each in datasets:
         if not isinstance(each, xarray.Dataset):
-            message = f"{reprlib.repr(each)} is not a dataset"
-            fix = "Give what `sweep` or `simulate` returned, or the path of a file"
-            raise PlotError("dataset", message, fix)
+            raise PlotError(
+                "dataset",
+                f"{reprlib.repr(each)} is not a dataset",
+                "Give what `sweep` or `simulate` returned, or the path of a file",
+            )
     first = datasets[0]
     axes = None if axes is None else tuple(map(letter_of, axes))
     options = Options(
@@ -96,15 +98,20 @@ def draw(
         units_of(first, units),
     )  # fmt: skip
     if kind is not None and kind not in PICTURES:
-        fix = GONE.get(kind) or suggestion(kind, NAMES)
-        raise PlotError("kind", f"'{kind[:40]}' is unknown", fix)
+        raise PlotError(
+            "kind", f"'{kind[:40]}' is unknown", GONE.get(kind) or suggestion(kind, NAMES)
+        )
     if nearest and not at:
-        message = "nearest is given, but no value of at"
-        raise PlotError("nearest", message, "Give at, or leave nearest out")
+        raise PlotError(
+            "nearest", "nearest is given, but no value of at", "Give at, or leave nearest out"
+        )
     if len(datasets) > 1:
         if kind not in (None, "line"):
-            message = "several datasets in one picture can only be drawn as lines"
-            raise PlotError("kind", message, "Leave the kind out, or draw each by itself")
+            raise PlotError(
+                "kind",
+                "several datasets in one picture can only be drawn as lines",
+                "Leave the kind out, or draw each by itself",
+            )
         return _draw_together(datasets, options)
     if kind is None:
         named = (replace(options, kind=name, is_natural=True) for name in PICTURES)
@@ -117,12 +124,18 @@ def draw(
 def _draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figure:
     style = options.style
     if len(datasets) > MOST:
-        message = f"{len(datasets)} datasets are too many for one picture, {MOST} are drawn"
-        raise PlotError("dataset", message, "Leave some out")
+        raise PlotError(
+            "dataset",
+            f"{len(datasets)} datasets are too many for one picture, {MOST} are drawn",
+            "Leave some out",
+        )
     for dataset in datasets:
         if "regime" not in dataset.data_vars or "scene" not in dataset.attrs:
-            fix = "Draw files that `vibrafeed run` wrote"
-            raise PlotError("dataset", f"{_name(dataset)} is not a result of vibrafeed", fix)
+            raise PlotError(
+                "dataset",
+                f"{_name(dataset)} is not a result of vibrafeed",
+                "Draw files that `vibrafeed run` wrote",
+            )
     selections = _selections(datasets, options)
     labels, common = _labels(datasets, selections)
     figure = style.sheet()
@@ -206,8 +219,11 @@ def _output(datasets: Sequence[xarray.Dataset], asked: str | None) -> str:
     ]
     for dataset in datasets if asked is not None else ():
         if asked not in dataset.data_vars:
-            message = f"{_name(dataset)} has no '{str(asked)[:40]}'"
-            raise PlotError("variable", message, "They share " + _listed(shared))
+            raise PlotError(
+                "variable",
+                f"{_name(dataset)} has no '{str(asked)[:40]}'",
+                "They share " + _listed(shared),
+            )
     if asked is None and not shared:
         told = "; ".join(f"{_name(d)} has {_listed(outputs_of(d))}" for d in datasets)
         raise PlotError(
@@ -218,22 +234,27 @@ def _output(datasets: Sequence[xarray.Dataset], asked: str | None) -> str:
 
 def _axis(datasets: Sequence[xarray.Dataset], output: str, asked: tuple[str, ...] | None) -> str:
     if asked is not None and len(asked) != 1:
-        message = "several result files in one picture are drawn over exactly one axis"
-        raise PlotError("axes", message, "Name one axis, such as amplitude")
+        raise PlotError(
+            "axes",
+            "several result files in one picture are drawn over exactly one axis",
+            "Name one axis, such as amplitude",
+        )
     ranged = [
         [str(dim) for dim in d[output].dims if d.sizes[dim] > 1 and dim in d.coords]
         for d in datasets
     ]
     shared = [name for name in ranged[0] if all(name in other for other in ranged)]
     if asked is not None and asked[0] not in shared:
-        message = f"{output} is not ranged over '{asked[0][:40]}' in all files"
-        raise PlotError("axes", message, "They share " + _listed(shared))
+        raise PlotError(
+            "axes",
+            f"{output} is not ranged over '{asked[0][:40]}' in all files",
+            "They share " + _listed(shared),
+        )
     if not shared:
         told = "; ".join(
             f"{_name(d)} has {_listed(names)}" for d, names in zip(datasets, ranged, strict=True)
         )
-        message = f"{output} has no axis in common: {told}"
-        raise PlotError("axes", message, "Draw each by itself")
+        raise PlotError("axes", f"{output} has no axis in common: {told}", "Draw each by itself")
     return asked[0] if asked else max(shared, key=lambda name: datasets[0].sizes[name])
 
 
@@ -329,11 +350,17 @@ def _refuse_of_animations(
     files: Sequence[Path], chosen: Sequence[object], kind: str | None
 ) -> None:
     if len(files) > 1:
-        message = "an animation shows one result, but several files are given"
-        raise PlotError("dataset", message, "Give one result file")
+        raise PlotError(
+            "dataset",
+            "an animation shows one result, but several files are given",
+            "Give one result file",
+        )
     if kind not in (None, "animation", "trajectory"):
-        fix = "End the name in .png, .svg or .pdf, or leave the kind out"
-        raise PlotError("kind", f"a {kind} does not move", fix)
+        raise PlotError(
+            "kind",
+            f"a {kind} does not move",
+            "End the name in .png, .svg or .pdf, or leave the kind out",
+        )
     if any(chosen):
         raise PlotError(
             "kind",
@@ -345,9 +372,11 @@ def _refuse_of_animations(
 def check_format(target: Path) -> None:
     """Raise `PlotError` if pictures cannot be saved in the format of a file name."""
     if target.suffix.lower() not in FORMATS:
-        message = f"'{target.suffix}': unknown picture format"
-        fix = "End the name of the picture in .png, .svg or .pdf"
-        raise PlotError("output", message, fix)
+        raise PlotError(
+            "output",
+            f"'{target.suffix}': unknown picture format",
+            "End the name of the picture in .png, .svg or .pdf",
+        )
 
 
 def save(figure: Figure, target: Path) -> None:

@@ -277,9 +277,10 @@ def frames_in(seconds: float) -> int:
     """Return the number of frames in a film of some seconds; `PlotError` if it is above 1,000."""
     frames = max(2, round(seconds * FRAMES_PER_SECOND))
     if frames > MAX_FRAMES:
-        message = f"the animation would have {frames:,} frames, at most {MAX_FRAMES:,} are drawn"
         raise PlotError(
-            "slow", message, "Give a smaller slow-motion factor, or a shorter trajectory"
+            "slow",
+            f"the animation would have {frames:,} frames, at most {MAX_FRAMES:,} are drawn",
+            "Give a smaller slow-motion factor, or a shorter trajectory",
         )
     return frames
 

@@ -118,21 +118,28 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     text: Any = dataset.attrs.get("study", "")
     study = parse_json(text) if "optimum_status" in dataset else None
     if not isinstance(study, OptimiseStudy):
-        fix = "Draw what `vibrafeed run` wrote of a study of kind 'optimise'"
-        raise PlotError("dataset", "the dataset is not the result of an optimisation", fix)
+        raise PlotError(
+            "dataset",
+            "the dataset is not the result of an optimisation",
+            "Draw what `vibrafeed run` wrote of a study of kind 'optimise'",
+        )
     prepared = prepare(study)
     problem = prepared.problem
     if options.kind == "front":
         return _draw_front(dataset, problem, options)
     names = options.axes[::-1] if options.axes else problem.names[:2]  # the last is across
     if len(names) > 2 or len({*names}) < len(names) or not {*names} <= {*problem.names}:
-        fix = f"Name one or two of {', '.join(problem.names)}"
-        raise PlotError("axes", "a landscape is drawn over variables of the optimisation", fix)
+        raise PlotError(
+            "axes",
+            "a landscape is drawn over variables of the optimisation",
+            f"Name one or two of {', '.join(problem.names)}",
+        )
     axes = prepared.designs.axes
     for name in options.at:
         if name not in axes:
-            fix = f"Ranged parameters: {', '.join(axes) or 'none'}"
-            raise PlotError("at", f"{name} is not ranged", fix)
+            raise PlotError(
+                "at", f"{name} is not ranged", f"Ranged parameters: {', '.join(axes) or 'none'}"
+            )
     positions = fixed_positions(dataset, options.at, axes, (), nearest=options.nearest)
     held = _held(problem, dataset.isel(positions))
     shown = _computed(dataset, prepared, positions, units, names, held)
@@ -394,8 +401,11 @@ def _draw_front(dataset: xarray.Dataset, problem: OptimisationProblem, options: 
     """
     criterion = problem.criterion
     if not isinstance(criterion, Pareto):
-        fix = "Draw the result of a study with criterion kind 'pareto'"
-        raise PlotError("dataset", "it holds no front", fix)
+        raise PlotError(
+            "dataset",
+            "it holds no front",
+            "Draw the result of a study with criterion kind 'pareto'",
+        )
     units, style = options.units, options.style
     asked = [name for name in options.at if name in dataset.dims]
     positions = fixed_positions(dataset, options.at, asked, (FRONT,), nearest=options.nearest)

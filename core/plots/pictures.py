@@ -92,8 +92,11 @@ class Picture:
         """
         for option in ("variable", "axes", "at"):
             if getattr(options, option) and option not in self.takes:
-                fix = f"Leave {option} out, or name another kind"
-                raise PlotError(option, f"a picture of kind {self.name} has no {option}", fix)
+                raise PlotError(
+                    option,
+                    f"a picture of kind {self.name} has no {option}",
+                    f"Leave {option} out, or name another kind",
+                )
         figure: Figure = import_module(f"{__package__}.{self.home}").draw(dataset, options)
         return figure
 

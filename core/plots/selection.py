@@ -171,19 +171,28 @@ def _selected(
     names = _axes(whole, axes, 1 if kind == "line" else 2)
     categories = None if is_regime(str(whole.name)) else categories_of(whole)
     if categories and kind in ("contour", "levels"):
-        message = f"{whole.name} has a name in each cell, not a number"
-        raise PlotError("kind", message, "Leave out kind, or draw kind map")
+        raise PlotError(
+            "kind",
+            f"{whole.name} has a name in each cell, not a number",
+            "Leave out kind, or draw kind map",
+        )
     if kind != "line" and len(names) == 1:
         line = "Draw an output as a line" if kind == "map" else "Draw the output as kind line"
-        fix = "Name two axes" if len(_ranged(whole)) > 1 else line
-        raise PlotError("kind", f"kind {kind} needs two axes, but there is only {names[0]}", fix)
+        raise PlotError(
+            "kind",
+            f"kind {kind} needs two axes, but there is only {names[0]}",
+            "Name two axes" if len(_ranged(whole)) > 1 else line,
+        )
     return whole, names, categories
 
 
 def _on_map(dataset: xarray.Dataset, variable: str | None) -> xarray.DataArray:
     if REGIME not in dataset:
-        fix = "Draw another kind, or leave out kind"
-        raise PlotError("kind", "the dataset has no regimes to draw as a map", fix)
+        raise PlotError(
+            "kind",
+            "the dataset has no regimes to draw as a map",
+            "Draw another kind, or leave out kind",
+        )
     if variable is None or is_regime(variable):
         name = variable or REGIME
         if name not in dataset:
@@ -192,9 +201,11 @@ def _on_map(dataset: xarray.Dataset, variable: str | None) -> xarray.DataArray:
         return dataset[name]
     whole = dataset[_variable(dataset, variable)]
     if not categories_of(whole):
-        message = f"{whole.name} has numbers, and a map shows regimes or what has a name"
-        fix = f"Draw {_regime(dataset, whole).name}, or draw kind contour"
-        raise PlotError("variable", message, fix)
+        raise PlotError(
+            "variable",
+            f"{whole.name} has numbers, and a map shows regimes or what has a name",
+            f"Draw {_regime(dataset, whole).name}, or draw kind contour",
+        )
     return whole
 
 
@@ -261,9 +272,10 @@ def _variable(dataset: xarray.Dataset, name: str | None) -> str:
         values = [key for key in varies if not key.endswith("_count")]
         return next(iter([*values, *varies, *outputs]))
     if is_regime(name):
-        fix = "Draw kind map, or choose an output: " + ", ".join(outputs)
         raise PlotError(
-            "variable", f"{name} is not an output to draw: every picture shades the regimes", fix
+            "variable",
+            f"{name} is not an output to draw: every picture shades the regimes",
+            "Draw kind map, or choose an output: " + ", ".join(outputs),
         )
     if name not in outputs:
         raise PlotError("variable", f"'{name[:40]}' is unknown", suggestion(name, outputs))
@@ -277,9 +289,10 @@ def _ranged(whole: xarray.DataArray) -> list[str]:
 def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> tuple[str, ...]:
     ranged = _ranged(whole)
     if not ranged:
-        fix = "Choose an output that depends on a ranged parameter"
         raise PlotError(
-            "variable", f"{whole.name} has one value only, so there is nothing to draw", fix
+            "variable",
+            f"{whole.name} has one value only, so there is nothing to draw",
+            "Choose an output that depends on a ranged parameter",
         )
     if names is None:
         longest = sorted(ranged, key=lambda name: -whole.sizes[name])[:most]
@@ -294,8 +307,9 @@ def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> 
         if name in whole.dims and name not in ranged:
             raise PlotError("axes", f"{name} has one value only", "Take " + " or ".join(ranged))
         if name not in ranged:
-            message = f"{whole.name} has no dimension '{name[:40]}'"
-            raise PlotError("axes", message, suggestion(name, ranged))
+            raise PlotError(
+                "axes", f"{whole.name} has no dimension '{name[:40]}'", suggestion(name, ranged)
+            )
     return names
 
 
@@ -351,8 +365,7 @@ def read_fixed(texts: Mapping[str, float | str]) -> dict[str, float]:
     values = {}
     for name, text in in_letters(texts).items():
         if name not in QUANTITIES:
-            message = "there is no such quantity"
-            raise PlotError(f"at.{name}", message, suggestion(name, QUANTITIES))
+            raise PlotError(f"at.{name}", "there is no such quantity", suggestion(name, QUANTITIES))
         try:
             values[name] = read_number(name, QUANTITIES[name], text)
         except UnitError as error:
@@ -387,15 +400,17 @@ def fixed_positions(
     for name, value in at.items():
         if name in axes:
             others = ",".join(axis for axis in axes if axis != name)
-            fix = f"Add --axes {others}, or leave it out" if others else "Leave it out"
             raise PlotError(
                 f"at.{name}",
                 f"{name} is an axis of this picture, so it cannot also have a fixed value",
-                fix,
+                f"Add --axes {others}, or leave it out" if others else "Leave it out",
             )
         if name not in known:
-            message = "the dataset has no such dimension"
-            raise PlotError(f"at.{name}", message, suggestion(name, map(str, dataset.dims)))
+            raise PlotError(
+                f"at.{name}",
+                "the dataset has no such dimension",
+                suggestion(name, map(str, dataset.dims)),
+            )
         asked[name] = _position(dataset[name], value, nearest=nearest)
     return {name: asked.get(name, dataset.sizes[name] // 2) for name in loose}
 
@@ -407,5 +422,8 @@ def _position(coordinate: xarray.DataArray, value: float, *, nearest: bool) -> i
     try:
         return position_on_axis(str(coordinate.name), values, value, "trade")
     except UnitError as error:
-        fix = f"{error.fix}{'; --nearest takes the nearest one' if values.size > 1 else ''}"
-        raise PlotError(f"at.{coordinate.name}", error.message, fix) from None
+        raise PlotError(
+            f"at.{coordinate.name}",
+            error.message,
+            f"{error.fix}{'; --nearest takes the nearest one' if values.size > 1 else ''}",
+        ) from None

@@ -136,8 +136,11 @@ def _result(dataset: xarray.Dataset, options: Options) -> UncertainOutput:
     names = [str(name) for name in dataset.data_vars]
     outputs = [name.removesuffix(LEFT_OUT) for name in names if name.endswith(LEFT_OUT)]
     if not outputs or "uncertain_parameters" not in dataset.attrs:
-        fix = "Draw what `vibrafeed run` wrote of a study of kind 'sensitivity'"
-        raise PlotError("dataset", "the dataset has no uncertain parameters", fix)
+        raise PlotError(
+            "dataset",
+            "the dataset has no uncertain parameters",
+            "Draw what `vibrafeed run` wrote of a study of kind 'sensitivity'",
+        )
     output = options.variable or outputs[0]
     if output not in outputs:
         raise PlotError(
@@ -145,8 +148,11 @@ def _result(dataset: xarray.Dataset, options: Options) -> UncertainOutput:
         )
     whole = f"{output}_{NEEDED[kind]}"
     if whole not in dataset:
-        fix = f'Add "{ANALYSIS[kind]}" to the analyses of the study'
-        raise PlotError("dataset", f"it holds no {words(whole)}", fix)
+        raise PlotError(
+            "dataset",
+            f"it holds no {words(whole)}",
+            f'Add "{ANALYSIS[kind]}" to the analyses of the study',
+        )
     own = (UNCERTAIN, QUANTILE, LEVEL)
     loose = [str(d) for d in dataset.dims if d not in own]
     positions = fixed_positions(dataset, options.at, loose, (), nearest=options.nearest)
@@ -161,8 +167,11 @@ def _result(dataset: xarray.Dataset, options: Options) -> UncertainOutput:
     shown = units.of(unit, float(known[np.isfinite(known)].max()))
     result = UncertainOutput(output, shown, design, facts, units)
     if not np.isfinite(result.shares(NEEDED[kind])).any():
-        message = f"no point of {words(output)} has a valid value here"
-        raise PlotError("dataset", message, "Draw another design by giving at, or another output")
+        raise PlotError(
+            "dataset",
+            f"no point of {words(output)} has a valid value here",
+            "Draw another design by giving at, or another output",
+        )
     return result
 
 
@@ -319,11 +328,17 @@ def _draw_posterior(dataset: xarray.Dataset, options: Options) -> Figure:
     """
     kind, style, units = options.kind, options.style, options.units
     if not is_calibration(dataset):
-        fix = "Draw what `vibrafeed run` wrote of a study of kind 'calibrate'"
-        raise PlotError("kind", f"the dataset has no {kind}", fix)
+        raise PlotError(
+            "kind",
+            f"the dataset has no {kind}",
+            "Draw what `vibrafeed run` wrote of a study of kind 'calibrate'",
+        )
     if kind != "posterior":
-        message = f"the result of a calibration cannot be drawn as kind {kind}"
-        raise PlotError("kind", message, "Draw kind posterior")
+        raise PlotError(
+            "kind",
+            f"the result of a calibration cannot be drawn as kind {kind}",
+            "Draw kind posterior",
+        )
     names = str(dataset.attrs["unknowns"]).split()
     count = len(names)
     figure = style.sheet(*SIDE[count])

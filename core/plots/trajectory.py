@@ -146,12 +146,17 @@ def no_motion(why: str) -> PlotError:
 def check_trajectory(dataset: xarray.Dataset) -> None:
     """Raise `PlotError` if a dataset has no motion over time."""
     if TIME not in dataset.dims:
-        fix = "Set trajectory = 400 in a study of one point, and run it"
-        message = f"the dataset has no trajectory: the dimension {TIME} is missing"
-        raise PlotError("kind", message, fix)
+        raise PlotError(
+            "kind",
+            f"the dataset has no trajectory: the dimension {TIME} is missing",
+            "Set trajectory = 400 in a study of one point, and run it",
+        )
     if dataset.sizes[TIME] < 2:
-        message = "the trajectory of the dataset has one time only"
-        raise PlotError("dataset", message, "Set trajectory to 2 or more in the study")
+        raise PlotError(
+            "dataset",
+            "the trajectory of the dataset has one time only",
+            "Set trajectory to 2 or more in the study",
+        )
 
 
 def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
