@@ -445,10 +445,10 @@ def plot(
     >>> figure.get_suptitle()
     'Acceleration along the track'
     """
-    plots = import_module("vibrafeed.core.plots")
-    return plots.draw(
+    drawing = import_module("vibrafeed.core.plots.drawing")
+    return drawing.draw(
         _opened(dataset), variable=variable, axes=(axes,) if isinstance(axes, str) else axes,
-        at=plots.read_fixed(at or {}), kind=kind, title=title, units=units, nearest=nearest,
+        at=drawing.read_fixed(at or {}), kind=kind, title=title, units=units, nearest=nearest,
         dark=dark, small=small,
     )  # fmt: skip
 

@@ -19,8 +19,10 @@ from PIL import Image
 
 from vibrafeed.core.dataset.files import whole
 from vibrafeed.core.plots.film import (
+    FIRST,
     FRAMES_PER_SECOND,
     NICE,
+    PALE,
     PERIOD_SHOWN,
     TURN,
     Film,
@@ -28,10 +30,10 @@ from vibrafeed.core.plots.film import (
     frames_in,
     nice,
     read_film,
+    read_row,
 )
 from vibrafeed.core.plots.parts import DOT, finish
 from vibrafeed.core.plots.pictures import PlotError
-from vibrafeed.core.plots.positions import FIRST, PALE, read_row
 from vibrafeed.core.plots.selection import held_fixed
 from vibrafeed.core.plots.style import RGB, Options, Style, mix, number, units_of, with_unit
 from vibrafeed.core.quantities.pictures import FILLS
@@ -57,11 +59,6 @@ COLOURS = {
 """What the part does. In flight it has the colour of the ground; words say it too."""
 
 Frame = NDArray[np.uint8]
-
-
-def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """False: it is drawn where it is asked for."""
-    return False
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Never:

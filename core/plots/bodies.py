@@ -10,19 +10,16 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.patches import FancyArrowPatch, Polygon
-from numpy.typing import NDArray
 
 from vibrafeed.core.plots.parts import finish, source_of
 from vibrafeed.core.plots.pictures import PlotError, is_pair
 from vibrafeed.core.plots.selection import check_result, fixed_positions, held_fixed
-from vibrafeed.core.plots.style import Options, Style, mix, number
+from vibrafeed.core.plots.style import Array, Options, Style, mix, number
 
 BODIES = (1, 2)
 MARGIN = 0.12  # of the width of the bodies, left free around them
 AXES = "xyz"
 MILLI = 1000.0  # millimetres in a metre
-
-Array = NDArray[np.float64]
 
 
 class Outline(NamedTuple):

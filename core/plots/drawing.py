@@ -75,7 +75,7 @@ def draw(
     Examples
     --------
     >>> from pathlib import Path
-    >>> from vibrafeed.core.plots import draw
+    >>> from vibrafeed.core.plots.drawing import draw
     >>> from vibrafeed.core.intake import load_study
     >>> from vibrafeed.core.kinds import run_study
     >>> dataset = run_study(load_study(Path("configs/figures/fig-5-1.toml")))

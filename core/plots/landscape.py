@@ -16,7 +16,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.table import quantity_attributes
 from vibrafeed.core.intake import parse_json
@@ -49,6 +48,7 @@ from vibrafeed.core.plots.selection import (
 )
 from vibrafeed.core.plots.style import (
     RGB,
+    Array,
     Options,
     Style,
     axis_label,
@@ -74,23 +74,13 @@ SOLVED = (STATUS["optimal"], STATUS["not_attained"])
 FRONT = "front"
 WIDTH, PANEL = 8.0, 4.0  # inches: of a sheet, and of each panel of more than one
 
-Array = NDArray[np.float64]
-
 
 class Landscape(NamedTuple):
     """The objective over one variable or two, in the units in which it is drawn.
 
-    Attributes
-    ----------
-    variables, labels : tuple of ndarray, tuple of str
-        The variables, of which the last is drawn across, and their labels.
-    value, label : ndarray, str
-        The objective, shape (n,) or (n, n), and its label.
-    margins : dict of str to ndarray
-        By its words, how far each constraint is from being broken: below 0 where it is, and where
-        its output has no value.
-    best : ndarray, shape (variables, k)
-        The optimum, or the points of a front; none where there is no answer.
+    The last variable is drawn across. `margins` say by its words how far each constraint is from
+    being broken: below 0 where it is, and where its output has no value. `best` is the optimum, or
+    the points of a front, shape (variables, k), none where there is no answer.
     """
 
     variables: tuple[Array, ...]
@@ -152,7 +142,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
         *([f"over {counted.nodes:,} points"] if counted.is_sampled else []),
         *held_fixed(dataset, units, positions),
         *(
-            held_at(_array(name, _from_si(name, np.asarray(value))), units)
+            held_at(_array(name, from_si(name, np.asarray(value))), units)
             for name, value in zip(problem.names, held, strict=True)
             if name not in names
         ),
@@ -225,7 +215,7 @@ def _computed(
     best = dataset.isel(dict(positions))
     tops, drawn, labels = [], [], []
     for name, side in zip(names, sides, strict=True):
-        variable = _array(name, _from_si(name, side))
+        variable = _array(name, from_si(name, side))
         unit = shown_in(variable, units)
         drawn.append(scaled(variable, unit.factor))
         labels.append(axis_label(variable, unit.unit))
@@ -359,13 +349,10 @@ def _star(axes: Axes, x: Array, y: Array, style: Style) -> Artist:
     return Line2D([], [], ms=style.width(12), label="optimum", **look)
 
 
-def _array(name: str, values: Array) -> xarray.DataArray:
-    dims = [f"axis_{k}" for k in range(values.ndim)]
-    return xarray.DataArray(values, dims=dims, name=name, attrs=quantity_attributes(name))
-
-
-def _from_si(name: str, values: Array) -> Array:
-    return np.asarray(from_si(name, values), dtype=np.float64)
+def _array(name: str, values: Any) -> xarray.DataArray:
+    numbers = np.asarray(values, dtype=np.float64)
+    dims = [f"axis_{k}" for k in range(numbers.ndim)]
+    return xarray.DataArray(numbers, dims=dims, name=name, attrs=quantity_attributes(name))
 
 
 class Fronts(NamedTuple):

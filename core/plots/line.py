@@ -53,6 +53,7 @@ from vibrafeed.core.plots.selection import (
     thin,
 )
 from vibrafeed.core.plots.style import (
+    Array,
     Options,
     Style,
     axis_label,
@@ -78,7 +79,6 @@ BAND = 0.4  # opacity of the band of a spread
 DASHES = ((4.0, 2.0), (1.0, 1.5), (7.0, 2.0, 1.0, 2.0), (3.0, 1.5, 1.0, 1.5, 1.0, 1.5))
 
 Dashes = tuple[float, tuple[float, ...]] | Literal["solid"]
-Array = NDArray[np.float64]
 Colour = tuple[float, float, float] | str
 
 

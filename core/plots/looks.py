@@ -18,14 +18,13 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.regimes import flags_of
 from vibrafeed.core.plots.pictures import unreadable
-from vibrafeed.core.plots.style import LIGHT, RGB, Style, mix, words
+from vibrafeed.core.plots.style import LIGHT, RGB, Array, Style, mix, words
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.quantities.pictures import FILLS, INKS
 
 VEIL_STRENGTH = 0.45  # opacity of the veil over values that are not valid
 HATCH_WIDTH = 0.7  # points
 HATCH_STRENGTH = 0.3  # opacity of hatches, below which values have to be readable
-LINE_STRENGTH = 0.3  # opacity of hatches of sparse lines, which contours cross
 
 # Hatch, width of a line, and the colour of both. Where values hold, regimes of closed forms
 # are told apart by sparse dots or by nothing and those of motion by sparse lines, elsewhere by
@@ -81,6 +80,7 @@ CATEGORY_FILLS = (
     "apart",
 )  # fmt: skip
 PALE = "#f2f2f2"
+LUMINANCE = np.array([0.299, 0.587, 0.114])
 
 
 @dataclass(frozen=True)
@@ -159,8 +159,8 @@ def looks_of(
 
 def shade(
     axes: Axes,
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
+    x: Array,
+    y: Array,
     regimes: NDArray[np.int64],
     faces: Mapping[Look, RGB],
     style: Style,
@@ -178,31 +178,26 @@ def shade(
     faces : mapping of Look to RGB
         The colour that each regime has below the shading.
     """
+    borders = []
     for look, face in faces.items():
         inside = (regimes == look.value).astype(float)
+        borders.append((inside, 1.1, 2.2, 4))
         if look.hatch or not look.valid:
             veil = (*to_rgb(style.ground), 0.0 if look.valid else VEIL_STRENGTH)
             area = axes.contourf(
                 x, y, inside, levels=[0.5, 1.5], colors=[veil], hatches=[look.hatch], zorder=2
             )
-            strength = LINE_STRENGTH if look.name in MOTION else HATCH_STRENGTH
-            area.set(
-                edgecolor=(*_ink(look, face), strength), linewidth=0.0, hatch_linewidth=HATCH_WIDTH
-            )
+            ink = (*_ink(look, face), HATCH_STRENGTH)
+            area.set(edgecolor=ink, linewidth=0.0, hatch_linewidth=HATCH_WIDTH)
+    valid = np.isin(regimes, [look.value for look in faces if look.valid]).astype(float)
+    for inside, width, halo, zorder in (*borders, (valid, 2.2, 4.0, 5)):
         if inside.min() < inside.max():
             border = axes.contour(
-                x, y, inside, levels=[0.5], colors=[style.ink], linewidths=[style.width(1.1)],
-                zorder=4,
+                x, y, inside, levels=[0.5], colors=[style.ink], linewidths=[style.width(width)],
+                zorder=zorder,
             )  # fmt: skip
-            halo = withStroke(linewidth=style.width(2.2), foreground=style.ground)
-            border.set_path_effects([halo])
-    valid = np.isin(regimes, [look.value for look in faces if look.valid]).astype(float)
-    if valid.min() < valid.max():
-        border = axes.contour(
-            x, y, valid, levels=[0.5], colors=[style.ink], linewidths=[style.width(2.2)], zorder=5
-        )
-        halo = withStroke(linewidth=style.width(4.0), foreground=style.ground)
-        border.set_path_effects([halo])
+            around = withStroke(linewidth=style.width(halo), foreground=style.ground)
+            border.set_path_effects([around])
 
 
 def swatch(look: Look, face: RGB, ink: RGB | None = None, *, hatched: bool = True) -> Patch:
@@ -225,15 +220,10 @@ def veiled_swatch(look: Look, face: RGB) -> Patch:
     return swatch(look, seen, mix(seen, _ink(look, face), 0.6))
 
 
-def luminance(colours: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the luminance of colours, 0 to 1, shape (n,)."""
-    return colours @ np.array([0.299, 0.587, 0.114])
-
-
 def _ink(look: Look, face: RGB) -> RGB:
     if not look.valid:
         return look.hatch_ink if look.style.dark else to_rgb(look.colour)
-    return to_rgb("#ffffff" if luminance(np.array(face)) < 0.5 else "#000000")
+    return to_rgb("#ffffff" if np.array(face) @ LUMINANCE < 0.5 else "#000000")
 
 
 def categories_of(array: xarray.DataArray) -> dict[int, str] | None:

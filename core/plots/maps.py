@@ -41,6 +41,7 @@ from vibrafeed.core.plots.style import (
     NARROW,
     RGB,
     SMALL,
+    Array,
     Options,
     Style,
     mix,
@@ -64,7 +65,6 @@ BOX = (500.0, 330.0)  # points: width and height of the frame of a normal pictur
 RASTER = (250, 165)  # of the frame, in which room for labels is sought
 CLEARANCE = 1.3  # of a label's size
 
-Array = NDArray[np.float64]
 Masked = np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
@@ -71,7 +73,7 @@ def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
         panels[:-1], fit.axes, fold.accelerations, curves, fold.residual, strict=True
     ):
         colour = style.series[AXES.index(axis)]
-        dots = {"color": colour, "markersize": style.width(3.0), "alpha": 0.35}
+        dots: Any = {"color": colour, "markersize": style.width(3.0), "alpha": 0.35}
         panel.plot(times, values[some], ".", zorder=2, **dots)
         panel.plot(milliseconds * smooth, curve, color=style.ink, linewidth=1.2, zorder=3)
         panel.set_ylabel(f"{axis.capitalize()} (m/s²)")

@@ -22,7 +22,7 @@ from matplotlib.ticker import MaxNLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
 from vibrafeed.core.plots.selection import PlotAxis, Selection, thin
-from vibrafeed.core.plots.style import RGB, Style, long_name, number
+from vibrafeed.core.plots.style import RGB, Array, Style, long_name, number
 
 DOT = " \N{MIDDLE DOT} "
 # Sizes of the title, of the facts below it and of the legend [points].
@@ -178,19 +178,19 @@ def _leave_out_what_meets(figure: Figure) -> None:
             text.set_visible(False)
 
 
-Plane = tuple[PlotAxis, PlotAxis, NDArray[np.float64], NDArray[np.int64]]
+Plane = tuple[PlotAxis, PlotAxis, Array, NDArray[np.int64]]
 
 
 @dataclass(frozen=True)
 class Scale:
     """Levels of contours and the colours between them."""
 
-    levels: NDArray[np.float64]
+    levels: Array
     colours: Colormap
     norm: Normalize
     extend: Literal["neither", "min", "max", "both"]
 
-    def typical(self, values: NDArray[np.float64]) -> RGB:
+    def typical(self, values: Array) -> RGB:
         """Return the colour of the 85th percentile of values, to stand for all; white without."""
         finite = values[np.isfinite(values)]
         if not finite.size:
@@ -204,7 +204,7 @@ class Scale:
         return red, green, blue
 
 
-def value_range(values: NDArray[np.float64]) -> tuple[float, float] | None:
+def value_range(values: Array) -> tuple[float, float] | None:
     """Return the smallest and largest value to show; None if nothing is finite.
 
     Outliers are cut off, as at a pole, which would leave one colour to the rest of the picture: 1 %
@@ -223,7 +223,7 @@ def value_range(values: NDArray[np.float64]) -> tuple[float, float] | None:
     return low, high
 
 
-def scale_of(values: NDArray[np.float64], style: Style) -> Scale | None:
+def scale_of(values: Array, style: Style) -> Scale | None:
     """Return levels and colours for the values of a picture; None if no value is finite.
 
     If both signs occur to some extent, the colours have two branches with zero in the middle.
@@ -250,7 +250,7 @@ def plain(value: float, _: object = None) -> str:
     return number(value)
 
 
-def set_log(spine: Axis, values: NDArray[np.float64]) -> None:
+def set_log(spine: Axis, values: Array) -> None:
     """Make an axis logarithmic, with plain numbers at the ticks.
 
     If its values, ascending, span less than a decade, ticks lie between powers of ten.
@@ -263,7 +263,7 @@ def set_log(spine: Axis, values: NDArray[np.float64]) -> None:
         spine.set_minor_locator(NullLocator())
 
 
-def cell_edges(axis: PlotAxis) -> NDArray[np.float64]:
+def cell_edges(axis: PlotAxis) -> Array:
     """Return the borders of the cells about the points of an axis, shape (n + 1,).
 
     They lie halfway between two points, as the axis is drawn, and at both ends.

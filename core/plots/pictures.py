@@ -126,7 +126,7 @@ PICTURES = {
         ),
         Picture("front", "a trade-off of two outputs", "landscape", ("at",),
                 lambda dataset: "knee" in dataset),
-        Picture("positions", "where the parts of a row are over time", "positions", (),
+        Picture("positions", "where the parts of a row are over time", "film", (),
                 lambda dataset: dataset.attrs.get("scene") == "row-on-plane"),
         Picture("trajectory", "the motion of one part", "trajectory", (), _is_motion),
         Picture("animation", "the same, moving; a GIF file", "animation", (),

@@ -15,6 +15,7 @@ from vibrafeed.core.dataset.regimes import judge_of
 from vibrafeed.core.plots.looks import categories_of, codes_of
 from vibrafeed.core.plots.pictures import PlotError, unreadable
 from vibrafeed.core.plots.style import (
+    Array,
     axis_label,
     demand_in_words,
     long_name,
@@ -47,7 +48,7 @@ class PlotAxis:
     name: str
     label: str
     unit: str
-    values: NDArray[np.float64]
+    values: Array
 
     @property
     def is_log(self) -> bool:
@@ -82,14 +83,14 @@ class Selection:
 
     variable: xarray.DataArray
     axes: tuple[PlotAxis, ...]
-    values: NDArray[np.float64]
+    values: Array
     unit: str
     regimes: NDArray[np.int64]
     regime: xarray.DataArray
     fixed: list[str]
     exact: bool = False
     categories: dict[int, str] | None = None
-    spread: NDArray[np.float64] | None = None
+    spread: Array | None = None
 
 
 def natural(
@@ -130,7 +131,22 @@ def select(
     `PlotError` tells that the dataset does not have what is asked for.
     """
     units = units or ShownUnits()
-    whole, names, categories = _selected(dataset, variable, axes, kind)
+    whole = _on_map(dataset, variable) if kind == "map" else dataset[_variable(dataset, variable)]
+    names = _axes(whole, axes, 1 if kind == "line" else 2)
+    categories = None if is_regime(str(whole.name)) else categories_of(whole)
+    if categories and kind in ("contour", "levels"):
+        raise PlotError(
+            "kind",
+            f"{whole.name} has a name in each cell, not a number",
+            "Leave out kind, or draw kind map",
+        )
+    if kind != "line" and len(names) == 1:
+        line = "Draw an output as a line" if kind == "map" else "Draw the output as kind line"
+        raise PlotError(
+            "kind",
+            f"kind {kind} needs two axes, but there is only {names[0]}",
+            "Name two axes" if len(_ranged(whole)) > 1 else line,
+        )
     regime = _regime(dataset, whole)
     order = [*whole.dims, *(dim for dim in regime.dims if dim not in whole.dims)]
     asked = [name for name in at if name in dataset.dims]  # told, also if nothing depends on it
@@ -140,7 +156,10 @@ def select(
     def part(array: xarray.DataArray) -> xarray.DataArray:
         return array.isel(positions, missing_dims="ignore").transpose(*names).sortby(list(names))
 
-    slice_ = part(whole).assign_attrs(long_name=_name(dataset, whole, units))
+    name = demand_in_words(whole, units) or long_name(whole)
+    if whole.name == "objective" and "criterion" in dataset.attrs:
+        name = f"Objective: {words(str(dataset.attrs['criterion']))}"
+    slice_ = part(whole).assign_attrs(long_name=name)
     spread = dataset.get(f"{whole.name}_spread")
     states = regime.isel(positions, missing_dims="ignore").sortby(
         [name for name in names if name in regime.dims]
@@ -162,28 +181,6 @@ def select(
         if spread is None
         else np.nan_to_num(scaled(part(spread), shown.factor), posinf=0.0),
     )
-
-
-def _selected(
-    dataset: xarray.Dataset, variable: str | None, axes: tuple[str, ...] | None, kind: str
-) -> tuple[xarray.DataArray, tuple[str, ...], dict[int, str] | None]:
-    whole = _on_map(dataset, variable) if kind == "map" else dataset[_variable(dataset, variable)]
-    names = _axes(whole, axes, 1 if kind == "line" else 2)
-    categories = None if is_regime(str(whole.name)) else categories_of(whole)
-    if categories and kind in ("contour", "levels"):
-        raise PlotError(
-            "kind",
-            f"{whole.name} has a name in each cell, not a number",
-            "Leave out kind, or draw kind map",
-        )
-    if kind != "line" and len(names) == 1:
-        line = "Draw an output as a line" if kind == "map" else "Draw the output as kind line"
-        raise PlotError(
-            "kind",
-            f"kind {kind} needs two axes, but there is only {names[0]}",
-            "Name two axes" if len(_ranged(whole)) > 1 else line,
-        )
-    return whole, names, categories
 
 
 def _on_map(dataset: xarray.Dataset, variable: str | None) -> xarray.DataArray:
@@ -245,12 +242,6 @@ def held_fixed(
 def thin(size: int, most: int) -> NDArray[np.int64]:
     """Return at most `most` indices out of `size`, evenly spread, both ends included."""
     return np.unique(np.linspace(0, size - 1, min(size, most)).round().astype(np.int64))
-
-
-def _name(dataset: xarray.Dataset, variable: xarray.DataArray, units: ShownUnits) -> str:
-    if variable.name == "objective" and "criterion" in dataset.attrs:
-        return f"Objective: {words(str(dataset.attrs['criterion']))}"
-    return demand_in_words(variable, units) or long_name(variable)
 
 
 def _regime(dataset: xarray.Dataset, output: xarray.DataArray) -> xarray.DataArray:

@@ -50,53 +50,44 @@ def write_sheet(file: Path, target: Path, *, title: str = "", units: str | None 
 def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = None) -> Figure:
     """Return a one-page summary of a result: parameters, outputs, regimes, picture and assumptions.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The result of a study.
-    title : str
-        Title of the page; by default that of the study.
-    units : str, optional
-        The units that the reader wants, as for `vibrafeed.core.plots.draw`.
-
-    Raises
-    ------
-    PlotError
-        If a result of several designs has no picture.
+    Title and units are those of `write_sheet`. `PlotError` tells that a result of several designs
+    has no picture.
     """
     style, shown = Style(), units_of(dataset, units)
     page = Figure(figsize=PAGE, facecolor=style.ground)
     at = TOP
 
-    def write(text: str, x: float = LEFT, *, size: float = 9, **look: Any) -> None:
+    def write(text: str, x: float = LEFT, *, down: float, size: float = 9, **look: Any) -> None:
+        nonlocal at
         page.text(x, at, text, size=size, va="top", **{"color": style.ink, **look})
+        at -= down * LINE
 
     for line in textwrap.wrap(title or str(dataset.attrs.get("title", "")), 54):
-        write(line, size=15, weight="bold")
-        at -= 1.7 * LINE
+        write(line, down=1.7, size=15, weight="bold")
     at -= 0.3 * LINE
     kind = f"{dataset.attrs.get('scene', '')}, {dataset.attrs.get('source', '')}"
-    write(kind, color=style.quiet)
-    at -= 2.0 * LINE
-    top = at
-    write("Drive and part", weight="bold")
-    at -= 1.3 * LINE
-    for label, text in _first(_parameters(dataset, shown)):
-        write(label)
-        write(text, 0.47, ha="right")
-        at -= LINE
-    lowest, at = at, top
-    write("What comes out", 0.53, weight="bold")
-    at -= 1.3 * LINE
-    for label, text in _first(_outputs(dataset, shown)):
-        write(label, 0.53)
-        write(text, RIGHT, ha="right")
-        at -= LINE
-    lowest = min(lowest, at)
-    at = lowest - 0.5 * LINE
+    write(kind, down=2.0, color=style.quiet)
+    parameters = [  # without settings of the computation, such as a tolerance
+        (long_name(array), _values(array, shown))
+        for name, array in dataset.coords.items()
+        if name in QUANTITIES and name not in SETTINGS
+    ]
+    top, ends = at, []
+    for name, rows, left, right in (
+        ("Drive and part", parameters, LEFT, 0.47),
+        ("What comes out", _outputs(dataset, shown), 0.53, RIGHT),
+    ):
+        at = top
+        write(name, left, down=1.3, weight="bold")
+        if len(rows) > MAX_ROWS:
+            rows = [*rows[: MAX_ROWS - 1], (f"{len(rows) - MAX_ROWS + 1} more in the file", "")]
+        for label, text in rows:
+            write(label, left, down=0)
+            write(text, right, down=1, ha="right")
+        ends.append(at)
+    at = min(ends) - 0.5 * LINE
     for line in textwrap.wrap(_regimes(dataset), LETTERS):
-        write(line)
-        at -= LINE
+        write(line, down=1)
     assumed = textwrap.wrap(str(dataset.attrs.get("comment", "")), LETTERS + 12)
     foot = BOTTOM + (len(assumed) + 3.5) * 0.8 * LINE
     if (drawn := _picture(dataset, units)) is not None:
@@ -108,13 +99,13 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
         axes.set_anchor("N")
         axes.axis("off")
     at = foot - 0.5 * LINE
-    write("What this assumes", size=8, weight="bold")
+    write("What this assumes", down=0, size=8, weight="bold")
     for line in assumed:
         at -= 0.8 * LINE
-        write(line, size=7.5, color=style.quiet)
+        write(line, down=0, size=7.5, color=style.quiet)
     at -= 1.2 * LINE
     digest = str(dataset.attrs.get("study_sha256", ""))
-    write(f"Study {digest[:16]}; the file has all values.", size=7.5, color=style.quiet)
+    write(f"Study {digest[:16]}; the file has all values.", down=0, size=7.5, color=style.quiet)
     return page
 
 
@@ -125,21 +116,6 @@ def _picture(dataset: xarray.Dataset, units: str | None) -> Figure | None:
         if any(array.size > 1 for array in dataset.data_vars.values()):
             raise
         return None
-
-
-def _first(rows: list[tuple[str, str]]) -> list[tuple[str, str]]:
-    if len(rows) <= MAX_ROWS:
-        return rows
-    return [*rows[: MAX_ROWS - 1], (f"{len(rows) - MAX_ROWS + 1} more in the file", "")]
-
-
-def _parameters(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
-    rows = []
-    for name, array in dataset.coords.items():
-        if name not in QUANTITIES or name in SETTINGS:
-            continue
-        rows.append((long_name(array), _values(array, units)))
-    return rows
 
 
 def _outputs(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:

@@ -14,7 +14,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from vibrafeed.core.dataset.regimes import percent_with_error
@@ -22,6 +21,7 @@ from vibrafeed.core.plots.parts import finish, source_of
 from vibrafeed.core.plots.pictures import PlotError, is_calibration
 from vibrafeed.core.plots.selection import fixed_positions, held_fixed
 from vibrafeed.core.plots.style import (
+    Array,
     Options,
     Style,
     axis_label,
@@ -51,7 +51,6 @@ SHARES = (0.95, 0.68)  # of the posterior, that are drawn as areas
 PALE, DEEP = 0.2, 0.5  # share of the curve's colour in the areas of 95 % and 68 %
 SIDE = {1: (8.0, 5.6), 2: (8.0, 7.2), 3: (9.0, 8.4), 4: (10.0, 9.6)}  # inches
 
-Array = NDArray[np.float64]
 Drawing = tuple[str, Sequence[Artist], str]
 """The name of a picture, the entries of its legend, and a note."""
 

@@ -24,6 +24,7 @@ from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.study.shown import Shown, ShownUnits, read_shown
 from vibrafeed.core.study.units import UnitError
 
+Array = NDArray[np.float64]
 RGB = tuple[float, float, float]
 SMALL = 0.8  # text of a small picture over that of a normal one
 NARROW = 0.55  # width of a small picture over that of a normal one
@@ -289,6 +290,6 @@ def in_brackets(unit: str) -> str:
     return f"({unit})" if unit else ""
 
 
-def scaled(array: xarray.DataArray, factor: float) -> NDArray[np.float64]:
+def scaled(array: xarray.DataArray, factor: float) -> Array:
     """Return values multiplied by a unit's factor."""
     return np.asarray(array.values, dtype=np.float64) * factor

@@ -14,7 +14,6 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
-from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.regimes import flags_of
 from vibrafeed.core.errors import VibrafeedError
@@ -27,7 +26,17 @@ from vibrafeed.core.plots.looks import HATCH_WIDTH
 from vibrafeed.core.plots.parts import finish, padded, source_of
 from vibrafeed.core.plots.pictures import PlotError, unreadable
 from vibrafeed.core.plots.selection import SPACE, check_result, held_fixed
-from vibrafeed.core.plots.style import RGB, Options, Style, mix, number, shown_in, with_unit, words
+from vibrafeed.core.plots.style import (
+    RGB,
+    Array,
+    Options,
+    Style,
+    mix,
+    number,
+    shown_in,
+    with_unit,
+    words,
+)
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.pictures import FILLS
 from vibrafeed.core.study import SimulateStudy
@@ -60,8 +69,6 @@ TIMES = 400  # points of a trajectory that is computed for a picture
 FALL = ("path_along", "path_height", "path_pitch", "path_gap", "path_corners", "length")
 HEIGHTS = ("height", "diameter")  # of a part, whichever it has
 STILL = 1e-3  # of the part's size, and of a turn
-
-Array = NDArray[np.float64]
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:

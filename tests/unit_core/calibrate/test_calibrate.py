@@ -591,7 +591,7 @@ def test_the_old_key_of_the_outlier_probability_still_works():
 
 
 def test_other_pictures_are_not_those_of_a_calibration(rail):
-    from vibrafeed.core.plots import PlotError
+    from vibrafeed.core.plots.pictures import PlotError
 
     with pytest.raises(PlotError, match="cannot be drawn as kind contour"):
         vibrafeed.plot(rail, kind="contour")

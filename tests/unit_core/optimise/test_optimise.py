@@ -17,7 +17,8 @@ from vibrafeed.core.optimise import METHODS
 from vibrafeed.core.optimise.front import knee
 from vibrafeed.core.optimise.labels import BINDS
 from vibrafeed.core.optimise.optima import STATUS
-from vibrafeed.core.plots import PlotError, landscape
+from vibrafeed.core.plots import landscape
+from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.plots.style import Options
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, REGIMES
 from vibrafeed.core.watch import Watch

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 import vibrafeed
 from pictures import SPACE, legend, problem, subtitle
-from vibrafeed.core.plots import draw
+from vibrafeed.core.plots.drawing import draw
 from vibrafeed.core.plots.looks import categories_of
 
 ROOT = pathlib.Path(__file__).parents[3]

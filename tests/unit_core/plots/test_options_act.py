@@ -13,8 +13,8 @@ import xarray
 from matplotlib.figure import Figure
 
 import vibrafeed
-from vibrafeed.core.plots import PlotError, draw
-from vibrafeed.core.plots.pictures import PICTURES
+from vibrafeed.core.plots.drawing import draw
+from vibrafeed.core.plots.pictures import PICTURES, PlotError
 
 ROOT = Path(__file__).parents[3]
 SWEPT = {

@@ -13,7 +13,7 @@ from vibrafeed.core.plots.pictures import NAMES, PlotError
 
 CODE = """
 import sys
-from vibrafeed.core.plots import draw  # before xarray, whose accessor loads studies
+from vibrafeed.core.plots.drawing import draw  # before xarray, whose accessor loads studies
 import numpy as np
 import xarray
 values = np.arange(144.0).reshape(12, 12)
@@ -35,7 +35,7 @@ def test_a_contour_loads_no_other_picture_and_no_study():
         [sys.executable, "-c", CODE], capture_output=True, text=True, check=True
     ).stdout.split()
     assert "vibrafeed.core.plots.maps" in loaded
-    others = ("animation", "film", "landscape", "positions", "spreads", "trajectory")
+    others = ("animation", "film", "landscape", "spreads", "trajectory")
     assert not {f"vibrafeed.core.plots.{name}" for name in others} & set(loaded)
     assert not {"vibrafeed.core.plan", "numba", "scipy.spatial", "scipy.optimize"} & set(loaded)
 
