@@ -21,7 +21,6 @@ from vibrafeed.core.dataset.files import whole
 from vibrafeed.core.plots.film import (
     FIRST,
     FRAMES_PER_SECOND,
-    NICE,
     PALE,
     PERIOD_SHOWN,
     TURN,
@@ -140,17 +139,16 @@ def draw_frames(film: Film, style: Style, dots: int, title: str | None = None) -
     )  # fmt: skip
     figure.set_layout_engine("none")
     left, right, bottom = _frame_view(view, film, style)
-    spacing = _nice_below((right - left) / MARKS)
+    spacing = nice((right - left) / MARKS, below=True)
     reach = float(np.abs(film.track[0]).max()) + spacing
     first_mark, end = np.floor((left - reach) / spacing), np.ceil((right + reach) / spacing) + 1
     steps = np.arange(first_mark, end) * spacing
     mark_length = 0.018 * (right - left)
-    ground = Polygon(np.zeros((4, 2)), linewidth=1.4)
-    ground.set(facecolor=mix(style.other, style.ground, 0.5), edgecolor=style.other)
+    body = mix(style.other, style.ground, 0.5)
+    ground = Polygon(np.zeros((4, 2)), linewidth=1.4, facecolor=body, edgecolor=style.other)
     ticks = Line2D([], [], color=style.other, linewidth=1.0)
     way = Line2D([], [], color=style.curve, linewidth=1.0, alpha=0.55)
-    part = Polygon(np.zeros((4, 2)), linewidth=1.8, joinstyle="round")
-    part.set_edgecolor(style.curve)
+    part = Polygon(np.zeros((4, 2)), linewidth=1.8, joinstyle="round", edgecolor=style.curve)
     moving: tuple[Artist, ...] = (ground, ticks, way, part)
     for artist in moving:
         artist.set_animated(True)
@@ -231,11 +229,13 @@ def draw_lane(
     marks = np.linspace(left - swing.max(), right - swing.min(), ROW_MARKS)
     (track,) = view.plot([], [], color=style.other, linewidth=1.0, animated=True)
     parts = [
-        Rectangle((0.0, (1.0 - WIDTH) / 2), row.length, WIDTH, linewidth=1.4, animated=True)
+        Rectangle(
+            (0.0, (1.0 - WIDTH) / 2), row.length, WIDTH, linewidth=1.4, edgecolor=style.curve,
+            animated=True,
+        )
         for _ in centres
-    ]
+    ]  # fmt: skip
     for part in parts:
-        part.set_edgecolor(style.curve)
         view.add_patch(part)
 
     def put(i: int) -> None:
@@ -303,7 +303,7 @@ def _frame_view(axes: Axes, film: Film, style: Style) -> tuple[float, float, flo
     bottom -= DEPTH * height
     top = bottom + height
     axes.set(xlim=(left, right), ylim=(bottom, top))
-    bar = _nice_below(width / 6)
+    bar = nice(width / 6, below=True)
     x, y = right - 0.03 * width - bar, top - 0.06 * height
     axes.plot([x, x + bar], [y, y], color=style.ink, linewidth=2.0, solid_capstyle="butt")
     axes.annotate(
@@ -316,9 +316,3 @@ def _frame_view(axes: Axes, film: Film, style: Style) -> tuple[float, float, flo
 def _colour(mode: str, style: Style) -> RGB | str:
     # Paler than in the legend; flight has the colour of the ground.
     return mix(COLOURS[mode], style.ground, PALE) if mode in COLOURS else style.ground
-
-
-def _nice_below(value: float) -> float:
-    """Return the largest number of the form 1, 2 or 5 times a power of ten below a value."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(max(step * power for step in NICE if step * power <= value * (1 + 1e-9)))

@@ -52,8 +52,9 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
         figure, panels[0], style, name=options.title or "Two bodies before their impact",
         facts=held_fixed(dataset, units, positions), source=source_of(dataset),
     )  # fmt: skip
-    speeds = (number(float(np.linalg.norm(body.velocity)), 3) for body in bodies)
-    told = " and ".join(f"{speed}\N{NO-BREAK SPACE}m/s" for speed in speeds)
+    told = " and ".join(
+        f"{number(float(np.linalg.norm(body.velocity)), 3)}\N{NO-BREAK SPACE}m/s" for body in bodies
+    )
     note = f"Arrows: velocities of bodies 1 and 2 before the impact, {told}"
     figure.supxlabel(note, fontsize=style.text(8.5), color=style.quiet, x=0.02, ha="left")
     return figure
@@ -91,10 +92,8 @@ def _read_bodies(dataset: xarray.Dataset, positions: Mapping[str, int]) -> list[
         array = dataset.coords.get(f"{name}_{body}")
         if array is None:
             return 0.0
-        if not array.dims:
-            return float(array)
-        own = str(array.name)
-        return float(array.values[positions.get(own, array.size // 2)])
+        held = {dim: positions.get(str(dim), array.size // 2) for dim in array.dims}
+        return float(array.isel(held))
 
     def vector(name: str, body: int) -> Array:
         return np.array([value(f"{name}_{axis}", body) for axis in AXES])

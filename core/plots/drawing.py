@@ -9,7 +9,7 @@ from dataclasses import replace
 from importlib import import_module
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import xarray
@@ -22,7 +22,6 @@ from vibrafeed.core.plots.looks import looks_of
 from vibrafeed.core.plots.parts import finish, padded, set_log, value_range
 from vibrafeed.core.plots.pictures import (
     GONE,
-    NAMES,
     PICTURES,
     PlotError,
     is_calibration,
@@ -34,16 +33,13 @@ from vibrafeed.core.quantities import letter_of
 from vibrafeed.core.study.shown import ShownUnits
 from vibrafeed.core.suggestions import suggestion
 
-MOVING = (".gif", ".mp4")  # of which `animate` writes the first
-FORMATS = {".png": "png", ".svg": "svg", ".pdf": "pdf"}
-METADATA: Mapping[str, dict[str, str | None]] = {
-    "png": {"Software": "vibrafeed"},
-    "svg": {"Creator": "vibrafeed", "Date": None},
-    "pdf": {"Creator": "vibrafeed", "CreationDate": None},
+FORMATS: Mapping[str, dict[str, str | None]] = {  # with what files say of themselves
+    ".png": {"Software": "vibrafeed"},
+    ".svg": {"Creator": "vibrafeed", "Date": None},
+    ".pdf": {"Creator": "vibrafeed", "CreationDate": None},
 }
 MOST = 7  # datasets of a picture
-Dashes = Literal["solid"] | tuple[float, tuple[float, ...]]
-DASHES: tuple[Dashes, ...] = (
+DASHES: tuple[Any, ...] = (
     "solid", (0, (6, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)), (0, (10, 3)),
     (0, (3, 1, 1, 1, 1, 1)), (0, (1, 3)),
 )  # fmt: skip
@@ -99,7 +95,7 @@ def draw(
     )  # fmt: skip
     if kind is not None and kind not in PICTURES:
         raise PlotError(
-            "kind", f"'{kind[:40]}' is unknown", GONE.get(kind) or suggestion(kind, NAMES)
+            "kind", f"'{kind[:40]}' is unknown", GONE.get(kind) or suggestion(kind, PICTURES)
         )
     if nearest and not at:
         raise PlotError(
@@ -129,13 +125,6 @@ def _draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figu
             f"{len(datasets)} datasets are too many for one picture, {MOST} are drawn",
             "Leave some out",
         )
-    for dataset in datasets:
-        if "regime" not in dataset.data_vars or "scene" not in dataset.attrs:
-            raise PlotError(
-                "dataset",
-                f"{_name(dataset)} is not a result of vibrafeed",
-                "Draw files that `vibrafeed run` wrote",
-            )
     selections = _selections(datasets, options)
     labels, common = _labels(datasets, selections)
     figure = style.sheet()
@@ -169,6 +158,13 @@ def _draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figu
 
 
 def _selections(datasets: Sequence[xarray.Dataset], options: Options) -> list[Selection]:
+    for dataset in datasets:
+        if "regime" not in dataset.data_vars or "scene" not in dataset.attrs:
+            raise PlotError(
+                "dataset",
+                f"{_name(dataset)} is not a result of vibrafeed",
+                "Draw files that `vibrafeed run` wrote",
+            )
     output = _output(datasets, options.variable)
     axis = _axis(datasets, output, options.axes)
     at, known = options.at, {str(name) for dataset in datasets for name in dataset.dims}
@@ -195,7 +191,7 @@ def _selections(datasets: Sequence[xarray.Dataset], options: Options) -> list[Se
     return selections
 
 
-def _add_line(sheet: Axes, selection: Selection, colour: str, dashes: Dashes, style: Style) -> bool:
+def _add_line(sheet: Axes, selection: Selection, colour: str, dashes: Any, style: Style) -> bool:
     """Draw a curve, pale where its values are not valid; True if there are such."""
     x, values = selection.axes[0].values, selection.values
     valid = np.ones(values.shape, dtype=bool)
@@ -271,13 +267,16 @@ def _labels(
             parts = [
                 [value, *own] if value else own for value, own in zip(values, parts, strict=True)
             ]
-    labels = [", ".join(own) for own in parts]
+    return _distinct([", ".join(own) for own in parts], datasets), common
+
+
+def _distinct(labels: list[str], datasets: Sequence[xarray.Dataset]) -> list[str]:
     if len(set(labels)) < len(labels) or not all(labels):
         pairs = zip(map(_name, datasets), labels, strict=True)
         labels = [": ".join(filter(None, pair)) for pair in pairs]
     if len(set(labels)) < len(labels):
         labels = [f"{label} ({i})" for i, label in enumerate(labels, 1)]
-    return labels, common
+    return labels
 
 
 def _name(dataset: xarray.Dataset) -> str:
@@ -322,7 +321,7 @@ def draw_file(
         is left behind.
     """
     files = [file] if isinstance(file, Path) else list(file)
-    if kind == "animation" or any(target.suffix.lower() in MOVING for target in targets):
+    if kind == "animation" or any(target.suffix.lower() in (".gif", ".mp4") for target in targets):
         _refuse_of_animations(files, (variable, axes, at, look.pop("nearest", False)), kind)
         # Here, since it loads what draws motions.
         animate = import_module("vibrafeed.core.plots.animation").animate
@@ -381,9 +380,8 @@ def check_format(target: Path) -> None:
 
 def save(figure: Figure, target: Path) -> None:
     """Save a figure as PNG, SVG or PDF, by the suffix; a file appears only when complete."""
-    name = FORMATS[target.suffix.lower()]
-    picture = io.BytesIO()
-    figure.savefig(picture, format=name, dpi=150, metadata=METADATA[name])
+    suffix, picture = target.suffix.lower(), io.BytesIO()
+    figure.savefig(picture, format=suffix[1:], dpi=150, metadata=FORMATS[suffix])
     with whole(target) as temporary:
         temporary.write_bytes(picture.getvalue())
 

@@ -35,7 +35,6 @@ from vibrafeed.core.study.shown import Shown, ShownUnits
 FRAMES_PER_SECOND = 25
 MAX_FRAMES = 1000
 TURN = 2 * np.pi
-NICE = (1.0, 2.0, 5.0)
 
 PERIOD_SHOWN = 1.0  # s of the animation for a period of the drive, roughly
 FALL_SHOWN = 6.0  # s of the animation for a whole fall, roughly
@@ -48,8 +47,7 @@ MAX_CYCLES = 6  # repetitions at most
 CLOSED = 1e-3  # of what the track covers: a course that ends no further from its start repeats
 GAP_SEEN = 0.2  # of the part's height: a largest gap that is less is drawn larger
 
-CORNERS = ("flight", "corner", "side")
-CORNER_LABELS = {"flight": "in flight", "corner": "on a corner", "side": "on a side"}
+CORNERS = {"flight": "in flight", "corner": "on a corner", "side": "on a side"}
 FIRST = "part_position_1"
 PALE = 0.25
 
@@ -171,6 +169,13 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     )
 
 
+def _stands_for(dataset: xarray.Dataset, units: ShownUnits) -> str:
+    if "length" not in dataset or dataset["length"].ndim:
+        return "no size in the model"
+    shown = shown_in(dataset["length"], units)
+    return f"{with_unit(number(shown.factor * float(dataset['length'])), shown.unit)} long"
+
+
 def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) -> Film:
     """Return the frames of an animation of a tumbling part, until shortly after it rests."""
     dataset = dataset.sortby(TIME)
@@ -199,7 +204,7 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
         return np.asarray(np.interp(moments, time[followed], values[followed]))
 
     corners = np.nan_to_num(values_of(dataset["path_corners"]))
-    modes = [CORNERS[int(min(count, 2))] for count in corners]
+    modes = [[*CORNERS][int(min(count, 2))] for count in corners]
     return Film(
         times=moments,
         track=track,
@@ -207,7 +212,7 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
         pitch=np.deg2rad(then(pitch)),
         outline=shown.factor * _outline(dataset),
         modes=_now(modes, time, moments),
-        says=CORNER_LABELS,
+        says=CORNERS,
         spells=tuple(
             (mode, start, min(stop, end))
             for mode, start, stop in spells(modes, time)
@@ -292,19 +297,13 @@ def frames_in(seconds: float) -> int:
     return frames
 
 
-def nice(value: float) -> float:
-    """Return the number of the form 1, 2 or 5 times a power of ten nearest to a value."""
+def nice(value: float, *, below: bool = False) -> float:
+    """Return the number of the form 1, 2 or 5 times a power of ten nearest to a value, or below."""
     power = 10.0 ** np.floor(np.log10(value))
-    choices = [step * power for step in (*NICE, 10.0)]
+    choices = [step * power for step in (1.0, 2.0, 5.0, 10.0)]
+    if below:
+        choices = [choice for choice in choices if choice <= value * (1 + 1e-9)]
     return float(min(choices, key=lambda choice: abs(np.log(choice / value))))
-
-
-def _stands_for(dataset: xarray.Dataset, units: ShownUnits) -> str:
-    if "length" not in dataset or dataset["length"].ndim:
-        return "no size in the model"
-    shown = shown_in(dataset["length"], units)
-    length = with_unit(number(shown.factor * float(dataset["length"])), shown.unit)
-    return f"{length} long"
 
 
 class RowPositions(NamedTuple):

@@ -1,7 +1,6 @@
 """Pictures of an optimisation: the objective over its variables, and a trade-off along a front.
 
-The objective is computed again from the study that a dataset carries. Best values over a swept
-parameter are plain lines.
+The objective is computed again from the study that a dataset carries.
 """
 
 from __future__ import annotations
@@ -68,9 +67,7 @@ from vibrafeed.core.study.optimise_study import Pareto
 from vibrafeed.core.study.shown import ShownUnits
 
 POINTS = {1: 721, 2: 181}  # points along each variable, by the number of variables
-LESS, MORE = "\N{LESS-THAN OR EQUAL TO}", "\N{GREATER-THAN OR EQUAL TO}"
 EXCLUDED = 0.55  # strength of the veil over what a constraint excludes
-SOLVED = (STATUS["optimal"], STATUS["not_attained"])
 FRONT = "front"
 WIDTH, PANEL = 8.0, 4.0  # inches: of a sheet, and of each panel of more than one
 
@@ -101,10 +98,8 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 
     With one variable it is a curve, with two a filled map: those of `options.axes`, else the first
     two. Further variables are held at the optimum, or in the middle of their bounds if there is
-    none. Ranged parameters are held at `options.at`, by default at their middle values. `PlotError`
-    tells that the dataset is no optimisation, or does not have what is asked for.
+    none.
     """
-    style, units = options.style, options.units
     text: Any = dataset.attrs.get("study", "")
     study = parse_json(text) if "optimum_status" in dataset else None
     if not isinstance(study, OptimiseStudy):
@@ -114,9 +109,12 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
             "Draw what `vibrafeed run` wrote of a study of kind 'optimise'",
         )
     prepared = prepare(study)
-    problem = prepared.problem
-    if options.kind == "front":
-        return _draw_front(dataset, problem, options)
+    painter = _draw_front if options.kind == "front" else _draw_objective
+    return painter(dataset, prepared, options)
+
+
+def _draw_objective(dataset: xarray.Dataset, prepared: Optimisation, options: Options) -> Figure:
+    problem, style, units = prepared.problem, options.style, options.units
     names = options.axes[::-1] if options.axes else problem.names[:2]  # the last is across
     if len(names) > 2 or len({*names}) < len(names) or not {*names} <= {*problem.names}:
         raise PlotError(
@@ -157,20 +155,20 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 
 
 def _limit(kept: Kept, units: ShownUnits) -> str:
-    """Return the label of a constraint for the legend, such as "throw number < 3".
-
-    It is the bound of an output, or a condition that the contact must meet, which has no bound.
-    """
+    """Return the label of a constraint for the legend, such as "throw number < 3"."""
     if kept.name not in (f"{kept.output}_lower", f"{kept.output}_upper") or kept.bound is None:
         return words(kept.name)
     shown = units.of(QUANTITIES[kept.output].unit, abs(kept.bound))
     bound = with_unit(number(shown.factor * kept.bound, 4), shown.unit)
     name = f"|{words(kept.output)}|" if kept.absolute else words(kept.output)
-    return f"{name} {LESS if kept.upper else MORE} {bound}"
+    sign = "\N{LESS-THAN OR EQUAL TO}" if kept.upper else "\N{GREATER-THAN OR EQUAL TO}"
+    return f"{name} {sign} {bound}"
 
 
 def _is_solved(best: xarray.Dataset) -> bool:
-    return bool(np.all(np.isin(best["optimum_status"], SOLVED)))
+    return bool(
+        np.all(np.isin(best["optimum_status"], (STATUS["optimal"], STATUS["not_attained"])))
+    )
 
 
 def _held(problem: OptimisationProblem, best: xarray.Dataset) -> Array:
@@ -254,11 +252,7 @@ def _excluding(margin: Array) -> Array:
 
 
 def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
-    """Draw an objective over two variables as a filled map; return the entries of the legend.
-
-    Constraints are drawn as borders with the excluded side shaded, the optimum as a star, and the
-    points of a trade-off front as a line.
-    """
+    """Draw an objective over two variables as a filled map; return the entries of the legend."""
     (y, x), value = shown.variables, np.ma.masked_invalid(shown.value)
     # The scale is that of what may be chosen: what is excluded may be far larger.
     allowed = np.ones(shown.value.shape, dtype=bool)
@@ -292,10 +286,7 @@ def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
 
 
 def _draw_curve(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
-    """Draw an objective over one variable as a curve; return the entries of the legend.
-
-    Ranges that constraints exclude are shaded, and the optimum is a star.
-    """
+    """Draw an objective over one variable as a curve; return the entries of the legend."""
     (x,), value = shown.variables, shown.value
     axes.plot(x, value, color=style.curve, lw=style.width(2.0), zorder=4)
     entries: list[Artist] = []
@@ -374,19 +365,15 @@ class Fronts(NamedTuple):
             parts.append(f"{label} {with_unit(value, shown.unit)}")
         return ", ".join(parts)
 
-    def colours(self, count: int) -> list[RGB | str]:
-        """Return the colours of some curves, one or several."""
-        return [*self.style.series_over(count)] if count > 1 else [self.style.curve]
 
-
-def _draw_front(dataset: xarray.Dataset, problem: OptimisationProblem, options: Options) -> Figure:
+def _draw_front(dataset: xarray.Dataset, prepared: Optimisation, options: Options) -> Figure:
     """Draw one output over the other along fronts, with the knee marked.
 
     Of more than seven fronts seven are drawn, evenly chosen, and a note says so. Designs in which
     one choice is best in both outputs have no front: if none has one, the picture shows that choice
     over the ranged parameters.
     """
-    criterion = problem.criterion
+    problem, criterion = prepared.problem, prepared.problem.criterion
     if not isinstance(criterion, Pareto):
         raise PlotError(
             "dataset",
@@ -440,7 +427,7 @@ def _draw_fronts(
     side, height = shown_in(against, units), shown_in(output, units)
     entries: list[Artist] = []
     dot: Any = {"marker": "o", "ms": style.width(8), "mec": style.ground}
-    for colour, place in zip(fronts.colours(len(chosen)), chosen, strict=True):
+    for colour, place in zip(style.series_over(len(chosen)), chosen, strict=True):
         front = designs.isel(design=int(place))
         across = np.abs(scaled(front[criterion.against], side.factor))
         along = scaled(front[criterion.output], height.factor)
@@ -486,7 +473,7 @@ def _draw_choices(fronts: Fronts) -> tuple[Figure, Axes, list[Artist], str]:
     count = family.sizes["design"]
     chosen = thin(count, FEW)
     curves = [family.isel(design=int(place)) for place in chosen]
-    colours = fronts.colours(len(chosen))
+    colours = style.series_over(len(chosen))
     names = [str(name) for name in best.data_vars if str(name).startswith("best_")]
     figure = style.sheet(WIDTH, 6.4 if len(names) == 1 else PANEL * len(names))
     panels = np.ravel(figure.subplots(len(names), 1, sharex=True, squeeze=False))

@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import xarray
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure, FigureBase, SubFigure
+from matplotlib.figure import Figure, FigureBase
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
@@ -48,11 +48,13 @@ from vibrafeed.core.plots.selection import (
     PlotAxis,
     Selection,
     check_result,
+    fixed_positions,
     natural,
     select,
     thin,
 )
 from vibrafeed.core.plots.style import (
+    RGB,
     Array,
     Options,
     Style,
@@ -68,18 +70,15 @@ from vibrafeed.core.quantities.flags import is_regime
 from vibrafeed.core.quantities.pictures import LEVELS
 
 NO_REGIMES = "no regimes"
-NOT_DESCRIBED = "the closed forms do not describe a part there"
 BESIDE = (2.6, 1.0)  # widths of a picture, and of the sketch of what hits what
 Painter = Callable[[FigureBase, Selection, Sequence[Look], Style], tuple[Axes, list[Artist]]]
 
-__all__ = ["draw", "fits"]
 
 MAX_RUNS = 20  # of a regime; the borders of more would hide the curve
 BAND = 0.4  # opacity of the band of a spread
 DASHES = ((4.0, 2.0), (1.0, 1.5), (7.0, 2.0, 1.0, 2.0), (3.0, 1.5, 1.0, 1.5, 1.0, 1.5))
 
 Dashes = tuple[float, tuple[float, ...]] | Literal["solid"]
-Colour = tuple[float, float, float] | str
 
 
 def _said(look: Look, dataset: xarray.Dataset, regime: xarray.DataArray) -> Look:
@@ -94,15 +93,6 @@ def _said(look: Look, dataset: xarray.Dataset, regime: xarray.DataArray) -> Look
             if why:
                 return replace(look, name=" or ".join(why))
     return look
-
-
-def _add_sketch(sheet: SubFigure, dataset: xarray.Dataset, options: Options) -> None:
-    positions = {
-        str(name): int(np.abs(dataset[name].values - value).argmin())
-        for name, value in options.at.items()
-        if name in dataset.dims
-    }
-    draw_views(sheet, dataset, positions, options.style, below=True)
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
@@ -135,19 +125,25 @@ def render(dataset: xarray.Dataset, options: Options, painter: Painter, beyond: 
         looks = [_said(look, dataset, selection.regime) for look in looks]
     else:
         looks = [Look(ANY_REGIME, NO_REGIMES, True, *PLAIN, style)]
-    sheet: FigureBase = figure
-    beside: SubFigure | None = None
-    if is_pair(dataset):
-        sheet, beside = np.ravel(figure.subfigures(1, 2, squeeze=False, width_ratios=BESIDE))
-    top, entries = painter(sheet, selection, looks, style)
+    pair = is_pair(dataset)
+    sides: Any = (figure,)
+    if pair:
+        sides = np.ravel(figure.subfigures(1, 2, squeeze=False, width_ratios=BESIDE))
+    top, entries = painter(sides[0], selection, looks, style)
     entries = [one for one in entries if not str(one.get_label()).startswith(NO_REGIMES)]
-    if beside is not None:
-        _add_sketch(beside, dataset, options)
+    if pair:  # what hits what
+        dims = [str(name) for name in dataset.dims]
+        positions = fixed_positions(dataset, options.at, dims, (), nearest=True)
+        draw_views(sides[1], dataset, positions, style, below=True)
     name = long_name(selection.variable)
     if is_regime(str(selection.variable.name)):
         name = f"Regimes{name.removeprefix('Regime')}"
     how = beyond.format(pale="Dim" if style.dark else "Pale")
-    note = f"{how}: {NOT_DESCRIBED}" if any(look.beyond for look in looks) else ""
+    note = (
+        f"{how}: the closed forms do not describe a part there"
+        if any(look.beyond for look in looks)
+        else ""
+    )
     return finish(
         figure, top, style, name=options.title or name, facts=list(selection.fixed),
         source=source_of(dataset), entries=entries, note=note,
@@ -164,17 +160,11 @@ def _draw_line(
     if selection.categories:
         return _draw_categories(figure, selection, regimes, looks, style, chosen)
     values = selection.values.reshape(across.values.size, -1)[:, chosen]
-    colours: list[Colour] = [*style.series_over(len(chosen))] if len(chosen) > 1 else [style.curve]
+    colours = style.series_over(len(chosen))
     axes, entries, alike = _draw_regimes(figure, selection, regimes, looks, style, chosen)
     for colour, curve, states in zip(colours, values.T, regimes.T, strict=True):
-        for look in looks:
-            shade = colour if look.valid else mix(colour, "#9a9a9a", 0.35)
-            stroke = _stroke(look, looks, alike)
-            _part(axes, across.values, curve, states == look.value, stroke, shade)
-        # Few points are marked: between them nothing was computed.
-        if across.values.size <= 12:
-            axes.plot(across.values, curve, "o", color=colour, markersize=style.width(4), zorder=4)
-        _mark_edges(axes, across.values, curve, states, looks, style)
+        strokes = [_stroke(look, looks, alike) for look in looks]
+        _draw_curve(axes, across.values, curve, states, looks, strokes, colour, style)
     if selection.spread is not None and selection.spread.any():
         spread = selection.spread.reshape(across.values.size, -1)[:, chosen]
         entries.append(_add_bands(axes, across.values, values, spread, colours, style))
@@ -275,7 +265,7 @@ def _add_bands(
     x: Array,
     values: Array,
     spread: Array,
-    colours: list[Colour],
+    colours: list[RGB],
     style: Style,
 ) -> Artist:
     for curve, width, colour in zip(values.T, spread.T, colours, strict=True):
@@ -300,9 +290,9 @@ def _add_strips(
         for value, start, stop in _runs(states):
             look = by_value[value]
             bar = axes.broken_barh(
-                [(edges[start], edges[stop] - edges[start])], (row - 0.4, 0.8), facecolor=look.fill
-            )
-            bar.set_linewidth(0)
+                [(edges[start], edges[stop] - edges[start])], (row - 0.4, 0.8),
+                facecolor=look.fill, linewidth=0,
+            )  # fmt: skip
             if not look.valid:
                 bar.set(hatch=look.hatch, edgecolor=look.hatch_ink, hatch_linewidth=HATCH_WIDTH)
     axes.set_ylim(-0.6, len(labels) - 0.4)
@@ -327,32 +317,32 @@ def _stroke(look: Look, looks: Sequence[Look], alike: bool) -> tuple[float, Dash
     return look.width, (0.0, DASHES[rank % len(DASHES)])
 
 
-def _part(
-    axes: Axes,
-    x: Array,
-    curve: Array,
-    here: NDArray[np.bool_],
-    stroke: tuple[float, Dashes],
-    colour: Colour,
-) -> None:
-    """Draw a curve where it is in one regime, up to the first point of the next regime."""
-    if not here.any():
-        return
-    here[1:] |= here[:-1]
-    axes.plot(
-        x, np.where(here, curve, np.nan), color=colour, linewidth=stroke[0], linestyle=stroke[1],
-        solid_capstyle="butt", marker="o" if here.sum() == 1 else "", markersize=3,
-    )  # fmt: skip
-
-
-def _mark_edges(
+def _draw_curve(
     axes: Axes,
     x: Array,
     curve: Array,
     states: NDArray[np.int64],
     looks: Sequence[Look],
+    strokes: Sequence[tuple[float, Dashes]],
+    colour: RGB,
     style: Style,
 ) -> None:
+    """Draw a curve with the stroke of each regime, marked where it leaves what formulas describe.
+
+    A part of it goes up to the first point of the next regime.
+    """
+    for look, (width, dashes) in zip(looks, strokes, strict=True):
+        here = states == look.value
+        here[1:] |= here[:-1]
+        if here.any():
+            axes.plot(
+                x, np.where(here, curve, np.nan), linewidth=width, linestyle=dashes,
+                color=colour if look.valid else mix(colour, "#9a9a9a", 0.35),
+                solid_capstyle="butt", marker="o" if here.sum() == 1 else "", markersize=3,
+            )  # fmt: skip
+    # Few points are marked: between them nothing was computed.
+    if x.size <= 12:
+        axes.plot(x, curve, "o", color=colour, markersize=style.width(4), zorder=4)
     valid = np.isin(states, [look.value for look in looks if look.valid])
     last = np.flatnonzero(valid[:-1] != valid[1:])
     last = np.where(valid[last], last, last + 1)
@@ -381,7 +371,7 @@ def _spans(
 
 
 def _name_curves(
-    figure: FigureBase, selection: Selection, values: Array, colours: list[Colour]
+    figure: FigureBase, selection: Selection, values: Array, colours: list[RGB]
 ) -> None:
     second = selection.axes[1]
     handles = [

@@ -206,11 +206,10 @@ def swatch(look: Look, face: RGB, ink: RGB | None = None, *, hatched: bool = Tru
     `ink` is the colour of the hatching, by default that of the look; with `hatched` False there is
     none.
     """
-    patch = Patch(facecolor=face, edgecolor=ink or look.hatch_ink, label=look.label)
-    patch.set_linewidth(0.8)
-    if hatched:
-        patch.set(hatch=look.hatch, hatch_linewidth=HATCH_WIDTH)
-    return patch
+    return Patch(
+        facecolor=face, edgecolor=ink or look.hatch_ink, label=look.label, linewidth=0.8,
+        hatch=look.hatch if hatched else None, hatch_linewidth=HATCH_WIDTH,
+    )  # fmt: skip
 
 
 def veiled_swatch(look: Look, face: RGB) -> Patch:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import xarray
@@ -26,7 +26,6 @@ from vibrafeed.core.plots.looks import HATCH_WIDTH, ON_FILL, Look, shade, swatch
 from vibrafeed.core.plots.parts import (
     GIVES_WAY,
     Plane,
-    Scale,
     add_colour_bar,
     cell_edges,
     limit_to_cells,
@@ -59,7 +58,6 @@ BORDER = "#1a1a1a"  # on fills, which are light in every style
 
 PALE = 0.5  # share of the ground colour in the colour of a regime
 HATCH = "\\\\"
-FORWARD, ZERO, BACKWARD = 1.3, 2.2, 1.5  # points
 TEXT_SIZE = 10  # points
 BOX = (500.0, 330.0)  # points: width and height of the frame of a normal picture, roughly
 RASTER = (250, 165)  # of the frame, in which room for labels is sought
@@ -87,38 +85,31 @@ def _draw_contour(
         add_colour_bar(axes, filled, scale, short_label(selection.variable, selection.unit), style)
     shade(axes, x, y, regimes, faces, style)
     if scale is not None:
-        shown = np.ma.masked_invalid(values)
-        _add_contour_lines(axes, x, y, shown, scale, style)
-        _mark_level(axes, x, y, shown, selection, style)
+        plane = (x, y, np.ma.masked_invalid(values))
+        inner = scale.levels[(scale.levels > plane[2].min()) & (scale.levels < plane[2].max())]
+        if inner.size:
+            lines = axes.contour(
+                *plane, levels=inner, colors=[style.on(scale.colour(level)) for level in inner],
+                linewidths=[style.width(1.4 if level == 0 else 0.6) for level in inner], zorder=3,
+            )  # fmt: skip
+            number_lines(axes, lines, style, 8, fmt=number, zorder=6, colors=[style.ink])
+        _mark_level(axes, plane, selection, style)
     _add_names(axes, across, up, regimes, looks, style)
     return axes, [veiled_swatch(look, face) for look, face in faces.items()]
 
 
-def _add_contour_lines(
-    axes: Axes, x: Array, y: Array, values: Masked, scale: Scale, style: Style
-) -> None:
-    inner = scale.levels[(scale.levels > values.min()) & (scale.levels < values.max())]
-    if not inner.size:
-        return
-    lines = axes.contour(
-        x, y, values, levels=inner, colors=[style.on(scale.colour(level)) for level in inner],
-        linewidths=[style.width(1.4 if level == 0 else 0.6) for level in inner], zorder=3,
-    )  # fmt: skip
-    number_lines(axes, lines, style, 8, fmt=number, zorder=6, colors=[style.ink])
-
-
 def _mark_level(
-    axes: Axes, x: Array, y: Array, values: Masked, selection: Selection, style: Style
+    axes: Axes, plane: tuple[Array, Array, Masked], selection: Selection, style: Style
 ) -> None:
+    # The line on which an output passes its threshold, such as throw number 1.
     level, begins = LEVELS.get(str(selection.variable.name), (np.nan, ""))
-    if not values.min() < level < values.max():
+    if not plane[2].min() < level < plane[2].max():
         return
-    line = axes.contour(
-        x, y, values, levels=[level], colors=[style.accent], linewidths=[style.width(2.4)], zorder=7
-    )
+    look: Any = {"colors": [style.accent]}
+    line = axes.contour(*plane, levels=[level], linewidths=[style.width(2.4)], zorder=7, **look)
     for label in axes.clabel(
         line, fontsize=style.text(9), fmt=f"{number(level)}: {begins}", inline=False, zorder=8,
-        colors=[style.accent],
+        **look,
     )[:1]:  # fmt: skip
         label.set_path_effects([withStroke(linewidth=3.0, foreground=style.ground)])
 
@@ -132,14 +123,15 @@ def _draw_levels(
     plane = set_plane(axes, selection, MAX_POINTS)
     across, up, values, regimes = plane
     faces = [mix(look.fill, style.ground, PALE) for look in looks]
-    _fill_cells(axes, across, up, regimes, looks, faces)
-    _add_borders(axes, across, up, regimes, looks, colour=mix(style.ground, style.ink, 0.45))
+    _fill_cells(axes, plane, looks, faces, mix(style.ground, style.ink, 0.45))
     backward = str(selection.variable.attrs.get("units")) == "m s-1"
     entries = _add_lines(axes, plane, "speed" if backward else "value", selection.unit, style)
     if _hatch_below(axes, across.values, up.values, values, style):
         label = "backward" if backward else "below zero"
-        entry = Patch(facecolor="none", edgecolor=style.accent, hatch=HATCH, label=label)
-        entry.set_hatch_linewidth(HATCH_WIDTH)
+        entry = Patch(
+            facecolor="none", edgecolor=style.accent, hatch=HATCH, hatch_linewidth=HATCH_WIDTH,
+            label=label,
+        )  # fmt: skip
         entries.append(entry)
     _add_names(axes, across, up, regimes, looks, style)
     limit_to_cells(axes, across, up)
@@ -171,9 +163,9 @@ def _add_lines(axes: Axes, plane: Plane, what: str, unit: str, style: Style) -> 
     levels = levels[(levels > ends[0]) & (levels < ends[1])]
     masked = np.ma.masked_invalid(values)
     looks: tuple[tuple[int, str, str, float, Literal["solid", "dashed"]], ...] = (
-        (1, what, style.ink, FORWARD, "solid"),
-        (0, "zero", style.ink, ZERO, "solid"),
-        (-1, f"{what} below zero", style.accent, BACKWARD, "dashed"),
+        (1, what, style.ink, 1.3, "solid"),
+        (0, "zero", style.ink, 2.2, "solid"),
+        (-1, f"{what} below zero", style.accent, 1.5, "dashed"),
     )
     entries: list[Artist] = []
     for sign, text, colour, width, dashes in looks:
@@ -194,57 +186,43 @@ def _draw_map(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
     axes = figure.add_subplot()
-    across, up, _, regimes = set_plane(axes, selection, MAX_POINTS)
-    _fill_cells(axes, across, up, regimes, looks, [look.fill for look in looks])
-    _add_borders(axes, across, up, regimes, looks)
+    plane = set_plane(axes, selection, MAX_POINTS)
+    across, up, _, regimes = plane
+    fills = [look.fill for look in looks]
+    _fill_cells(axes, plane, looks, fills, BORDER)
     _add_names(axes, across, up, regimes, looks, style, on_fill=True)
     limit_to_cells(axes, across, up)
-    return axes, share_entries(selection.regimes, looks, [look.fill for look in looks])
+    return axes, share_entries(selection.regimes, looks, fills)
 
 
 def _fill_cells(
-    axes: Axes,
-    across: PlotAxis,
-    up: PlotAxis,
-    regimes: NDArray[np.int64],
-    looks: Sequence[Look],
-    fills: Sequence[RGB],
+    axes: Axes, plane: Plane, looks: Sequence[Look], fills: Sequence[RGB], border: str | RGB
 ) -> None:
+    """Fill every cell of a map with the colour of its regime, and draw the borders of regimes.
+
+    `looks` ascend by number; where formulas do not hold they are hatched.
+    """
+    across, up, _, regimes = plane
     x, y = cell_edges(across), cell_edges(up)
-    values = [look.value for look in looks]  # ascending
+    values = [look.value for look in looks]
     colours = ListedColormap(list(fills))
     axes.pcolormesh(
         x, y, np.searchsorted(values, regimes), cmap=colours, vmin=-0.5, vmax=len(looks) - 0.5,
         rasterized=True, zorder=1,
     )  # fmt: skip
+    # Each cell has four points, so that contours follow the sides of cells.
+    corners = np.repeat(x, 2)[1:-1], np.repeat(y, 2)[1:-1]
     for look in looks:
+        inside = (regimes == look.value).repeat(2, axis=0).repeat(2, axis=1).astype(float)
         if not look.valid and look.hatch:
-            corners, cells = _as_corners(x, y, regimes == look.value)
             area = axes.contourf(
-                *corners, cells, levels=[0.5, 1.5], colors=["none"], hatches=[look.hatch], zorder=2
+                *corners, inside, levels=[0.5, 1.5], colors=["none"], hatches=[look.hatch], zorder=2
             )
             area.set(edgecolor=look.hatch_ink, linewidth=0.0, hatch_linewidth=HATCH_WIDTH)
-
-
-def _add_borders(
-    axes: Axes,
-    across: PlotAxis,
-    up: PlotAxis,
-    regimes: NDArray[np.int64],
-    looks: Sequence[Look],
-    colour: str | RGB = BORDER,
-) -> None:
-    x, y = cell_edges(across), cell_edges(up)
-    for look in looks:
-        inside = regimes == look.value
         if inside.min() < inside.max():
-            corners, cells = _as_corners(x, y, inside)
-            axes.contour(*corners, cells, levels=[0.5], colors=[colour], linewidths=[0.8], zorder=3)
-
-
-def _as_corners(x: Array, y: Array, inside: NDArray[np.bool_]) -> tuple[tuple[Array, Array], Array]:
-    corners = np.repeat(x, 2)[1:-1], np.repeat(y, 2)[1:-1]
-    return corners, inside.repeat(2, axis=0).repeat(2, axis=1).astype(float)
+            axes.contour(
+                *corners, inside, levels=[0.5], colors=[border], linewidths=[0.8], zorder=3
+            )
 
 
 def share_entries(

@@ -18,7 +18,6 @@ from vibrafeed.core.plots.style import LIGHT, Style, words
 AXES = ("along", "across", "normal")  # in the order of the colours of a series
 MAX_POINTS = 3000  # of one axis; more hide one another
 FINE = 721  # points of a smooth curve
-EXACT = 1e-9  # of the frequency: a smaller error is not printed
 
 
 def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
@@ -47,7 +46,7 @@ def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
 
 def _facts(fit: Fit) -> tuple[list[str], str]:
     frequency = f"{fit.frequency:.8g} Hz"
-    if fit.frequency_error > EXACT * fit.frequency:
+    if fit.frequency_error > 1e-9 * fit.frequency:  # a smaller one is not printed
         digits = max(0, 1 - int(np.floor(np.log10(fit.frequency_error))))
         frequency = f"{fit.frequency:.{digits}f} ± {fit.frequency_error:.{digits}f} Hz"
     facts = [frequency]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -65,7 +65,7 @@ def finish(
     ends = [box.x0 - MARGIN * figure.bbox.width for box in beside if box.x0 > end]
     room = min([(1 - MARGIN) * figure.bbox.width, *ends]) - start
     size = style.text(FACTS)
-    lines = [_packed(figure, facts, room, size), _cut(figure, source, room, size)]
+    lines = [_longest(figure, texts, room, size) for texts in (_packed(facts), _cut(source))]
     title = top.set_title("\n".join(filter(None, lines)), loc="left", fontsize=size,
                           linespacing=1.4, color=style.quiet)  # fmt: skip
     start = title.get_window_extent().x0 if title.get_text() else MARGIN * figure.bbox.width
@@ -89,28 +89,27 @@ def source_of(dataset: xarray.Dataset, shown: str = "") -> str:
 def _text_width(figure: Figure, text: str, size: float, weight: str = "normal") -> float:
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
     font = FontProperties(size=size, weight=weight)
-    width, _, _ = renderer.get_text_width_height_descent(text, font, ismath="$" in text)
+    width, *_ = renderer.get_text_width_height_descent(text, font, ismath="$" in text)
     return float(width)
 
 
-def _packed(figure: Figure, facts: Sequence[str], width: float, size: float) -> str:
+def _longest(
+    figure: Figure, texts: Iterable[str], width: float, size: float, weight: str = "normal"
+) -> str:
+    """Return the first of some texts, the longest first, that fits a width; empty if none does."""
+    return next((one for one in texts if _text_width(figure, one, size, weight) <= width), "")
+
+
+def _packed(facts: Sequence[str]) -> Iterator[str]:
     for count in range(len(facts), 0, -1):
         left = len(facts) - count
-        more = [f"{left}\N{NO-BREAK SPACE}more"] if left else []
-        line = DOT.join([*facts[:count], *more])
-        if _text_width(figure, line, size) <= width:
-            return line
-    return ""
+        yield DOT.join([*facts[:count], *([f"{left}\N{NO-BREAK SPACE}more"] if left else [])])
 
 
-def _cut(figure: Figure, text: str, width: float, size: float, weight: str = "normal") -> str:
-    parts = text.split(" ")
-    for count in range(len(parts), 0, -1):
-        shown = " ".join(parts[:count])
-        shown = shown if count == len(parts) else shown.rstrip(" ,(") + " …"
-        if _text_width(figure, shown, size, weight) <= width:
-            return shown
-    return ""
+def _cut(text: str) -> Iterator[str]:
+    yield text
+    for cut in range(text.count(" "), 0, -1):
+        yield " ".join(text.split(" ")[:cut]).rstrip(" ,(") + " …"
 
 
 def _add_name(figure: Figure, name: str, style: Style) -> Text:
@@ -121,7 +120,7 @@ def _add_name(figure: Figure, name: str, style: Style) -> Text:
         and _text_width(figure, " ".join(words[: count + 1]), size, "bold") <= width
     ):
         count += 1
-    rest = _cut(figure, " ".join(words[count:]), width, size, "bold")
+    rest = _longest(figure, _cut(" ".join(words[count:])), width, size, "bold")
     shown = "\n".join(filter(None, [" ".join(words[:count]), rest]))
     return figure.suptitle(
         shown, x=MARGIN, ha="left", fontsize=size, fontweight="bold", color=style.ink
@@ -147,7 +146,7 @@ def _add_legend(figure: Figure, entries: Sequence[Artist], note: str, style: Sty
         handleheight=1.4,
         columnspacing=1.4,
         labelcolor=style.ink,
-        title=_cut(figure, note, width, size) or None,
+        title=_longest(figure, _cut(note), width, size) or None,
         title_fontsize=size,
         alignment="left",
     )

@@ -49,10 +49,6 @@ def _is_single(dataset: xarray.Dataset) -> bool:
     return all(values.size == 1 for values in dataset.data_vars.values())
 
 
-def _has_uncertain_parameters(dataset: xarray.Dataset) -> bool:
-    return "uncertain_parameters" in dataset.attrs
-
-
 def _is_motion(dataset: xarray.Dataset) -> bool:
     return "cycle_time" in dataset.dims or ("motion_status" in dataset and _is_single(dataset))
 
@@ -101,10 +97,12 @@ class Picture:
         return figure
 
 
-ONE_DESIGN = ("variable", "at")
-
-"""Options of a picture of one design, which may be chosen among several."""
-
+# Where it is drawn, its options, and what it is of: of one design, chosen among several.
+OF_UNCERTAIN = (
+    "spreads",
+    ("variable", "at"),
+    lambda dataset: "uncertain_parameters" in dataset.attrs,
+)
 
 PICTURES = {
     picture.name: picture
@@ -113,16 +111,13 @@ PICTURES = {
             "posterior", "what a calibration knows of its unknowns", "spreads", (), is_calibration,
         ),
         Picture(
-            "distribution", "how an output with uncertain parameters spreads", "spreads",
-            ONE_DESIGN, _has_uncertain_parameters,
+            "distribution", "how an output with uncertain parameters spreads", *OF_UNCERTAIN,
         ),
         Picture(
-            "indices", "shares of the variance, by parameter", "spreads", ONE_DESIGN,
-            _has_uncertain_parameters,
+            "indices", "shares of the variance, by parameter", *OF_UNCERTAIN,
         ),
         Picture(
-            "tornado", "what each tolerance does by itself", "spreads", ONE_DESIGN,
-            _has_uncertain_parameters,
+            "tornado", "what each tolerance does by itself", *OF_UNCERTAIN,
         ),
         Picture("front", "a trade-off of two outputs", "landscape", ("at",),
                 lambda dataset: "knee" in dataset),
@@ -160,6 +155,3 @@ GONE = {
 }
 
 """Kinds of former versions, and what shows the same."""
-
-
-NAMES = tuple(PICTURES)

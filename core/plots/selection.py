@@ -131,22 +131,7 @@ def select(
     `PlotError` tells that the dataset does not have what is asked for.
     """
     units = units or ShownUnits()
-    whole = _on_map(dataset, variable) if kind == "map" else dataset[_variable(dataset, variable)]
-    names = _axes(whole, axes, 1 if kind == "line" else 2)
-    categories = None if is_regime(str(whole.name)) else categories_of(whole)
-    if categories and kind in ("contour", "levels"):
-        raise PlotError(
-            "kind",
-            f"{whole.name} has a name in each cell, not a number",
-            "Leave out kind, or draw kind map",
-        )
-    if kind != "line" and len(names) == 1:
-        line = "Draw an output as a line" if kind == "map" else "Draw the output as kind line"
-        raise PlotError(
-            "kind",
-            f"kind {kind} needs two axes, but there is only {names[0]}",
-            "Name two axes" if len(_ranged(whole)) > 1 else line,
-        )
+    whole, names, categories = _selected(dataset, variable, axes, kind)
     regime = _regime(dataset, whole)
     order = [*whole.dims, *(dim for dim in regime.dims if dim not in whole.dims)]
     asked = [name for name in at if name in dataset.dims]  # told, also if nothing depends on it
@@ -183,6 +168,28 @@ def select(
     )
 
 
+def _selected(
+    dataset: xarray.Dataset, variable: str | None, axes: tuple[str, ...] | None, kind: str
+) -> tuple[xarray.DataArray, tuple[str, ...], dict[int, str] | None]:
+    whole = _on_map(dataset, variable) if kind == "map" else dataset[_variable(dataset, variable)]
+    names = _axes(whole, axes, 1 if kind == "line" else 2)
+    categories = None if is_regime(str(whole.name)) else categories_of(whole)
+    if categories and kind in ("contour", "levels"):
+        raise PlotError(
+            "kind",
+            f"{whole.name} has a name in each cell, not a number",
+            "Leave out kind, or draw kind map",
+        )
+    if kind != "line" and len(names) == 1:
+        line = "Draw an output as a line" if kind == "map" else "Draw the output as kind line"
+        raise PlotError(
+            "kind",
+            f"kind {kind} needs two axes, but there is only {names[0]}",
+            "Name two axes" if sum(size > 1 for size in whole.shape) > 1 else line,
+        )
+    return whole, names, categories
+
+
 def _on_map(dataset: xarray.Dataset, variable: str | None) -> xarray.DataArray:
     if REGIME not in dataset:
         raise PlotError(
@@ -211,15 +218,6 @@ def outputs_of(dataset: xarray.Dataset) -> list[str]:
     return [str(name) for name in dataset.data_vars if not is_regime(str(name))]
 
 
-def study_of(dataset: xarray.Dataset) -> dict[str, Any]:
-    """Return the study that a dataset carries as an attribute, as plain data; empty without one."""
-    try:
-        study = json.loads(str(dataset.attrs.get("study", "{}")))
-    except ValueError:
-        return {}
-    return study if isinstance(study, dict) else {}
-
-
 def held_fixed(
     dataset: xarray.Dataset, units: ShownUnits, positions: Mapping[str, int] | None = None
 ) -> list[str]:
@@ -229,13 +227,16 @@ def held_fixed(
     that the study gives before those left to defaults.
     """
     ranged = [held_at(dataset[name], units, index) for name, index in (positions or {}).items()]
-    parameters = study_of(dataset).get("parameters", {})
+    try:
+        given = json.loads(str(dataset.attrs.get("study"))).get("parameters", {})
+    except (ValueError, AttributeError):  # no study
+        given = {}
     single = [
         str(name)
         for name, coordinate in dataset.coords.items()
         if not coordinate.dims and (name not in QUANTITIES or QUANTITIES[str(name)].parameter)
     ]
-    ordered = sorted(single, key=lambda name: name not in parameters)
+    ordered = sorted(single, key=lambda name: name not in given)
     return ranged + [held_at(dataset[name], units) for name in ordered]
 
 
@@ -273,12 +274,8 @@ def _variable(dataset: xarray.Dataset, name: str | None) -> str:
     return name
 
 
-def _ranged(whole: xarray.DataArray) -> list[str]:
-    return [str(dim) for dim in whole.dims if whole.sizes[dim] > 1]
-
-
 def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> tuple[str, ...]:
-    ranged = _ranged(whole)
+    ranged = [str(dim) for dim in whole.dims if whole.sizes[dim] > 1]
     if not ranged:
         raise PlotError(
             "variable",
@@ -343,8 +340,10 @@ def _is_exact(dataset: xarray.Dataset, output: str) -> bool:
 
 def check_result(dataset: xarray.Dataset) -> None:
     """Raise `PlotError` if a dataset is not a result of vibrafeed."""
-    told = "regime" in dataset.data_vars or "reduced" in dataset.attrs
-    if not told or "scene" not in dataset.attrs:
+    told = (
+        "regime" in dataset.data_vars or "reduced" in dataset.attrs
+    ) and "scene" in dataset.attrs
+    if not told:
         raise unreadable("it is not a result of vibrafeed: no regime or no scene")
 
 

@@ -109,15 +109,6 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     return page
 
 
-def _picture(dataset: xarray.Dataset, units: str | None) -> Figure | None:
-    try:
-        return draw([dataset], units=units)
-    except PlotError:
-        if any(array.size > 1 for array in dataset.data_vars.values()):
-            raise
-        return None
-
-
 def _outputs(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
     table = Table.of_xarray(dataset)
     return [
@@ -126,6 +117,15 @@ def _outputs(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]
         if name in QUANTITIES and name not in FLAGS and name not in OF_THE_SEARCH
         if array.dtype.kind == "f"
     ]
+
+
+def _picture(dataset: xarray.Dataset, units: str | None) -> Figure | None:
+    try:
+        return draw([dataset], units=units)
+    except PlotError:  # a single design may have no picture
+        if any(array.size > 1 for array in dataset.data_vars.values()):
+            raise
+        return None
 
 
 def _values(

@@ -77,8 +77,8 @@ class UncertainOutput(NamedTuple):
     @property
     def axis(self) -> str:
         """The label of an axis of the output."""
-        label = QUANTITIES[self.output].label
-        return " ".join(filter(None, (label, in_brackets(self.shown.unit))))
+        unit = in_brackets(self.shown.unit)
+        return f"{QUANTITIES[self.output].label} {unit}".rstrip()
 
     def values(self, part: str) -> Array:
         """Return the values of a statistic, in shown units."""

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from io import BytesIO
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -46,6 +47,10 @@ class NotebookFigure(Figure):
         return buffer.getvalue()
 
 
+def _either(light: Any, dark: Any) -> Any:
+    return property(lambda style: dark if style.dark else light)
+
+
 @dataclass(frozen=True)
 class Style:
     """Colours and sizes that all kinds of picture share, on a dark ground or in a small format."""
@@ -53,53 +58,27 @@ class Style:
     dark: bool = False
     small: bool = False
 
-    @property
-    def ground(self) -> str:
-        """The background colour."""
-        return "#15181d" if self.dark else "#ffffff"
-
-    @property
-    def ink(self) -> str:
-        """The colour of text, frames and borders."""
-        return "#eceef1" if self.dark else "#16181c"
-
-    @property
-    def quiet(self) -> str:
-        """The colour of secondary but readable elements."""
-        return "#b4b9c2" if self.dark else "#4a4d55"
+    ground = _either("#ffffff", "#15181d")
+    ink = _either("#16181c", "#eceef1")  # of text, frames and borders
+    quiet = _either("#4a4d55", "#b4b9c2")  # of what is secondary, but to be read
+    curve = _either("#1f3b73", "#8fb8ff")  # the main one of a picture
+    other = _either("#8a6a3a", "#d9b27c")  # of a second curve
+    accent = _either("#b3124f", "#ff7aa8")  # optima and limits
+    series = _either(  # of curves that have no order
+        (
+            "#1f5a8a", "#c2572b", "#3f7d3a", "#7a4f9a", "#8a6d1f", "#b0366b", "#1f7f7f",
+            "#555555", "#a33c3c", "#4a78bd", "#6d6d1f",
+        ),
+        (
+            "#6fb1e8", "#f0925f", "#7cc576", "#b99be0", "#d9b44a", "#f07fb0", "#5fd0d0",
+            "#b8bcc4", "#e58a8a", "#9fc0ff", "#c4c46a",
+        ),
+    )  # fmt: skip
 
     @property
     def grid(self) -> RGB:
         """The colour of grid lines."""
         return mix(self.ground, self.ink, 0.13)
-
-    @property
-    def curve(self) -> str:
-        """The colour of a picture's main curve."""
-        return "#8fb8ff" if self.dark else "#1f3b73"
-
-    @property
-    def other(self) -> str:
-        """The colour of a second curve."""
-        return "#d9b27c" if self.dark else "#8a6a3a"
-
-    @property
-    def accent(self) -> str:
-        """The accent colour: optima and limits."""
-        return "#ff7aa8" if self.dark else "#b3124f"
-
-    @property
-    def series(self) -> tuple[str, ...]:
-        """The colours of curves that have no order, as texts ``#rrggbb``."""
-        if self.dark:
-            return (
-                "#6fb1e8", "#f0925f", "#7cc576", "#b99be0", "#d9b44a", "#f07fb0", "#5fd0d0",
-                "#b8bcc4", "#e58a8a", "#9fc0ff", "#c4c46a",
-            )  # fmt: skip
-        return (
-            "#1f5a8a", "#c2572b", "#3f7d3a", "#7a4f9a", "#8a6d1f", "#b0366b", "#1f7f7f",
-            "#555555", "#a33c3c", "#4a78bd", "#6d6d1f",
-        )  # fmt: skip
 
     @property
     def single_sign(self) -> Colormap:
@@ -135,7 +114,9 @@ class Style:
         return figure
 
     def series_over(self, count: int) -> list[RGB]:
-        """Return colours of `count` curves that are ordered by a quantity, from dark to light."""
+        """Return colours of some curves that are ordered by a quantity, from dark to light."""
+        if count == 1:
+            return [to_rgb(self.curve)]
         ends = (0.32, 1.0) if self.dark else (0.0, 0.78)
         shades = matplotlib.colormaps["viridis"](linspace(*ends, count))
         return [(float(r), float(g), float(b)) for r, g, b, _ in shades]

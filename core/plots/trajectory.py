@@ -53,7 +53,6 @@ PANELS = (3.0, 2.4, 1.8)  # relative heights of the panels
 PALE = 0.55  # share of the ground colour in the colour of a mode
 MAX_PERIODS = 12  # periods up to which a line marks each
 ORBIT_POINTS = 400
-
 # Hatch and colour of the background while the part is in a mode; in flight it is the ground.
 MODES = {
     "stick": ("..", FILLS["stick"]),
@@ -64,7 +63,6 @@ LEGEND = {
     "stick": "sticking", "forward": "sliding forward", "backward": "sliding backward",
     "flight": "in flight",
 }  # fmt: skip
-
 TIMES = 400  # points of a trajectory that is computed for a picture
 FALL = ("path_along", "path_height", "path_pitch", "path_gap", "path_corners", "length")
 HEIGHTS = ("height", "diameter")  # of a part, whichever it has
@@ -94,11 +92,9 @@ def followed(dataset: xarray.Dataset) -> Prepared | None:
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the picture of the motion of a dataset's single part over time.
+    """Return the picture of the motion of a dataset's single part, on the track or tumbling.
 
-    A dataset without a time axis but with one cell is followed in time first. The picture of a
-    tumbling part shows its path, that of any other how it moves on the track. `PlotError` tells
-    that the dataset has no single motion.
+    A dataset without a time axis but with one cell is followed in time first.
     """
     check_result(dataset)
     style = options.style
@@ -167,11 +163,7 @@ def check_trajectory(dataset: xarray.Dataset) -> None:
 
 
 def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
-    """Return the motion of a dataset's part over time, in the units in which it is drawn.
-
-    `PlotError` tells that the dataset lacks a variable of the motion, or has no values since no
-    cycle was found.
-    """
+    """Return the motion of a dataset's part over time, in the units in which it is drawn."""
     known = {**dataset.data_vars, **dataset.coords}
     shape, _ = shape_of(map(str, known))
     needed = (*NEEDED, "frequency", *(("gravity", *shape.inputs) if shape else ()))
@@ -309,10 +301,7 @@ def _limits(*curves: Array) -> tuple[float, float]:
 
 
 def _swing(seconds: Array, period: float, track: Array) -> Array:
-    """Return the velocity along itself [m/s] of a track that moves as a sine.
-
-    Its amplitude is fitted to the displacement `track` [m], a multiple of sin(2 pi t/period).
-    """
+    # Along itself [m/s]; the amplitude is fitted to the displacement, a multiple of a sine.
     rate = 2 * np.pi / period
     sine = np.sin(rate * seconds)
     weight = float(sine @ sine)
@@ -321,10 +310,7 @@ def _swing(seconds: Array, period: float, track: Array) -> Array:
 
 
 def _orbit(wave: Wave) -> Array | None:
-    """Return the path of the track over a period, shape (2, points), or None if it is a line.
-
-    The unit is that of the drive's own dimensionless position, g/w^2 with w = 2 pi f.
-    """
+    # Along and normal [g/w^2, w = 2 pi f], shape (2, points).
     phases = np.linspace(0.0, TURN, ORBIT_POINTS + 1)
     orbit = np.stack([position_at(wave, axis, phases) for axis in (ALONG, NORMAL)])
     length, width = np.linalg.svd(orbit, compute_uv=False)
@@ -385,9 +371,10 @@ def _mode_entries(modes: list[str], style: Style) -> list[Artist]:
     for name in dict.fromkeys((*MODES, "flight", *modes)):
         if name in modes:
             hatch, colour = _look(name, style)
-            ink = mix(colour, style.ink, 0.3)
-            patch = Patch(facecolor=colour, edgecolor=ink, label=LEGEND.get(name, words(name)))
-            patch.set(hatch=hatch, linewidth=0.8, hatch_linewidth=HATCH_WIDTH)
+            patch = Patch(
+                facecolor=colour, edgecolor=mix(colour, style.ink, 0.3), hatch=hatch, linewidth=0.8,
+                hatch_linewidth=HATCH_WIDTH, label=LEGEND.get(name, words(name)),
+            )  # fmt: skip
             entries.append(patch)
     return entries
 
@@ -395,10 +382,9 @@ def _mode_entries(modes: list[str], style: Style) -> list[Artist]:
 def _draw_fall(
     figure: Figure, dataset: xarray.Dataset, units: ShownUnits, style: Style
 ) -> tuple[Axes, list[str], list[Artist]]:
-    """Draw the trajectory of a tumbling part, a rectangle: from the side, its gap, its pitch.
+    """Draw a tumbling part, a rectangle: from the side, its gap to the plane, and its pitch.
 
-    It ends where it would show no more motion. Times at which the part touches the plane are
-    shaded. Return the upper axes, the lines below the title, and the entries of the legend.
+    Return the upper axes, the lines below the title, and the entries of the legend.
     """
     known = {**dataset.data_vars, **dataset.coords}
     heights = [name for name in HEIGHTS if name in known]
@@ -448,20 +434,22 @@ def _draw_fall(
         )  # fmt: skip
     figure.align_ylabels([side, gaps, pitches])
     triangle = [(0, 0), (1, 0), (1, 1)]
-    patch = Polygon(triangle, facecolor=mix(style.curve, style.ground, 0.55))
-    patch.set(edgecolor=style.curve, label="the part, drawn strongest at the end")
-    touch = Polygon(triangle, facecolor=mix(style.other, style.ground, 0.75))
-    touch.set(edgecolor=mix(style.other, style.ground, 0.4), label="on the plane")
-    line = Line2D([], [], color=style.accent, label="its middle")
-    return side, _facts_of_fall(dataset, units), [patch, line, touch]
+    entries = [
+        Polygon(
+            triangle, facecolor=mix(style.curve, style.ground, 0.55), edgecolor=style.curve,
+            label="the part, drawn strongest at the end",
+        ),
+        Line2D([], [], color=style.accent, label="its middle"),
+        Polygon(
+            triangle, facecolor=mix(style.other, style.ground, 0.75),
+            edgecolor=mix(style.other, style.ground, 0.4), label="on the plane",
+        ),
+    ]  # fmt: skip
+    return side, _facts_of_fall(dataset, units), entries
 
 
 def _draw_side(axes: Axes, outlines: Array, path: Array, unit: str, style: Style) -> None:
-    """Draw a tumbling part from the side: outlines equally far apart, and the path of its middle.
-
-    `outlines` have the shape (times, 4, 2), `path` (2, times). The first and the last outline are
-    filled; the plane on which the part falls is at height 0.
-    """
+    # Outlines, shape (times, 4, 2), equally far apart, and the path of the middle, (2, times).
     moved = np.abs(np.diff(outlines, axis=0)).sum(axis=(1, 2))
     passed = np.concatenate([[0.0], np.cumsum(moved)])
     chosen = np.unique(np.searchsorted(passed, np.linspace(0.0, passed[-1], 14)))
@@ -492,10 +480,7 @@ def _draw_side(axes: Axes, outlines: Array, path: Array, unit: str, style: Style
 
 
 def _end_of_fall(outlines: Array, pitch: Array, size: float) -> int:
-    """Return the number of times to show of a trajectory: until shortly after the part rests.
-
-    `size` is the length by which rest is judged, in the unit of `outlines`; `pitch` in degrees.
-    """
+    """Return the number of times to show of a trajectory: until shortly after the part rests."""
     still = np.abs(outlines - outlines[-1]).max(axis=(1, 2)) < STILL * size
     still &= np.abs(pitch - pitch[-1]) < STILL * 360
     moving = np.flatnonzero(~still)

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 import vibrafeed
-from vibrafeed.core.plots.pictures import NAMES, PlotError
+from vibrafeed.core.plots.pictures import PICTURES, PlotError
 
 CODE = """
 import sys
@@ -48,4 +48,4 @@ def test_what_is_no_dataset_is_told(given):
 
 def test_the_pictures_that_python_tells_of_are_all_there_are():
     (words,) = re.findall(r"The name of a picture: (.*?);", vibrafeed.plot.__doc__, re.DOTALL)
-    assert re.split(r",\s+|\s+or\s+", words) == list(NAMES)
+    assert re.split(r",\s+|\s+or\s+", words) == list(PICTURES)
