@@ -258,10 +258,10 @@ def _slower(slow: float) -> str:
     return f", {number(slow)} times slower" if slow != 1 else ""
 
 
-def _add_clock(strip: Axes, place: Any, height: float, style: Style) -> tuple[Line2D, Text]:
+def _add_clock(strip: Axes, points: Any, height: float, style: Style) -> tuple[Line2D, Text]:
     """Add what moves in the strip below an animation: the line of the time, and words above."""
     strip.set_title(" ", fontsize=style.text(10))  # room for what is written in each frame
-    (clock,) = strip.plot(*place, color=style.ink, linewidth=2.0, animated=True)
+    (clock,) = strip.plot(*points, color=style.ink, linewidth=2.0, animated=True)
     return clock, strip.text(
         0.0, height, "", transform=strip.transAxes, fontsize=style.text(9), color=style.ink,
         animated=True,

@@ -1,4 +1,4 @@
-"""What moves over time: the frames of an animation of one part, and a row of parts."""
+"""Motions to be drawn: the frames of an animation of one part, and a row of parts."""
 
 from __future__ import annotations
 
@@ -251,7 +251,7 @@ def _box(half_length: float, half_height: float) -> Array:
 
 
 def _cycles(dataset: xarray.Dataset, time: Array, span: float, length: float) -> int:
-    """Return how often a film shows a trajectory: until it is seen to travel, if it repeats.
+    """Return the number of times a film shows a trajectory: until travel is seen, if it repeats.
 
     It repeats if it ends as it began, within a share of the extent `span` [m] of the motion.
     `length` is that of the drawn part [m].

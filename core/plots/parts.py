@@ -1,4 +1,4 @@
-"""What pictures share: heading, legend and foot, axes, and the scale of colours."""
+"""Parts that pictures share: heading, legend and foot, axes, and the scale of colours."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How outputs spread under uncertain parameters, and what a calibration knows."""
+"""Spreads of outputs under uncertain parameters, and the posterior of a calibration."""
 
 from __future__ import annotations
 
@@ -201,14 +201,14 @@ def _draw_distribution(axes: Axes, result: UncertainOutput, style: Style) -> Dra
     for name, demand in result.design.data_vars.items():
         if demand.attrs.get("output") != result.output or str(name).endswith("_error"):
             continue
-        told = []
+        bounds = []
         for key in ("at_least", "at_most"):
             if key in demand.attrs:
                 bound = float(demand.attrs[key]) * result.shown.factor
                 axes.axvline(bound, color=style.accent, linewidth=style.width(2.0))
-                told.append(f"{words(key)} {result.read(bound)}")
+                bounds.append(f"{words(key)} {result.read(bound)}")
         chance = percent_with_error(float(demand), float(result.design[f"{name}_error"]))
-        label = f"{' and '.join(told)}: {chance}"
+        label = f"{' and '.join(bounds)}: {chance}"
         entries.append(Line2D([], [], color=style.accent, linewidth=2.0, label=label))
     axes.set(xlabel=result.axis, ylabel="Share of the parts (%)")
     axes.margins(x=0.03)
