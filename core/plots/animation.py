@@ -33,8 +33,8 @@ from vibrafeed.core.plots.film import (
 )
 from vibrafeed.core.plots.parts import DOT, finish
 from vibrafeed.core.plots.pictures import PlotError
-from vibrafeed.core.plots.selection import held_fixed
-from vibrafeed.core.plots.style import RGB, Options, Style, mix, number, units_of, with_unit
+from vibrafeed.core.plots.selection import held_fixed, units_of
+from vibrafeed.core.plots.style import RGB, Options, Style, mix, number, with_unit
 from vibrafeed.core.quantities.pictures import FILLS
 from vibrafeed.core.study.shown import ShownUnits
 

@@ -27,8 +27,15 @@ from vibrafeed.core.plots.pictures import (
     is_calibration,
     unreadable,
 )
-from vibrafeed.core.plots.selection import Selection, in_letters, outputs_of, read_fixed, select
-from vibrafeed.core.plots.style import Options, Style, long_name, short_label, units_of
+from vibrafeed.core.plots.selection import (
+    Selection,
+    in_letters,
+    outputs_of,
+    read_fixed,
+    select,
+    units_of,
+)
+from vibrafeed.core.plots.style import Options, Style, long_name, short_label
 from vibrafeed.core.quantities import letter_of
 from vibrafeed.core.study.shown import ShownUnits
 from vibrafeed.core.suggestions import suggestion

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,7 +29,7 @@ from vibrafeed.core.plots.style import (
 from vibrafeed.core.quantities import QUANTITIES, by_letters
 from vibrafeed.core.quantities.flags import REGIME, is_regime
 from vibrafeed.core.scenes import EXACT, SCENES
-from vibrafeed.core.study.shown import ShownUnits
+from vibrafeed.core.study.shown import ShownUnits, read_shown
 from vibrafeed.core.study.units import UnitError, read_number
 from vibrafeed.core.study.values import position_on_axis
 from vibrafeed.core.suggestions import suggestion
@@ -336,6 +336,19 @@ def _is_exact(dataset: xarray.Dataset, output: str) -> bool:
         return False
     doubtful = {found for condition in scene.conditions[variant] for found in condition.outputs}
     return output in scene.producers(variant) and output not in doubtful
+
+
+def units_of(dataset: xarray.Dataset, asked: Sequence[str] | str | None) -> ShownUnits:
+    """Return the units in which a picture shows values: those asked for, else those of the study.
+
+    `PlotError` tells that a name is not a unit.
+    """
+    words = dataset.attrs.get("shown_units", "") if asked is None else asked
+    listed = words.split(",") if isinstance(words, str) else list(words)
+    try:
+        return read_shown(word for word in listed if word.strip())
+    except UnitError as error:
+        raise PlotError("units", error.message, error.fix) from None
 
 
 def check_result(dataset: xarray.Dataset) -> None:

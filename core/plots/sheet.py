@@ -17,7 +17,8 @@ from vibrafeed.core.dataset.regimes import percent, regime_shares
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.plots.drawing import check_format, draw, read, save
 from vibrafeed.core.plots.pictures import PlotError
-from vibrafeed.core.plots.style import Style, long_name, number, shown_in, units_of, words
+from vibrafeed.core.plots.selection import units_of
+from vibrafeed.core.plots.style import Style, long_name, number, shown_in, words
 from vibrafeed.core.quantities import FLAGS, QUANTITIES, REGIMES
 from vibrafeed.core.quantities.flags import is_regime
 from vibrafeed.core.quantities.optimum import OF_THE_SEARCH

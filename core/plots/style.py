@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from io import BytesIO
 from typing import Any
@@ -19,11 +19,9 @@ from matplotlib.legend import Legend
 from numpy import linspace
 from numpy.typing import NDArray
 
-from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.quantity import in_sentence
-from vibrafeed.core.study.shown import Shown, ShownUnits, read_shown
-from vibrafeed.core.study.units import UnitError
+from vibrafeed.core.study.shown import Shown, ShownUnits
 
 Array = NDArray[np.float64]
 RGB = tuple[float, float, float]
@@ -194,19 +192,6 @@ def shown_in(array: xarray.DataArray, units: ShownUnits) -> Shown:
     values = np.abs(np.asarray(array.values, dtype=np.float64))
     largest = float(values[np.isfinite(values)].max(initial=0.0))
     return units.of(str(array.attrs.get("units", "1")), largest)
-
-
-def units_of(dataset: xarray.Dataset, asked: Sequence[str] | str | None) -> ShownUnits:
-    """Return the units in which a picture shows values: those asked for, else those of the study.
-
-    `PlotError` tells that a name is not a unit.
-    """
-    words = dataset.attrs.get("shown_units", "") if asked is None else asked
-    listed = words.split(",") if isinstance(words, str) else list(words)
-    try:
-        return read_shown(word for word in listed if word.strip())
-    except UnitError as error:
-        raise PlotError("units", error.message, error.fix) from None
 
 
 def number(value: float, digits: int = 6) -> str:
