@@ -225,13 +225,11 @@ def _closed_forms(prepared: Prepared, watch: Watch) -> Report:
 
 
 def _seconds_of(plan: Plan, held: Mapping[str, NDArray[Any]], dtype: Any) -> float:
-    """Return the time of one cell of a block in which every parameter differs [s]."""
     block = {name: np.resize(held[name], BLOCK_CELLS) for name in plan.parameters}
     return _median_seconds(lambda: outputs_in(plan, block, dtype)) / BLOCK_CELLS
 
 
 def _relative(got: NDArray[Any], exact: NDArray[Any]) -> Array:
-    """Return errors as shares of the exact values; NaN where there is no such share."""
     with np.errstate(all="ignore"):
         off = np.abs(got - exact) / np.abs(exact)
     off = np.where(np.isfinite(exact) & ~np.isfinite(got), np.inf, off)
@@ -249,15 +247,12 @@ class _Means:
 
 @dataclass(frozen=True)
 class _Witnessed:
-    """Random cells whose motion the witness has followed, SI units, shape (cells,)."""
-
     cells: Mapping[str, Array]
     truth: _Means
     trusted: NDArray[np.bool_]
     tried: int
 
     def group(self, where: NDArray[np.bool_]) -> tuple[dict[str, Array], Array]:
-        """Return parameters and true velocities of some of the cells."""
         here = {name: values[where] for name, values in self.cells.items()}
         return here, self.truth.velocity[where]
 
@@ -289,7 +284,6 @@ def _motions(prepared: Prepared, watch: Watch) -> Report:
 
 
 def _words_of(known: _Witnessed) -> str:
-    """Return the error that is measured, and the witness, in words."""
     words = (
         "Error: of the mean velocity by the method events over its tolerance, as a share of the "
         "drive's speed A w, against the method reference, which shares no code with it"
@@ -308,11 +302,6 @@ def _words_of(known: _Witnessed) -> str:
 
 
 def _witnessed(prepared: Prepared, limits: Mapping[str, float], watch: Watch) -> _Witnessed:
-    """Return random cells that move and repeat their motion, as the witness has followed them.
-
-    Of two exact methods that differ by more than `OTHER_MOTION` one fell into another motion: such
-    cells are not trusted.
-    """
     scene, grid = prepared.plan.scene, prepared.grid
     used = {name for method in scene.variants for name in scene_parameters(scene, method)}
     names = [name for name in (*grid.axes, *grid.fixed) if name in used]
@@ -330,6 +319,7 @@ def _witnessed(prepared: Prepared, limits: Mapping[str, float], watch: Watch) ->
     ours = _run(prepared, "events", picked, {**limits, "tolerance": 1e-12}, watch.part(0.05))
     with np.errstate(invalid="ignore"):
         trusted = truth.periodic & (truth.stated < WITNESS_ERROR)
+        # Of two exact methods that differ by more, one fell into another motion.
         trusted &= np.abs(ours.velocity - truth.velocity) < OTHER_MOTION
     return _Witnessed(picked, truth, trusted, count)
 
@@ -341,7 +331,6 @@ def _run(
     settings: Mapping[str, float],
     watch: Watch,
 ) -> _Means:
-    """Run a method of simulation at cells (SI units, shape (n,)) on one thread, and time it."""
     plan = plan_scene(prepared.plan.scene, method, OUTPUTS, tuple(cells))
     kept = {name: value for name, value in settings.items() if name in plan.defaults}
     plan = replace(plan, defaults={**plan.defaults, **kept})
@@ -362,7 +351,6 @@ def _run(
 
 
 def _both_kinds(chosen: NDArray[np.intp], hops: NDArray[np.bool_], count: int) -> Any:
-    """Return up to `count` of the chosen cells in order, half of them hopping if there are."""
     air, floor = chosen[hops[chosen]], chosen[~hops[chosen]]
     half = count // 2
     more = max(0, half - floor.size), max(0, half - air.size)
@@ -370,7 +358,6 @@ def _both_kinds(chosen: NDArray[np.intp], hops: NDArray[np.bool_], count: int) -
 
 
 def _median_seconds(run: Callable[[], object]) -> float:
-    """Return the median wall time of one call [s], over repeats of at least 2 ms."""
     started = time.perf_counter()
     run()
     calls = max(1, int(LEAST_SECONDS / max(time.perf_counter() - started, 1e-7)))
@@ -385,7 +372,6 @@ def _median_seconds(run: Callable[[], object]) -> float:
 
 
 def _facts() -> dict[str, str]:
-    """Return `machine`, `date` and `versions`, on which times depend."""
     libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
     load = f", load {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
     return {
@@ -398,7 +384,6 @@ def _facts() -> dict[str, str]:
 
 
 def _flags(name: str, words: Sequence[str]) -> TableVariable:
-    """Return a coordinate of words as CF flags, which every NetCDF client reads."""
     values = np.arange(len(words), dtype=np.int16)
     meanings = {"long_name": name, "flag_values": values, "flag_meanings": " ".join(words)}
     return TableVariable((name,), values, meanings)

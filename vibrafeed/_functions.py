@@ -418,7 +418,7 @@ def plot(
         Values of other dimensions, numbers in the unit of the dataset or text with a
         unit; the middle one if left out.
     kind : str, optional
-        The name of a picture: posterior, speeds, distribution, indices, tornado, front,
+        The name of a picture: posterior, distribution, indices, tornado, front,
         positions, trajectory, animation, landscape, bodies, line, map, contour or levels; the
         first that fits if left out.
     title : str, optional
@@ -445,10 +445,10 @@ def plot(
     >>> figure.get_suptitle()
     'Acceleration along the track'
     """
-    plots = import_module("vibrafeed.core.plots")
-    return plots.draw(
+    drawing = import_module("vibrafeed.core.plots.drawing")
+    return drawing.draw(
         _opened(dataset), variable=variable, axes=(axes,) if isinstance(axes, str) else axes,
-        at=plots.read_fixed(at or {}), kind=kind, title=title, units=units, nearest=nearest,
+        at=drawing.read_fixed(at or {}), kind=kind, title=title, units=units, nearest=nearest,
         dark=dark, small=small,
     )  # fmt: skip
 
@@ -456,7 +456,7 @@ def plot(
 def _opened(source: Any) -> Any:
     """Return the datasets to be drawn: paths are read as files, lists entry by entry."""
     if isinstance(source, str | os.PathLike):
-        return import_module("vibrafeed.core.plots.files").read(source)
+        return import_module("vibrafeed.core.plots.drawing").read(source)
     return [_opened(one) for one in source] if isinstance(source, list | tuple) else source
 
 
@@ -496,7 +496,7 @@ def animate(
     """
     from pathlib import Path
 
-    from vibrafeed.core.plots.movie import animate
+    from vibrafeed.core.plots.animation import animate
 
     animate(
         _opened(dataset), Path(file), slow=slow, title=title, units=units, dark=dark, small=small

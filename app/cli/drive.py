@@ -115,7 +115,6 @@ def drive(
     """
     from vibrafeed.app.cli.drives import document_of, show_fit, toml_of
     from vibrafeed.app.cli.units import units_asked
-    from vibrafeed.core import plots
     from vibrafeed.core.intake.recorded import channel_questions
     from vibrafeed.core.measured import Recording
     from vibrafeed.core.study.unusual import questions_of_drive
@@ -148,11 +147,19 @@ def drive(
             output.write_text(lines + "\n", encoding="utf-8")
             typer.echo(f"wrote {output}", err=toml or as_json)
         if plot is not None:
-            plots.save(plots.draw_fit(fit), plot)
+            _save_picture(fit, plot)
             typer.echo(f"wrote {plot}", err=toml or as_json)
     except OSError as error:
         console.fail(f"{error.filename or recording}: {error.strerror or error}.")
         raise typer.Exit(FAILED) from None
+
+
+def _save_picture(fit: Fit, plot: Path) -> None:
+    """Draw a fitted drive into a file."""
+    from vibrafeed.core.plots.drawing import save
+    from vibrafeed.core.plots.measured import draw_fit
+
+    save(draw_fit(fit), plot)
 
 
 def _split_list(text: str | None) -> tuple[str, ...] | None:
@@ -240,7 +247,7 @@ def _problems_of_picture(plot: Path | None) -> list[Problem]:
     if plot is None:
         return []
     with needing("plot", "matplotlib"):
-        from vibrafeed.core.plots.files import check_format
+        from vibrafeed.core.plots.drawing import check_format
     try:
         check_format(plot)
     except PlotError as error:

@@ -105,7 +105,8 @@ def plot(
 ) -> None:
     """Draw a result: an output with its regimes, a map of regimes, or the motion of one part."""
     with needing("plot", "matplotlib"):
-        from vibrafeed.core.plots import PlotError, draw_file
+        from vibrafeed.core.plots.drawing import draw_file
+        from vibrafeed.core.plots.pictures import PlotError
     file = files[0]
     endings = (".gif",) if kind == "animation" else (".png", ".svg")
     name = "-".join(filter(None, (file.stem, variable, kind)))

@@ -38,7 +38,8 @@ def sheet(
 ) -> None:
     """Write one page about a result: drive and part, what comes out, a picture, the assumptions."""
     with needing("plot", "matplotlib"):
-        from vibrafeed.core.plots import PlotError, write_sheet
+        from vibrafeed.core.plots.pictures import PlotError
+        from vibrafeed.core.plots.sheet import write_sheet
     target = output or file.with_suffix(".pdf")
     refuse_existing(str(file), str(target), force=force)
     try:

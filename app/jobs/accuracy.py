@@ -62,8 +62,8 @@ def draw(file: Path, target: Path, warn: Callable[[str], object]) -> Path | None
     `warn` is called with a sentence if matplotlib is missing.
     """
     try:
-        from vibrafeed.core.plots.accuracy import draw_report
-        from vibrafeed.core.plots.files import save
+        from vibrafeed.core.plots.drawing import save
+        from vibrafeed.core.plots.measured import draw_report
     except ModuleNotFoundError as error:
         warn(f"{error.name} is missing: no pictures. {installing('matplotlib', 'plot')}")
         return None

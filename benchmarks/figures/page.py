@@ -12,7 +12,7 @@ from benchmarks.figures import plane, track
 from benchmarks.figures.judgement import Judgement
 from benchmarks.figures.measures import beyond_lift_off, share, wall_pulls
 from benchmarks.figures.studies import ROOT, data, is_surface, path_of, picture_of, study
-from vibrafeed.core.plots import draw
+from vibrafeed.core.plots.drawing import draw
 
 PAGE = ROOT / "docs" / "thesis.md"
 BEGIN = "<!-- Written by `python -m benchmarks.figures`: begin. -->"

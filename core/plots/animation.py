@@ -1,33 +1,52 @@
-"""The motion of one part as an animation: seen from the side, on its moving track."""
+"""Motions as GIF files: of one part seen from the side, of a row of parts seen from above."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, Never
 
 import numpy as np
+import xarray
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Polygon
+from matplotlib.patches import Polygon, Rectangle
+from matplotlib.text import Text
 from numpy.typing import NDArray
+from PIL import Image
 
-from vibrafeed.core.plots.film import Film
-from vibrafeed.core.plots.heading import finish
-from vibrafeed.core.plots.style import RGB, Style, mix
-from vibrafeed.core.plots.text import number, with_unit
+from vibrafeed.core.dataset.files import whole
+from vibrafeed.core.plots.film import (
+    FIRST,
+    FRAMES_PER_SECOND,
+    PALE,
+    PERIOD_SHOWN,
+    TURN,
+    Film,
+    amplitude_of,
+    frames_in,
+    nice,
+    read_film,
+    read_row,
+)
+from vibrafeed.core.plots.parts import DOT, finish
+from vibrafeed.core.plots.pictures import PlotError
+from vibrafeed.core.plots.selection import held_fixed, units_of
+from vibrafeed.core.plots.style import RGB, Options, Style, mix, number, with_unit
 from vibrafeed.core.quantities.pictures import FILLS
+from vibrafeed.core.study.shown import ShownUnits
 
+DOTS = 100  # dots per inch
+SAMPLED = 8  # frames from which the colours are taken
 SIZE = (6.4, 4.0)  # inches
 MARGIN = 0.06  # of the view's width, left and right
 DEPTH = 0.18  # of the view's height that shows the track below its lowest position
 SEEN = 0.74  # of the view's height that all motion takes at most
 MARKS = 12  # marks of the track on the width of the view, or a few more
-PALE = 0.25  # share of the ground colour in the colour of a mode
-DOT = " \N{MIDDLE DOT} "
-NICE = (1.0, 2.0, 5.0)
-
+ROW_MARKS = 24
+WIDTH = 0.5  # of the lane, that the parts of a row take
 COLOURS = {
     "stick": FILLS["stick"],
     "forward": FILLS["slip"],
@@ -41,73 +60,218 @@ COLOURS = {
 Frame = NDArray[np.uint8]
 
 
-def draw_frames(film: Film, style: Style, dots: int, title: str | None = None) -> Iterator[Frame]:
-    """Yield the frames of an animation of one part, drawn one after another.
+def draw(dataset: xarray.Dataset, options: Options) -> Never:
+    """Raise `PlotError`, since animations are files written by `animate`, not figures."""
+    raise PlotError(
+        "kind",
+        "an animation can only be written to a file, not returned as a figure",
+        "Call vibrafeed.animate, or end the name in .gif",
+    )
 
-    Parameters
-    ----------
-    film : Film
-        Positions of track and part in each frame.
-    style : Style
-        Colours and sizes.
-    dots : int
-        Resolution [dots per inch].
-    title : str, optional
-        Title of the picture; by default one that says how slow it is.
 
-    Yields
+def animate(
+    dataset: xarray.Dataset,
+    target: Path,
+    *,
+    slow: float | None = None,
+    title: str | None = None,
+    units: Sequence[str] | str | None = None,
+    dark: bool = False,
+    small: bool = False,
+) -> None:
+    """Save the motion of a part or of a row of parts as a GIF file: see `vibrafeed.animate`.
+
+    Raises
     ------
-    ndarray of uint8, shape (rows, columns, 3)
-        Red, green and blue.
+    PlotError
+        If the dataset holds no trajectory, or the file cannot be made.
+    OSError
+        If the file cannot be written; no part of it is left behind.
+    """
+    if target.suffix.lower() != ".gif":
+        raise PlotError(
+            "output",
+            f"'{target.suffix}': unknown animation format",
+            "End the name of the animation in .gif",
+        )
+    style, shown = Style(dark=dark, small=small), units_of(dataset, units)
+    if FIRST in dataset:
+        frames = draw_lane(dataset, shown, style, DOTS, slow=slow, title=title)
+    else:
+        frames = draw_frames(read_film(dataset, shown, slow), style, DOTS, title)
+    with whole(target) as temporary:
+        _write_gif(frames, temporary)
+
+
+def _write_gif(frames: Iterable[Frame], target: Path) -> None:
+    # One palette for all frames, so that nothing flickers.
+    pictures = [Image.fromarray(frame) for frame in frames]
+    some = pictures[:: max(1, len(pictures) // SAMPLED)]
+    sheet = Image.fromarray(np.concatenate([np.asarray(picture) for picture in some]))
+    palette = sheet.quantize(32, dither=Image.Dither.NONE)
+    first, *others = (
+        picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures
+    )
+    first.save(
+        target, format="GIF", save_all=True, append_images=others, loop=0, optimize=False,
+        duration=1000 // FRAMES_PER_SECOND,
+    )  # fmt: skip
+
+
+def draw_frames(film: Film, style: Style, dots: int, title: str | None = None) -> Iterator[Frame]:
+    """Yield the frames of an animation of one part, uint8 of shape (rows, columns, 3).
+
+    `dots` is the resolution [dots per inch]; the title says by default how slow it is.
     """
     figure = style.sheet(*SIZE)
     figure.set_dpi(dots)
     view, strip = figure.subplots(2, 1, height_ratios=(1.0, 0.07))
     view.set(xticks=[], yticks=[])
-    clock = _add_strip(strip, film, style)
-    slower = f", {number(film.slow)} times slower" if film.slow != 1 else ""
+    for mode, start, stop in film.spells:
+        strip.axvspan(1000 * start, 1000 * stop, facecolor=_colour(mode, style), linewidth=0)
+    first, last = 1000 * film.spells[0][1], 1000 * film.spells[-1][2]
+    strip.set(xlim=(first, last), yticks=[], xlabel="Time (ms)")
+    clock, says = _add_clock(strip, ([first] * 2, [0, 1]), 1.35, style)
     notes = DOT.join(film.notes)
     finish(
-        figure, view, style, name=title or f"Motion of the part{slower}", facts=film.facts,
-        source=notes[:1].upper() + notes[1:],
+        figure, view, style, name=title or f"Motion of the part{_slower(film.slow)}",
+        facts=film.facts, source=notes[:1].upper() + notes[1:],
     )  # fmt: skip
     figure.set_layout_engine("none")
     left, right, bottom = _frame_view(view, film, style)
-    moving = _Moving(view, film, style, left, right, bottom)
-    mode = strip.text(
-        0.0, 1.35, "", transform=strip.transAxes, fontsize=style.text(9), color=style.ink,
+    spacing = nice((right - left) / MARKS, below=True)
+    reach = float(np.abs(film.track[0]).max()) + spacing
+    first_mark, end = np.floor((left - reach) / spacing), np.ceil((right + reach) / spacing) + 1
+    steps = np.arange(first_mark, end) * spacing
+    mark_length = 0.018 * (right - left)
+    body = mix(style.other, style.ground, 0.5)
+    ground = Polygon(np.zeros((4, 2)), linewidth=1.4, facecolor=body, edgecolor=style.other)
+    ticks = Line2D([], [], color=style.other, linewidth=1.0)
+    way = Line2D([], [], color=style.curve, linewidth=1.0, alpha=0.55)
+    part = Polygon(np.zeros((4, 2)), linewidth=1.8, joinstyle="round", edgecolor=style.curve)
+    moving: tuple[Artist, ...] = (ground, ticks, way, part)
+    for artist in moving:
+        artist.set_animated(True)
+        view.add_artist(artist)
+
+    def put(i: int) -> None:
+        # The ground and its marks move with the track; the path shows where the part has been.
+        along, up = film.track[:, i]
+        low = bottom - 1.0
+        ends = (left - reach, right + reach)
+        ground.set_xy([(ends[0], up), (ends[1], up), (ends[1], low), (ends[0], low)])
+        marks = steps + along
+        x = np.stack([marks, marks, np.full_like(marks, np.nan)], axis=1).ravel()
+        ticks.set_data(x, np.tile([up, up - mark_length, np.nan], marks.size))
+        way.set_data(film.part[0, : i + 1], film.part[1, : i + 1])
+        c, s = np.cos(film.pitch[i]), np.sin(film.pitch[i])  # clockwise
+        part.set_xy((np.array([[c, s], [-s, c]]) @ film.outline).T + film.part[:, i])
+        part.set_facecolor(_colour(film.modes[i], style))
+        time = 1000 * film.times[i]
+        clock.set_xdata([time, time])
+        says.set_text(f"{with_unit(f'{time:.1f}', 'ms')}: {film.says[film.modes[i]]}")
+
+    artists = [(view, one) for one in moving] + [(strip, one) for one in (clock, says)]
+    yield from _frames_of(figure, film.times.size, put, artists)
+
+
+def draw_lane(
+    dataset: xarray.Dataset, units: ShownUnits, style: Style, dots: int, *,
+    slow: float | None = None, title: str | None = None,
+) -> Iterator[Frame]:  # fmt: skip
+    """Yield the frames of an animation of a row of parts; parts that touch are filled.
+
+    As for `draw_frames`, of a simulation of one row with `trajectory`. `PlotError` tells that the
+    dataset holds no row in time, or not the length of its parts.
+    """
+    row = read_row(dataset, units)
+    if row.length == 0.0:
+        raise PlotError(
+            "dataset",
+            "the dataset does not give the length of the parts",
+            "Set the parameter length in the study, and run the study again",
+        )
+    slow = slow or nice(PERIOD_SHOWN * float(dataset["frequency"]))
+    times = 1000.0 * row.times / row.time.factor
+    moments = np.linspace(times[0], times[-1], frames_in(np.ptp(times) / 1000.0 * slow))
+    nearest = np.searchsorted(times, moments, side="right") - 1
+    swing = np.zeros(moments.size)
+    notes = ["seen from above, breadth not to scale"]
+    amplitude = amplitude_of(dataset)
+    if amplitude is not None and "beta" in dataset.coords:
+        along = amplitude * np.cos(np.deg2rad(float(dataset["beta"])))
+        phase = TURN * float(dataset["frequency"]) * moments / 1000.0
+        swing = row.along.factor * along * np.sin(phase)
+    else:
+        notes.append("as the track sees it")
+    centres = np.array([np.interp(moments, times, path) for path in row.centres]) + swing
+
+    figure = style.sheet(*SIZE)
+    figure.set_dpi(dots)
+    view, strip = figure.subplots(2, 1, height_ratios=(1.0, 0.5))
+    left, right = centres.min() - row.length, centres.max() + row.length
+    view.set(xlim=(left, right), ylim=(0.0, 1.0), yticks=[], xlabel=f"Position ({row.along.unit})")
+    pale = mix(style.ground, style.curve, PALE)
+    for contact, touch in enumerate(row.closed, start=1):
+        strip.fill_between(times, contact - 0.4, contact + 0.4, where=touch, color=pale)
+    strip.set(xlim=(times[0], times[-1]), ylim=(0.4, len(row.closed) + 0.6))
+    pairs = [f"{n}\N{EN DASH}{n + 1}" for n in range(1, len(centres))]
+    strip.set_yticks(range(1, len(centres)), pairs, fontsize=style.text(8))
+    strip.set(xlabel="Time (ms)", ylabel="Contact of")
+    clock, says = _add_clock(strip, ([], []), 1.05, style)
+    finish(
+        figure, view, style, name=title or f"A row of {len(centres)} parts{_slower(slow)}",
+        facts=held_fixed(dataset, units), source=DOT.join(notes).capitalize(),
+    )  # fmt: skip
+    figure.canvas.draw()  # lays out what stands still
+    figure.set_layout_engine("none")
+
+    marks = np.linspace(left - swing.max(), right - swing.min(), ROW_MARKS)
+    (track,) = view.plot([], [], color=style.other, linewidth=1.0, animated=True)
+    parts = [
+        Rectangle(
+            (0.0, (1.0 - WIDTH) / 2), row.length, WIDTH, linewidth=1.4, edgecolor=style.curve,
+            animated=True,
+        )
+        for _ in centres
+    ]  # fmt: skip
+    for part in parts:
+        view.add_patch(part)
+
+    def put(i: int) -> None:
+        x = np.stack([marks + swing[i]] * 2 + [np.full(ROW_MARKS, np.nan)], axis=1).ravel()
+        track.set_data(x, np.tile([0.0, 1.0, np.nan], ROW_MARKS))
+        closed = row.closed[:, nearest[i]]
+        touched = np.r_[False, closed] | np.r_[closed, False]
+        for part, place, touches in zip(parts, centres[:, i], touched, strict=True):
+            part.set_x(place - row.length / 2)
+            part.set_facecolor(pale if touches else style.ground)
+        clock.set_data([moments[i]] * 2, [0.0, len(row.closed) + 1.0])
+        shown = with_unit(f"{moments[i]:.1f}", "ms")
+        says.set_text(f"{shown}: {int(closed.sum())} of {closed.size} contacts closed")
+
+    artists = [(view, path) for path in (track, *parts)] + [(strip, path) for path in (clock, says)]
+    yield from _frames_of(figure, moments.size, put, artists)
+
+
+def _slower(slow: float) -> str:
+    return f", {number(slow)} times slower" if slow != 1 else ""
+
+
+def _add_clock(strip: Axes, points: Any, height: float, style: Style) -> tuple[Line2D, Text]:
+    """Add what moves in the strip below an animation: the line of the time, and words above."""
+    strip.set_title(" ", fontsize=style.text(10))  # room for what is written in each frame
+    (clock,) = strip.plot(*points, color=style.ink, linewidth=2.0, animated=True)
+    return clock, strip.text(
+        0.0, height, "", transform=strip.transAxes, fontsize=style.text(9), color=style.ink,
         animated=True,
     )  # fmt: skip
 
-    def put(i: int) -> None:
-        """Move all artists to their positions in the frame of number i, from 0."""
-        time = 1000 * film.times[i]
-        moving.put(i)
-        clock.set_xdata([time, time])
-        mode.set_text(f"{with_unit(f'{time:.1f}', 'ms')}: {film.says[film.modes[i]]}")
 
-    artists = [(view, one) for one in moving.artists] + [(strip, one) for one in (clock, mode)]
-    yield from frames_of(figure, film.times.size, put, artists)
-
-
-def frames_of(
+def _frames_of(
     figure: Figure, count: int, put: Callable[[int], None], artists: Sequence[tuple[Axes, Artist]]
 ) -> Iterator[Frame]:
-    """Yield frames of a figure as arrays of red, green and blue, shape (rows, columns, 3).
-
-    What stands still is drawn once.
-
-    Parameters
-    ----------
-    figure : Figure
-        The figure.
-    count : int
-        Number of frames.
-    put : callable
-        Moves the artists to their positions in the frame of a number, from 0.
-    artists : sequence of (Axes, Artist)
-        The moving artists, drawn in each frame.
-    """
+    # What stands still is drawn once; `put` moves the artists to their places in a frame.
     canvas: Any = figure.canvas
     canvas.draw()
     empty = canvas.copy_from_bbox(figure.bbox)
@@ -116,71 +280,20 @@ def frames_of(
         put(i)
         for axes, artist in artists:
             axes.draw_artist(artist)
-        frame = np.asarray(canvas.buffer_rgba())[..., :3]
-        yield frame.copy()
-
-
-class _Moving:
-    """The moving artists: the track with its marks, the part, and the path of its middle."""
-
-    def __init__(
-        self, axes: Axes, film: Film, style: Style, left: float, right: float, bottom: float
-    ):
-        self._film, self._style = film, style
-        spacing = _nice_below((right - left) / MARKS)
-        reach = float(np.abs(film.track[0]).max()) + spacing
-        self._marks = np.arange(
-            np.floor((left - reach) / spacing), np.ceil((right + reach) / spacing) + 1
-        )
-        self._marks *= spacing
-        self._mark_length = 0.018 * (right - left)
-        self._ends, self._bottom = (left - reach, right + reach), bottom
-        self._ground = Polygon(np.zeros((4, 2)), linewidth=1.4)
-        self._ground.set(facecolor=mix(style.other, style.ground, 0.5), edgecolor=style.other)
-        self._ticks = Line2D([], [], color=style.other, linewidth=1.0)
-        self._way = Line2D([], [], color=style.curve, linewidth=1.0, alpha=0.55)
-        self._part = Polygon(np.zeros((4, 2)), linewidth=1.8, joinstyle="round")
-        self._part.set_edgecolor(style.curve)
-        self.artists: tuple[Artist, ...] = (self._ground, self._ticks, self._way, self._part)
-        for artist in self.artists:
-            artist.set_animated(True)
-            axes.add_artist(artist)
-
-    def put(self, i: int) -> None:
-        """Move ground, marks, path and part of an animation to their positions in frame `i`.
-
-        The ground and its marks move with the track; the path shows where the part has been, and
-        its colour tells what it does, such as sticking or sliding.
-        """
-        film = self._film
-        along, up = film.track[:, i]
-        left, right = self._ends
-        low = self._bottom - 1.0
-        self._ground.set_xy([(left, up), (right, up), (right, low), (left, low)])
-        marks = self._marks + along
-        x = np.stack([marks, marks, np.full_like(marks, np.nan)], axis=1).ravel()
-        y = np.tile([up, up - self._mark_length, np.nan], marks.size)
-        self._ticks.set_data(x, y)
-        self._way.set_data(film.part[0, : i + 1], film.part[1, : i + 1])
-        self._part.set_xy(_turned(film.outline, film.pitch[i]).T + film.part[:, i])
-        self._part.set_facecolor(_colour(film.modes[i], self._style))
+        yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
 
 def _frame_view(axes: Axes, film: Film, style: Style) -> tuple[float, float, float]:
     """Set the limits of an animation's view, to scale, and add a scale bar; return these limits.
 
-    They are left, right and bottom, in the unit of lengths of `film`, and leave room for all
-    positions of track and part.
+    They are left, right and bottom, and leave room for all positions of track and part.
     """
     if film.pitch.any():
         reach = above = float(np.hypot(*film.outline).max())
     else:
         reach, above = (float(side.max()) for side in film.outline)
-    ends = [
-        [film.part[0].min() - reach, film.part[0].max() + reach],
-        [film.track[1].min(), film.part[1].max() + above],
-    ]
-    (left, right), (bottom, top) = np.array(ends)
+    left, right = film.part[0].min() - reach, film.part[0].max() + reach
+    bottom, top = film.track[1].min(), film.part[1].max() + above
     for spine in axes.spines.values():
         spine.set_visible(False)
     box = axes.get_window_extent()
@@ -190,7 +303,7 @@ def _frame_view(axes: Axes, film: Film, style: Style) -> tuple[float, float, flo
     bottom -= DEPTH * height
     top = bottom + height
     axes.set(xlim=(left, right), ylim=(bottom, top))
-    bar = _nice_below(width / 6)
+    bar = nice(width / 6, below=True)
     x, y = right - 0.03 * width - bar, top - 0.06 * height
     axes.plot([x, x + bar], [y, y], color=style.ink, linewidth=2.0, solid_capstyle="butt")
     axes.annotate(
@@ -200,37 +313,6 @@ def _frame_view(axes: Axes, film: Film, style: Style) -> tuple[float, float, flo
     return left, right, bottom
 
 
-def _add_strip(axes: Axes, film: Film, style: Style) -> Line2D:
-    """Draw a strip over time of what the part does, below an animation; return its clock.
-
-    Each spell of the motion, such as sliding, has a colour; `film` has their starts and ends [s],
-    the axis is in ms. The clock is the vertical line that is moved to the time of each frame.
-    """
-    for mode, start, stop in film.spells:
-        axes.axvspan(1000 * start, 1000 * stop, facecolor=_colour(mode, style), linewidth=0)
-    first, last = 1000 * film.spells[0][1], 1000 * film.spells[-1][2]
-    axes.set(xlim=(first, last), yticks=[])
-    axes.set_xlabel("Time (ms)")
-    axes.set_title(" ", fontsize=style.text(10))  # room for what is written in each frame
-    (clock,) = axes.plot([first] * 2, [0, 1], color=style.ink, linewidth=2.0, animated=True)
-    return clock
-
-
 def _colour(mode: str, style: Style) -> RGB | str:
-    """Return the colour of a mode of the part, paler than in the legend.
-
-    Flight has the ground's.
-    """
+    # Paler than in the legend; flight has the colour of the ground.
     return mix(COLOURS[mode], style.ground, PALE) if mode in COLOURS else style.ground
-
-
-def _turned(outline: NDArray[np.float64], pitch: float) -> NDArray[np.float64]:
-    """Return an outline, shape (2, k), rotated clockwise by an angle [rad]."""
-    c, s = np.cos(pitch), np.sin(pitch)
-    return np.array([[c, s], [-s, c]]) @ outline
-
-
-def _nice_below(value: float) -> float:
-    """Return the largest number of the form 1, 2 or 5 times a power of ten below a value."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(max(step * power for step in NICE if step * power <= value * (1 + 1e-9)))

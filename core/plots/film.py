@@ -1,24 +1,32 @@
-"""The frames of an animation: track and part in each of them, in the units of the picture."""
+"""Motions to be drawn: the frames of an animation of one part, and a row of parts."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import xarray
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from vibrafeed.core.kinds.results import tabulate
+from vibrafeed.core.motion.row_scene import ROW
 from vibrafeed.core.plan.grid import parameter_to_si
+from vibrafeed.core.plots.parts import finish, padded, source_of
 from vibrafeed.core.plots.pictures import PlotError, unreadable
-from vibrafeed.core.plots.selection import held_fixed
-from vibrafeed.core.plots.text import number, shown_in, with_unit
+from vibrafeed.core.plots.selection import check_result, held_fixed
+from vibrafeed.core.plots.style import Array, Options, mix, number, scaled, shown_in, with_unit
 from vibrafeed.core.plots.trajectory import (
     LEGEND,
     TIME,
     check_trajectory,
+    followed,
+    no_motion,
     read_trajectory,
+    spells,
     values_of,
 )
 from vibrafeed.core.scenes import ALIASES
@@ -27,7 +35,6 @@ from vibrafeed.core.study.shown import Shown, ShownUnits
 FRAMES_PER_SECOND = 25
 MAX_FRAMES = 1000
 TURN = 2 * np.pi
-NICE = (1.0, 2.0, 5.0)
 
 PERIOD_SHOWN = 1.0  # s of the animation for a period of the drive, roughly
 FALL_SHOWN = 6.0  # s of the animation for a whole fall, roughly
@@ -40,37 +47,28 @@ MAX_CYCLES = 6  # repetitions at most
 CLOSED = 1e-3  # of what the track covers: a course that ends no further from its start repeats
 GAP_SEEN = 0.2  # of the part's height: a largest gap that is less is drawn larger
 
-FLIGHT = "flight"
-CORNERS = ("flight", "corner", "side")
-CORNER_LABELS = {"flight": "in flight", "corner": "on a corner", "side": "on a side"}
-
-Array = NDArray[np.float64]
+CORNERS = {"flight": "in flight", "corner": "on a corner", "side": "on a side"}
+FIRST = "part_position_1"
+PALE = 0.25
 
 
-@dataclass(frozen=True)
-class Film:
+class Film(NamedTuple):
     """The frames of an animation; lengths in `unit`.
 
     Attributes
     ----------
     times : ndarray, shape (n,)
         Times [s].
-    track : ndarray, shape (2, n)
-        Displacement of the track, along and upward.
-    part : ndarray, shape (2, n)
-        Middle of the part in the fixed frame.
+    track, part : ndarray, shape (2, n)
+        Displacement of the track, and middle of the part in the fixed frame, along and upward.
     pitch : ndarray, shape (n,)
         How far the part has turned, clockwise [rad].
     outline : ndarray, shape (2, k)
         The part's outline about its middle, at pitch 0.
     modes : list of str, length n
-        What the part does, keys of `says`.
-    says : mapping of str to str
-        What it does, in words.
+        What the part does, keys of `says`, which has the words.
     spells : tuple of (str, float, float)
         What it does from when to when [s]; spells may be shorter than a frame.
-    unit : str
-        Unit of lengths.
     slow : float
         How many times slower it is shown.
     facts, notes : tuple of str
@@ -88,43 +86,28 @@ class Film:
     unit: str
     slow: float
     facts: tuple[str, ...]
-    notes: tuple[str, ...]
+    notes: tuple[str, ...] = ()
 
 
 def read_film(dataset: xarray.Dataset, units: ShownUnits, slow: float | None = None) -> Film:
-    """Return the frames of the trajectory in a dataset.
+    """Return the frames of the trajectory in a dataset, a simulation of one part.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        A simulation of one part with `trajectory`.
-    units : ShownUnits
-        Units for reading.
-    slow : float, optional
-        Slow-motion factor. By default a period takes about a second, a fall six.
-
-    Raises
-    ------
-    PlotError
-        If the dataset holds no trajectory, or the animation would be too long.
+    `slow` is the slow-motion factor; by default a period takes about a second, a fall six.
+    `PlotError` tells that there is no trajectory, or that the animation would be too long.
     """
     if slow is not None and not (np.isfinite(slow) and slow > 0):
         raise PlotError(
             "slow", f"the slow-motion factor '{slow:g}' is not above 0", "Give a number such as 50"
         )
     check_trajectory(dataset)
-    if "path_height" in dataset:
-        return _tumbling(dataset, units, slow)
-    return _on_track(dataset, units, slow)
+    return (_tumbling if "path_height" in dataset else _on_track)(dataset, units, slow)
 
 
 def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) -> Film:
     """Return the frames of a part on a track, over enough cycles for the part to travel visibly.
 
     The part is drawn as a box, not to scale; its gap to the track is enlarged if it is too small to
-    be seen, and notes say so. `slow` is how many times slower than real the film is, by default
-    such that a period takes about a second. `units` are those that the reader wants. Raises
-    `PlotError` if there is no motion to show.
+    be seen, and notes say so.
     """
     known = read_trajectory(dataset, units)
     dataset = dataset.sortby(TIME)
@@ -134,23 +117,14 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
         for name in ("position_along", "height_above_floor", "track_along", "track_normal")
     )
     if not np.isfinite([position, height, along, normal]).all():
-        raise PlotError(
-            "dataset",
-            "the dataset has no motion to draw, because the simulation found no cycle",
-            "Draw another result",
-        )
+        raise no_motion(", because the simulation found no cycle")
     span = max(float(np.hypot(np.ptp(along), np.ptp(normal))), float(height.max()))
     if span == 0:
-        raise PlotError(
-            "dataset",
-            "the dataset has no motion to draw: neither the track nor the part moves",
-            "Draw another result",
-        )
+        raise no_motion(": neither the track nor the part moves")
     shown = units.of("m", span)
     length = PART_LENGTH * span
     cycles = _cycles(dataset, time, span, length)
-    frequency = float(dataset["frequency"])
-    slow = slow or nice(PERIOD_SHOWN * frequency)
+    slow = slow or nice(PERIOD_SHOWN * float(dataset["frequency"]))
     whole = time[-1] - time[0]
     frames = frames_in(cycles * whole * slow)
     moments = np.arange(frames) * (cycles * whole / frames)
@@ -158,11 +132,11 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     within += time[0]
 
     def then(values: Array) -> Array:
-        """Return values of the trajectory at the times of the frames, in the unit for reading."""
         return np.asarray(shown.factor * np.interp(within, time, values))
 
-    gap, notes = then(height), [f"part not to scale ({_stands_for(dataset, units)})"]
-    exaggeration = _exaggeration(float(height.max()), PART_SHAPE * length)
+    notes = [f"part not to scale ({_stands_for(dataset, units)})"]
+    gap, seen = float(height.max()), GAP_SEEN * (PART_SHAPE * length)
+    exaggeration = nice(seen / gap) if 0 < gap < seen else 1.0
     if exaggeration > 1:
         notes.append(f"gap {number(exaggeration)} times as large")
     if cycles > 1:
@@ -174,21 +148,19 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     track = np.stack([then(along), then(normal)])
     ride = then(position) + shown.factor * periods * (position[-1] - position[0])
     half = shown.factor * np.array([length, PART_SHAPE * length]) / 2
-    part = track + np.stack([ride, half[1] + exaggeration * gap])
-    nearest = _now(time, within)
     modes = [mode if mode in LEGEND else "unknown" for mode in known.modes]
     return Film(
         times=moments + time[0],
         track=track,
-        part=part,
+        part=track + np.stack([ride, half[1] + exaggeration * then(height)]),
         pitch=np.zeros(frames),
         outline=_box(*half),
-        modes=[modes[i] for i in nearest],
+        modes=_now(modes, time, within),
         says={**LEGEND, "unknown": "unknown"},
         spells=tuple(
             (mode, start + k * whole, stop + k * whole)
             for k in range(cycles)
-            for mode, start, stop in _spells(modes, time)
+            for mode, start, stop in spells(modes, time)
         ),
         unit=shown.unit,
         slow=slow,
@@ -197,13 +169,15 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     )
 
 
-def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) -> Film:
-    """Return the frames of an animation of a tumbling part, until shortly after it rests.
+def _stands_for(dataset: xarray.Dataset, units: ShownUnits) -> str:
+    if "length" not in dataset or dataset["length"].ndim:
+        return "no size in the model"
+    shown = shown_in(dataset["length"], units)
+    return f"{with_unit(number(shown.factor * float(dataset['length'])), shown.unit)} long"
 
-    The dataset has the part's path and pitch over time; between its times they are interpolated.
-    `slow` is how many times slower than real the film is, by default such that the fall is well
-    seen. `units` are those that the reader wants. Raises `PlotError` if the dataset has no motion.
-    """
+
+def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) -> Film:
+    """Return the frames of an animation of a tumbling part, until shortly after it rests."""
     dataset = dataset.sortby(TIME)
     time = values_of(dataset[TIME])
     along, upward, pitch = (
@@ -217,8 +191,7 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     if np.isfinite(settled):
         end = min(end, time[0] + AFTER_REST * settled)
     slow = slow or nice(FALL_SHOWN / (end - time[0]))
-    frames = frames_in((end - time[0]) * slow)
-    moments = np.linspace(time[0], end, frames)
+    moments = np.linspace(time[0], end, frames_in((end - time[0]) * slow))
     shown = units.of("m", float(upward[followed].max()))
     frequency, beta = (
         float(dataset[name]) if name in dataset.coords else 0.0 for name in ("frequency", "beta")
@@ -228,53 +201,37 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     track = np.stack([swing * np.cos(np.deg2rad(beta)), swing * np.sin(np.deg2rad(beta))])
 
     def then(values: Array) -> Array:
-        """Return values of the trajectory at the times of the frames, in their own unit."""
         return np.asarray(np.interp(moments, time[followed], values[followed]))
 
     corners = np.nan_to_num(values_of(dataset["path_corners"]))
-    modes = [CORNERS[int(min(count, 2))] for count in corners]
-    nearest = _now(time, moments)
+    modes = [[*CORNERS][int(min(count, 2))] for count in corners]
     return Film(
         times=moments,
         track=track,
         part=track + shown.factor * np.stack([then(along), then(upward)]),
         pitch=np.deg2rad(then(pitch)),
         outline=shown.factor * _outline(dataset),
-        modes=[modes[i] for i in nearest],
-        says=CORNER_LABELS,
+        modes=_now(modes, time, moments),
+        says=CORNERS,
         spells=tuple(
             (mode, start, min(stop, end))
-            for mode, start, stop in _spells(modes, time)
+            for mode, start, stop in spells(modes, time)
             if start < end
         ),
         unit=shown.unit,
         slow=slow,
         facts=tuple(held_fixed(dataset, units)),
-        notes=(),
     )
 
 
-def _now(time: Array, moments: Array) -> list[int]:
-    """Return the index of the last of some times that is not after each moment; 0 if none is."""
+def _now(modes: Sequence[str], time: Array, moments: Array) -> list[str]:
+    """Return the mode at the last of some times that is not after each moment."""
     places = np.searchsorted(time, moments, side="right") - 1
-    return [max(0, int(place)) for place in places]
-
-
-def _spells(modes: Sequence[str], time: Array) -> list[tuple[str, float, float]]:
-    """Return mode, start and stop of each interval of equal mode [s].
-
-    `modes` are those at the times; borders are half-way between two times.
-    """
-    edges = np.concatenate([time[:1], (time[:-1] + time[1:]) / 2, time[-1:]])
-    starts = [0, *(i for i in range(1, len(modes)) if modes[i] != modes[i - 1]), len(modes)]
-    return [(modes[i], float(edges[i]), float(edges[j])) for i, j in pairwise(starts)]
+    return [modes[max(0, int(place))] for place in places]
 
 
 def _outline(dataset: xarray.Dataset) -> Array:
-    """Return the outline of a tumbling part seen from the side, shape (2, k) [m].
-
-    A round part has a radius, too, which shows how it turns.
-    """
+    """Return the outline of a tumbling part seen from the side, shape (2, k) [m]."""
     size = {
         name: float(dataset[name]) for name in ("length", "height", "diameter") if name in dataset
     }
@@ -289,29 +246,20 @@ def _outline(dataset: xarray.Dataset) -> Array:
 
 
 def _box(half_length: float, half_height: float) -> Array:
-    """Return the corners of a closed box about its centre, shape (2, 5)."""
     corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
     return corners.T * np.array([[half_length], [half_height]])
 
 
 def _cycles(dataset: xarray.Dataset, time: Array, span: float, length: float) -> int:
-    """Return the number of times that a film shows a trajectory; 1 if it does not repeat.
+    """Return the number of times a film shows a trajectory: until travel is seen, if it repeats.
 
-    The cycle is repeated until the part has travelled far enough to be seen.
-
-    Parameters
-    ----------
-    time : ndarray
-        Times of the trajectory [s].
-    span : float
-        Extent of the motion [m]; the motion repeats if it ends as it began within a share of that.
-    length : float
-        Length of the drawn part [m].
+    It repeats if it ends as it began, within a share of the extent `span` [m] of the motion.
+    `length` is that of the drawn part [m].
     """
     periods = (time[-1] - time[0]) * float(dataset["frequency"])
-    closes = [("height_above_floor", span), ("track_along", span), ("track_normal", span)]
     closed = all(
-        abs(float(dataset[name][-1] - dataset[name][0])) <= CLOSED * size for name, size in closes
+        abs(float(dataset[name][-1] - dataset[name][0])) <= CLOSED * span
+        for name in ("height_above_floor", "track_along", "track_normal")
     )
     if not closed or round(periods) < 1 or abs(periods - round(periods)) > CLOSED:
         return 1
@@ -338,41 +286,101 @@ def amplitude_of(dataset: xarray.Dataset) -> float | None:
 
 
 def frames_in(seconds: float) -> int:
-    """Return the number of frames in a film of some seconds; `PlotError` if it is above 1,000.
-
-    `seconds` is the length of the film; it has `FRAMES_PER_SECOND` frames a second, two at least.
-    """
+    """Return the number of frames in a film of some seconds; `PlotError` if it is above 1,000."""
     frames = max(2, round(seconds * FRAMES_PER_SECOND))
     if frames > MAX_FRAMES:
-        message = f"the animation would have {frames:,} frames, at most {MAX_FRAMES:,} are drawn"
         raise PlotError(
-            "slow", message, "Give a smaller slow-motion factor, or a shorter trajectory"
+            "slow",
+            f"the animation would have {frames:,} frames, at most {MAX_FRAMES:,} are drawn",
+            "Give a smaller slow-motion factor, or a shorter trajectory",
         )
     return frames
 
 
-def _exaggeration(gap: float, height: float) -> float:
-    """Return the factor by which a gap is enlarged to be visible beside the part's height.
-
-    `gap` is the largest gap, in the unit of the height; the factor is 1 for a large one.
-    """
-    return nice(GAP_SEEN * height / gap) if 0 < gap < GAP_SEEN * height else 1.0
-
-
-def nice(value: float) -> float:
-    """Return the number of the form 1, 2 or 5 times a power of ten nearest to a value."""
+def nice(value: float, *, below: bool = False) -> float:
+    """Return the number of the form 1, 2 or 5 times a power of ten nearest to a value, or below."""
     power = 10.0 ** np.floor(np.log10(value))
-    choices = [step * power for step in (*NICE, 10.0)]
+    choices = [step * power for step in (1.0, 2.0, 5.0, 10.0)]
+    if below:
+        choices = [choice for choice in choices if choice <= value * (1 + 1e-9)]
     return float(min(choices, key=lambda choice: abs(np.log(choice / value))))
 
 
-def _stands_for(dataset: xarray.Dataset, units: ShownUnits) -> str:
-    """Return a note on the part drawn in a film: its length, or that the model has no size.
+class RowPositions(NamedTuple):
+    """The parts of a row over time, from the rear on, in the units in which they are drawn.
 
-    `units` are those that the reader wants.
+    `times` have the shape (n,), `centres` of the parts on the track (parts, n); `closed` tells
+    where a part touches the one in front, shape (parts - 1, n). The length of a part is 0 if the
+    study does not have it.
     """
-    if "length" not in dataset or dataset["length"].ndim:
-        return "no size in the model"
-    shown: Shown = shown_in(dataset["length"], units)
-    length = with_unit(number(shown.factor * float(dataset["length"])), shown.unit)
-    return f"{length} long"
+
+    times: Array
+    centres: Array
+    length: float
+    closed: NDArray[np.bool_]
+    time: Shown
+    along: Shown
+
+
+def fits(dataset: xarray.Dataset, options: Options) -> bool:
+    """True if a dataset is one row of parts in time, and no output or axes are asked for."""
+    if options.asks or dataset.attrs.get("scene") != ROW:
+        return False
+    return FIRST in dataset or followed(dataset) is not None
+
+
+def read_row(dataset: xarray.Dataset, units: ShownUnits) -> RowPositions:
+    """Return the positions of a row of parts over time, in the units that are drawn.
+
+    `PlotError` tells that the dataset has no row in time.
+    """
+    if FIRST not in dataset:
+        raise PlotError(
+            "dataset",
+            "the dataset has no positions of a row of parts over time",
+            "Set trajectory = 400 in the study, and run the study again",
+        )
+    names = [
+        f"part_position_{n + 1}" for n in range(len(dataset)) if f"part_position_{n + 1}" in dataset
+    ]
+    time, along = shown_in(dataset[TIME], units), shown_in(dataset[FIRST], units)
+    centres = np.array([scaled(dataset[name], along.factor) for name in names])
+    length = scaled(dataset["length"], along.factor).item() if "length" in dataset else 0.0
+    # Of the way that is shown: a smaller gap is none.
+    closed = np.diff(centres, axis=0) - length <= 1e-9 * np.ptp(centres)
+    return RowPositions(scaled(dataset[TIME], time.factor), centres, length, closed, time, along)
+
+
+def draw(dataset: xarray.Dataset, options: Options) -> Figure:
+    """Return the picture of a row of parts: positions over time, shaded where parts touch.
+
+    A row without positions over time is followed again to get them. `PlotError` tells that the
+    dataset has no row in time.
+    """
+    check_result(dataset)
+    if FIRST not in dataset and (one := followed(dataset)) is not None:
+        dataset = tabulate(one).to_xarray()
+    style, units = options.style, options.units
+    row = read_row(dataset, units)
+    figure = style.sheet()
+    axes = figure.add_subplot()
+    pale = mix(style.ground, style.curve, PALE)
+    for below, above, touch in zip(row.centres, row.centres[1:], row.closed, strict=False):
+        axes.fill_between(row.times, below, above, where=touch, color=pale, linewidth=0.0)
+    for line in row.centres:
+        axes.plot(row.times, line, color=style.curve, linewidth=style.width(1.4))
+    axes.set(
+        xlabel=f"Time since the start ({row.time.unit})",
+        ylabel=f"Position on the track ({row.along.unit})",
+        xlim=(row.times[0], row.times[-1]),
+        ylim=padded(float(row.centres.min()), float(row.centres.max())),
+    )
+    entries = [
+        Line2D([], [], color=style.curve, linewidth=style.width(1.4), label="centre of a part"),
+        Patch(color=pale, label="neighbours that touch"),
+    ]
+    name = options.title or f"A row of {len(row.centres)} parts, from its start"
+    return finish(
+        figure, axes, style, name=name,
+        facts=held_fixed(dataset, units), source=source_of(dataset), entries=entries,
+    )  # fmt: skip

@@ -1,12 +1,11 @@
-"""The objective of an optimisation over its variables, with optimum and limits.
+"""Pictures of an optimisation: the objective over its variables, and a trade-off along a front.
 
-It is computed again from the study that a dataset carries. Best values over a swept parameter are
-plain lines: `draw` shows them.
+The objective is computed again from the study that a dataset carries.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,8 +15,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter
-from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.table import quantity_attributes
 from vibrafeed.core.intake import parse_json
@@ -28,42 +25,58 @@ from vibrafeed.core.optimise.prepare import prepare
 from vibrafeed.core.optimise.problem import STATUS, Kept, OptimisationProblem, chosen_cells
 from vibrafeed.core.optimise.uncertain import BLOCK, pictured
 from vibrafeed.core.plan.grid import from_si, to_si
-from vibrafeed.core.plots.fixed import fixed_positions
-from vibrafeed.core.plots.heading import finish, number_lines, source_of
-from vibrafeed.core.plots.parts import padded, plain, scale_of
+from vibrafeed.core.plots.parts import (
+    add_colour_bar,
+    finish,
+    number_lines,
+    padded,
+    plain,
+    scale_of,
+    set_log,
+    source_of,
+)
 from vibrafeed.core.plots.pictures import PlotError
-from vibrafeed.core.plots.selection import held_at, held_fixed
-from vibrafeed.core.plots.style import RGB, Options, Style, mix
-from vibrafeed.core.plots.text import axis_label, number, scaled, shown_in, with_unit, words
+from vibrafeed.core.plots.selection import (
+    FEW,
+    axis_of,
+    fixed_positions,
+    held_at,
+    held_fixed,
+    thin,
+)
+from vibrafeed.core.plots.style import (
+    RGB,
+    Array,
+    Options,
+    Style,
+    axis_label,
+    long_name,
+    mix,
+    name_in_words,
+    number,
+    scaled,
+    shown_in,
+    with_unit,
+    words,
+)
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.study import OptimiseStudy
+from vibrafeed.core.study.optimise_study import Pareto
 from vibrafeed.core.study.shown import ShownUnits
 
 POINTS = {1: 721, 2: 181}  # points along each variable, by the number of variables
-LESS, MORE = "\N{LESS-THAN OR EQUAL TO}", "\N{GREATER-THAN OR EQUAL TO}"
 EXCLUDED = 0.55  # strength of the veil over what a constraint excludes
-SOLVED = (STATUS["optimal"], STATUS["not_attained"])
-
-Array = NDArray[np.float64]
+FRONT = "front"
+WIDTH, PANEL = 8.0, 4.0  # inches: of a sheet, and of each panel of more than one
 
 
 class Landscape(NamedTuple):
     """The objective over one variable or two, in the units in which it is drawn.
 
-    Attributes
-    ----------
-    variables : tuple of Axis
-        The variables; the last is drawn across.
-    labels : tuple of str
-        Their labels.
-    value : ndarray, shape (n,) or (n, n)
-        The objective.
-    margins : dict of str to ndarray
-        By its words, how far each constraint is from being broken: below 0 where it is, and where
-        its output has no value.
-    best : ndarray, shape (variables, k)
-        The optimum, or the points of a front; none where there is no answer.
+    The last variable is drawn across. `margins` say by its words how far each constraint is from
+    being broken: below 0 where it is, and where its output has no value. `best` is the optimum, or
+    the points of a front, shape (variables, k), none where there is no answer.
     """
 
     variables: tuple[Array, ...]
@@ -75,138 +88,93 @@ class Landscape(NamedTuple):
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """True if a dataset is one optimum, and no output or axes are asked for."""
-    asked = (options.variable, options.axes) != (None, None)
-    return not asked and dataset["optimum_status"].size == 1
+    """True if a dataset holds a front, or one optimum, and no output or axes are asked for."""
+    return not options.asks and (options.kind == "front" or dataset["optimum_status"].size == 1)
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the picture of an objective over one or two variables, with optimum and limits.
+    """Return the picture of an objective with optimum and limits, or of a trade-off front.
 
     With one variable it is a curve, with two a filled map: those of `options.axes`, else the first
     two. Further variables are held at the optimum, or in the middle of their bounds if there is
-    none. Ranged parameters are held at `options.at`, by default at their middle values.
-
-    Raises
-    ------
-    PlotError
-        If the dataset is no optimisation, or does not have a variable or a value that is asked for.
-    """
-    style, units = options.style, options.units
-    prepared = prepared_of(dataset)
-    problem = prepared.problem
-    names = options.axes[::-1] if options.axes else problem.names[:2]  # the last is across
-    if len(names) > 2 or len({*names}) < len(names) or not {*names} <= {*problem.names}:
-        fix = f"Name one or two of {', '.join(problem.names)}"
-        raise PlotError("axes", "a landscape is drawn over variables of the optimisation", fix)
-    positions = design_positions(dataset, prepared, options)
-    best = dataset.isel({str(name): position for name, position in positions.items()})
-    held = _held(problem, best)
-    shown = _computed(dataset, prepared, positions, units, names, held)
-    figure = style.sheet()
-    axes = figure.add_subplot()
-    entries = (draw_curve if len(names) == 1 else _draw_plane)(axes, shown, style)
-    none = "" if shown.best.size else "No choice within the bounds keeps all limits"
-    others = [
-        _fact(name, value, units)
-        for name, value in zip(problem.names, held, strict=True)
-        if name not in names
-    ]
-    return finish(
-        figure, axes, style, name=options.title or f"Objective: {name_of(problem)}",
-        facts=[*held_of(dataset, prepared, positions, units), *others],
-        source=source_of(dataset, criterion_in_words(problem)),
-        entries=entries, note=none,
-    )  # fmt: skip
-
-
-def prepared_of(dataset: xarray.Dataset) -> Optimisation:
-    """Return the optimisation, checked and planned again, of which a dataset is the result.
-
-    The study is read from the dataset's attributes.
-
-    Raises
-    ------
-    PlotError
-        If the dataset is not the result of an optimisation.
+    none.
     """
     text: Any = dataset.attrs.get("study", "")
     study = parse_json(text) if "optimum_status" in dataset else None
     if not isinstance(study, OptimiseStudy):
-        fix = "Draw what `vibrafeed run` wrote of a study of kind 'optimise'"
-        raise PlotError("dataset", "the dataset is not the result of an optimisation", fix)
-    return prepare(study)
+        raise PlotError(
+            "dataset",
+            "the dataset is not the result of an optimisation",
+            "Draw what `vibrafeed run` wrote of a study of kind 'optimise'",
+        )
+    prepared = prepare(study)
+    painter = _draw_front if options.kind == "front" else _draw_objective
+    return painter(dataset, prepared, options)
 
 
-def design_positions(
-    dataset: xarray.Dataset, prepared: Optimisation, options: Options
-) -> dict[str, int]:
-    """Return the index at which each ranged parameter of an optimisation is held.
-
-    `prepared` is the study that the dataset carries.
-
-    Raises
-    ------
-    PlotError
-        If `at` names another parameter, or a value that the dataset does not have.
-    """
-    for name in options.at:
-        if name not in prepared.designs.axes:
-            known = ", ".join(prepared.designs.axes) or "none"
-            raise PlotError("at", f"{name} is not ranged", f"Ranged parameters: {known}")
+def _draw_objective(dataset: xarray.Dataset, prepared: Optimisation, options: Options) -> Figure:
+    problem, style, units = prepared.problem, options.style, options.units
+    names = options.axes[::-1] if options.axes else problem.names[:2]  # the last is across
+    if len(names) > 2 or len({*names}) < len(names) or not {*names} <= {*problem.names}:
+        raise PlotError(
+            "axes",
+            "a landscape is drawn over variables of the optimisation",
+            f"Name one or two of {', '.join(problem.names)}",
+        )
     axes = prepared.designs.axes
-    return fixed_positions(dataset, options.at, axes, (), nearest=options.nearest)
-
-
-def held_of(
-    dataset: xarray.Dataset, prepared: Optimisation, positions: Mapping[str, int], units: ShownUnits
-) -> list[str]:
-    """Return the criterion and the values of fixed and held parameters in words.
-
-    `positions` holds the index of each ranged parameter; `units` are those for reading.
-    """
-    held = [held_at(dataset[name], units, position) for name, position in positions.items()]
-    counted = pictured(prepared.problem)
-    over = [f"over {counted.nodes:,} points"] if counted.is_sampled else []
-    return [criterion_in_words(prepared.problem), *over, *held, *held_fixed(dataset, units)]
-
-
-def name_of(problem: OptimisationProblem) -> str:
-    """Return the name of the objective."""
-    label = QUANTITIES[problem.criterion.output].label
-    return f"{in_sentence(label)}{', weighted' if problem.weight else ''}"
+    for name in options.at:
+        if name not in axes:
+            raise PlotError(
+                "at", f"{name} is not ranged", f"Ranged parameters: {', '.join(axes) or 'none'}"
+            )
+    positions = fixed_positions(dataset, options.at, axes, (), nearest=options.nearest)
+    held = _held(problem, dataset.isel(positions))
+    shown = _computed(dataset, prepared, positions, units, names, held)
+    figure = style.sheet()
+    panel = figure.add_subplot()
+    entries = (_draw_curve if len(names) == 1 else _draw_plane)(panel, shown, style)
+    counted = pictured(problem)
+    facts = [
+        criterion_in_words(problem),
+        *([f"over {counted.nodes:,} points"] if counted.is_sampled else []),
+        *held_fixed(dataset, units, positions),
+        *(
+            held_at(_array(name, from_si(name, np.asarray(value))), units)
+            for name, value in zip(problem.names, held, strict=True)
+            if name not in names
+        ),
+    ]
+    label = in_sentence(QUANTITIES[problem.criterion.output].label)
+    name = f"Objective: {label}{', weighted' if problem.weight else ''}"
+    return finish(
+        figure, panel, style, name=options.title or name, facts=facts,
+        source=source_of(dataset, criterion_in_words(problem)), entries=entries,
+        note="" if shown.best.size else "No choice within the bounds keeps all limits",
+    )  # fmt: skip
 
 
 def _limit(kept: Kept, units: ShownUnits) -> str:
-    """Return the label of an optimisation's constraint for the legend, such as "throw number < 3".
-
-    Parameters
-    ----------
-    kept : Kept
-        The constraint: the name of an output and its bound in the unit of studies, or the name of a
-        condition that the contact must meet, which has no bound.
-    units : ShownUnits
-        The units in which the reader wants to see values.
-    """
+    """Return the label of a constraint for the legend, such as "throw number < 3"."""
     if kept.name not in (f"{kept.output}_lower", f"{kept.output}_upper") or kept.bound is None:
         return words(kept.name)
     shown = units.of(QUANTITIES[kept.output].unit, abs(kept.bound))
     bound = with_unit(number(shown.factor * kept.bound, 4), shown.unit)
     name = f"|{words(kept.output)}|" if kept.absolute else words(kept.output)
-    return f"{name} {LESS if kept.upper else MORE} {bound}"
+    sign = "\N{LESS-THAN OR EQUAL TO}" if kept.upper else "\N{GREATER-THAN OR EQUAL TO}"
+    return f"{name} {sign} {bound}"
+
+
+def _is_solved(best: xarray.Dataset) -> bool:
+    return bool(
+        np.all(np.isin(best["optimum_status"], (STATUS["optimal"], STATUS["not_attained"])))
+    )
 
 
 def _held(problem: OptimisationProblem, best: xarray.Dataset) -> Array:
     """Return the values of all variables at a single optimum, else in the middle, SI units."""
-    if bool(np.all(np.isin(best["optimum_status"], SOLVED))) and "front" not in best.dims:
-        chosen = {name: best[f"best_{name}"].values for name in problem.names}
-        return np.array([float(to_si(name, value)) for name, value in chosen.items()])
+    if _is_solved(best) and FRONT not in best.dims:
+        return np.array([float(to_si(name, best[f"best_{name}"].values)) for name in problem.names])
     return (np.asarray(problem.lower) + np.asarray(problem.upper)) / 2
-
-
-def _fact(name: str, value: float, units: ShownUnits) -> str:
-    written = np.asarray(from_si(name, np.asarray(value)), dtype=np.float64)
-    return held_at(_array(name, written), units)
 
 
 def _computed(
@@ -220,85 +188,48 @@ def _computed(
     """Return the objective of one design on a grid of some variables, the others held.
 
     Under uncertain parameters it is the worst case, mean or quantile that the optimiser used.
-    `positions` holds the index of each ranged parameter, `held` a value of each variable [SI].
+    `positions` holds the index of each ranged parameter: together they choose the design. `held`
+    has a value of each variable [SI].
     """
     problem, count = prepared.problem, POINTS[len(names)]
-    sides = dict(zip(problem.names, _sides(problem, count), strict=True))
-    moved = dict(
-        zip(names, np.meshgrid(*(sides[name] for name in names), indexing="ij"), strict=True)
-    )
+    bounds = dict(zip(problem.names, zip(problem.lower, problem.upper, strict=True), strict=True))
+    sides = [np.linspace(*bounds[name], count) for name in names]
+    moved = dict(zip(names, np.meshgrid(*sides, indexing="ij"), strict=True))
+    shape = (count,) * len(names)
     grid = np.stack(
         [
-            moved.get(name, np.full((count,) * len(names), value))
+            moved.get(name, np.full(shape, value))
             for name, value in zip(problem.names, held, strict=True)
         ]
     )
-    return _over(dataset, prepared, positions, units, names, grid)
-
-
-def _sides(problem: OptimisationProblem, count: int) -> list[Array]:
-    """Return `count` evenly spaced values between the bounds of each variable, SI units."""
-    return [
-        np.linspace(low, high, count)
-        for low, high in zip(problem.lower, problem.upper, strict=True)
-    ]
-
-
-def _over(
-    dataset: xarray.Dataset,
-    prepared: Optimisation,
-    positions: Mapping[str, int],
-    units: ShownUnits,
-    names: tuple[str, ...],
-    grid: Array,
-) -> Landscape:
-    """Return the objective of one design on a grid of its variables, with constraints and optimum.
-
-    Parameters
-    ----------
-    dataset, prepared : xarray.Dataset, Optimisation
-        The result, and its study.
-    positions : mapping of str to int
-        Index of each ranged parameter: together they choose the design.
-    names : tuple of str
-        The variables that change along the grid's axes.
-    grid : ndarray, shape (variables, n) or (variables, n, n)
-        Values of all variables, in SI units.
-    """
-    problem = prepared.problem
     flat = np.ravel_multi_index(tuple(positions.values()), tuple(prepared.designs.shape.values()))
     cell = int(flat) if positions else 0
     design = chosen_cells(designs_of(problem, prepared.designs), slice(cell, cell + 1))
 
     def over(values: Array) -> Array:
-        """Return values in the shape of the grid."""
-        return np.array(np.broadcast_to(values, grid.shape[1:]))
+        return np.array(np.broadcast_to(values, shape))
 
-    best = dataset.isel({str(name): position for name, position in positions.items()})
-    solved = bool(np.all(np.isin(best["optimum_status"], SOLVED)))
-    tops, scaled_values, labels = [], [], []
-    for along, name in enumerate(names):
-        side = np.moveaxis(grid[problem.names.index(name)], along, 0)
-        side = side.reshape(len(side), -1)[:, 0]
-        variable = _array(name, np.asarray(from_si(name, side), dtype=np.float64))
+    best = dataset.isel(dict(positions))
+    tops, drawn, labels = [], [], []
+    for name, side in zip(names, sides, strict=True):
+        variable = _array(name, from_si(name, side))
         unit = shown_in(variable, units)
-        scaled_values.append(scaled(variable, unit.factor))
+        drawn.append(scaled(variable, unit.factor))
         labels.append(axis_label(variable, unit.unit))
         tops.append(unit.factor * np.atleast_1d(best[f"best_{name}"].values))
-    output = problem.criterion.output
-    value = _array(output, problem.sign * over(_objective(pictured(problem), grid, design)))
+    objective = _objective(pictured(problem), grid, design)
+    value = _array(problem.criterion.output, problem.sign * over(objective))
     unit = shown_in(value, units)
-    label = axis_label(value, unit.unit)
     return Landscape(
-        variables=tuple(scaled_values),
+        variables=tuple(drawn),
         labels=tuple(labels),
         value=scaled(value, unit.factor),
-        label=label,
+        label=axis_label(value, unit.unit),
         margins={
             _limit(kept, units): _excluding(over(problem.safe_margin(kept, grid, design)))
             for kept in problem.kept
         },
-        best=np.array(tops) if solved else np.empty((len(tops), 0)),
+        best=np.array(tops) if _is_solved(best) else np.empty((len(tops), 0)),
     )
 
 
@@ -306,28 +237,21 @@ def _objective(problem: OptimisationProblem, grid: Array, design: Mapping[str, A
     """Return the objective on a grid, shape (n, ...), in pieces that fit the memory."""
     flat = grid.reshape(len(grid), -1)
     step = BLOCK // problem.nodes
-    starts = range(0, flat.shape[1], step)
-    parts = [problem.counted(flat[:, start : start + step], design) for start in starts]
-    shape = [min(step, flat.shape[1] - start) for start in starts]
-    pieces = [np.broadcast_to(one, n) for one, n in zip(parts, shape, strict=True)]
+    pieces = [
+        np.broadcast_to(problem.counted(part, design), part.shape[1])
+        for part in (flat[:, start : start + step] for start in range(0, flat.shape[1], step))
+    ]
     return np.concatenate(pieces).reshape(grid.shape[1:])
 
 
 def _excluding(margin: Array) -> Array:
-    """Return the margin of a constraint with NaN replaced by a negative margin.
-
-    A point without a value then counts as excluded.
-    """
+    """Return the margin of a constraint with NaN replaced by a negative margin."""
     finite = margin[np.isfinite(margin)]
     return np.nan_to_num(margin, nan=min(float(finite.min(initial=0.0)), -np.finfo(float).eps))
 
 
 def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
-    """Draw an objective over two variables as a filled map; return the entries of the legend.
-
-    Constraints are drawn as borders with the excluded side shaded, the optimum as a star, and the
-    points of a trade-off front as a line. `shown` has all values in the units of the picture.
-    """
+    """Draw an objective over two variables as a filled map; return the entries of the legend."""
     (y, x), value = shown.variables, np.ma.masked_invalid(shown.value)
     # The scale is that of what may be chosen: what is excluded may be far larger.
     allowed = np.ones(shown.value.shape, dtype=bool)
@@ -340,65 +264,48 @@ def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
             x, y, value, levels=scale.levels, cmap=scale.colours, norm=scale.norm,
             extend=scale.extend if allowed.all() else "both",
         )  # fmt: skip
-        figure = axes.get_figure()
-        bar = figure.colorbar(  # type: ignore[union-attr]
-            filled, ax=axes, pad=0.02, aspect=28,
-            ticks=scale.levels[:: 2 if style.small else 1].tolist(),
-        )  # fmt: skip
-        bar.ax.yaxis.set_major_formatter(FuncFormatter(plain))
-        bar.set_label(shown.label)
+        add_colour_bar(axes, filled, scale, shown.label, style)
         lines = axes.contour(
-            x,
-            y,
-            value,
-            levels=scale.levels,
+            x, y, value, levels=scale.levels, linewidths=style.width(0.5),
             colors=[style.on(scale.colour(v)) for v in scale.levels],
-            linewidths=style.width(0.5),
-        )
+        )  # fmt: skip
         number_lines(axes, lines, style, 8, fmt=plain, colors=[style.ink])
     # The legend shows a colour that the picture has.
     face = scale.typical(np.where(allowed, np.nan, shown.value)) if scale is not None else None
     entries = _limits(axes, shown, style, face)
     tops = shown.best
     if tops.shape[1] > 1:
-        axes.plot(tops[1], tops[0], "-", color=style.accent, lw=style.width(3.0), clip_on=False,
-                  zorder=5)  # fmt: skip
-        entries.append(Line2D([], [], color=style.accent, lw=style.width(3.0), label="front"))
+        look: Any = {"color": style.accent, "lw": style.width(3.0)}
+        axes.plot(tops[1], tops[0], "-", clip_on=False, zorder=5, **look)
+        entries.append(Line2D([], [], label="front", **look))
     elif tops.size:
         entries.append(_star(axes, tops[1], tops[0], style))
-    axes.set_xlabel(shown.labels[1])
-    axes.set_ylabel(shown.labels[0])
+    axes.set(xlabel=shown.labels[1], ylabel=shown.labels[0])
     return entries
 
 
-def draw_curve(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
-    """Draw an objective over one variable as a curve; return the entries of the legend.
-
-    Ranges that constraints exclude are shaded, and the optimum is a star. `shown` has all values in
-    the units of the picture.
-    """
+def _draw_curve(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
+    """Draw an objective over one variable as a curve; return the entries of the legend."""
     (x,), value = shown.variables, shown.value
     axes.plot(x, value, color=style.curve, lw=style.width(2.0), zorder=4)
     entries: list[Artist] = []
+    look: Any = {
+        "facecolor": mix(style.quiet, style.ground, 0.75), "hatch": "///",
+        "edgecolor": mix(style.quiet, style.ground, 0.5),
+    }  # fmt: skip
     for name, margin in shown.margins.items():
         if margin.min() < 0:
             axes.fill_between(
                 x, 0, 1, where=(margin < 0).tolist(), transform=axes.get_xaxis_transform(),
-                facecolor=mix(style.quiet, style.ground, 0.75), hatch="///",
-                edgecolor=mix(style.quiet, style.ground, 0.5), linewidth=0, zorder=1,
+                linewidth=0, zorder=1, **look,
             )  # fmt: skip
-            patch = Patch(facecolor=mix(style.quiet, style.ground, 0.75), hatch="///",
-                          edgecolor=mix(style.quiet, style.ground, 0.5),
-                          label=f"excluded by {name}")  # fmt: skip
-            entries.append(patch)
+            entries.append(Patch(label=f"excluded by {name}", **look))
     if shown.best.size:
         entries.append(_star(axes, shown.best[0], np.interp(shown.best[0], x, value), style))
     finite = value[np.isfinite(value)]
     if finite.size:
         axes.set_ylim(*padded(float(finite.min()), float(finite.max())))
-    axes.set_xlim(x[0], x[-1])
-    axes.set_xlabel(shown.labels[0])
-    axes.set_ylabel(shown.label)
+    axes.set(xlim=(x[0], x[-1]), xlabel=shown.labels[0], ylabel=shown.label)
     style.add_grid(axes)
     return entries
 
@@ -406,37 +313,187 @@ def draw_curve(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
 def _limits(axes: Axes, shown: Landscape, style: Style, face: RGB | None) -> list[Artist]:
     """Shade the area that constraints exclude, and draw the border of each; return legend entries.
 
-    `shown` has for each constraint its margin over the two variables, negative where it is broken.
     `face` is a colour of the excluded area for the legend; a default is taken if it is None.
     """
     (y, x), entries = shown.variables, list[Artist]()
     colours = (style.series[1], style.series[2], style.series[3], style.series[5])
-    excluded = False
     for colour, (name, margin) in zip(colours, shown.margins.items(), strict=False):
         if margin.min() < 0 < margin.max():
             axes.contour(x, y, margin, levels=[0.0], colors=[colour], linewidths=style.width(2.2))
             label = f"edge of {name}"
             entries.append(Line2D([], [], color=colour, lw=style.width(2.2), label=label))
         if margin.min() < 0:
-            excluded = True
             axes.contourf(
                 x, y, margin, levels=[margin.min(), 0.0], colors=[style.ground], alpha=EXCLUDED
             )
-    if excluded:
+    if any(margin.min() < 0 for _, margin in zip(colours, shown.margins.values(), strict=False)):
         pale = mix(style.single_sign(0.5)[:3] if face is None else face, style.ground, EXCLUDED)
-        patch = Patch(facecolor=pale, edgecolor=style.quiet, label="faint: excluded")
-        entries.append(patch)
+        entries.append(Patch(facecolor=pale, edgecolor=style.quiet, label="faint: excluded"))
     return entries
 
 
 def _star(axes: Axes, x: Array, y: Array, style: Style) -> Artist:
     """Mark the optimum at (x, y) with a star; return its legend entry."""
-    look = {"marker": "*", "color": style.accent, "mec": style.ground, "ls": ""}
-    axes.plot(x, y, ms=style.width(17), clip_on=False, zorder=6, **look)  # type: ignore[arg-type]
-    return Line2D([], [], ms=style.width(12), label="optimum", **look)  # type: ignore[arg-type]
+    look: Any = {"marker": "*", "color": style.accent, "mec": style.ground, "ls": ""}
+    axes.plot(x, y, ms=style.width(17), clip_on=False, zorder=6, **look)
+    return Line2D([], [], ms=style.width(12), label="optimum", **look)
 
 
-def _array(name: str, values: Array) -> xarray.DataArray:
-    """Return values of a quantity as an array with attributes."""
-    dims = [f"axis_{k}" for k in range(values.ndim)]
-    return xarray.DataArray(values, dims=dims, name=name, attrs=quantity_attributes(name))
+def _array(name: str, values: Any) -> xarray.DataArray:
+    numbers = np.asarray(values, dtype=np.float64)
+    dims = [f"axis_{k}" for k in range(numbers.ndim)]
+    return xarray.DataArray(numbers, dims=dims, name=name, attrs=quantity_attributes(name))
+
+
+class Fronts(NamedTuple):
+    """The trade-off fronts that are drawn, at what is held, and their other dimensions."""
+
+    dataset: xarray.Dataset
+    criterion: Pareto
+    others: tuple[str, ...]
+    style: Style
+    units: ShownUnits
+
+    def name(self, design: xarray.Dataset, names: Sequence[str]) -> str:
+        """Return names and values of some parameters of a design, as one text."""
+        parts = []
+        for name in names:
+            shown = shown_in(design[name], self.units)
+            value = number(float(scaled(design[name], shown.factor)), 4)
+            label = name_in_words(name.removeprefix("best_"))
+            parts.append(f"{label} {with_unit(value, shown.unit)}")
+        return ", ".join(parts)
+
+
+def _draw_front(dataset: xarray.Dataset, prepared: Optimisation, options: Options) -> Figure:
+    """Draw one output over the other along fronts, with the knee marked.
+
+    Of more than seven fronts seven are drawn, evenly chosen, and a note says so. Designs in which
+    one choice is best in both outputs have no front: if none has one, the picture shows that choice
+    over the ranged parameters.
+    """
+    problem, criterion = prepared.problem, prepared.problem.criterion
+    if not isinstance(criterion, Pareto):
+        raise PlotError(
+            "dataset",
+            "it holds no front",
+            "Draw the result of a study with criterion kind 'pareto'",
+        )
+    units, style = options.units, options.style
+    asked = [name for name in options.at if name in dataset.dims]
+    positions = fixed_positions(dataset, options.at, asked, (FRONT,), nearest=options.nearest)
+    held = dataset.isel(positions)
+    others = tuple(str(name) for name in held["optimum_status"].dims if name != FRONT)
+    fronts = Fronts(held.drop_vars(positions), criterion, others, style, units)
+    designs = (
+        fronts.dataset.stack(design=others) if others else fronts.dataset.expand_dims("design")
+    )
+    ends = designs.isel(front=0)
+    single = ends["front_points"].values == 1 if "front_points" in ends else np.zeros(0, bool)
+    is_single = bool(single.size) and bool(single.all())
+    if others and is_single:
+        figure, top, entries, note = _draw_choices(fronts)
+    else:
+        figure = style.sheet()
+        top = figure.add_subplot()
+        entries, note = _draw_fronts(top, fronts, designs, single)
+    name = "Trade-off along a front"
+    if is_single:
+        output, against = (
+            in_sentence(long_name(dataset[n])) for n in (criterion.output, criterion.against)
+        )
+        name = f"No trade-off: {against} least where {output} is largest"
+    return finish(
+        figure, top, style, name=options.title or name,
+        facts=[criterion_in_words(problem), *held_fixed(dataset, units, positions)],
+        source=source_of(dataset, criterion_in_words(problem)), entries=entries, note=note,
+    )  # fmt: skip
+
+
+def _draw_fronts(
+    axes: Axes, fronts: Fronts, designs: xarray.Dataset, single: np.ndarray
+) -> tuple[list[Artist], str]:
+    """Draw the fronts of some designs; return the entries of the legend, and a note.
+
+    `single` is True for a design without a trade-off; such designs are left out where others have a
+    front.
+    """
+    style, units, criterion = fronts.style, fronts.units, fronts.criterion
+    count = designs.sizes["design"]
+    kept = np.flatnonzero(~single) if single.size and not single.all() else np.arange(count)
+    chosen = kept[thin(kept.size, FEW)]
+    against, output = fronts.dataset[criterion.against], fronts.dataset[criterion.output]
+    side, height = shown_in(against, units), shown_in(output, units)
+    entries: list[Artist] = []
+    dot: Any = {"marker": "o", "ms": style.width(8), "mec": style.ground}
+    for colour, place in zip(style.series_over(len(chosen)), chosen, strict=True):
+        front = designs.isel(design=int(place))
+        across = np.abs(scaled(front[criterion.against], side.factor))
+        along = scaled(front[criterion.output], height.factor)
+        axes.plot(across, along, color=colour, lw=style.width(1.8))
+        knee = np.flatnonzero(front["knee"].values)
+        axes.plot(across[knee], along[knee], ls="", color=colour, zorder=5, **dot)
+        named = fronts.name(front, fronts.others)
+        entries.append(Line2D([], [], color=colour, lw=style.width(1.8), label=named or "front"))
+    said = "knee: where the front bends most"
+    if single.size and single.all():
+        front = designs.isel(design=0, front=0)
+        names = [str(name) for name in front.data_vars if str(name).startswith("best_")]
+        said = f"best in both: {fronts.name(front, names)}"
+        entries.clear()
+    entries.append(Line2D([], [], ls="", color=style.quiet, label=said, **dot))
+    if not np.isfinite(output.values).any():
+        axes.annotate(
+            "No choice within the bounds keeps all limits", (0.5, 0.5), xycoords="axes fraction",
+            ha="center", va="center", color=style.ink, fontsize=style.text(11),
+        )  # fmt: skip
+    axes.set_xlabel(f"Magnitude of the {in_sentence(axis_label(against, side.unit))}")
+    axes.set_ylabel(axis_label(output, height.unit))
+    style.add_grid(axes)
+    notes = [f"{len(chosen)} of {count} designs"] if len(chosen) < count else []
+    if kept.size < count:
+        notes.append(f"{count - kept.size} without a trade-off")
+    return entries, ", ".join(notes)
+
+
+def _draw_choices(fronts: Fronts) -> tuple[Figure, Axes, list[Artist], str]:
+    """Draw the best choice of designs without a trade-off over their ranged parameters.
+
+    Each variable has a panel over the parameter with most values; the others make a family of at
+    most seven curves. Designs in which nothing moves are left out. The result are figure, uppermost
+    axes, entries of the legend, and a note.
+    """
+    style, units = fronts.style, fronts.units
+    best = fronts.dataset.isel({FRONT: 0})
+    across = max(fronts.others, key=lambda name: best.sizes[name])
+    rest = tuple(name for name in fronts.others if name != across)
+    axis = axis_of(best[across], units)
+    family = best.stack(design=rest) if rest else best.expand_dims("design")
+    count = family.sizes["design"]
+    chosen = thin(count, FEW)
+    curves = [family.isel(design=int(place)) for place in chosen]
+    colours = style.series_over(len(chosen))
+    names = [str(name) for name in best.data_vars if str(name).startswith("best_")]
+    figure = style.sheet(WIDTH, 6.4 if len(names) == 1 else PANEL * len(names))
+    panels = np.ravel(figure.subplots(len(names), 1, sharex=True, squeeze=False))
+    for panel, name in zip(panels, names, strict=True):
+        shown = shown_in(best[name], units)
+        for colour, curve in zip(colours, curves, strict=True):
+            values = curve[name].where(curve["optimum_status"] != STATUS["no_motion"])
+            panel.plot(axis.values, scaled(values, shown.factor), "o-", color=colour,
+                       lw=style.width(1.8), ms=style.width(4))  # fmt: skip
+        panel.set_ylabel(axis_label(best[name], shown.unit))
+        panel.yaxis.set_major_formatter(plain)
+        style.add_grid(panel)
+    if axis.is_log:
+        set_log(panels[-1].xaxis, axis.values)
+    panels[-1].set_xlabel(axis.label)
+    entries: list[Artist] = [
+        Line2D([], [], color=colour, lw=style.width(1.8),
+               label=fronts.name(curve, rest) or "best choice")
+        for colour, curve in zip(colours, curves, strict=True)
+    ]  # fmt: skip
+    notes = [f"{len(chosen)} of {count} curves"] if len(chosen) < count else []
+    if still := int((best["optimum_status"] == STATUS["no_motion"]).sum()):
+        notes.append(f"nothing moves in {still} of {best['optimum_status'].size} designs")
+    return figure, panels[0], entries, ", ".join(notes)

@@ -1,10 +1,15 @@
-"""A line over one axis, or a family of lines over a second one."""
+"""Pictures of one output over one or two axes: what they share.
+
+A painter draws a `Selection` on a figure; the name over it, what is held and the legend are the
+same for all.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from itertools import pairwise
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import xarray
@@ -16,67 +21,165 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
+from vibrafeed.core.dataset.regimes import flags_of
+from vibrafeed.core.plots.bodies import draw_views
+from vibrafeed.core.plots.looks import (
+    HATCH_WIDTH,
+    MOTION,
+    PLAIN,
+    Look,
+    looks_of,
+    looks_of_categories,
+    swatch,
+)
 from vibrafeed.core.plots.parts import (
     cell_edges,
+    finish,
     padded,
     say_nothing_is_finite,
     set_log,
+    source_of,
     value_range,
 )
-from vibrafeed.core.plots.regimes import HATCH_WIDTH, MOTION, PLAIN, Look, swatch
-from vibrafeed.core.plots.selection import FEW, PlotAxis, Selection, thin
-from vibrafeed.core.plots.sliced import fits, render
-from vibrafeed.core.plots.style import Options, Style, mix
-from vibrafeed.core.plots.text import axis_label, number, short_label, with_unit
+from vibrafeed.core.plots.pictures import is_pair
+from vibrafeed.core.plots.selection import (
+    ANY_REGIME,
+    FEW,
+    PlotAxis,
+    Selection,
+    check_result,
+    fixed_positions,
+    natural,
+    select,
+    thin,
+)
+from vibrafeed.core.plots.style import (
+    RGB,
+    Array,
+    Options,
+    Style,
+    axis_label,
+    long_name,
+    mix,
+    number,
+    short_label,
+    with_unit,
+)
+from vibrafeed.core.quantities import STATUSES
+from vibrafeed.core.quantities.flags import is_regime
 from vibrafeed.core.quantities.pictures import LEVELS
 
-__all__ = ["draw", "fits"]
+NO_REGIMES = "no regimes"
+BESIDE = (2.6, 1.0)  # widths of a picture, and of the sketch of what hits what
+Painter = Callable[[FigureBase, Selection, Sequence[Look], Style], tuple[Axes, list[Artist]]]
 
-MAX_CURVES = FEW
-MAX_MARKED = 12  # points of a curve that are marked: between them nothing was computed
+
 MAX_RUNS = 20  # of a regime; the borders of more would hide the curve
-STRIP = 0.055  # of the height of the curves: the strip of regimes of one curve
 BAND = 0.4  # opacity of the band of a spread
 DASHES = ((4.0, 2.0), (1.0, 1.5), (7.0, 2.0, 1.0, 2.0), (3.0, 1.5, 1.0, 1.5, 1.0, 1.5))
 
 Dashes = tuple[float, tuple[float, ...]] | Literal["solid"]
-Colour = tuple[float, float, float] | str
 
 
-def draw_line(
+def _said(look: Look, dataset: xarray.Dataset, regime: xarray.DataArray) -> Look:
+    if look.name != "not_assessed":
+        return look
+    nowhere = regime == look.value
+    for name in STATUSES:
+        if name in dataset and dataset[name].dims == nowhere.dims:
+            meanings = flags_of(dataset[name].attrs)
+            present = np.unique(dataset[name].values[nowhere.values]).tolist()
+            why = [meanings[one] for one in present if one in meanings]
+            if why:
+                return replace(look, name=" or ".join(why))
+    return look
+
+
+def fits(dataset: xarray.Dataset, options: Options) -> bool:
+    """True if a kind of picture suits the axes and values of a dataset best."""
+    check_result(dataset)
+    return natural(dataset, options.variable, options.axes)[0] == options.kind
+
+
+def render(dataset: xarray.Dataset, options: Options, painter: Painter, beyond: str) -> Figure:
+    """Return the picture of a slice of a dataset.
+
+    `painter` draws the selected values into a figure, and returns axes and legend entries. `beyond`
+    says in a note how regimes look in which formulas do not hold, with ``{pale}`` in place of the
+    style's word for pale.
+    """
+    check_result(dataset)
+    style = options.style
+    figure = style.sheet()
+    variable, axes = options.variable, options.axes
+    if options.is_natural:
+        _, variable, axes = natural(dataset, variable, axes)
+    selection = select(
+        dataset, variable, axes, options.at, str(options.kind), options.units,
+        nearest=options.nearest,
+    )  # fmt: skip
+    if selection.categories:
+        looks = looks_of_categories(selection.categories, style)
+    elif "regime" in dataset:
+        looks = looks_of(selection.regime, selection.regimes, style, exact=selection.exact)
+        looks = [_said(look, dataset, selection.regime) for look in looks]
+    else:
+        looks = [Look(ANY_REGIME, NO_REGIMES, True, *PLAIN, style)]
+    pair = is_pair(dataset)
+    sides: Any = (figure,)
+    if pair:
+        sides = np.ravel(figure.subfigures(1, 2, squeeze=False, width_ratios=BESIDE))
+    top, entries = painter(sides[0], selection, looks, style)
+    entries = [one for one in entries if not str(one.get_label()).startswith(NO_REGIMES)]
+    if pair:  # what hits what
+        dims = [str(name) for name in dataset.dims]
+        positions = fixed_positions(dataset, options.at, dims, (), nearest=True)
+        draw_views(sides[1], dataset, positions, style, below=True)
+    name = long_name(selection.variable)
+    if is_regime(str(selection.variable.name)):
+        name = f"Regimes{name.removeprefix('Regime')}"
+    how = beyond.format(pale="Dim" if style.dark else "Pale")
+    note = (
+        f"{how}: the closed forms do not describe a part there"
+        if any(look.beyond for look in looks)
+        else ""
+    )
+    return finish(
+        figure, top, style, name=options.title or name, facts=list(selection.fixed),
+        source=source_of(dataset), entries=entries, note=note,
+    )  # fmt: skip
+
+
+def _draw_line(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw curves of an output over one axis; return its axes and the legend entries of regimes.
-
-    `selection` has the values, regimes and axes in the units of the picture; a second axis makes a
-    family of at most seven curves. `looks` are the regimes that occur with their colours. Outputs
-    that have a name in each cell are drawn as strips.
-    """
+    # Outputs that have a name in each cell are drawn as strips.
     across = selection.axes[0]
-    chosen = thin(selection.axes[1].values.size, MAX_CURVES) if len(selection.axes) > 1 else [0]
+    chosen = thin(selection.axes[1].values.size, FEW) if len(selection.axes) > 1 else [0]
     regimes = selection.regimes.reshape(across.values.size, -1)[:, chosen]
     if selection.categories:
         return _draw_categories(figure, selection, regimes, looks, style, chosen)
     values = selection.values.reshape(across.values.size, -1)[:, chosen]
-    colours: list[Colour] = [*style.series_over(len(chosen))] if len(chosen) > 1 else [style.curve]
+    colours = style.series_over(len(chosen))
     axes, entries, alike = _draw_regimes(figure, selection, regimes, looks, style, chosen)
     for colour, curve, states in zip(colours, values.T, regimes.T, strict=True):
-        for look in looks:
-            stroke = _style(look, looks, alike)
-            _part(axes, across.values, curve, states, look, stroke, colour)
-        if across.values.size <= MAX_MARKED:
-            axes.plot(across.values, curve, "o", color=colour, markersize=style.width(4), zorder=4)
-        _mark_edges(axes, across.values, curve, states, looks, style)
+        strokes = [_stroke(look, looks, alike) for look in looks]
+        _draw_curve(axes, across.values, curve, states, looks, strokes, colour, style)
     if selection.spread is not None and selection.spread.any():
         spread = selection.spread.reshape(across.values.size, -1)[:, chosen]
         entries.append(_add_bands(axes, across.values, values, spread, colours, style))
         values = np.concatenate([values - spread, values + spread])
     if len(selection.axes) > 1:
         _name_curves(figure, selection, selection.axes[1].values[chosen], colours)
-    _limit(axes, across, values, style)
-    if value_range(values) is None:
+    axes.set_xlim(across.values[0], across.values[-1])
+    ends = value_range(values)
+    if ends is None:
         say_nothing_is_finite(axes, selection, style)
         axes.set_yticks([])
+    else:
+        axes.set_ylim(*padded(*ends))
+        if ends[0] < 0 < ends[1]:
+            axes.axhline(0.0, color=style.quiet, linewidth=0.7, zorder=1)
     _mark_level(axes, selection, style)
     axes.set_ylabel(short_label(selection.variable, selection.unit))
     style.add_grid(axes)
@@ -91,26 +194,11 @@ def _draw_regimes(
     style: Style,
     chosen: Sequence[int] | NDArray[np.int64],
 ) -> tuple[Axes, list[Artist], bool]:
-    """Draw the regimes of curves, and return the axes for the curves, legend entries, and a flag.
-
-    Curves that all have the same regimes stand on coloured backgrounds. Else each curve shows them
-    by its dashes, or if these are too few for all regimes by a strip below. The flag is true if the
-    dashes need not show them.
-
-    Parameters
-    ----------
-    regimes : ndarray, shape (points, curves)
-        The number of the regime at each point.
-    looks : sequence of Look
-        Names and colours of the regimes that occur.
-    chosen : sequence of int
-        Positions of the curves on the second axis of `selection`.
-    """
     across = selection.axes[0]
     alike = bool((regimes == regimes[:, :1]).all())
-    striped = not alike and len({_style(look, looks, alike) for look in looks}) < len(looks)
+    striped = not alike and len({_stroke(look, looks, alike) for look in looks}) < len(looks)
     if striped:
-        heights = (1.0, STRIP * len(chosen))
+        heights = (1.0, 0.055 * len(chosen))
         axes, lowest = figure.subplots(2, 1, sharex=True, height_ratios=heights)
         _add_strips(lowest, across, regimes, looks, _labels(selection, chosen))
         entries: list[Artist] = [swatch(look, look.fill, hatched=not look.valid) for look in looks]
@@ -122,7 +210,11 @@ def _draw_regimes(
         _spans(axes, across, regimes[:, 0], looks, style)
         entries = [swatch(look, look.tint, hatched=look.name not in MOTION) for look in looks]
     elif not striped:
-        entries = [_handle(look, looks, style) for look in looks]
+        strokes = [_stroke(look, looks, alike=False) for look in looks]
+        entries = [
+            Line2D([], [], color=style.ink, linewidth=width, linestyle=dashes, label=look.label)
+            for look, (width, dashes) in zip(looks, strokes, strict=True)
+        ]
     lowest.set_xlabel(across.label)
     return axes, entries, alike or striped
 
@@ -135,19 +227,6 @@ def _draw_categories(
     style: Style,
     chosen: Sequence[int] | NDArray[np.int64],
 ) -> tuple[Axes, list[Artist]]:
-    """Draw an output that has a name in each cell as strips; return axes and legend entries.
-
-    There is one strip for each value of the second axis of `selection`, or one if there is none.
-
-    Parameters
-    ----------
-    codes : ndarray, shape (points, strips)
-        The number of the name at each point.
-    looks : sequence of Look
-        Colour and name for each number.
-    chosen : sequence of int
-        Positions of the strips on the second axis.
-    """
     axes = figure.add_subplot()
     across = selection.axes[0]
     if across.is_log:
@@ -155,8 +234,7 @@ def _draw_categories(
     several = len(selection.axes) > 1
     labels = _labels(selection, chosen) if several else [""]
     _add_strips(axes, across, codes, looks, labels)
-    axes.set_xlim(across.values[0], across.values[-1])
-    axes.set_xlabel(across.label)
+    axes.set(xlim=(across.values[0], across.values[-1]), xlabel=across.label)
     if not several:
         axes.set(ylim=(-0.4, 0.4), yticks=[])
     else:
@@ -165,17 +243,11 @@ def _draw_categories(
 
 
 def _labels(selection: Selection, chosen: Sequence[int] | NDArray[np.int64]) -> list[str]:
-    """Return the chosen values of the second axis as texts with units."""
     second = selection.axes[1]
     return [with_unit(number(value, 4), second.unit) for value in second.values[chosen]]
 
 
 def _mark_level(axes: Axes, selection: Selection, style: Style) -> None:
-    """Draw a threshold of the output, such as throw number 1, as a line across a picture of curves.
-
-    Thresholds are those of `LEVELS`; the line is drawn if it is in the visible range. `selection`
-    tells which output the curves show.
-    """
     level, begins = LEVELS.get(str(selection.variable.name), (np.nan, ""))
     low, high = axes.get_ylim()
     if low < level < high:
@@ -190,18 +262,12 @@ def _mark_level(axes: Axes, selection: Selection, style: Style) -> None:
 
 def _add_bands(
     axes: Axes,
-    x: NDArray[np.float64],
-    values: NDArray[np.float64],
-    spread: NDArray[np.float64],
-    colours: list[Colour],
+    x: Array,
+    values: Array,
+    spread: Array,
+    colours: list[RGB],
     style: Style,
 ) -> Artist:
-    """Add a light band of plus and minus the spread around each curve; return its legend entry.
-
-    `x` has the shape (points,), `values` and `spread` (points, curves), all in the units of the
-    picture. The spread is the scatter of a speed that does not repeat. `colours` are those of the
-    curves.
-    """
     for curve, width, colour in zip(values.T, spread.T, colours, strict=True):
         if width.any():
             axes.fill_between(
@@ -218,28 +284,15 @@ def _add_strips(
     looks: Sequence[Look],
     labels: list[str],
 ) -> None:
-    """Draw the regimes, or categories, of each curve as a strip along the horizontal axis.
-
-    Parameters
-    ----------
-    across : PlotAxis
-        The horizontal axis.
-    regimes : ndarray, shape (points, strips)
-        The number of the regime at each point of each strip.
-    looks : sequence of Look
-        Number, colour and hatching of each regime.
-    labels : list of str
-        The name of each strip, on the vertical axis.
-    """
     edges = cell_edges(across)
     by_value = {look.value: look for look in looks}
     for row, states in enumerate(regimes.T):
         for value, start, stop in _runs(states):
             look = by_value[value]
             bar = axes.broken_barh(
-                [(edges[start], edges[stop] - edges[start])], (row - 0.4, 0.8), facecolor=look.fill
-            )
-            bar.set_linewidth(0)
+                [(edges[start], edges[stop] - edges[start])], (row - 0.4, 0.8),
+                facecolor=look.fill, linewidth=0,
+            )  # fmt: skip
             if not look.valid:
                 bar.set(hatch=look.hatch, edgecolor=look.hatch_ink, hatch_linewidth=HATCH_WIDTH)
     axes.set_ylim(-0.6, len(labels) - 0.4)
@@ -248,84 +301,48 @@ def _add_strips(
 
 
 def _runs(states: NDArray[np.int64]) -> list[tuple[int, int, int]]:
-    """Return value, first index and end index of each run of equal values."""
     changes = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), states.size]
     return [(int(states[start]), start, stop) for start, stop in pairwise(changes)]
 
 
-def _style(look: Look, looks: Sequence[Look], alike: bool) -> tuple[float, tuple[float, ...]]:
-    """Return the line width and the dash pattern of a curve in a regime, in units of matplotlib.
+def _stroke(look: Look, looks: Sequence[Look], alike: bool) -> tuple[float, Dashes]:
+    """Return the line width and the dashes of a curve in a regime.
 
-    Curves are solid, an empty pattern, where the formulas hold, and dashed in regimes where they do
-    not, each with a pattern of its own. `look` is the regime, `looks` are all that occur; with
-    `alike` the background tells the regimes apart, and strokes need not.
+    Curves are solid where the formulas hold, and dashed in regimes where they do not, each with a
+    pattern of its own, unless the background tells the regimes apart: `alike`.
     """
     if look.valid:
-        return PLAIN[-1] if alike else look.width, ()
+        return PLAIN[-1] if alike else look.width, "solid"
     rank = 0 if alike else [other for other in looks if not other.valid].index(look)
-    return look.width, DASHES[rank % len(DASHES)]
+    return look.width, (0.0, DASHES[rank % len(DASHES)])
 
 
-def _draw_style(dashes: tuple[float, ...]) -> Dashes:
-    """Return the line style of dashes."""
-    return (0.0, dashes) if dashes else "solid"
-
-
-def _handle(look: Look, looks: Sequence[Look], style: Style) -> Line2D:
-    """Return the legend entry of a regime `look` among those that occur, with its stroke.
-
-    The stroke is the width and the dashes of curves in that regime.
-    """
-    width, dashes = _style(look, looks, alike=False)
-    return Line2D(
-        [], [], color=style.ink, linewidth=width, linestyle=_draw_style(dashes), label=look.label
-    )
-
-
-def _part(
+def _draw_curve(
     axes: Axes,
-    x: NDArray[np.float64],
-    curve: NDArray[np.float64],
-    states: NDArray[np.int64],
-    look: Look,
-    style: tuple[float, tuple[float, ...]],
-    colour: Colour,
-) -> None:
-    """Draw a curve where it is in one regime, up to the first point of the next regime.
-
-    `x`, `curve` and `states`, the numbers of the regimes, have the shape (points,); `look` is the
-    regime to draw, and `style` the line's width and dashes. `colour` is that of the curve.
-    """
-    here = states == look.value
-    if not here.any():
-        return
-    here[1:] |= here[:-1]
-    width, dashes = style
-    axes.plot(
-        x,
-        np.where(here, curve, np.nan),
-        color=colour if look.valid else mix(colour, "#9a9a9a", 0.35),
-        linewidth=width,
-        linestyle=_draw_style(dashes),
-        solid_capstyle="butt",
-        marker="o" if here.sum() == 1 else "",
-        markersize=3,
-    )
-
-
-def _mark_edges(
-    axes: Axes,
-    x: NDArray[np.float64],
-    curve: NDArray[np.float64],
+    x: Array,
+    curve: Array,
     states: NDArray[np.int64],
     looks: Sequence[Look],
+    strokes: Sequence[tuple[float, Dashes]],
+    colour: RGB,
     style: Style,
 ) -> None:
-    """Mark the points of a curve at which it leaves a regime where the formulas hold.
+    """Draw a curve with the stroke of each regime, marked where it leaves what formulas describe.
 
-    `x` and `curve` are its points and `states` the numbers of their regimes, all of shape (n,);
-    `looks` tell which regimes are valid. The mark is at the last valid point.
+    A part of it goes up to the first point of the next regime.
     """
+    for look, (width, dashes) in zip(looks, strokes, strict=True):
+        here = states == look.value
+        here[1:] |= here[:-1]
+        if here.any():
+            axes.plot(
+                x, np.where(here, curve, np.nan), linewidth=width, linestyle=dashes,
+                color=colour if look.valid else mix(colour, "#9a9a9a", 0.35),
+                solid_capstyle="butt", marker="o" if here.sum() == 1 else "", markersize=3,
+            )  # fmt: skip
+    # Few points are marked: between them nothing was computed.
+    if x.size <= 12:
+        axes.plot(x, curve, "o", color=colour, markersize=style.width(4), zorder=4)
     valid = np.isin(states, [look.value for look in looks if look.valid])
     last = np.flatnonzero(valid[:-1] != valid[1:])
     last = np.where(valid[last], last, last + 1)
@@ -335,18 +352,6 @@ def _mark_edges(
 def _spans(
     axes: Axes, across: PlotAxis, states: NDArray[np.int64], looks: Sequence[Look], style: Style
 ) -> None:
-    """Colour the background of a curve by regime, with borders half-way between two points.
-
-    Parameters
-    ----------
-    across : PlotAxis
-        The horizontal axis, with n values.
-    states : ndarray, shape (n,)
-        The number of the regime at each of them.
-    looks : sequence of Look
-        Name, colour and hatching of each regime. Borders at which formulas begin or cease to hold
-        are drawn heavily, the others only if they are few.
-    """
     edges = cell_edges(across)
     by_value = {look.value: look for look in looks}
     runs = _runs(states)
@@ -366,12 +371,8 @@ def _spans(
 
 
 def _name_curves(
-    figure: FigureBase, selection: Selection, values: NDArray[np.float64], colours: list[Colour]
+    figure: FigureBase, selection: Selection, values: Array, colours: list[RGB]
 ) -> None:
-    """Add a legend that tells curves apart by their values on the second axis of `selection`.
-
-    `values` and `colours` are those of the curves.
-    """
     second = selection.axes[1]
     handles = [
         Line2D([], [], color=colour, linewidth=1.8, label=with_unit(number(value, 4), second.unit))
@@ -382,35 +383,11 @@ def _name_curves(
     if values.size < second.values.size:
         title += f"\n{values.size} of {second.values.size} values"
     whole.legend(
-        handles=handles[::-1],
-        title=title,
-        loc="outside right upper",
-        frameon=False,
+        handles=handles[::-1], title=title, loc="outside right upper", frameon=False,
         alignment="left",
-    )
-
-
-def _limit(axes: Axes, across: PlotAxis, values: NDArray[np.float64], style: Style) -> None:
-    """Set the limits of both axes of a picture of curves, and draw a line at 0 between two signs.
-
-    `across` is the horizontal axis; `values` are all values drawn, of any shape, NaN where there
-    are none. Outliers, as at a pole, do not count.
-    """
-    axes.set_xlim(across.values[0], across.values[-1])
-    ends = value_range(values)
-    if ends is None:
-        return
-    axes.set_ylim(*padded(*ends))
-    if ends[0] < 0 < ends[1]:
-        axes.axhline(0.0, color=style.quiet, linewidth=0.7, zorder=1)
+    )  # fmt: skip
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the picture of a slice over one axis, or a family of curves.
-
-    Raises
-    ------
-    PlotError
-        If the dataset does not have what is asked for.
-    """
-    return render(dataset, options, draw_line, "Hatched or dashed")
+    """Return the picture of a slice over one axis, or a family of curves."""
+    return render(dataset, options, _draw_line, "Hatched or dashed")

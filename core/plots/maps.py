@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import xarray
@@ -21,57 +21,56 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, uniform_filter
 
 from vibrafeed.core.dataset.regimes import percent
-from vibrafeed.core.plots.heading import gives_way, number_lines
+from vibrafeed.core.plots.line import fits, render
+from vibrafeed.core.plots.looks import HATCH_WIDTH, ON_FILL, Look, shade, swatch, veiled_swatch
 from vibrafeed.core.plots.parts import (
-    Scale,
+    GIVES_WAY,
+    Plane,
     add_colour_bar,
     cell_edges,
     limit_to_cells,
+    number_lines,
     say_nothing_is_finite,
     scale_of,
     set_plane,
     value_range,
 )
-from vibrafeed.core.plots.regimes import HATCH_WIDTH, ON_FILL, Look, shade, swatch, veiled_swatch
 from vibrafeed.core.plots.selection import PlotAxis, Selection
-from vibrafeed.core.plots.sliced import fits, render
-from vibrafeed.core.plots.style import NARROW, RGB, SMALL, Options, Style, mix
-from vibrafeed.core.plots.text import number, with_unit, words
+from vibrafeed.core.plots.style import (
+    NARROW,
+    RGB,
+    SMALL,
+    Array,
+    Options,
+    Style,
+    mix,
+    number,
+    short_label,
+    with_unit,
+    words,
+)
 from vibrafeed.core.quantities.pictures import LEVELS
 
 __all__ = ["draw", "fits"]
 
 MAX_POINTS = 500  # of an axis of cells; one is then two points of the picture wide
-MAX_CONTOUR_POINTS = 1000  # of an axis of contours; a picture shows no more
 BORDER = "#1a1a1a"  # on fills, which are light in every style
 
-LINES = 10  # level lines, roughly
 PALE = 0.5  # share of the ground colour in the colour of a regime
-SPEED = "m s-1"
-NOTHING = 1e-6  # of the largest value: smaller ones count as 0
 HATCH = "\\\\"
-FORWARD, ZERO, BACKWARD = 1.3, 2.2, 1.5  # points
 TEXT_SIZE = 10  # points
 BOX = (500.0, 330.0)  # points: width and height of the frame of a normal picture, roughly
 RASTER = (250, 165)  # of the frame, in which room for labels is sought
 CLEARANCE = 1.3  # of a label's size
-OTHERS = 0.02  # of a label's box that may lie over other regimes
-DEPTH_TOLERANCE = 0.1  # how much less deep a place may be that lies nearer to the middle
 
-Array = NDArray[np.float64]
 Masked = np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]
 
 
-def draw_contour(
+def _draw_contour(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw an output over two axes as filled, labelled contours; return axes and legend entries.
-
-    `selection` has the output's values and its two axes, in the units of the picture. `looks` are
-    the regimes that occur with their colours; those where formulas do not hold are shaded.
-    """
     axes = figure.add_subplot()
-    across, up, values, regimes = set_plane(axes, selection, MAX_CONTOUR_POINTS)
+    across, up, values, regimes = set_plane(axes, selection, 1000)
     x, y = across.values, up.values
     scale = scale_of(values, style)
     faces = {look: to_rgb(style.ground) for look in looks}
@@ -83,96 +82,66 @@ def draw_contour(
             x, y, np.ma.masked_invalid(values), levels=scale.levels, cmap=scale.colours,
             norm=scale.norm, extend=scale.extend, zorder=1,
         )  # fmt: skip
-        add_colour_bar(figure, axes, filled, scale, selection, style, pad=0.02, aspect=28)
+        add_colour_bar(axes, filled, scale, short_label(selection.variable, selection.unit), style)
     shade(axes, x, y, regimes, faces, style)
     if scale is not None:
-        shown = np.ma.masked_invalid(values)
-        _add_contour_lines(axes, x, y, shown, scale, style)
-        _mark_level(axes, x, y, shown, selection, style)
-    add_names(axes, across, up, regimes, looks, style)
+        plane = (x, y, np.ma.masked_invalid(values))
+        inner = scale.levels[(scale.levels > plane[2].min()) & (scale.levels < plane[2].max())]
+        if inner.size:
+            lines = axes.contour(
+                *plane, levels=inner, colors=[style.on(scale.colour(level)) for level in inner],
+                linewidths=[style.width(1.4 if level == 0 else 0.6) for level in inner], zorder=3,
+            )  # fmt: skip
+            number_lines(axes, lines, style, 8, fmt=number, zorder=6, colors=[style.ink])
+        _mark_level(axes, plane, selection, style)
+    _add_names(axes, across, up, regimes, looks, style)
     return axes, [veiled_swatch(look, face) for look, face in faces.items()]
 
 
-def _add_contour_lines(
-    axes: Axes, x: Array, y: Array, values: Masked, scale: Scale, style: Style
-) -> None:
-    """Add contour lines to a filled picture, with numbers that avoid other texts.
-
-    `x` and `y` are the values of the axes, `values` those of the output, shape (y, x), masked where
-    not finite; `scale` has the levels and their colours. The line of 0 is heavier.
-    """
-    inner = scale.levels[(scale.levels > values.min()) & (scale.levels < values.max())]
-    if not inner.size:
-        return
-    lines = axes.contour(
-        x, y, values, levels=inner, colors=[style.on(scale.colour(level)) for level in inner],
-        linewidths=[style.width(1.4 if level == 0 else 0.6) for level in inner], zorder=3,
-    )  # fmt: skip
-    number_lines(axes, lines, style, 8, fmt=number, zorder=6, colors=[style.ink])
-
-
 def _mark_level(
-    axes: Axes, x: Array, y: Array, values: Masked, selection: Selection, style: Style
+    axes: Axes, plane: tuple[Array, Array, Masked], selection: Selection, style: Style
 ) -> None:
-    """Draw the line on which an output passes its threshold, such as throw number 1, and label it.
-
-    `x` and `y` are the values of the axes, `values` those of the output, shape (y, x), masked where
-    not finite. Thresholds of outputs are those of `LEVELS`; without one, or where the output does
-    not pass it, nothing is drawn. `selection` tells which output it is.
-    """
+    # The line on which an output passes its threshold, such as throw number 1.
     level, begins = LEVELS.get(str(selection.variable.name), (np.nan, ""))
-    if not values.min() < level < values.max():
+    if not plane[2].min() < level < plane[2].max():
         return
-    line = axes.contour(
-        x, y, values, levels=[level], colors=[style.accent], linewidths=[style.width(2.4)], zorder=7
-    )
+    look: Any = {"colors": [style.accent]}
+    line = axes.contour(*plane, levels=[level], linewidths=[style.width(2.4)], zorder=7, **look)
     for label in axes.clabel(
         line, fontsize=style.text(9), fmt=f"{number(level)}: {begins}", inline=False, zorder=8,
-        colors=[style.accent],
+        **look,
     )[:1]:  # fmt: skip
         label.set_path_effects([withStroke(linewidth=3.0, foreground=style.ground)])
 
 
-def draw_levels(
+def _draw_levels(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw level lines of an output over two axes; return axes and legend entries.
-
-    Positive values have solid lines; negative ones dashed lines in another colour and hatching, so
-    that parts travelling backwards can be seen without colours, too. Backgrounds show regimes.
-    `selection` has the values and the axes, `looks` the regimes that occur.
-    """
+    # Negative values are dashed, of another colour, and hatched: parts that travel backwards are
+    # seen without colours, too.
     axes = figure.add_subplot()
-    across, up, values, regimes = set_plane(axes, selection, MAX_POINTS)
+    plane = set_plane(axes, selection, MAX_POINTS)
+    across, up, values, regimes = plane
     faces = [mix(look.fill, style.ground, PALE) for look in looks]
-    fill_cells(axes, across, up, regimes, looks, faces)
-    add_borders(axes, across, up, regimes, looks, colour=mix(style.ground, style.ink, 0.45))
-    signs = _add_lines(axes, across.values, up.values, values, style)
-    below = _hatch_below(axes, across.values, up.values, values, style)
-    add_names(axes, across, up, regimes, looks, style)
+    _fill_cells(axes, plane, looks, faces, mix(style.ground, style.ink, 0.45))
+    backward = str(selection.variable.attrs.get("units")) == "m s-1"
+    entries = _add_lines(axes, plane, "speed" if backward else "value", selection.unit, style)
+    if _hatch_below(axes, across.values, up.values, values, style):
+        label = "backward" if backward else "below zero"
+        entry = Patch(
+            facecolor="none", edgecolor=style.accent, hatch=HATCH, hatch_linewidth=HATCH_WIDTH,
+            label=label,
+        )  # fmt: skip
+        entries.append(entry)
+    _add_names(axes, across, up, regimes, looks, style)
     limit_to_cells(axes, across, up)
-    entries = share_entries(selection.regimes, looks, faces)
-    backward = str(selection.variable.attrs.get("units")) == SPEED
-    what = "speed" if backward else "value"
-    signed = _line_entries(signs, what, selection.unit, style)
-    if below:
-        signed.append(_below_entry("backward" if backward else "below zero", style))
-    return axes, [*signed, *entries]
+    return axes, [*entries, *share_entries(selection.regimes, looks, faces)]
 
 
-def _hatch_below(
-    axes: Axes,
-    x: Array,
-    y: Array,
-    values: Array,
-    style: Style,
-) -> bool:
-    """Hatch the area of a map where values are negative; True if there is any.
-
-    So parts that travel backwards can be seen without colours. `x` and `y` are the axes' values,
-    shape (n,) and (m,); `values` has the shape (m, n).
-    """
-    negative = np.nan_to_num(values) < -NOTHING * np.nanmax(np.abs(values), initial=0.0)
+def _hatch_below(axes: Axes, x: Array, y: Array, values: Array, style: Style) -> bool:
+    """Hatch the area of a map where values are negative; True if there is any."""
+    # Of the largest value; what is smaller counts as 0.
+    negative = np.nan_to_num(values) < -1e-6 * np.nanmax(np.abs(values), initial=0.0)
     if not negative.any():
         return False
     shown = np.ones_like(values) if negative.all() else np.ma.masked_invalid(-values)
@@ -183,190 +152,99 @@ def _hatch_below(
     return True
 
 
-def _below_entry(label: str, style: Style) -> Artist:
-    """Return the legend entry of the hatched area."""
-    entry = Patch(facecolor="none", edgecolor=style.accent, hatch=HATCH, label=label)
-    entry.set_hatch_linewidth(HATCH_WIDTH)
-    return entry
-
-
-def _add_lines(
-    axes: Axes,
-    x: Array,
-    y: Array,
-    values: Array,
-    style: Style,
-) -> set[int]:
-    """Add level lines with numbers to a map; return the signs that occur: 1, 0, -1.
-
-    `x` and `y` are the axes' values, shape (n,) and (m,); `values` has the shape (m, n). Lines
-    below 0 are dashed and of another colour.
-    """
+def _add_lines(axes: Axes, plane: Plane, what: str, unit: str, style: Style) -> list[Artist]:
+    """Add level lines with numbers to a map; return the legend entries of the signs that occur."""
+    across, up, values, _ = plane
     ends = value_range(values)
     if ends is None:
-        return set()
-    locator = MaxNLocator(LINES, steps=[1, 2, 2.5, 5, 10])
+        return []
+    locator = MaxNLocator(10, steps=[1, 2, 2.5, 5, 10])
     levels = np.asarray(locator.tick_values(*ends))
     levels = levels[(levels > ends[0]) & (levels < ends[1])]
     masked = np.ma.masked_invalid(values)
-    looks = {
-        1: (style.ink, FORWARD, "solid"),
-        0: (style.ink, ZERO, "solid"),
-        -1: (style.accent, BACKWARD, "dashed"),
-    }
-    signs = set()
-    for sign, (colour, width, dashes) in looks.items():
+    looks: tuple[tuple[int, str, str, float, Literal["solid", "dashed"]], ...] = (
+        (1, what, style.ink, 1.3, "solid"),
+        (0, "zero", style.ink, 2.2, "solid"),
+        (-1, f"{what} below zero", style.accent, 1.5, "dashed"),
+    )
+    entries: list[Artist] = []
+    for sign, text, colour, width, dashes in looks:
         own = levels[np.sign(levels) == sign]
         if not own.size:
             continue
-        signs.add(sign)
         lines = axes.contour(
-            x, y, masked, levels=own, colors=[colour], linewidths=[style.width(width)],
-            linestyles=[dashes], zorder=4,
+            across.values, up.values, masked, levels=own, colors=[colour],
+            linewidths=[style.width(width)], linestyles=[dashes], zorder=4,
         )  # fmt: skip
         number_lines(axes, lines, style, 8.5, fmt=number, zorder=6)
-    return signs
-
-
-def _line_entries(signs: set[int], what: str, unit: str, style: Style) -> list[Artist]:
-    """Return the legend entries of level lines: positive, zero and negative values, if they occur.
-
-    `signs` are 1, 0 and -1; `what` is the word for the values, such as speed, and `unit` their
-    unit.
-    """
-    said: dict[int, tuple[str, str, float, Literal["solid", "dashed"]]] = {
-        1: (what, style.ink, FORWARD, "solid"),
-        0: ("zero", style.ink, ZERO, "solid"),
-        -1: (f"{what} below zero", style.accent, BACKWARD, "dashed"),
-    }
-    entries: list[Artist] = []
-    for sign in (1, 0, -1):
-        if sign in signs:
-            text, colour, width, dashes = said[sign]
-            label = with_unit(text, f"({unit})" if unit and sign else "")
-            entries.append(
-                Line2D([], [], color=colour, linewidth=width, linestyle=dashes, label=label)
-            )
+        label = with_unit(text, f"({unit})" if unit and sign else "")
+        entries.append(Line2D([], [], color=colour, linewidth=width, linestyle=dashes, label=label))
     return entries
 
 
-def draw_map(
+def _draw_map(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw a map of regimes over two axes; return its axes and legend entries with shares of cells.
-
-    Each cell is filled with the colour of its regime, and large regions are named in the map.
-    `selection` has the regimes and the two axes, `looks` the colours of the regimes that occur.
-    """
     axes = figure.add_subplot()
-    across, up, _, regimes = set_plane(axes, selection, MAX_POINTS)
-    fill_cells(axes, across, up, regimes, looks, [look.fill for look in looks])
-    add_borders(axes, across, up, regimes, looks)
-    add_names(axes, across, up, regimes, looks, style, on_fill=True)
+    plane = set_plane(axes, selection, MAX_POINTS)
+    across, up, _, regimes = plane
+    fills = [look.fill for look in looks]
+    _fill_cells(axes, plane, looks, fills, BORDER)
+    _add_names(axes, across, up, regimes, looks, style, on_fill=True)
     limit_to_cells(axes, across, up)
-    return axes, share_entries(selection.regimes, looks, [look.fill for look in looks])
+    return axes, share_entries(selection.regimes, looks, fills)
 
 
-def fill_cells(
-    axes: Axes,
-    across: PlotAxis,
-    up: PlotAxis,
-    regimes: NDArray[np.int64],
-    looks: Sequence[Look],
-    fills: Sequence[RGB],
+def _fill_cells(
+    axes: Axes, plane: Plane, looks: Sequence[Look], fills: Sequence[RGB], border: str | RGB
 ) -> None:
-    """Fill every cell of a map with the colour of its regime, hatched where formulas do not hold.
+    """Fill every cell of a map with the colour of its regime, and draw the borders of regimes.
 
-    Parameters
-    ----------
-    across, up : PlotAxis
-        The axes of the map.
-    regimes : ndarray, shape (up, across)
-        The number of the regime of each cell.
-    looks : sequence of Look
-        The regimes that occur, ascending by number.
-    fills : sequence of RGB
-        Their colours.
+    `looks` ascend by number; where formulas do not hold they are hatched.
     """
+    across, up, _, regimes = plane
     x, y = cell_edges(across), cell_edges(up)
-    values = [look.value for look in looks]  # ascending
+    values = [look.value for look in looks]
     colours = ListedColormap(list(fills))
     axes.pcolormesh(
         x, y, np.searchsorted(values, regimes), cmap=colours, vmin=-0.5, vmax=len(looks) - 0.5,
         rasterized=True, zorder=1,
     )  # fmt: skip
+    # Each cell has four points, so that contours follow the sides of cells.
+    corners = np.repeat(x, 2)[1:-1], np.repeat(y, 2)[1:-1]
     for look in looks:
+        inside = (regimes == look.value).repeat(2, axis=0).repeat(2, axis=1).astype(float)
         if not look.valid and look.hatch:
-            corners, cells = _as_corners(x, y, regimes == look.value)
             area = axes.contourf(
-                *corners, cells, levels=[0.5, 1.5], colors=["none"], hatches=[look.hatch], zorder=2
+                *corners, inside, levels=[0.5, 1.5], colors=["none"], hatches=[look.hatch], zorder=2
             )
             area.set(edgecolor=look.hatch_ink, linewidth=0.0, hatch_linewidth=HATCH_WIDTH)
-
-
-def add_borders(
-    axes: Axes,
-    across: PlotAxis,
-    up: PlotAxis,
-    regimes: NDArray[np.int64],
-    looks: Sequence[Look],
-    colour: str | RGB = BORDER,
-) -> None:
-    """Draw borders between the regimes of a map, numbers of shape (up, across)."""
-    x, y = cell_edges(across), cell_edges(up)
-    for look in looks:
-        inside = regimes == look.value
         if inside.min() < inside.max():
-            corners, cells = _as_corners(x, y, inside)
-            axes.contour(*corners, cells, levels=[0.5], colors=[colour], linewidths=[0.8], zorder=3)
-
-
-def _as_corners(x: Array, y: Array, inside: NDArray[np.bool_]) -> tuple[tuple[Array, Array], Array]:
-    """Return each cell as four points, so that contours follow the sides of cells.
-
-    The results are x, y and the values at these points: 1 in cells that are `inside`, else 0. `x`
-    and `y` are the borders of the cells.
-    """
-    corners = np.repeat(x, 2)[1:-1], np.repeat(y, 2)[1:-1]
-    return corners, inside.repeat(2, axis=0).repeat(2, axis=1).astype(float)
+            axes.contour(
+                *corners, inside, levels=[0.5], colors=[border], linewidths=[0.8], zorder=3
+            )
 
 
 def share_entries(
     regimes: NDArray[np.int64], looks: Sequence[Look], fills: Sequence[RGB]
 ) -> list[Artist]:
-    """Return the legend entries of a map of regimes, each with the share of cells in that regime.
-
-    `regimes` has the number of the regime or category in each cell, of any shape; `fills` are the
-    colours of `looks`, one each.
-    """
-    return [
-        _entry(look, fill, float(np.mean(regimes == look.value)))
-        for look, fill in zip(looks, fills, strict=True)
-    ]
-
-
-def _entry(look: Look, fill: RGB, share: float) -> Artist:
-    """Return the legend entry of a regime, a patch of the colour `fill`, with its share.
-
-    `share` is that of the cells in this regime, 0 to 1.
-    """
-    ink = to_rgb(BORDER) if look.valid else look.hatch_ink
-    entry = swatch(look, fill, ink, hatched=not look.valid)
-    entry.set_label(f"{look.label}, {percent(share)}")
-    return entry
+    """Return the legend entries of a map: patches of `fills`, with the share of cells of each."""
+    entries: list[Artist] = []
+    for look, fill in zip(looks, fills, strict=True):
+        ink = to_rgb(BORDER) if look.valid else look.hatch_ink
+        entry = swatch(look, fill, ink, hatched=not look.valid)
+        entry.set_label(f"{look.label}, {percent(float(np.mean(regimes == look.value)))}")
+        entries.append(entry)
+    return entries
 
 
 def _cells_at(axis: PlotAxis, edges: Array, count: int) -> NDArray[np.intp]:
-    """Return the indices of the cells at `count` points spread evenly over an axis as drawn.
-
-    `edges` are the borders of the cells along the axis.
-    """
     drawn = np.log(edges) if axis.is_log else edges
     points = drawn[0] + (np.arange(count) + 0.5) / count * (drawn[-1] - drawn[0])
     return np.searchsorted(drawn[1:-1], points)
 
 
-def add_names(
+def _add_names(
     axes: Axes,
     across: PlotAxis,
     up: PlotAxis,
@@ -376,24 +254,7 @@ def add_names(
     *,
     on_fill: bool = False,
 ) -> None:
-    """Write the name of each regime into a map, where its region is widest, if it has room.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to write.
-    across, up : PlotAxis
-        The axes of the map.
-    regimes : ndarray, shape (rows, columns)
-        Number of the regime of each cell, rows upward.
-    looks : sequence of Look
-        The regimes that occur, with their colours.
-    style : Style
-        Colours and sizes.
-    on_fill : bool
-        True if the cells are filled with the colours of their regimes; else a single regime that is
-        everywhere is not named.
-    """
+    # On fills a single regime is named, too; each name stands where its region is widest.
     if len(looks) < 2 and not on_fill:
         return
     raster = regimes[
@@ -416,46 +277,37 @@ def add_names(
                     rotation=rotation, fontsize=text, zorder=9,
                     color=ON_FILL if on_fill else style.ink,
                 )  # fmt: skip
-                gives_way(name)
+                name.set_gid(GIVES_WAY)
                 halo = look.fill if on_fill else style.ground
                 name.set_path_effects([withStroke(linewidth=2.5, foreground=halo)])
                 break
 
 
 def _centre(inside: NDArray[np.bool_], width: float, height: float) -> tuple[float, float] | None:
-    """Return the centre for a text in an area, in shares of the frame; None if it does not fit.
-
-    `inside` is True in the area, on a raster of the frame, shape (rows, columns); `width` and
-    `height` are those of the text in points. The place is deep in the area and near its middle.
-    """
     columns = math.ceil(width * RASTER[0] / BOX[0] * CLEARANCE)
     rows = math.ceil(height * RASTER[1] / BOX[1] * CLEARANCE)
     framed = np.pad(inside, 1)  # the frame is a border too
     filled = uniform_filter(framed.astype(float), size=(rows, columns), mode="constant")
-    free = filled[1:-1, 1:-1] > 1 - OTHERS
+    # So much of a label's box may lie over other regimes.
+    free = filled[1:-1, 1:-1] > 1 - 0.02
     if not free.any():
         return None
     depth = distance_transform_edt(framed)[1:-1, 1:-1]
     row, column = np.meshgrid(*(np.arange(n) for n in inside.shape), indexing="ij")
     aside = np.hypot(row - row[inside].mean(), column - column[inside].mean())
-    best = int(np.where(free, depth - DEPTH_TOLERANCE * aside, -np.inf).argmax())
+    # A place may be so much less deep if it lies nearer to the middle.
+    best = int(np.where(free, depth - 0.1 * aside, -np.inf).argmax())
     return (best % RASTER[0] + 0.5) / RASTER[0], (best // RASTER[0] + 0.5) / RASTER[1]
 
 
 PAINTERS = {
-    "contour": (draw_contour, "{pale} and hatched"),
-    "levels": (draw_levels, "Hatched"),
-    "map": (draw_map, "Hatched"),
+    "contour": (_draw_contour, "{pale} and hatched"),
+    "levels": (_draw_levels, "Hatched"),
+    "map": (_draw_map, "Hatched"),
 }
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
-    """Return the picture of a slice over two axes, of kind contour, levels or map.
-
-    Raises
-    ------
-    PlotError
-        If the dataset does not have what is asked for.
-    """
+    """Return the picture of a slice over two axes, of kind contour, levels or map."""
     painter, beyond = PAINTERS[str(options.kind)]
     return render(dataset, options, painter, beyond)

@@ -1,24 +1,23 @@
-"""The picture of a fit: one period, what is left over, the spectrum, and the path of the track."""
+"""Pictures of measurements: the drive of a recording, error over run time of a report."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from vibrafeed.core.dataset.regimes import flags_of
 from vibrafeed.core.measured.fit import Fit
-from vibrafeed.core.measured.harmonics import Array
-from vibrafeed.core.plots.heading import finish
-from vibrafeed.core.plots.style import Style
+from vibrafeed.core.plots.parts import finish
+from vibrafeed.core.plots.style import LIGHT, Style, words
 
-SIZE = (10.0, 7.0)  # inches
 AXES = ("along", "across", "normal")  # in the order of the colours of a series
 MAX_POINTS = 3000  # of one axis; more hide one another
 FINE = 721  # points of a smooth curve
-DISPLAYED = 1.3  # times the highest fitted order: the end of the drawn spectrum
-EXACT = 1e-9  # of the frequency: a smaller error is not printed
-MICRO = 1e6  # micrometres in a metre
 
 
 def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
@@ -26,10 +25,9 @@ def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
 
     On the left are the samples of one period with the fitted drive, axis by axis, and the residual;
     on the right the spectrum, in which dots mark the fitted harmonics, and the path of the track.
-    `fit` is the drive with its samples; `dark` asks for light colours on a dark background.
     """
     style = Style(dark=dark)
-    figure = style.sheet(*SIZE)
+    figure = style.sheet(10.0, 7.0)
     left, right = figure.subfigures(1, 2, width_ratios=(1.25, 1.0), squeeze=False)[0]
     count = len(fit.axes)
     periods = left.subplots(count + 1, 1, sharex=True, height_ratios=(*(1.0,) * count, 0.8))
@@ -47,13 +45,8 @@ def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
 
 
 def _facts(fit: Fit) -> tuple[list[str], str]:
-    """Return the lines below the title of a fitted drive's picture, and a closing sentence.
-
-    The first are texts: frequency with its error, error of the clock, periods and samples. The
-    sentence says what the fit leaves over.
-    """
     frequency = f"{fit.frequency:.8g} Hz"
-    if fit.frequency_error > EXACT * fit.frequency:
+    if fit.frequency_error > 1e-9 * fit.frequency:  # a smaller one is not printed
         digits = max(0, 1 - int(np.floor(np.log10(fit.frequency_error))))
         frequency = f"{fit.frequency:.{digits}f} ± {fit.frequency_error:.{digits}f} Hz"
     facts = [frequency]
@@ -61,23 +54,13 @@ def _facts(fit: Fit) -> tuple[list[str], str]:
         pace = "slow" if fit.clock.error > 0.0 else "fast"
         facts.append(f"clock {100 * abs(fit.clock.error):.2g} % {pace}")
     facts.append(f"{fit.periods:.0f} periods, {fit.samples:,} samples")
-    left = f"All axes together: not explained by the fit {_percent(fit.left_over)}, drift "
-    left += f"{_percent(fit.drifting)} of the drive"
-    return facts, left
-
-
-def _percent(shares: Array) -> str:
-    """Return the root of summed squares of shares, in per cent."""
-    return f"{100 * np.linalg.norm(shares):.2g} %"
+    left, drift = (f"{100 * np.linalg.norm(one):.2g} %" for one in (fit.left_over, fit.drifting))
+    return facts, (
+        f"All axes together: not explained by the fit {left}, drift {drift} of the drive"
+    )
 
 
 def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
-    """Draw a recorded acceleration over one period of the drive, with the fit and its residual.
-
-    All periods of the recording lie upon each other. `panels` are one for each axis of the
-    recording, and a last one for the residuals of all; `fit` is the drive that was fitted to the
-    recording. Of many samples only some are drawn.
-    """
     fold = fit.fold()
     milliseconds = 1e3 / (2.0 * np.pi * fit.frequency)
     smooth = np.linspace(0.0, 2.0 * np.pi, FINE)
@@ -89,36 +72,25 @@ def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
         panels[:-1], fit.axes, fold.accelerations, curves, fold.residual, strict=True
     ):
         colour = style.series[AXES.index(axis)]
-        panel.plot(
-            times,
-            values[some],
-            ".",
-            color=colour,
-            markersize=style.width(3.0),
-            alpha=0.35,
-            zorder=2,
-        )
+        dots: Any = {"color": colour, "markersize": style.width(3.0), "alpha": 0.35}
+        panel.plot(times, values[some], ".", zorder=2, **dots)
         panel.plot(milliseconds * smooth, curve, color=style.ink, linewidth=1.2, zorder=3)
         panel.set_ylabel(f"{axis.capitalize()} (m/s²)")
-        last.plot(times, residual[some], ".", color=colour, markersize=style.width(3.0), alpha=0.35)
+        last.plot(times, residual[some], ".", **dots)
     last.axhline(0.0, color=style.ink, linewidth=0.8)
-    last.set_ylabel("Residual (m/s²)")
-    last.set_xlabel("Time in the period (ms)")
-    last.set_xlim(0.0, 1e3 / fit.frequency)
+    last.set(
+        ylabel="Residual (m/s²)", xlabel="Time in the period (ms)", xlim=(0.0, 1e3 / fit.frequency)
+    )
 
 
 def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
-    """Draw the amplitude spectrum of a recorded acceleration, with dots at the fitted harmonics.
-
-    `fit` is the drive that was fitted to the recording; each of its axes is a curve.
-    """
     fold = fit.fold()
     window = np.hanning(fit.samples)
     amplitude = 2.0 * np.abs(np.fft.rfft(fold.accelerations * window)) / window.sum()
     frequencies = (
         np.arange(amplitude.shape[1]) * fit.frequency / fit.periods * (1 - 1 / fit.samples)
     )
-    shown = frequencies <= max(DISPLAYED * fit.orders[-1], fit.orders[-1] + 1) * fit.frequency
+    shown = frequencies <= max(1.3 * fit.orders[-1], fit.orders[-1] + 1) * fit.frequency
     orders = np.array(fit.orders)
     peaks = fit.amplitudes * (2.0 * np.pi * fit.frequency * orders) ** 2
     for axis, curve, row, significant in zip(
@@ -131,9 +103,11 @@ def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
         )
     axes.set_yscale("log")
     axes.set_ylim(bottom=max(float(np.median(amplitude[:, shown])) / 10.0, 1e-9 * peaks.max()))
-    axes.set_xlim(0.0, float(frequencies[shown][-1]))
-    axes.set_xlabel("Frequency (Hz)")
-    axes.set_ylabel("Amplitude (m/s²)")
+    axes.set(
+        xlim=(0.0, float(frequencies[shown][-1])),
+        xlabel="Frequency (Hz)",
+        ylabel="Amplitude (m/s²)",
+    )
     handles = [
         Line2D([], [], color=style.series[AXES.index(axis)], label=axis) for axis in fit.axes
     ]
@@ -149,12 +123,8 @@ def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
 
 
 def _draw_path(axes: Axes, fit: Fit, style: Style) -> None:
-    """Draw the path of a track with a fitted drive from the side, over one period.
-
-    Without the axis along or normal, displacements are drawn over time instead. `fit` is the drive.
-    """
     phase = np.linspace(0.0, 2.0 * np.pi, FINE)
-    moved = dict(zip(fit.axes, MICRO * fit.displacement(phase), strict=True))
+    moved = dict(zip(fit.axes, 1e6 * fit.displacement(phase), strict=True))
     if "along" not in moved or "normal" not in moved:
         for axis, curve in moved.items():
             axes.plot(
@@ -162,8 +132,7 @@ def _draw_path(axes: Axes, fit: Fit, style: Style) -> None:
                 curve,
                 color=style.series[AXES.index(axis)],
             )
-        axes.set_xlabel("Time in the period (ms)")
-        axes.set_ylabel("Displacement (µm)")
+        axes.set(xlabel="Time in the period (ms)", ylabel="Displacement (µm)")
         return
     along, normal = moved["along"], moved["normal"]
     axes.plot(along, normal, color=style.ink, linewidth=1.6)
@@ -176,5 +145,35 @@ def _draw_path(axes: Axes, fit: Fit, style: Style) -> None:
         arrowprops={"arrowstyle": "-|>", "color": style.ink, "mutation_scale": 16},
     )
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set_xlabel("Along (µm); the dot is at t = 0")
-    axes.set_ylabel("Normal (µm)")
+    axes.set(xlabel="Along (µm); the dot is at t = 0", ylabel="Normal (µm)")
+
+
+def draw_report(dataset: xarray.Dataset) -> Figure | None:
+    """Return the picture of a report; None if nothing was measured.
+
+    The dataset is the table of `vibrafeed.core.report.Report`, as it is or as its file is read.
+    """
+    if not np.isfinite(dataset["error"].values).any():
+        return None
+    style = LIGHT
+    figure = style.sheet(7.0, 5.6)
+    axes = figure.subplots()
+    for number, curve in enumerate(flags_of(dataset["curve"].attrs).values()):
+        here = dataset.isel(curve=number)
+        seconds = here["time_per_cell"].values * 1e6
+        # Errors of 0 have no place on a logarithmic axis.
+        low, high = (np.fmax(here[name].values, 1e-18) for name in ("error", "error_largest"))
+        colour, marker = (set_[number % len(set_)] for set_ in (style.series, "osD^vPX*ph<"))
+        axes.vlines(seconds, low, high, color=colour, lw=1.2)
+        axes.plot(seconds, high, "_", color=colour, ms=8)
+        axes.plot(seconds, low, f"{marker}-", color=colour, ms=6.5, lw=1.4, label=words(curve))
+    axes.set(
+        xscale="log",
+        yscale="log",
+        xlabel="Time of a cell (us)",
+        ylabel="Error: median (mark) to largest (bar)",
+    )
+    style.add_grid(axes)
+    entries, _ = axes.get_legend_handles_labels()
+    name = f"Error against run time: {dataset.attrs.get('title', '')}"
+    return finish(figure, axes, style, name=name, entries=entries)

@@ -1,50 +1,201 @@
-"""Parts that several kinds of picture share: axes, and the scale of colours with its levels."""
+"""Parts that pictures share: heading, legend and foot, axes, and the scale of colours."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
+import xarray
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, Normalize
-from matplotlib.figure import FigureBase
-from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter, NullLocator
+from matplotlib.contour import ContourSet
+from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
+from matplotlib.ticker import MaxNLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
 from vibrafeed.core.plots.selection import PlotAxis, Selection, thin
-from vibrafeed.core.plots.style import RGB, Style
-from vibrafeed.core.plots.text import long_name, number, short_label
+from vibrafeed.core.plots.style import RGB, Array, Style, long_name, number
 
-DECADE = 10.0
-BANDS = 12  # levels of a scale, roughly
+DOT = " \N{MIDDLE DOT} "
+# Sizes of the title, of the facts below it and of the legend [points].
+FACTS = 8.5
+MARGIN = 0.02  # of the width, on either side
+GIVES_WAY = "gives way"
+AIR = 2.0  # dots between texts
+
 OUTLIERS = 1.0  # per cent on either side that may be cut off ...
 SPREAD = 4.0  # ... where the range shrinks by more than this
 FLAT = 1e-9  # of the largest value: a smaller range is drawn as one value
-MINOR_SIGN = 0.1  # a sign that reaches less of the other leaves the colours to that one
-STRONG = 85.0  # per cent: the middle one is often as pale as a veil
+
+
+def finish(
+    figure: Figure,
+    top: Axes,
+    style: Style,
+    *,
+    name: str,
+    facts: Sequence[str] = (),
+    source: str = "",
+    entries: Sequence[Artist] = (),
+    note: str = "",
+) -> Figure:
+    """Add title, facts, source and legend to a drawn figure, and return it.
+
+    `top` are the uppermost axes, above which the facts stand: what is held fixed, of which those
+    that do not fit their line are only counted, and where the values are from. `note` is a sentence
+    above the legend, which has `entries`.
+    """
+    style.dress(figure)
+    _add_legend(figure, entries, note, style)
+    heading = _add_name(figure, name, style)
+    # Where the axes begin is known only after a layout, with a text of as many lines.
+    top.set_title("\n" if source and facts else " ", loc="left", fontsize=style.text(FACTS),
+                  linespacing=1.4, color=style.quiet)  # fmt: skip
+    figure.draw_without_rendering()
+    start, end = top.get_window_extent().intervalx
+    beside = [legend.get_window_extent() for legend in figure.legends]
+    ends = [box.x0 - MARGIN * figure.bbox.width for box in beside if box.x0 > end]
+    room = min([(1 - MARGIN) * figure.bbox.width, *ends]) - start
+    size = style.text(FACTS)
+    lines = [_longest(figure, texts, room, size) for texts in (_packed(facts), _cut(source))]
+    title = top.set_title("\n".join(filter(None, lines)), loc="left", fontsize=size,
+                          linespacing=1.4, color=style.quiet)  # fmt: skip
+    start = title.get_window_extent().x0 if title.get_text() else MARGIN * figure.bbox.width
+    if start + heading.get_window_extent().width < (1 - MARGIN) * figure.bbox.width:
+        heading.set_x(start / figure.bbox.width)
+    _leave_out_what_meets(figure)
+    return figure
+
+
+def source_of(dataset: xarray.Dataset, shown: str = "") -> str:
+    """Return the line below a title that says where values are from: title, scene and method.
+
+    `shown` is a text that the picture has already, such as a criterion; the title leaves it out.
+    """
+    parts = (dataset.attrs.get(name) for name in ("scene", "variant", "method"))
+    origin = ", ".join(str(part) for part in parts if part)
+    title = str(dataset.attrs.get("title", "")).removesuffix(f": {shown}")
+    return f"{title} ({origin})" if title else origin
+
+
+def _text_width(figure: Figure, text: str, size: float, weight: str = "normal") -> float:
+    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    font = FontProperties(size=size, weight=weight)
+    width, *_ = renderer.get_text_width_height_descent(text, font, ismath="$" in text)
+    return float(width)
+
+
+def _longest(
+    figure: Figure, texts: Iterable[str], width: float, size: float, weight: str = "normal"
+) -> str:
+    """Return the first of some texts, the longest first, that fits a width; empty if none does."""
+    return next((one for one in texts if _text_width(figure, one, size, weight) <= width), "")
+
+
+def _packed(facts: Sequence[str]) -> Iterator[str]:
+    for count in range(len(facts), 0, -1):
+        left = len(facts) - count
+        yield DOT.join([*facts[:count], *([f"{left}\N{NO-BREAK SPACE}more"] if left else [])])
+
+
+def _cut(text: str) -> Iterator[str]:
+    yield text
+    for cut in range(text.count(" "), 0, -1):
+        yield " ".join(text.split(" ")[:cut]).rstrip(" ,(") + " …"
+
+
+def _add_name(figure: Figure, name: str, style: Style) -> Text:
+    size, width = style.text(13.0), (1 - 2 * MARGIN) * figure.bbox.width
+    words, count = name.split(), 1
+    while (
+        count < len(words)
+        and _text_width(figure, " ".join(words[: count + 1]), size, "bold") <= width
+    ):
+        count += 1
+    rest = _longest(figure, _cut(" ".join(words[count:])), width, size, "bold")
+    shown = "\n".join(filter(None, [" ".join(words[:count]), rest]))
+    return figure.suptitle(
+        shown, x=MARGIN, ha="left", fontsize=size, fontweight="bold", color=style.ink
+    )
+
+
+def _add_legend(figure: Figure, entries: Sequence[Artist], note: str, style: Style) -> None:
+    if not entries:
+        return
+    size = style.text(9.0)
+    letter = _text_width(figure, "n", size)
+    widest = max(_text_width(figure, str(entry.get_label()), size) for entry in entries)
+    width = (1 - 2 * MARGIN) * figure.bbox.width
+    # A swatch of the legend, and the gap behind it, take five letters.
+    columns = int(width // (widest + 5.0 * letter + 2 * letter))
+    legend = figure.legend(
+        handles=list(entries),
+        loc="outside lower left",
+        ncols=max(1, min(len(entries), columns)),
+        frameon=False,
+        fontsize=size,
+        handlelength=3.0,
+        handleheight=1.4,
+        columnspacing=1.4,
+        labelcolor=style.ink,
+        title=_longest(figure, _cut(note), width, size) or None,
+        title_fontsize=size,
+        alignment="left",
+    )
+    legend.get_title().set_color(style.quiet)
+
+
+def number_lines(axes: Axes, lines: ContourSet, style: Style, size: float, **look: Any) -> None:
+    """Write its value on each line of equal value; a number gives way to what stands there."""
+    for label in axes.clabel(lines, fontsize=style.text(size), inline=False, **look):
+        label.set_gid(GIVES_WAY)
+        label.set_path_effects([withStroke(linewidth=3.0, foreground=style.ground)])
+
+
+def _leave_out_what_meets(figure: Figure) -> None:
+    # Texts marked by `GIVES_WAY` are hidden if they touch others or leave their axes; of two such
+    # the one drawn on top (the larger z-order) stays. The figure has to be laid out.
+    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    shown = [text for text in figure.findobj(Text) if text.get_visible() and text.get_text()]
+    kept = [text.get_window_extent(renderer) for text in shown if text.get_gid() != GIVES_WAY]
+    loose = [text for text in shown if text.get_gid() == GIVES_WAY]
+    for text in sorted(loose, key=lambda text: -text.get_zorder()):
+        box = text.get_window_extent(renderer)
+        frame = text.axes.get_window_extent() if text.axes else figure.bbox
+        inside = frame.x0 < box.x0 < box.x1 < frame.x1 and frame.y0 < box.y0 < box.y1 < frame.y1
+        if inside and not any(box.padded(AIR).overlaps(other) for other in kept):
+            kept.append(box)
+        else:
+            text.set_visible(False)
+
+
+Plane = tuple[PlotAxis, PlotAxis, Array, NDArray[np.int64]]
 
 
 @dataclass(frozen=True)
 class Scale:
     """Levels of contours and the colours between them."""
 
-    levels: NDArray[np.float64]
+    levels: Array
     colours: Colormap
     norm: Normalize
     extend: Literal["neither", "min", "max", "both"]
 
-    def typical(self, values: NDArray[np.float64]) -> RGB:
-        """Return the colour of a large one of some values, their 85th percentile, to stand for all.
-
-        It is the colour of an area in a legend; white if no value is finite.
-        """
+    def typical(self, values: Array) -> RGB:
+        """Return the colour of the 85th percentile of values, to stand for all; white without."""
         finite = values[np.isfinite(values)]
         if not finite.size:
             return 1.0, 1.0, 1.0
-        return self.colour(float(np.percentile(finite, STRONG)))
+        # The middle one is often as pale as a veil.
+        return self.colour(float(np.percentile(finite, 85.0)))
 
     def colour(self, value: float) -> RGB:
         """Return the colour of a value."""
@@ -52,12 +203,11 @@ class Scale:
         return red, green, blue
 
 
-def value_range(values: NDArray[np.float64]) -> tuple[float, float] | None:
+def value_range(values: Array) -> tuple[float, float] | None:
     """Return the smallest and largest value to show; None if nothing is finite.
 
     Outliers are cut off, as at a pole, which would leave one colour to the rest of the picture: 1 %
-    on either side, if that shrinks the range more than fourfold. A flat range is widened. `values`
-    may have any shape, in the unit of the picture.
+    on either side, if that shrinks the range more than fourfold. A flat range is widened.
     """
     finite = values[np.isfinite(values)]
     if not finite.size:
@@ -72,35 +222,26 @@ def value_range(values: NDArray[np.float64]) -> tuple[float, float] | None:
     return low, high
 
 
-def scale_of(values: NDArray[np.float64], style: Style) -> Scale | None:
+def scale_of(values: Array, style: Style) -> Scale | None:
     """Return levels and colours for the values of a picture; None if no value is finite.
 
     If both signs occur to some extent, the colours have two branches with zero in the middle.
-    `values` may have any shape.
     """
     ends = value_range(values)
     if ends is None:
         return None
-    locator = MaxNLocator(BANDS, steps=[1, 2, 2.5, 5, 10])
+    locator = MaxNLocator(12, steps=[1, 2, 2.5, 5, 10])
     levels = np.asarray(locator.tick_values(*ends), dtype=np.float64)
     under, over = np.nanmin(values) < levels[0], np.nanmax(values) > levels[-1]
     extend: Literal["neither", "min", "max", "both"] = (
         "both" if under and over else "min" if under else "max" if over else "neither"
     )
-    if min(-ends[0], ends[1]) > MINOR_SIGN * max(-ends[0], ends[1]):
+    # A sign that reaches less of the other leaves the colours to that one.
+    if min(-ends[0], ends[1]) > 0.1 * max(-ends[0], ends[1]):
         most = float(np.abs(levels).max())
         return Scale(levels, style.two_signs, Normalize(-most, most), extend)
     norm = Normalize(float(levels[0]), float(levels[-1]))
     return Scale(levels, style.single_sign, norm, extend)
-
-
-class Plane(NamedTuple):
-    """Values and regimes over two axes, as arrays (up, across), and the axes."""
-
-    across: PlotAxis
-    up: PlotAxis
-    values: NDArray[np.float64]
-    regimes: NDArray[np.int64]
 
 
 def plain(value: float, _: object = None) -> str:
@@ -108,24 +249,20 @@ def plain(value: float, _: object = None) -> str:
     return number(value)
 
 
-def set_log(spine: Axis, values: NDArray[np.float64]) -> None:
+def set_log(spine: Axis, values: Array) -> None:
     """Make an axis logarithmic, with plain numbers at the ticks.
 
-    `spine` is the axis of matplotlib; `values` are those on it, ascending: if they span less than a
-    decade, ticks lie between powers of ten.
+    If its values, ascending, span less than a decade, ticks lie between powers of ten.
     """
-    if spine.axis_name == "x":  # type: ignore[attr-defined]
-        spine.axes.set_xscale("log")
-    else:
-        spine.axes.set_yscale("log")
-    spine.set_major_formatter(FuncFormatter(plain))
+    spine.axes.set(**{f"{spine.axis_name}scale": "log"})  # type: ignore[attr-defined]
+    spine.set_major_formatter(plain)
     spine.set_minor_formatter(NullFormatter())
-    if values[-1] < DECADE * values[0]:
+    if values[-1] < 10.0 * values[0]:
         spine.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
         spine.set_minor_locator(NullLocator())
 
 
-def cell_edges(axis: PlotAxis) -> NDArray[np.float64]:
+def cell_edges(axis: PlotAxis) -> Array:
     """Return the borders of the cells about the points of an axis, shape (n + 1,).
 
     They lie halfway between two points, as the axis is drawn, and at both ends.
@@ -143,43 +280,32 @@ def limit_to_cells(axes: Axes, across: PlotAxis, up: PlotAxis) -> None:
 
 
 def set_plane(axes: Axes, selection: Selection, most: int) -> Plane:
-    """Set labels and spacing of axes for a picture over two axes; return the values to draw there.
+    """Set labels and spacing of axes for a picture over two axes; return what to draw there.
 
-    `selection` has an output over two axes. Of more than `most` points of an axis as many are
-    taken, both ends included. The result has the axes and arrays of values and regimes, shape (up,
-    across).
+    Of more than `most` points of an axis as many are taken, both ends included. The result has the
+    axes across and up, and arrays of values and regimes, shape (up, across).
     """
-    across, up = selection.axes
     columns, rows = (thin(axis.values.size, most) for axis in selection.axes)
     across, up = (
-        replace(axis, values=axis.values[some]) for axis, some in ((across, columns), (up, rows))
+        replace(axis, values=axis.values[some])
+        for axis, some in zip(selection.axes, (columns, rows), strict=True)
     )
     for axis, spine in ((across, axes.xaxis), (up, axes.yaxis)):
         if axis.is_log:
             set_log(spine, axis.values)
         spine.set_label_text(axis.label)
     part = np.ix_(columns, rows)
-    return Plane(across, up, selection.values[part].T, selection.regimes[part].T)
+    return across, up, selection.values[part].T, selection.regimes[part].T
 
 
 def add_colour_bar(
-    figure: FigureBase,
-    axes: Axes,
-    colours: ScalarMappable,
-    scale: Scale,
-    selection: Selection,
-    style: Style,
-    **layout: Any,
+    axes: Axes, colours: ScalarMappable, scale: Scale, label: str, style: Style
 ) -> None:
-    """Add a colour bar beside axes, with ticks at the levels and the label of the output.
-
-    `colours` is what is coloured, `scale` has the levels, `selection` the output and its unit, and
-    `layout` further options of matplotlib.
-    """
-    ticks = scale.levels[:: 2 if style.small else 1]
-    bar = figure.colorbar(colours, ax=axes, ticks=ticks.tolist(), **layout)
-    bar.ax.yaxis.set_major_formatter(FuncFormatter(plain))
-    bar.set_label(short_label(selection.variable, selection.unit))
+    """Add a colour bar beside axes, with ticks at the levels and a label."""
+    ticks = scale.levels[:: 2 if style.small else 1].tolist()
+    bar = axes.figure.colorbar(colours, ax=axes, ticks=ticks, pad=0.02, aspect=28)
+    bar.ax.yaxis.set_major_formatter(plain)
+    bar.set_label(label)
 
 
 def padded(low: float, high: float) -> tuple[float, float]:

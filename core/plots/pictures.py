@@ -42,43 +42,15 @@ def is_calibration(dataset: xarray.Dataset) -> bool:
 
 def is_pair(dataset: xarray.Dataset) -> bool:
     """True if a dataset is the result of an impact of two bodies."""
-    return {"position_x_1", "position_x_2"} <= {str(name) for name in dataset.coords}
-
-
-def _has_uncertain_parameters(dataset: xarray.Dataset) -> bool:
-    return "uncertain_parameters" in dataset.attrs
-
-
-def _is_front(dataset: xarray.Dataset) -> bool:
-    return "knee" in dataset
-
-
-def _is_row(dataset: xarray.Dataset) -> bool:
-    return dataset.attrs.get("scene") == "row-on-plane"
-
-
-def _is_motion(dataset: xarray.Dataset) -> bool:
-    return "cycle_time" in dataset.dims or ("motion_status" in dataset and _is_single(dataset))
-
-
-def _is_optimum(dataset: xarray.Dataset) -> bool:
-    return "optimum_status" in dataset
+    return {"position_x_1", "position_x_2"} <= {*dataset.coords}
 
 
 def _is_single(dataset: xarray.Dataset) -> bool:
     return all(values.size == 1 for values in dataset.data_vars.values())
 
 
-def _is_impact(dataset: xarray.Dataset) -> bool:
-    return is_pair(dataset) and _is_single(dataset)
-
-
-def _any(dataset: xarray.Dataset) -> bool:
-    return True
-
-
-def _none(dataset: xarray.Dataset) -> bool:
-    return False
+def _is_motion(dataset: xarray.Dataset) -> bool:
+    return "cycle_time" in dataset.dims or ("motion_status" in dataset and _is_single(dataset))
 
 
 @dataclass(frozen=True)
@@ -87,10 +59,8 @@ class Picture:
 
     Attributes
     ----------
-    name : str
-        As it is asked for.
-    says : str
-        What it shows, in a few words.
+    name, says : str
+        As it is asked for, and what it shows, in a few words.
     home : str
         The module of this package that draws it.
     takes : tuple of str
@@ -103,7 +73,7 @@ class Picture:
     says: str
     home: str
     takes: tuple[str, ...] = ("variable", "axes", "at")
-    may_fit: Callable[[xarray.Dataset], bool] = _any
+    may_fit: Callable[[xarray.Dataset], bool] = lambda _: True
 
     def fits(self, dataset: xarray.Dataset, options: Options) -> bool:
         """True if this picture is the default for a dataset."""
@@ -118,54 +88,60 @@ class Picture:
         """
         for option in ("variable", "axes", "at"):
             if getattr(options, option) and option not in self.takes:
-                fix = f"Leave {option} out, or name another kind"
-                raise PlotError(option, f"a picture of kind {self.name} has no {option}", fix)
+                raise PlotError(
+                    option,
+                    f"a picture of kind {self.name} has no {option}",
+                    f"Leave {option} out, or name another kind",
+                )
         figure: Figure = import_module(f"{__package__}.{self.home}").draw(dataset, options)
         return figure
 
 
-ONE_DESIGN = ("variable", "at")
-"""Options of a picture of one design, which may be chosen among several."""
+# Where it is drawn, its options, and what it is of: of one design, chosen among several.
+OF_UNCERTAIN = (
+    "spreads",
+    ("variable", "at"),
+    lambda dataset: "uncertain_parameters" in dataset.attrs,
+)
 
 PICTURES = {
     picture.name: picture
     for picture in (
         Picture(
-            "posterior", "what a calibration knows of its unknowns", "calibration", (),
-            is_calibration,
+            "posterior", "what a calibration knows of its unknowns", "spreads", (), is_calibration,
         ),
         Picture(
-            "speeds", "measured and computed speeds of a calibration", "calibration", (),
-            is_calibration,
+            "distribution", "how an output with uncertain parameters spreads", *OF_UNCERTAIN,
         ),
         Picture(
-            "distribution", "how an output with uncertain parameters spreads", "uncertain",
-            ONE_DESIGN, _has_uncertain_parameters,
+            "indices", "shares of the variance, by parameter", *OF_UNCERTAIN,
         ),
         Picture(
-            "indices", "shares of the variance, by parameter", "uncertain", ONE_DESIGN,
-            _has_uncertain_parameters,
+            "tornado", "what each tolerance does by itself", *OF_UNCERTAIN,
         ),
-        Picture(
-            "tornado", "what each tolerance does by itself", "uncertain", ONE_DESIGN,
-            _has_uncertain_parameters,
-        ),
-        Picture("front", "a trade-off of two outputs", "front", ("at",), _is_front),
-        Picture("positions", "where the parts of a row are over time", "positions", (), _is_row),
-        Picture("trajectory", "the motion of one part", "motion", (), _is_motion),
-        Picture("animation", "the same, moving; a GIF file", "movie", (), _none),
+        Picture("front", "a trade-off of two outputs", "landscape", ("at",),
+                lambda dataset: "knee" in dataset),
+        Picture("positions", "where the parts of a row are over time", "film", (),
+                lambda dataset: dataset.attrs.get("scene") == "row-on-plane"),
+        Picture("trajectory", "the motion of one part", "trajectory", (), _is_motion),
+        Picture("animation", "the same, moving; a GIF file", "animation", (),
+                lambda _: False),
         Picture(
             "landscape", "the objective of an optimisation over one or two variables",
-            "landscape", ("axes", "at"), _is_optimum,
+            "landscape", ("axes", "at"),
+            lambda dataset: "optimum_status" in dataset,
         ),
-        Picture("bodies", "an impact: what hits what", "bodies", ("at",), _is_impact),
+        Picture("bodies", "an impact: what hits what", "bodies", ("at",),
+                lambda dataset: is_pair(dataset) and _is_single(dataset)),
         Picture("line", "an output over one parameter, or a family of lines", "line"),
         Picture("map", "regimes, or an output whose numbers stand for words", "maps"),
         Picture("contour", "an output over two parameters, in colours", "maps"),
         Picture("levels", "an output over two parameters, as lines of equal value", "maps"),
     )
 }  # fmt: skip
+
 """By name. The first that fits a dataset is drawn where none is named."""
+
 
 GONE = {
     "surface": "Draw kind contour or levels",
@@ -174,8 +150,8 @@ GONE = {
     "profiles": "Draw kind landscape, with the variable as the axis",
     "values": "Print them with `vibrafeed run`, or write a page with `vibrafeed sheet`",
     "effects": "Draw kind indices",
-    "residuals": "Draw kind speeds; the variable residual of the file has them",
+    "speeds": "Draw kind posterior; the file has the speeds: predicted_best and residual",
+    "residuals": "Print the variable residual of the file",
 }
-"""Kinds of former versions, and what shows the same."""
 
-NAMES = tuple(PICTURES)
+"""Kinds of former versions, and what shows the same."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,10 +12,10 @@ import xarray
 from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.regimes import judge_of
-from vibrafeed.core.plots.fixed import fixed_positions
+from vibrafeed.core.plots.looks import categories_of, codes_of
 from vibrafeed.core.plots.pictures import PlotError, unreadable
-from vibrafeed.core.plots.regimes import categories_of, codes_of
-from vibrafeed.core.plots.text import (
+from vibrafeed.core.plots.style import (
+    Array,
     axis_label,
     demand_in_words,
     long_name,
@@ -26,17 +26,17 @@ from vibrafeed.core.plots.text import (
     with_unit,
     words,
 )
-from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities import QUANTITIES, by_letters
 from vibrafeed.core.quantities.flags import REGIME, is_regime
 from vibrafeed.core.scenes import EXACT, SCENES
-from vibrafeed.core.study.shown import ShownUnits
+from vibrafeed.core.study.shown import ShownUnits, read_shown
+from vibrafeed.core.study.units import UnitError, read_number
+from vibrafeed.core.study.values import position_on_axis
 from vibrafeed.core.suggestions import suggestion
 
-LOG_TOLERANCE = 1e-6
 SPEEDS = ("conveying_velocity",)
 """Outputs that are read off lines of equal value, over the colours of their regimes."""
 SPACE = "\N{NO-BREAK SPACE}"
-COUNT = "_count"
 ANY_REGIME = -2
 FEW = 7  # values of an axis between which nothing is drawn: curves, not contours
 
@@ -48,7 +48,7 @@ class PlotAxis:
     name: str
     label: str
     unit: str
-    values: NDArray[np.float64]
+    values: Array
 
     @property
     def is_log(self) -> bool:
@@ -56,7 +56,7 @@ class PlotAxis:
         if self.values.size < 3 or self.values[0] <= 0:
             return False
         steps = np.diff(np.log(self.values))
-        return bool(np.ptp(steps) <= LOG_TOLERANCE * steps.max())
+        return bool(np.ptp(steps) <= 1e-6 * steps.max())
 
 
 @dataclass(frozen=True)
@@ -67,39 +67,30 @@ class Selection:
     ----------
     variable : xarray.DataArray
         The slice, dimensions in the order of `axes`.
-    axes : tuple of Axis
-        One or two.
-    values : array
-        Values in `unit`; NaN where there is no finite value.
-    unit : str
-        The unit in which the values are read.
-    regimes : array of int
-        Regime of each value, of the same shape; its category where there are `categories`.
+    values, regimes : ndarray
+        Values in `unit`, NaN where none is finite; the regime of each, or its category.
     regime : xarray.DataArray
         The variable of the dataset that judges the values; it says what the numbers mean.
-    fixed : tuple of str
+    fixed : list of str
         Name, value and unit of every other dimension and parameter, what was asked for first.
-    kind : str
-        contour, levels, line or map.
     exact : bool
         Whether the values hold in every regime.
     categories : dict of int to str, optional
         Words of an output whose numbers stand for words.
-    spread : array, optional
+    spread : ndarray, optional
         Spread of the values about each, of the same shape and unit, where the dataset has it.
     """
 
     variable: xarray.DataArray
     axes: tuple[PlotAxis, ...]
-    values: NDArray[np.float64]
+    values: Array
     unit: str
     regimes: NDArray[np.int64]
     regime: xarray.DataArray
-    fixed: tuple[str, ...]
-    kind: str
+    fixed: list[str]
     exact: bool = False
     categories: dict[int, str] | None = None
-    spread: NDArray[np.float64] | None = None
+    spread: Array | None = None
 
 
 def natural(
@@ -108,13 +99,7 @@ def natural(
     """Return kind, output and axes of the picture that is drawn of a dataset by default.
 
     Lines are drawn over one axis, or if an axis has at most seven values; a map if values have
-    names; lines of equal value for speeds; else contours. `variable` and `axes` are what the user
-    asked for, or None.
-
-    Raises
-    ------
-    PlotError
-        If the dataset does not have what is asked for.
+    names; lines of equal value for speeds; else contours.
     """
     whole = dataset[_variable(dataset, variable)]
     names = _axes(whole, axes, 2)
@@ -141,24 +126,9 @@ def select(
 ) -> Selection:
     """Return the values of a dataset to draw: one output over one or two axes, in readable units.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset.
-    variable : str or None
-        The output; by default the first that varies.
-    axes : tuple of str or None
-        One or two dimensions; by default the longest.
-    at : mapping of str to float
-        Values of other dimensions, in the unit of the dataset; by default their middle.
-    kind : str
-        contour, levels, line or map.
-    units : ShownUnits, optional
-        The units that the reader wants.
-    nearest : bool
-        True if a value of `at` that the dataset does not have stands for the nearest one.
-
-    Raises `PlotError` if the dataset does not have what is asked for.
+    By default it is the first output that varies, over its longest axes, other dimensions at their
+    middle; `nearest` says that a value of `at` that is not there stands for the nearest one.
+    `PlotError` tells that the dataset does not have what is asked for.
     """
     units = units or ShownUnits()
     whole, names, categories = _selected(dataset, variable, axes, kind)
@@ -167,17 +137,15 @@ def select(
     asked = [name for name in at if name in dataset.dims]  # told, also if nothing depends on it
     loose = list(dict.fromkeys(str(dim) for dim in [*order, *asked] if dim not in names))
     positions = fixed_positions(dataset, at, loose, names, nearest=nearest)
-    fixed = [held_at(dataset[name], units, position) for name, position in positions.items()]
-    fixed += held_fixed(dataset, units)
 
     def part(array: xarray.DataArray) -> xarray.DataArray:
-        """Return the slice of an array with ascending axes."""
         return array.isel(positions, missing_dims="ignore").transpose(*names).sortby(list(names))
 
-    slice_ = part(whole).assign_attrs(long_name=_name(dataset, whole, units))
+    name = demand_in_words(whole, units) or long_name(whole)
+    if whole.name == "objective" and "criterion" in dataset.attrs:
+        name = f"Objective: {words(str(dataset.attrs['criterion']))}"
+    slice_ = part(whole).assign_attrs(long_name=name)
     spread = dataset.get(f"{whole.name}_spread")
-    if spread is not None:
-        spread = part(spread)
     states = regime.isel(positions, missing_dims="ignore").sortby(
         [name for name in names if name in regime.dims]
     )
@@ -191,59 +159,57 @@ def select(
         unit=shown.unit,
         regimes=codes_of(slice_.values) if categories else codes,
         regime=regime,
-        fixed=tuple(fixed),
-        kind=kind,
-        exact=is_exact(dataset, str(whole.name)),
+        fixed=held_fixed(dataset, units, positions),
+        exact=_is_exact(dataset, str(whole.name)),
         categories=categories,
-        spread=None if spread is None else np.nan_to_num(scaled(spread, shown.factor), posinf=0.0),
+        spread=None
+        if spread is None
+        else np.nan_to_num(scaled(part(spread), shown.factor), posinf=0.0),
     )
 
 
 def _selected(
     dataset: xarray.Dataset, variable: str | None, axes: tuple[str, ...] | None, kind: str
 ) -> tuple[xarray.DataArray, tuple[str, ...], dict[int, str] | None]:
-    """Return the array of a dataset to draw, its axes, and the names of its categories or None.
-
-    Parameters
-    ----------
-    variable, axes : str, tuple of str, or None
-        The output, and the axes that the picture is to have; chosen here if None.
-    kind : str
-        The picture: ``"line"`` has one axis, ``"map"`` shows regimes or categories, others numbers.
-
-    Raises
-    ------
-    PlotError
-        If the kind of picture does not fit the output, or the dataset has no such output or axes.
-    """
     whole = _on_map(dataset, variable) if kind == "map" else dataset[_variable(dataset, variable)]
     names = _axes(whole, axes, 1 if kind == "line" else 2)
     categories = None if is_regime(str(whole.name)) else categories_of(whole)
     if categories and kind in ("contour", "levels"):
-        message = f"{whole.name} has a name in each cell, not a number"
-        raise PlotError("kind", message, "Leave out kind, or draw kind map")
+        raise PlotError(
+            "kind",
+            f"{whole.name} has a name in each cell, not a number",
+            "Leave out kind, or draw kind map",
+        )
     if kind != "line" and len(names) == 1:
         line = "Draw an output as a line" if kind == "map" else "Draw the output as kind line"
-        fix = "Name two axes" if len(_ranged(whole)) > 1 else line
-        raise PlotError("kind", f"kind {kind} needs two axes, but there is only {names[0]}", fix)
+        raise PlotError(
+            "kind",
+            f"kind {kind} needs two axes, but there is only {names[0]}",
+            "Name two axes" if sum(size > 1 for size in whole.shape) > 1 else line,
+        )
     return whole, names, categories
 
 
 def _on_map(dataset: xarray.Dataset, variable: str | None) -> xarray.DataArray:
-    """Return the array of a dataset that a map shows: regimes, or an output that is a category.
-
-    Raises `PlotError` if the dataset has no regimes, or the output `variable` has numbers.
-    """
     if REGIME not in dataset:
-        fix = "Draw another kind, or leave out kind"
-        raise PlotError("kind", "the dataset has no regimes to draw as a map", fix)
+        raise PlotError(
+            "kind",
+            "the dataset has no regimes to draw as a map",
+            "Draw another kind, or leave out kind",
+        )
     if variable is None or is_regime(variable):
-        return dataset[_known(dataset, variable or REGIME)]
+        name = variable or REGIME
+        if name not in dataset:
+            regimes = [str(one) for one in dataset.data_vars if is_regime(str(one))]
+            raise PlotError("variable", f"'{name[:40]}' is unknown", suggestion(name, regimes))
+        return dataset[name]
     whole = dataset[_variable(dataset, variable)]
     if not categories_of(whole):
-        message = f"{whole.name} has numbers, and a map shows regimes or what has a name"
-        fix = f"Draw {_regime(dataset, whole).name}, or draw kind contour"
-        raise PlotError("variable", message, fix)
+        raise PlotError(
+            "variable",
+            f"{whole.name} has numbers, and a map shows regimes or what has a name",
+            f"Draw {_regime(dataset, whole).name}, or draw kind contour",
+        )
     return whole
 
 
@@ -252,29 +218,26 @@ def outputs_of(dataset: xarray.Dataset) -> list[str]:
     return [str(name) for name in dataset.data_vars if not is_regime(str(name))]
 
 
-def study_of(dataset: xarray.Dataset) -> dict[str, Any]:
-    """Return the study that a dataset carries as an attribute, as plain data; empty without one."""
-    try:
-        study = json.loads(str(dataset.attrs.get("study", "{}")))
-    except ValueError:
-        return {}
-    return study if isinstance(study, dict) else {}
+def held_fixed(
+    dataset: xarray.Dataset, units: ShownUnits, positions: Mapping[str, int] | None = None
+) -> list[str]:
+    """Return name, value and unit of what is held, as a text each, for below a title.
 
-
-def held_fixed(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
-    """Return name, value and unit of every parameter that has a single value, as a text each.
-
-    The texts stand below the title of a picture. Parameters that the study gives come before those
-    left to defaults; `units` are those in which the reader wants to see values.
+    Ranged parameters at some index come first, then those of a single value; of these, the ones
+    that the study gives before those left to defaults.
     """
-    parameters = study_of(dataset).get("parameters", {})
+    ranged = [held_at(dataset[name], units, index) for name, index in (positions or {}).items()]
+    try:
+        given = json.loads(str(dataset.attrs.get("study"))).get("parameters", {})
+    except (ValueError, AttributeError):  # no study
+        given = {}
     single = [
         str(name)
         for name, coordinate in dataset.coords.items()
         if not coordinate.dims and (name not in QUANTITIES or QUANTITIES[str(name)].parameter)
     ]
-    ordered = sorted(single, key=lambda name: name not in parameters)
-    return [held_at(dataset[name], units) for name in ordered]
+    ordered = sorted(single, key=lambda name: name not in given)
+    return ranged + [held_at(dataset[name], units) for name in ordered]
 
 
 def thin(size: int, most: int) -> NDArray[np.int64]:
@@ -282,26 +245,7 @@ def thin(size: int, most: int) -> NDArray[np.int64]:
     return np.unique(np.linspace(0, size - 1, min(size, most)).round().astype(np.int64))
 
 
-def _name(dataset: xarray.Dataset, variable: xarray.DataArray, units: ShownUnits) -> str:
-    """Return the name of the drawn output, with the bounds of a demand in units for reading."""
-    if variable.name == "objective" and "criterion" in dataset.attrs:
-        return f"Objective: {words(str(dataset.attrs['criterion']))}"
-    return demand_in_words(variable, units) or long_name(variable)
-
-
-def _known(dataset: xarray.Dataset, name: str) -> str:
-    """Return the name of a variable of regimes; raise `PlotError` if the dataset has none such."""
-    if name not in dataset:
-        regimes = [str(one) for one in dataset.data_vars if is_regime(str(one))]
-        raise PlotError("variable", f"'{name[:40]}' is unknown", suggestion(name, regimes))
-    return name
-
-
 def _regime(dataset: xarray.Dataset, output: xarray.DataArray) -> xarray.DataArray:
-    """Return the regimes that judge an output, or those of the contact if it always holds.
-
-    It is a single one for results without regimes.
-    """
     if is_regime(str(output.name)):
         return output
     judge = judge_of(output.attrs, dataset) or REGIME
@@ -311,45 +255,32 @@ def _regime(dataset: xarray.Dataset, output: xarray.DataArray) -> xarray.DataArr
 
 
 def _variable(dataset: xarray.Dataset, name: str | None) -> str:
-    """Return the name of the output to draw; raise `PlotError` if the dataset has no such output.
-
-    `name` is what the user asked for; for None it is the first output that varies and does not
-    count cells.
-    """
     outputs = outputs_of(dataset)
     if not outputs:
         raise unreadable("it holds no output")
     if name is None:
         # What is one value, or counts cells, says less than what varies.
         varies = [key for key in outputs if dataset[key].size > 1]
-        values = [key for key in varies if not key.endswith(COUNT)]
+        values = [key for key in varies if not key.endswith("_count")]
         return next(iter([*values, *varies, *outputs]))
     if is_regime(name):
-        fix = "Draw kind map, or choose an output: " + ", ".join(outputs)
         raise PlotError(
-            "variable", f"{name} is not an output to draw: every picture shades the regimes", fix
+            "variable",
+            f"{name} is not an output to draw: every picture shades the regimes",
+            "Draw kind map, or choose an output: " + ", ".join(outputs),
         )
     if name not in outputs:
         raise PlotError("variable", f"'{name[:40]}' is unknown", suggestion(name, outputs))
     return name
 
 
-def _ranged(whole: xarray.DataArray) -> list[str]:
-    """Return the dimensions with more than one value."""
-    return [str(dim) for dim in whole.dims if whole.sizes[dim] > 1]
-
-
 def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> tuple[str, ...]:
-    """Return the names of the axes over which an output is drawn; raise `PlotError` for wrong ones.
-
-    `whole` is the output over all its dimensions. `names` are the axes that the user asked for, one
-    or two; without them the `most` longest dimensions are taken, in the order of the array.
-    """
-    ranged = _ranged(whole)
+    ranged = [str(dim) for dim in whole.dims if whole.sizes[dim] > 1]
     if not ranged:
-        fix = "Choose an output that depends on a ranged parameter"
         raise PlotError(
-            "variable", f"{whole.name} has one value only, so there is nothing to draw", fix
+            "variable",
+            f"{whole.name} has one value only, so there is nothing to draw",
+            "Choose an output that depends on a ranged parameter",
         )
     if names is None:
         longest = sorted(ranged, key=lambda name: -whole.sizes[name])[:most]
@@ -364,8 +295,9 @@ def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> 
         if name in whole.dims and name not in ranged:
             raise PlotError("axes", f"{name} has one value only", "Take " + " or ".join(ranged))
         if name not in ranged:
-            message = f"{whole.name} has no dimension '{name[:40]}'"
-            raise PlotError("axes", message, suggestion(name, ranged))
+            raise PlotError(
+                "axes", f"{whole.name} has no dimension '{name[:40]}'", suggestion(name, ranged)
+            )
     return names
 
 
@@ -377,11 +309,10 @@ def axis_of(coordinate: xarray.DataArray, units: ShownUnits) -> PlotAxis:
 
 
 def held_at(coordinate: xarray.DataArray, units: ShownUnits, position: int | None = None) -> str:
-    """Return name, value and unit of a parameter as one text, for the lines below a title.
+    """Return name, value and unit of a parameter as one text, with non-breaking spaces.
 
-    Spaces are non-breaking. `coordinate` has the parameter's value, or its values if it is ranged;
-    then `position` is the index of the one that is shown. A parameter over which statistics were
-    taken has its range instead of a value. `units` are those that the reader wants.
+    Of a ranged one `position` is the index of the value that is shown. A parameter over which
+    statistics were taken has its range instead of a value.
     """
     name = name_in_words(str(coordinate.name))
     if position is None and "reduced_range" in coordinate.attrs:  # its value is only nominal
@@ -395,11 +326,8 @@ def held_at(coordinate: xarray.DataArray, units: ShownUnits, position: int | Non
     return f"{name} {value}".replace(" ", SPACE)
 
 
-def is_exact(dataset: xarray.Dataset, output: str) -> bool:
-    """True if an output is valid in every regime, so that pictures of it shade none.
-
-    This is so if no condition of the dataset's scene restricts the output.
-    """
+def _is_exact(dataset: xarray.Dataset, output: str) -> bool:
+    # No condition of the dataset's scene restricts the output, so that pictures shade no regime.
     if output in EXACT:
         return True
     name, variant = str(dataset.attrs.get("scene")), str(dataset.attrs.get("variant"))
@@ -410,8 +338,95 @@ def is_exact(dataset: xarray.Dataset, output: str) -> bool:
     return output in scene.producers(variant) and output not in doubtful
 
 
+def units_of(dataset: xarray.Dataset, asked: Sequence[str] | str | None) -> ShownUnits:
+    """Return the units in which a picture shows values: those asked for, else those of the study.
+
+    `PlotError` tells that a name is not a unit.
+    """
+    words = dataset.attrs.get("shown_units", "") if asked is None else asked
+    listed = words.split(",") if isinstance(words, str) else list(words)
+    try:
+        return read_shown(word for word in listed if word.strip())
+    except UnitError as error:
+        raise PlotError("units", error.message, error.fix) from None
+
+
 def check_result(dataset: xarray.Dataset) -> None:
     """Raise `PlotError` if a dataset is not a result of vibrafeed."""
-    told = "regime" in dataset.data_vars or "reduced" in dataset.attrs
-    if not told or "scene" not in dataset.attrs:
+    told = (
+        "regime" in dataset.data_vars or "reduced" in dataset.attrs
+    ) and "scene" in dataset.attrs
+    if not told:
         raise unreadable("it is not a result of vibrafeed: no regime or no scene")
+
+
+def read_fixed(texts: Mapping[str, float | str]) -> dict[str, float]:
+    """Return numbers, or texts with units, by the names of quantities, in the units of these.
+
+    `PlotError` tells that a name is not a quantity, or a text not a value of it.
+    """
+    values = {}
+    for name, text in in_letters(texts).items():
+        if name not in QUANTITIES:
+            raise PlotError(f"at.{name}", "there is no such quantity", suggestion(name, QUANTITIES))
+        try:
+            values[name] = read_number(name, QUANTITIES[name], text)
+        except UnitError as error:
+            raise PlotError(f"at.{name}", error.message, error.fix) from None
+    return values
+
+
+def in_letters(at: Mapping[str, Any]) -> dict[str, Any]:
+    """Return values by the names of quantities, the words for angles replaced by their letters."""
+    values, problems = by_letters(at)
+    for problem in problems:
+        raise PlotError(f"at.{problem.place}", problem.message, problem.fix)
+    return values
+
+
+def fixed_positions(
+    dataset: xarray.Dataset,
+    at: Mapping[str, float],
+    loose: Iterable[str],
+    axes: Iterable[str],
+    *,
+    nearest: bool = False,
+) -> dict[str, int]:
+    """Return the index at which each of the `loose` dimensions is held; else the middle.
+
+    `at` has values of dimensions in the unit of the dataset, `axes` are drawn. With `nearest` a
+    value that the dataset does not have stands for the nearest one. `PlotError` tells that `at`
+    names an axis, no parameter, or a value that the dataset does not have.
+    """
+    known = [str(name) for name in dataset.coords]
+    asked = {}
+    for name, value in at.items():
+        if name in axes:
+            others = ",".join(axis for axis in axes if axis != name)
+            raise PlotError(
+                f"at.{name}",
+                f"{name} is an axis of this picture, so it cannot also have a fixed value",
+                f"Add --axes {others}, or leave it out" if others else "Leave it out",
+            )
+        if name not in known:
+            raise PlotError(
+                f"at.{name}",
+                "the dataset has no such dimension",
+                suggestion(name, map(str, dataset.dims)),
+            )
+        asked[name] = _position(dataset[name], value, nearest=nearest)
+    return {name: asked.get(name, dataset.sizes[name] // 2) for name in loose}
+
+
+def _position(coordinate: xarray.DataArray, value: float, *, nearest: bool) -> int:
+    values = np.atleast_1d(np.asarray(coordinate.values, dtype=np.float64))
+    if nearest and np.isfinite(value):
+        return int(np.abs(values - value).argmin())
+    try:
+        return position_on_axis(str(coordinate.name), values, value, "trade")
+    except UnitError as error:
+        raise PlotError(
+            f"at.{coordinate.name}",
+            error.message,
+            f"{error.fix}{'; --nearest takes the nearest one' if values.size > 1 else ''}",
+        ) from None

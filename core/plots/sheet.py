@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.regimes import percent, regime_shares
 from vibrafeed.core.dataset.table import Table
-from vibrafeed.core.plots.drawing import draw
-from vibrafeed.core.plots.files import check_format, read, save
+from vibrafeed.core.plots.drawing import check_format, draw, read, save
 from vibrafeed.core.plots.pictures import PlotError
-from vibrafeed.core.plots.style import Style
-from vibrafeed.core.plots.text import long_name, number, shown_in, units_of, words
+from vibrafeed.core.plots.selection import units_of
+from vibrafeed.core.plots.style import Style, long_name, number, shown_in, words
 from vibrafeed.core.quantities import FLAGS, QUANTITIES, REGIMES
 from vibrafeed.core.quantities.flags import is_regime
 from vibrafeed.core.quantities.motion import OF_THE_SEARCH
@@ -28,10 +27,8 @@ from vibrafeed.core.study.shown import ShownUnits
 PAGE = 8.27, 11.69  # inches, A4
 LEFT, RIGHT, TOP, BOTTOM = 0.08, 0.92, 0.955, 0.045
 LINE = 0.0165  # of the page's height
-DPI = 200  # of the picture
 MAX_ROWS = 18  # rows of a table; the file has all
 LETTERS = 108  # letters of a line
-TITLE_LETTERS = 54  # letters of a line of the title
 SETTINGS = ("tolerance", "max_periods", "gravity", "hold_down_number", "curvature_number")
 
 
@@ -54,112 +51,66 @@ def write_sheet(file: Path, target: Path, *, title: str = "", units: str | None 
 def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = None) -> Figure:
     """Return a one-page summary of a result: parameters, outputs, regimes, picture and assumptions.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The result of a study.
-    title : str
-        Title of the page; by default that of the study.
-    units : str, optional
-        The units that the reader wants, as for `vibrafeed.core.plots.draw`.
-
-    Raises
-    ------
-    PlotError
-        If a result of several designs has no picture.
+    Title and units are those of `write_sheet`. `PlotError` tells that a result of several designs
+    has no picture.
     """
     style, shown = Style(), units_of(dataset, units)
     page = Figure(figsize=PAGE, facecolor=style.ground)
     at = TOP
 
-    def write(text: str, x: float = LEFT, *, size: float = 9, **look: Any) -> None:
-        """Write a line of text at the current height."""
+    def write(text: str, x: float = LEFT, *, down: float, size: float = 9, **look: Any) -> None:
+        nonlocal at
         page.text(x, at, text, size=size, va="top", **{"color": style.ink, **look})
+        at -= down * LINE
 
-    for line in textwrap.wrap(title or str(dataset.attrs.get("title", "")), TITLE_LETTERS):
-        write(line, size=15, weight="bold")
-        at -= 1.7 * LINE
+    for line in textwrap.wrap(title or str(dataset.attrs.get("title", "")), 54):
+        write(line, down=1.7, size=15, weight="bold")
     at -= 0.3 * LINE
     kind = f"{dataset.attrs.get('scene', '')}, {dataset.attrs.get('source', '')}"
-    write(kind, color=style.quiet)
-    at -= 2.0 * LINE
-    top = at
-    write("Drive and part", weight="bold")
-    at -= 1.3 * LINE
-    for label, text in _first(_parameters(dataset, shown)):
-        write(label)
-        write(text, 0.47, ha="right")
-        at -= LINE
-    lowest, at = at, top
-    write("What comes out", 0.53, weight="bold")
-    at -= 1.3 * LINE
-    for label, text in _first(_outputs(dataset, shown)):
-        write(label, 0.53)
-        write(text, RIGHT, ha="right")
-        at -= LINE
-    lowest = min(lowest, at)
-    at = lowest - 0.5 * LINE
+    write(kind, down=2.0, color=style.quiet)
+    parameters = [  # without settings of the computation, such as a tolerance
+        (long_name(array), _values(array, shown))
+        for name, array in dataset.coords.items()
+        if name in QUANTITIES and name not in SETTINGS
+    ]
+    top, ends = at, []
+    for name, rows, left, right in (
+        ("Drive and part", parameters, LEFT, 0.47),
+        ("What comes out", _outputs(dataset, shown), 0.53, RIGHT),
+    ):
+        at = top
+        write(name, left, down=1.3, weight="bold")
+        if len(rows) > MAX_ROWS:
+            rows = [*rows[: MAX_ROWS - 1], (f"{len(rows) - MAX_ROWS + 1} more in the file", "")]
+        for label, text in rows:
+            write(label, left, down=0)
+            write(text, right, down=1, ha="right")
+        ends.append(at)
+    at = min(ends) - 0.5 * LINE
     for line in textwrap.wrap(_regimes(dataset), LETTERS):
-        write(line)
-        at -= LINE
+        write(line, down=1)
     assumed = textwrap.wrap(str(dataset.attrs.get("comment", "")), LETTERS + 12)
     foot = BOTTOM + (len(assumed) + 3.5) * 0.8 * LINE
     if (drawn := _picture(dataset, units)) is not None:
         picture = io.BytesIO()
-        drawn.savefig(picture, format="png", dpi=DPI)
+        drawn.savefig(picture, format="png", dpi=200)
         picture.seek(0)
         axes = page.add_axes((LEFT, foot, RIGHT - LEFT, at - foot - LINE))
         axes.imshow(imread(picture), aspect="equal", interpolation="antialiased")
         axes.set_anchor("N")
         axes.axis("off")
     at = foot - 0.5 * LINE
-    write("What this assumes", size=8, weight="bold")
+    write("What this assumes", down=0, size=8, weight="bold")
     for line in assumed:
         at -= 0.8 * LINE
-        write(line, size=7.5, color=style.quiet)
+        write(line, down=0, size=7.5, color=style.quiet)
     at -= 1.2 * LINE
     digest = str(dataset.attrs.get("study_sha256", ""))
-    write(f"Study {digest[:16]}; the file has all values.", size=7.5, color=style.quiet)
+    write(f"Study {digest[:16]}; the file has all values.", down=0, size=7.5, color=style.quiet)
     return page
 
 
-def _picture(dataset: xarray.Dataset, units: str | None) -> Figure | None:
-    """Return the picture of a result; None of a single design, which may have none."""
-    try:
-        return draw([dataset], units=units)
-    except PlotError:
-        if any(array.size > 1 for array in dataset.data_vars.values()):
-            raise
-        return None
-
-
-def _first(rows: list[tuple[str, str]]) -> list[tuple[str, str]]:
-    """Return the first rows of a table; the last one says how many are left out."""
-    if len(rows) <= MAX_ROWS:
-        return rows
-    return [*rows[: MAX_ROWS - 1], (f"{len(rows) - MAX_ROWS + 1} more in the file", "")]
-
-
-def _parameters(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
-    """Return label and value, or range of values, of each parameter of a result, for a table.
-
-    Settings of the computation, such as a tolerance, are left out. `units` are those that the
-    reader wants.
-    """
-    rows = []
-    for name, array in dataset.coords.items():
-        if name not in QUANTITIES or name in SETTINGS:
-            continue
-        rows.append((long_name(array), _values(array, units)))
-    return rows
-
-
 def _outputs(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
-    """Return label and value, or range of values, of each output of a result as texts for a table.
-
-    Codes such as a status, and what the search itself reports, are left out. `units` are those that
-    the reader wants.
-    """
     table = Table.of_xarray(dataset)
     return [
         (long_name(array), _values(array, units, table.valid(str(name))))
@@ -169,14 +120,18 @@ def _outputs(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]
     ]
 
 
+def _picture(dataset: xarray.Dataset, units: str | None) -> Figure | None:
+    try:
+        return draw([dataset], units=units)
+    except PlotError:  # a single design may have no picture
+        if any(array.size > 1 for array in dataset.data_vars.values()):
+            raise
+        return None
+
+
 def _values(
     array: xarray.DataArray, units: ShownUnits, valid: NDArray[np.bool_] | None = None
 ) -> str:
-    """Return the value or the range of an array with its unit; a dash if no value is finite.
-
-    `units` are those that the reader wants. Of several values only those that are `valid` count, a
-    mask of the same shape.
-    """
     shown = shown_in(array, units)
     values = np.asarray(array.values, dtype=float) * shown.factor
     if valid is not None and values.size > 1:
@@ -192,10 +147,6 @@ def _values(
 
 
 def _regimes(dataset: xarray.Dataset) -> str:
-    """Return sentences on the regimes that occur in a result, with their shares of the cells.
-
-    A single regime is described instead; the text is empty if the dataset has no regimes.
-    """
     sentences = []
     for name in (str(one) for one in dataset.data_vars if is_regime(str(one))):
         of = long_name(dataset[name]).removeprefix("Regime")

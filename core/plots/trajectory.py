@@ -1,29 +1,45 @@
-"""The motion of one part over a cycle: height over the track, velocity along it, progress."""
+"""The motion of one part: of one on the moving track, or of one that tumbles."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import xarray
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
-from numpy.typing import NDArray
+from matplotlib.patches import Patch, Polygon
 
 from vibrafeed.core.dataset.regimes import flags_of
-from vibrafeed.core.motion.drives import Shape, shape_of
+from vibrafeed.core.errors import VibrafeedError
+from vibrafeed.core.intake import parse_json
+from vibrafeed.core.kinds.results import prepare, tabulate
+from vibrafeed.core.motion.drives import shape_of
 from vibrafeed.core.motion.waves import ALONG, NORMAL, TURN, Wave, position_at, speed
-from vibrafeed.core.plots.parts import padded
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.plots.looks import HATCH_WIDTH
+from vibrafeed.core.plots.parts import finish, padded, source_of
 from vibrafeed.core.plots.pictures import PlotError, unreadable
-from vibrafeed.core.plots.regimes import HATCH_WIDTH
-from vibrafeed.core.plots.selection import held_fixed
-from vibrafeed.core.plots.style import RGB, Style, mix
-from vibrafeed.core.plots.text import number, shown_in, with_unit, words
+from vibrafeed.core.plots.selection import SPACE, check_result, held_fixed
+from vibrafeed.core.plots.style import (
+    RGB,
+    Array,
+    Options,
+    Style,
+    mix,
+    number,
+    shown_in,
+    with_unit,
+    words,
+)
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.pictures import FILLS
+from vibrafeed.core.study import SimulateStudy
 from vibrafeed.core.study.shown import ShownUnits
 
 TIME = "cycle_time"
@@ -34,16 +50,9 @@ NEEDED = (
 )  # fmt: skip
 MILLI = 1000.0
 PANELS = (3.0, 2.4, 1.8)  # relative heights of the panels
-WALL_PANEL = 1.6  # relative height of the panel of the wall
-WALL_HEIGHT = 0.8  # inches that it adds to a picture
 PALE = 0.55  # share of the ground colour in the colour of a mode
-AT_REST = 1e-9  # of the heights: a smaller position is rounding
 MAX_PERIODS = 12  # periods up to which a line marks each
 ORBIT_POINTS = 400
-STRAIGHT = 1e-6  # of an orbit's length: one that is no wider is a line
-ORBIT_AXES = (0.80, 0.60, 0.19, 0.30)  # of the upper panel
-ORBIT_MARGIN = 0.7  # of the heights, above them
-
 # Hatch and colour of the background while the part is in a mode; in flight it is the ground.
 MODES = {
     "stick": ("..", FILLS["stick"]),
@@ -51,62 +60,99 @@ MODES = {
     "backward": ("\\\\", FILLS["hop_after_hop"]),
 }
 LEGEND = {
-    "stick": "sticking",
-    "forward": "sliding forward",
-    "backward": "sliding backward",
+    "stick": "sticking", "forward": "sliding forward", "backward": "sliding backward",
     "flight": "in flight",
-}
-UNKNOWN = ("", "#b0b0b0")
+}  # fmt: skip
+TIMES = 400  # points of a trajectory that is computed for a picture
+FALL = ("path_along", "path_height", "path_pitch", "path_gap", "path_corners", "length")
+HEIGHTS = ("height", "diameter")  # of a part, whichever it has
+STILL = 1e-3  # of the part's size, and of a turn
+
+
+def fits(dataset: xarray.Dataset, options: Options) -> bool:
+    """True if a dataset is one simulated part, or a motion over a cycle."""
+    return not options.asks and (TIME in dataset.dims or followed(dataset) is not None)
+
+
+def followed(dataset: xarray.Dataset) -> Prepared | None:
+    """Return the study of a dataset's single cell, prepared to be followed over a cycle, or None.
+
+    None if there are several cells, no study of a motion, or a method that gives no trajectory.
+    """
+    text = str(dataset.attrs.get("study", ""))
+    if "motion_status" not in dataset or any(one.size > 1 for one in dataset.values()) or not text:
+        return None
+    try:
+        study = parse_json(text)
+        if not isinstance(study, SimulateStudy):
+            return None
+        return prepare(study.model_copy(update={"trajectory": TIMES}))
+    except VibrafeedError:
+        return None
+
+
+def draw(dataset: xarray.Dataset, options: Options) -> Figure:
+    """Return the picture of the motion of a dataset's single part, on the track or tumbling.
+
+    A dataset without a time axis but with one cell is followed in time first.
+    """
+    check_result(dataset)
+    style = options.style
+    if TIME not in dataset.dims and options.is_natural and (one := followed(dataset)) is not None:
+        dataset = tabulate(one).to_xarray()
+    figure = style.sheet()
+    check_trajectory(dataset)
+    if "path_gap" in dataset:
+        top, facts, entries = _draw_fall(figure, dataset, options.units, style)
+        name = "Trajectory of the part as it falls and tumbles"
+    else:
+        trajectory = read_trajectory(dataset, options.units)
+        top, entries = _draw_trajectory(figure, trajectory, style)
+        name, facts = "Motion of the part on the moving track", trajectory.facts
+    return finish(
+        figure, top, style, name=options.title or name, facts=facts, source=source_of(dataset),
+        entries=entries,
+    )  # fmt: skip
 
 
 class Trajectory(NamedTuple):
-    """The motion of one part in the units in which it is drawn.
+    """The motion of one part in the units in which it is drawn, arrays of shape (n,).
 
-    Attributes
-    ----------
-    time : ndarray, shape (n,)
-        Times [ms].
-    period : float
-        Period of the drive [ms].
-    track, part : ndarray, shape (n,)
-        Heights of the track and of the part in the fixed frame, in `height_unit`.
-    track_velocity, part_velocity : ndarray, shape (n,)
-        Velocities along the track, in the fixed frame, in `velocity_unit`.
-    position : ndarray, shape (n,)
-        Position on the track, in `position_unit`.
-    modes : list of str, length n
-        Mode of the contact at each time.
-    facts : list of str
-        Mean velocity, regime, and every parameter, in words.
-    orbit : ndarray, shape (2, k), or None
-        How the track moves along and normal over a period, where that is no line.
-    wall : ndarray, shape (n,), or None
-        Distance of the part from the wall, in `wall_unit`; None where the track has no wall.
+    Times and the period of the drive are in ms, heights and velocities in the fixed frame, the
+    position is that on the track. `modes` of the contact have one name a time, `facts` are mean
+    velocity, regime and parameters in words. `orbit` is how the track moves along and normal, shape
+    (2, k), unless that is a line; `wall` the distance from the wall of a track that has one.
     """
 
-    time: NDArray[np.float64]
+    time: Array
     period: float
-    track: NDArray[np.float64]
-    part: NDArray[np.float64]
+    track: Array
+    part: Array
     height_unit: str
-    track_velocity: NDArray[np.float64]
-    part_velocity: NDArray[np.float64]
+    track_velocity: Array
+    part_velocity: Array
     velocity_unit: str
-    position: NDArray[np.float64]
+    position: Array
     position_unit: str
     modes: list[str]
     facts: list[str]
-    orbit: NDArray[np.float64] | None = None
-    wall: NDArray[np.float64] | None = None
+    orbit: Array | None = None
+    wall: Array | None = None
     wall_unit: str = ""
+
+
+def no_motion(why: str) -> PlotError:
+    """Return the error of a dataset without a motion to draw."""
+    return PlotError("dataset", f"the dataset has no motion to draw{why}", "Draw another result")
 
 
 def check_trajectory(dataset: xarray.Dataset) -> None:
     """Raise `PlotError` if a dataset has no motion over time."""
     if TIME not in dataset.dims:
-        fix = "Set trajectory = 400 in a study of one point, and run it"
         raise PlotError(
-            "kind", f"the dataset has no trajectory: the dimension {TIME} is missing", fix
+            "kind",
+            f"the dataset has no trajectory: the dimension {TIME} is missing",
+            "Set trajectory = 400 in a study of one point, and run it",
         )
     if dataset.sizes[TIME] < 2:
         raise PlotError(
@@ -117,16 +163,7 @@ def check_trajectory(dataset: xarray.Dataset) -> None:
 
 
 def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
-    """Return the motion of a dataset's part over time, in the units in which it is drawn.
-
-    The dataset has the axis `time` and the positions, velocities and modes that `simulate` writes;
-    `units` are the units that the reader wants.
-
-    Raises
-    ------
-    PlotError
-        If the dataset lacks a variable of the motion, or has no values since no cycle was found.
-    """
+    """Return the motion of a dataset's part over time, in the units in which it is drawn."""
     known = {**dataset.data_vars, **dataset.coords}
     shape, _ = shape_of(map(str, known))
     needed = (*NEEDED, "frequency", *(("gravity", *shape.inputs) if shape else ()))
@@ -142,124 +179,104 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
     if shape is None:
         swing = _swing(seconds, period, values_of(dataset["track_along"]))
     else:
-        wave, scale = _wave(dataset, shape), float(dataset["gravity"]) * period / TURN
+        given = {name: values_of(dataset[name]) for name in shape.inputs}
+        wave = shape.wave(
+            **{n: np.deg2rad(v) if QUANTITIES[n].is_angle else v for n, v in given.items()}
+        )
+        scale = float(dataset["gravity"]) * period / TURN
         swing = scale * speed(wave, ALONG, TURN * seconds / period)
         orbit = _orbit(wave)
     seen = part if part.any() else values_of(dataset["track_along"])  # a level drive
     height = shown_in(xarray.DataArray(seen, attrs={"units": "m"}), units)
     if not np.isfinite(part).any():
-        raise PlotError(
-            "dataset",
-            "the dataset has no motion to draw, because the simulation found no cycle",
-            "Draw another result",
-        )
+        raise no_motion(", because the simulation found no cycle")
     horizontal = shown_in(dataset["position_along"], units)
     position = horizontal.factor * values_of(dataset["position_along"])
-    if np.nanmax(np.abs(position)) <= AT_REST * horizontal.factor * np.nanmax(np.abs(part)):
+    # A smaller position is rounding.
+    if np.nanmax(np.abs(position)) <= 1e-9 * horizontal.factor * np.nanmax(np.abs(part)):
         position, horizontal = np.zeros_like(position), height
     moved = swing + values_of(dataset["relative_velocity_along"])
     fastest = xarray.DataArray([swing, moved], attrs={"units": "m s-1"})
-    speed_shown = shown_in(fastest, units)
-    wall, wall_unit = None, ""
-    if WALL in dataset:
-        gap = shown_in(dataset[WALL], units)
-        wall, wall_unit = gap.factor * values_of(dataset[WALL]), gap.unit
+    velocity = shown_in(fastest, units)
+    gap = shown_in(dataset[WALL], units) if WALL in dataset else None
     return Trajectory(
         time=MILLI * seconds,
         period=MILLI * period,
         track=height.factor * track,
         part=height.factor * part,
         height_unit=height.unit,
-        track_velocity=speed_shown.factor * swing,
-        part_velocity=speed_shown.factor * moved,
-        velocity_unit=speed_shown.unit,
+        track_velocity=velocity.factor * swing,
+        part_velocity=velocity.factor * moved,
+        velocity_unit=velocity.unit,
         position=position,
         position_unit=horizontal.unit,
-        modes=_modes(dataset["motion_mode"]),
+        modes=[
+            _flag(dataset["motion_mode"], value)
+            for value in dataset["motion_mode"].values.astype(np.int64).tolist()
+        ],
         facts=_facts(dataset, units),
         orbit=orbit,
-        wall=wall,
-        wall_unit=wall_unit,
+        wall=None if gap is None else gap.factor * values_of(dataset[WALL]),
+        wall_unit="" if gap is None else gap.unit,
     )
 
 
-def draw_trajectory(figure: Figure, shown: Trajectory, style: Style) -> tuple[Axes, list[Artist]]:
-    """Draw the motion of a part over time; return the upper axes and the legend entries.
-
-    Panels below each other show the height of track and part, their velocity along the track, the
-    position of the part on it, and its distance from the wall if there is one. Backgrounds tell
-    what the part does. `shown` has the values in the units of the picture.
-    """
+def _draw_trajectory(figure: Figure, shown: Trajectory, style: Style) -> tuple[Axes, list[Artist]]:
     walled = shown.wall is not None
-    ratios = (*PANELS, WALL_PANEL) if walled else PANELS
+    ratios = (*PANELS, 1.6) if walled else PANELS
     if walled:
-        figure.set_figheight(figure.get_figheight() + style.text(WALL_HEIGHT))
+        figure.set_figheight(figure.get_figheight() + style.text(0.8))
     panels = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios)
     heights, velocities, positions = panels[:3]
     for axes in panels:
         _shade_modes(axes, shown, style)
-        _mark_periods(axes, shown, style)
         axes.grid(visible=True, axis="y", color=style.grid, linewidth=0.6)
         axes.set_axisbelow(True)
     part = {"color": style.curve, "linewidth": style.width(2.0), "zorder": 4}
     track = {"color": style.other, "linewidth": style.width(1.4), "zorder": 3}
+    body = mix(style.other, style.ground, 0.5)
+    under = "\n" if style.small else " "  # between label and unit
 
     ends = _limits(shown.track, shown.part)
-    body = mix(style.other, style.ground, 0.5)
     heights.fill_between(shown.time, shown.track, ends[0], facecolor=body, linewidth=0, zorder=2)
     heights.plot(shown.time, shown.track, **{**track, "linewidth": style.width(1.0)})
     heights.plot(shown.time, shown.part, **part)
     heights.set_ylim(*ends)
     if shown.orbit is not None:
-        heights.set_ylim(ends[0], ends[1] + ORBIT_MARGIN * (ends[1] - ends[0]))
+        heights.set_ylim(ends[0], ends[1] + 0.7 * (ends[1] - ends[0]))
         _draw_orbit(heights, shown.orbit, style)
-    heights.set_ylabel(f"Height{_under(style)}({shown.height_unit})")
+    heights.set_ylabel(f"Height{under}({shown.height_unit})")
 
     velocities.axhline(0.0, color=style.quiet, linewidth=0.7, zorder=1)
     velocities.plot(shown.time, shown.track_velocity, **track)
     velocities.plot(shown.time, shown.part_velocity, **part)
     velocities.set_ylim(*_limits(shown.track_velocity, shown.part_velocity))
     along = "" if style.small else " along\nthe track"
-    velocities.set_ylabel(f"Velocity{along}{_under(style)}({shown.velocity_unit})")
+    velocities.set_ylabel(f"Velocity{along}{under}({shown.velocity_unit})")
 
     positions.plot(shown.time, shown.position, **part)
     positions.set_ylim(*(_limits(shown.position) if shown.position.any() else ends))
     on = "" if style.small else " on\nthe track"
-    positions.set_ylabel(f"Position{on}{_under(style)}({shown.position_unit})")
+    positions.set_ylabel(f"Position{on}{under}({shown.position_unit})")
     if shown.wall is not None:
-        _draw_wall(panels[3], shown, shown.wall, style)
+        low, high = _limits(np.append(shown.wall, 0.0))
+        panels[3].axhspan(low, 0.0, facecolor=body, linewidth=0, zorder=2)
+        panels[3].axhline(0.0, color=style.other, linewidth=style.width(1.0), zorder=3)
+        panels[3].plot(shown.time, shown.wall, **part)
+        panels[3].set_ylim(low, high)
+        to = "to wall" if style.small else "to\nthe wall"
+        panels[3].set_ylabel(f"Gap {to}{under}({shown.wall_unit})")
     panels[-1].set_xlabel("Time since the start of the cycle (ms)")
     positions.set_xlim(shown.time[0], shown.time[-1])
     figure.align_ylabels(panels)
-    return heights, [*_lines(style), *_mode_entries(shown.modes, style)]
-
-
-def _draw_wall(axes: Axes, shown: Trajectory, distance: NDArray[np.float64], style: Style) -> None:
-    """Draw the distance of a part from the wall over time into a panel of its own.
-
-    `distance` has a value for each time of `shown`, in its unit `wall_unit`; the wall is shaded
-    below 0.
-    """
-    low, high = _limits(np.append(distance, 0.0))
-    body = mix(style.other, style.ground, 0.5)
-    axes.axhspan(low, 0.0, facecolor=body, linewidth=0, zorder=2)
-    axes.axhline(0.0, color=style.other, linewidth=style.width(1.0), zorder=3)
-    axes.plot(shown.time, distance, color=style.curve, linewidth=style.width(2.0), zorder=4)
-    axes.set_ylim(low, high)
-    to = "to wall" if style.small else "to\nthe wall"
-    axes.set_ylabel(f"Gap {to}{_under(style)}({shown.wall_unit})")
-
-
-def _under(style: Style) -> str:
-    """Return the separator between label and unit, shorter in small pictures."""
-    return "\n" if style.small else " "
+    lines = [
+        Line2D([], [], color=style.curve, linewidth=style.width(2.0), label="part"),
+        Line2D([], [], color=style.other, linewidth=style.width(1.4), label="track"),
+    ]
+    return heights, [*lines, *_mode_entries(shown.modes, style)]
 
 
 def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
-    """Return the lines below the title of a motion's picture: mean velocity, regime, parameters.
-
-    Each is a text with non-breaking spaces; `units` are those that the reader wants.
-    """
     facts = []
     mean = dataset.get("conveying_velocity")
     if mean is not None and not mean.ndim and np.isfinite(mean):
@@ -269,38 +286,22 @@ def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
         )
     if not dataset["regime"].ndim:
         facts.append("regime " + words(_flag(dataset["regime"], int(dataset["regime"]))))
-    held = held_fixed(dataset, units)
-    return [fact.replace(" ", "\N{NO-BREAK SPACE}") for fact in facts] + held
+    return [fact.replace(" ", SPACE) for fact in facts] + held_fixed(dataset, units)
 
 
-def values_of(array: xarray.DataArray) -> NDArray[np.float64]:
+def values_of(array: xarray.DataArray) -> Array:
     """Return the values of an array as floats."""
     return np.asarray(array.values, dtype=np.float64)
 
 
-def _limits(*curves: NDArray[np.float64]) -> tuple[float, float]:
-    """Return the limits of an axis for curves."""
+def _limits(*curves: Array) -> tuple[float, float]:
     values = np.concatenate(curves)
     finite = values[np.isfinite(values)]
     return padded(float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
 
 
-def _swing(
-    seconds: NDArray[np.float64], period: float, track: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return the velocity along itself of a track that moves as a sine, at any times [m/s].
-
-    Its amplitude is fitted to the displacement.
-
-    Parameters
-    ----------
-    seconds : ndarray, shape (n,)
-        Times [s].
-    period : float
-        Period of the drive [s].
-    track : ndarray, shape (n,)
-        Displacement of the track along itself [m], a multiple of sin(2 pi t/period).
-    """
+def _swing(seconds: Array, period: float, track: Array) -> Array:
+    # Along itself [m/s]; the amplitude is fitted to the displacement, a multiple of a sine.
     rate = 2 * np.pi / period
     sine = np.sin(rate * seconds)
     weight = float(sine @ sine)
@@ -308,36 +309,17 @@ def _swing(
     return amplitude * rate * np.cos(rate * seconds)
 
 
-def _wave(dataset: xarray.Dataset, shape: Shape) -> Wave:
-    """Return the drive that a dataset's parameters define, for drives that are no plain sine.
-
-    `shape` is its kind, such as harmonics or steps, and knows its parameters.
-    """
-    given = {name: values_of(dataset[name]) for name in shape.inputs}
-    return shape.wave(
-        **{n: np.deg2rad(v) if QUANTITIES[n].is_angle else v for n, v in given.items()}
-    )
-
-
-def _orbit(wave: Wave) -> NDArray[np.float64] | None:
-    """Return the path of the track over a period, along and normal, shape (2, points), or None.
-
-    None if it is a line. The unit is that of the drive's own dimensionless position, g/w^2 with w =
-    2 pi f. `wave` has the push of the drive, minus the track's acceleration per weight, as sines
-    and steps.
-    """
+def _orbit(wave: Wave) -> Array | None:
+    # Along and normal [g/w^2, w = 2 pi f], shape (2, points).
     phases = np.linspace(0.0, TURN, ORBIT_POINTS + 1)
     orbit = np.stack([position_at(wave, axis, phases) for axis in (ALONG, NORMAL)])
     length, width = np.linalg.svd(orbit, compute_uv=False)
-    return orbit if width > STRAIGHT * length else None
+    # One that is no wider is a line.
+    return orbit if width > 1e-6 * length else None
 
 
-def _draw_orbit(axes: Axes, orbit: NDArray[np.float64], style: Style) -> None:
-    """Draw the path of the track over a period as an inset, with a dot at the start and an arrow.
-
-    `orbit` is its displacement along and normal, shape (2, points), in any one unit.
-    """
-    inset = axes.inset_axes(ORBIT_AXES, facecolor=style.ground, zorder=5)
+def _draw_orbit(axes: Axes, orbit: Array, style: Style) -> None:
+    inset = axes.inset_axes((0.80, 0.60, 0.19, 0.30), facecolor=style.ground, zorder=5)
     inset.plot(*orbit, color=style.other, linewidth=style.width(1.4))
     inset.plot(*orbit[:, :1], color=style.other, marker="o", markersize=style.width(3.5))
     ahead = orbit[:, ORBIT_POINTS // 12 : ORBIT_POINTS // 12 + 2].T
@@ -350,78 +332,169 @@ def _draw_orbit(axes: Axes, orbit: NDArray[np.float64], style: Style) -> None:
 
 
 def _flag(array: xarray.DataArray, value: int) -> str:
-    """Return the name that a code of an array stands for; raise `PlotError` if it has none.
-
-    A code is a regime or a mode of the motion; the array has the names as attributes.
-    """
+    """Return the name that a code of an array stands for; raise `PlotError` if it has none."""
     try:
         return flags_of(array.attrs)[value]
     except KeyError:
         raise unreadable(f"its {array.name} {value} has no name") from None
 
 
-def _modes(array: xarray.DataArray) -> list[str]:
-    """Return the names of the modes."""
-    return [_flag(array, value) for value in array.values.astype(np.int64).tolist()]
+def spells(modes: Sequence[str], time: Array) -> list[tuple[str, float, float]]:
+    """Return mode, start and stop of each interval of equal mode, half-way between two times."""
+    edges = np.concatenate([time[:1], (time[:-1] + time[1:]) / 2, time[-1:]])
+    starts = [0, *(i for i in range(1, len(modes)) if modes[i] != modes[i - 1]), len(modes)]
+    return [(modes[i], float(edges[i]), float(edges[j])) for i, j in pairwise(starts)]
 
 
 def _look(mode: str, style: Style) -> tuple[str, RGB]:
-    """Return hatch and background colour for what a part does, such as sticking or sliding.
-
-    `mode` is a name of `MODES`, ``"flight"``, which has the colour of the ground, or unknown.
-    """
-    if mode == "flight":
-        return "", mix(style.ground, style.ground, 0.0)
-    hatch, colour = MODES.get(mode, UNKNOWN)
+    """Return hatch and background colour for what a part does."""
+    hatch, colour = ("", style.ground) if mode == "flight" else MODES.get(mode, ("", "#b0b0b0"))
     return hatch, mix(colour, style.ground, PALE)
 
 
 def _shade_modes(axes: Axes, shown: Trajectory, style: Style) -> None:
-    """Colour the background by what the part does, with borders half-way between two times.
-
-    `shown` has its mode, such as sticking or sliding, at each time.
-    """
-    time = shown.time
-    edges = np.concatenate([time[:1], (time[:-1] + time[1:]) / 2, time[-1:]])
-    changes = [i for i in range(1, len(shown.modes)) if shown.modes[i] != shown.modes[i - 1]]
-    for start, stop in zip([0, *changes], [*changes, len(shown.modes)], strict=True):
-        hatch, colour = _look(shown.modes[start], style)
-        area = axes.axvspan(edges[start], edges[stop], facecolor=colour, linewidth=0, zorder=0)
+    for mode, start, stop in spells(shown.modes, shown.time):
+        hatch, colour = _look(mode, style)
+        area = axes.axvspan(start, stop, facecolor=colour, linewidth=0, zorder=0)
         if hatch:
             ink = mix(colour, style.ink, 0.25)
             area.set(hatch=hatch, edgecolor=ink, hatch_linewidth=HATCH_WIDTH)
-
-
-def _mark_periods(axes: Axes, shown: Trajectory, style: Style) -> None:
-    """Draw a dotted line at the start of each period of the drive, unless they are too many."""
     first, last = np.ceil(shown.time[0] / shown.period), np.floor(shown.time[-1] / shown.period)
-    if last - first > MAX_PERIODS:
-        return
-    for count in np.arange(first, last + 1):
+    for count in np.arange(first, last + 1) if last - first <= MAX_PERIODS else ():
         axes.axvline(
             count * shown.period, color=style.quiet, linewidth=0.8, linestyle=":", zorder=1
         )
 
 
-def _lines(style: Style) -> list[Artist]:
-    """Return the legend entries of the curves of part and track in a picture of a motion."""
-    return [
-        Line2D([], [], color=style.curve, linewidth=style.width(2.0), label="part"),
-        Line2D([], [], color=style.other, linewidth=style.width(1.4), label="track"),
-    ]
-
-
 def _mode_entries(modes: list[str], style: Style) -> list[Artist]:
-    """Return the legend entries of what a part does, such as sticking, for the modes that occur.
-
-    `modes` are its modes over time.
-    """
     entries: list[Artist] = []
     for name in dict.fromkeys((*MODES, "flight", *modes)):
         if name in modes:
             hatch, colour = _look(name, style)
-            ink = mix(colour, style.ink, 0.3)
-            patch = Patch(facecolor=colour, edgecolor=ink, label=LEGEND.get(name, words(name)))
-            patch.set(hatch=hatch, linewidth=0.8, hatch_linewidth=HATCH_WIDTH)
+            patch = Patch(
+                facecolor=colour, edgecolor=mix(colour, style.ink, 0.3), hatch=hatch, linewidth=0.8,
+                hatch_linewidth=HATCH_WIDTH, label=LEGEND.get(name, words(name)),
+            )  # fmt: skip
             entries.append(patch)
     return entries
+
+
+def _draw_fall(
+    figure: Figure, dataset: xarray.Dataset, units: ShownUnits, style: Style
+) -> tuple[Axes, list[str], list[Artist]]:
+    """Draw a tumbling part, a rectangle: from the side, its gap to the plane, and its pitch.
+
+    Return the upper axes, the lines below the title, and the entries of the legend.
+    """
+    known = {**dataset.data_vars, **dataset.coords}
+    heights = [name for name in HEIGHTS if name in known]
+    missing = [*(name for name in FALL if name not in known), *(() if heights else HEIGHTS)]
+    if missing:
+        raise unreadable(f"its motion has no {missing[0]}")
+    dataset = dataset.sortby(TIME)
+    along, upward, pitch, gap = (values_of(dataset[name]) for name in FALL[:4])
+    if not np.isfinite(upward).all():
+        raise PlotError("dataset", "the dataset has no values of the motion", "Draw another result")
+    size = np.array([float(dataset["length"]), float(dataset[heights[0]])])
+    corners = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * size
+    turned = np.deg2rad(pitch)[:, np.newaxis]
+    middle = np.stack([along, upward], axis=-1)[:, np.newaxis, :]
+    x, y = corners.T
+    # Clockwise: a corner in front goes down.
+    outlines = middle + np.stack(
+        [x * np.cos(turned) + y * np.sin(turned), y * np.cos(turned) - x * np.sin(turned)], axis=-1
+    )
+    length = shown_in(xarray.DataArray(outlines, attrs={"units": "m"}), units)
+    clock, angle = shown_in(dataset[TIME], units), shown_in(dataset["path_pitch"], units)
+    part = slice(0, _end_of_fall(outlines, pitch, float(np.hypot(*corners[0]))))
+    time, gap = (clock.factor * dataset[TIME].values)[part], length.factor * gap[part]
+    pitch = angle.factor * pitch[part]
+    touches = (dataset["path_corners"].values[part] > 0).tolist()
+
+    side, gaps, pitches = figure.subplots(3, 1, height_ratios=(2.6, 1.2, 1.2))
+    gaps.sharex(pitches)
+    gaps.tick_params(labelbottom=False)
+    path = length.factor * np.stack([along, upward])[:, part]
+    _draw_side(side, length.factor * outlines[part], path, length.unit, style)
+    curve = {"color": style.curve, "linewidth": style.width(1.8), "zorder": 4}
+    gaps.plot(time, gap, **curve)
+    gaps.set(ylim=padded(0.0, float(gap.max())), ylabel=f"Lowest corner\n({length.unit})")
+    pitches.plot(time, pitch, **curve)
+    pitches.set(
+        ylim=padded(float(pitch.min()), float(pitch.max())),
+        ylabel=f"Pitch\n({angle.unit})",
+        xlabel=f"Time since the start ({clock.unit})",
+        xlim=(time[0], time[-1]),
+    )
+    for axes in (gaps, pitches):
+        style.add_grid(axes)
+        axes.fill_between(
+            time, 0, 1, where=touches, transform=axes.get_xaxis_transform(),
+            facecolor=mix(style.other, style.ground, 0.75), linewidth=0, zorder=0,
+        )  # fmt: skip
+    figure.align_ylabels([side, gaps, pitches])
+    triangle = [(0, 0), (1, 0), (1, 1)]
+    entries = [
+        Polygon(
+            triangle, facecolor=mix(style.curve, style.ground, 0.55), edgecolor=style.curve,
+            label="the part, drawn strongest at the end",
+        ),
+        Line2D([], [], color=style.accent, label="its middle"),
+        Polygon(
+            triangle, facecolor=mix(style.other, style.ground, 0.75),
+            edgecolor=mix(style.other, style.ground, 0.4), label="on the plane",
+        ),
+    ]  # fmt: skip
+    return side, _facts_of_fall(dataset, units), entries
+
+
+def _draw_side(axes: Axes, outlines: Array, path: Array, unit: str, style: Style) -> None:
+    # Outlines, shape (times, 4, 2), equally far apart, and the path of the middle, (2, times).
+    moved = np.abs(np.diff(outlines, axis=0)).sum(axis=(1, 2))
+    passed = np.concatenate([[0.0], np.cumsum(moved)])
+    chosen = np.unique(np.searchsorted(passed, np.linspace(0.0, passed[-1], 14)))
+    shades = np.linspace(0.75, 0.15, len(chosen))
+    axes.add_collection(
+        LineCollection(
+            [np.vstack([outlines[k], outlines[k, :1]]) for k in chosen],
+            colors=[mix(style.curve, style.ground, float(shade)) for shade in shades],
+            linewidths=style.width(0.9), zorder=3,
+        )
+    )  # fmt: skip
+    for place, weight, face in ((0, 1.2, 0.9), (-1, 2.0, 0.55)):
+        axes.add_patch(
+            Polygon(
+                outlines[place], closed=True, edgecolor=style.curve,
+                facecolor=mix(style.curve, style.ground, face), linewidth=style.width(weight),
+                zorder=4,
+            )
+        )  # fmt: skip
+    axes.plot(*path, color=style.accent, linewidth=style.width(1.0), zorder=5)
+    axes.axhline(0.0, color=style.other, linewidth=style.width(1.6), zorder=2)
+    x, y = outlines[..., 0], outlines[..., 1]
+    low, high = padded(min(0.0, float(y.min())), float(y.max()))
+    axes.axhspan(low, 0.0, facecolor=mix(style.other, style.ground, 0.5), linewidth=0, zorder=1)
+    axes.set(xlim=padded(float(x.min()), float(x.max())), ylim=(low, high))
+    axes.set_aspect("equal", adjustable="box", anchor="W")
+    axes.set(xlabel=f"Along the plane ({unit})", ylabel=f"Height\n({unit})")
+
+
+def _end_of_fall(outlines: Array, pitch: Array, size: float) -> int:
+    """Return the number of times to show of a trajectory: until shortly after the part rests."""
+    still = np.abs(outlines - outlines[-1]).max(axis=(1, 2)) < STILL * size
+    still &= np.abs(pitch - pitch[-1]) < STILL * 360
+    moving = np.flatnonzero(~still)
+    last = int(moving[-1]) + 1 if moving.size else len(pitch)
+    return min(len(pitch), max(2, int(np.ceil(last * (1 + 0.12)))))
+
+
+def _facts_of_fall(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
+    facts = []
+    side, settled = dataset.get("resting_side"), dataset.get("settling_time")
+    if side is not None and not side.ndim and np.isfinite(side):
+        facts.append(f"rests on {QUANTITIES['resting_side'].words.get(int(side), 'a side')}")
+    if settled is not None and not settled.ndim and np.isfinite(settled):
+        shown = units.of("s", float(settled))
+        facts.append(f"after {with_unit(number(shown.factor * float(settled), 3), shown.unit)}")
+    told = [" ".join(facts).replace(" ", SPACE)] if facts else []
+    return told + held_fixed(dataset, units)

@@ -257,7 +257,7 @@ def test_adding_a_picture(tree: Path) -> None:
         tree,
         "-c",
         "import vibrafeed\n"
-        "from vibrafeed.core.plots import PlotError\n"
+        "from vibrafeed.core.plots.pictures import PlotError\n"
         "dataset = vibrafeed.sweep(scene='rectangle-on-plane', outputs='acceleration_x',\n"
         "    frequency=50, amplitude='0.1 mm', beta=range(0, 41), friction=0.3)\n"
         "figure = vibrafeed.plot(dataset, kind='histogram')\n"

@@ -13,7 +13,7 @@ from matplotlib.text import Text
 from matplotlib.transforms import Affine2D, Bbox
 
 from pictures import subtitle
-from vibrafeed.core.plots.regimes import ON_FILL
+from vibrafeed.core.plots.looks import ON_FILL
 
 MEET = 1.0  # dots
 

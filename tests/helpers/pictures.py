@@ -6,7 +6,8 @@ import pytest
 import xarray
 from matplotlib.figure import Figure
 
-from vibrafeed.core.plots import PlotError, draw
+from vibrafeed.core.plots.drawing import draw
+from vibrafeed.core.plots.pictures import PlotError
 
 SPACE = "\N{NO-BREAK SPACE}"
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from vibrafeed.core.mechanics import rolling, wall
+from vibrafeed.core.mechanics import floor, rolling, wall
 from vibrafeed.core.optimise.best_angles import cylinder_physical_fastest, plane_physical_fastest
 from vibrafeed.core.optimise.exact import (
     plane_thesis_limited,

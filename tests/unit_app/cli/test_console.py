@@ -124,7 +124,7 @@ def test_units_come_from_the_option_or_else_from_the_study(study):
 
 def test_the_console_and_the_map_tell_the_same_shares(tmp_path):
     from pictures import legend
-    from vibrafeed.core.plots import draw
+    from vibrafeed.core.plots.drawing import draw
 
     study = tmp_path / "study.toml"
     study.write_text(STUDY.replace('"0.5 mm"', '["0.02 mm", "0.05 mm", "0.5 mm", "1 mm"]'))

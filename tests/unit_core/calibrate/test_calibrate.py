@@ -568,15 +568,12 @@ def test_a_study_of_a_file_is_converted_with_it(tmp_path):
 # --- pictures
 
 
-@pytest.mark.parametrize("kind", [None, "posterior", "speeds"])
+@pytest.mark.parametrize("kind", [None, "posterior"])
 def test_pictures_of_a_calibration_are_drawn(unsettled, kind):
-    figure = vibrafeed.plot(unsettled, kind=kind, small=kind == "speeds")
+    figure = vibrafeed.plot(unsettled, kind=kind, small=kind is None)
     figure.draw_without_rendering()
     texts = [text.get_text() for text in figure.findobj(Text)]
-    if kind in (None, "posterior"):
-        assert {"Friction coefficient", "Part mass (kg)"} <= {*texts}
-    else:
-        assert any("residuals " in text for text in texts)
+    assert {"Friction coefficient", "Part mass (kg)"} <= {*texts}
 
 
 def test_the_old_key_of_the_outlier_probability_still_works():
@@ -594,7 +591,7 @@ def test_the_old_key_of_the_outlier_probability_still_works():
 
 
 def test_other_pictures_are_not_those_of_a_calibration(rail):
-    from vibrafeed.core.plots import PlotError
+    from vibrafeed.core.plots.pictures import PlotError
 
     with pytest.raises(PlotError, match="cannot be drawn as kind contour"):
         vibrafeed.plot(rail, kind="contour")

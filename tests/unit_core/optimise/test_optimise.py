@@ -17,7 +17,8 @@ from vibrafeed.core.optimise import METHODS
 from vibrafeed.core.optimise.front import knee
 from vibrafeed.core.optimise.optimisation import BINDS
 from vibrafeed.core.optimise.problem import STATUS
-from vibrafeed.core.plots import PlotError, front, landscape
+from vibrafeed.core.plots import landscape
+from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.plots.style import Options
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, REGIMES
 from vibrafeed.core.watch import Watch
@@ -229,7 +230,7 @@ def test_knees():
 def test_a_front_and_its_knee_are_drawn():
     parameters = {**DATA, "friction": [0.3, 0.5]}
     dataset = solved(parameters=parameters, criterion={"kind": "pareto", "points": 20})
-    figure = front.draw(dataset, Options())
+    figure = landscape.draw(dataset, Options(kind="front"))
     (axes,) = figure.axes
     curves = [line for line in axes.lines if len(line.get_xdata()) == 20]
     assert len(curves) == 2
@@ -262,11 +263,11 @@ def test_a_landscape_of_one_variable_is_a_curve():
 
 def test_what_cannot_be_drawn_is_refused():
     with pytest.raises(PlotError, match="no front"):
-        front.draw(solved(), Options())
+        landscape.draw(solved(), Options(kind="front"))
     with pytest.raises(PlotError, match="not ranged"):
         landscape.draw(solved(), Options(at={"gamma": 1}))
     with pytest.raises(PlotError, match="not the result of an optimisation"):
-        front.draw(solved().drop_vars("optimum_status"), Options())
+        landscape.draw(solved().drop_vars("optimum_status"), Options(kind="front"))
 
 
 # --- no optimum

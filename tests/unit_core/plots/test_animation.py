@@ -12,9 +12,10 @@ from PIL import Image
 
 import vibrafeed
 from vibrafeed.core.errors import VibrafeedError
-from vibrafeed.core.plots import PlotError, draw, draw_file
 from vibrafeed.core.plots.animation import COLOURS, draw_frames
+from vibrafeed.core.plots.drawing import draw, draw_file
 from vibrafeed.core.plots.film import FRAMES_PER_SECOND, amplitude_of, read_film
+from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.plots.style import Style, mix
 from vibrafeed.core.study.shown import ShownUnits
 

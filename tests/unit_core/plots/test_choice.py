@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 
 import vibrafeed
 from pictures import SPACE, legend, problem, subtitle
-from vibrafeed.core.plots import draw
-from vibrafeed.core.plots.regimes import categories_of
+from vibrafeed.core.plots.drawing import draw
+from vibrafeed.core.plots.looks import categories_of
 
 ROOT = pathlib.Path(__file__).parents[3]
 

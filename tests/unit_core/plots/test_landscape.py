@@ -7,7 +7,7 @@ import pytest
 
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
-from vibrafeed.core.plots import draw
+from vibrafeed.core.plots.drawing import draw
 
 FRICTIONS = (0.25, 0.45)
 ROBUST = {

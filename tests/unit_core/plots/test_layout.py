@@ -11,7 +11,7 @@ import xarray
 import vibrafeed
 from layout import boxes, judge
 from night import first_by_day
-from vibrafeed.core.plots import PlotError
+from vibrafeed.core.plots.pictures import PlotError
 
 LOOKS = ({}, {"dark": True, "small": True})
 ROOT = pathlib.Path(__file__).parents[3]

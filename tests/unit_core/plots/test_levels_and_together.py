@@ -9,7 +9,7 @@ import xarray
 import vibrafeed
 from layout import judge
 from pictures import legend, problem
-from vibrafeed.core.plots import draw
+from vibrafeed.core.plots.drawing import draw
 
 DRIVE = {"scene": "rectangle-on-plane", "frequency": 50, "beta": 25, "gamma": 2}
 

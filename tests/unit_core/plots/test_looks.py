@@ -11,8 +11,8 @@ from matplotlib.colors import to_rgb
 
 from vibrafeed.core.catalogue import describe
 from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.plots.looks import LOOKS, ON_FILL, looks_of_categories
 from vibrafeed.core.plots.maps import share_entries
-from vibrafeed.core.plots.regimes import LOOKS, ON_FILL, looks_of_categories
 from vibrafeed.core.plots.style import Style
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.quantities.pictures import FILLS

@@ -12,8 +12,8 @@ from matplotlib.colors import to_hex, to_rgb
 from pictures import legend, problem, subtitle
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
-from vibrafeed.core.plots import draw, draw_file
-from vibrafeed.core.plots.regimes import LOOKS
+from vibrafeed.core.plots.drawing import draw, draw_file
+from vibrafeed.core.plots.looks import LOOKS
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.quantities.pictures import FILLS
 

@@ -13,8 +13,8 @@ import xarray
 from matplotlib.figure import Figure
 
 import vibrafeed
-from vibrafeed.core.plots import PlotError, draw
-from vibrafeed.core.plots.pictures import PICTURES
+from vibrafeed.core.plots.drawing import draw
+from vibrafeed.core.plots.pictures import PICTURES, PlotError
 
 ROOT = Path(__file__).parents[3]
 SWEPT = {
@@ -72,7 +72,7 @@ def result(sort: str) -> xarray.Dataset:
 
 
 OF = {
-    **dict.fromkeys(("posterior", "speeds"), "calibration"),
+    "posterior": "calibration",
     **dict.fromkeys(("distribution", "indices", "tornado"), "uncertain"),
     **dict.fromkeys(("line", "map", "contour", "levels"), "sweep"),
     "front": "front", "positions": "row", "trajectory": "course", "animation": "course",

@@ -26,8 +26,9 @@ from random_studies import KINDS, Content, is_reduced, random_study, shipped
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
-from vibrafeed.core.plots import PlotError, draw
-from vibrafeed.core.plots.text import name_in_words, words
+from vibrafeed.core.plots.drawing import draw
+from vibrafeed.core.plots.pictures import PlotError
+from vibrafeed.core.plots.style import name_in_words, words
 from vibrafeed.core.quantities import MOTION_STATUSES, QUANTITIES, REGIMES
 from vibrafeed.core.study.distributions import quantiles, read_distribution
 

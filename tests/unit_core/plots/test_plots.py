@@ -16,9 +16,10 @@ from matplotlib.figure import Figure
 from pictures import problem, subtitle
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
-from vibrafeed.core.plots import PlotError, draw, draw_file
+from vibrafeed.core.plots.drawing import draw, draw_file
+from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.plots.selection import select
-from vibrafeed.core.plots.text import math_symbol
+from vibrafeed.core.plots.style import math_symbol
 from vibrafeed.core.quantities import REGIMES
 
 DEGREES = {"start": 0, "stop": 60, "num": 13}
@@ -334,7 +335,7 @@ def test_symbols(symbol: str, shown: str):
 
 def test_pyplot_is_never_loaded(file: Path, tmp_path: Path):
     code = (
-        "import sys; from pathlib import Path; from vibrafeed.core.plots import draw_file\n"
+        "import sys; from pathlib import Path; from vibrafeed.core.plots.drawing import draw_file\n"
         "kinds = {'contour': 2, 'levels': 3, 'line': 2, 'map': 3}\n"
         "for kind, target in kinds.items():\n"
         "    draw_file(Path(sys.argv[1]), [Path(sys.argv[target])], kind=kind)\n"

@@ -10,8 +10,10 @@ import xarray
 from PIL import Image
 
 import vibrafeed
-from vibrafeed.core.plots import PlotError, draw
-from vibrafeed.core.plots.positions import PALE, draw_lane, read_row
+from vibrafeed.core.plots.animation import draw_lane
+from vibrafeed.core.plots.drawing import draw
+from vibrafeed.core.plots.film import PALE, read_row
+from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.plots.style import Style, mix
 from vibrafeed.core.study.shown import ShownUnits
 

@@ -9,7 +9,7 @@ import pytest
 import xarray
 
 from pictures import legend, problem, subtitle
-from vibrafeed.core.plots import draw, draw_file
+from vibrafeed.core.plots.drawing import draw, draw_file
 from vibrafeed.core.plots.trajectory import read_trajectory
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.study.shown import read_shown

@@ -6,17 +6,14 @@ import re
 import subprocess
 import sys
 
-import numpy as np
 import pytest
-from scipy.spatial import ConvexHull
 
 import vibrafeed
-from vibrafeed.core.plots.bodies import convex_hull
-from vibrafeed.core.plots.pictures import NAMES, PlotError
+from vibrafeed.core.plots.pictures import PICTURES, PlotError
 
 CODE = """
 import sys
-from vibrafeed.core.plots import draw  # before xarray, whose accessor loads studies
+from vibrafeed.core.plots.drawing import draw  # before xarray, whose accessor loads studies
 import numpy as np
 import xarray
 values = np.arange(144.0).reshape(12, 12)
@@ -38,22 +35,9 @@ def test_a_contour_loads_no_other_picture_and_no_study():
         [sys.executable, "-c", CODE], capture_output=True, text=True, check=True
     ).stdout.split()
     assert "vibrafeed.core.plots.maps" in loaded
-    others = ("calibration", "uncertain", "front", "positions", "motion", "movie", "landscape")
+    others = ("animation", "film", "landscape", "spreads", "trajectory")
     assert not {f"vibrafeed.core.plots.{name}" for name in others} & set(loaded)
     assert not {"vibrafeed.core.plan", "numba", "scipy.spatial", "scipy.optimize"} & set(loaded)
-
-
-@pytest.mark.parametrize("count", [3, 4, 5, 96])
-def test_a_convex_hull_is_that_of_qhull(count):
-    points = np.random.default_rng(count).normal(size=(count, 2))
-    found, expected = convex_hull(points), points[ConvexHull(points).vertices]
-    first = int(np.argmin(expected[:, 0]))
-    np.testing.assert_array_equal(found, np.roll(expected, -first, axis=0))
-
-
-def test_points_on_a_line_have_two_corners():
-    points = np.array([[0.0, 0.0], [2.0, 2.0], [1.0, 1.0], [0.0, 0.0]])
-    np.testing.assert_array_equal(convex_hull(points), [[0.0, 0.0], [2.0, 2.0]])
 
 
 @pytest.mark.parametrize("given", [3, None, [3], {"a": 1}, True], ids=repr)
@@ -64,4 +48,4 @@ def test_what_is_no_dataset_is_told(given):
 
 def test_the_pictures_that_python_tells_of_are_all_there_are():
     (words,) = re.findall(r"The name of a picture: (.*?);", vibrafeed.plot.__doc__, re.DOTALL)
-    assert re.split(r",\s+|\s+or\s+", words) == list(NAMES)
+    assert re.split(r",\s+|\s+or\s+", words) == list(PICTURES)

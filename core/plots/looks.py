@@ -18,90 +18,50 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.regimes import flags_of
 from vibrafeed.core.plots.pictures import unreadable
-from vibrafeed.core.plots.style import LIGHT, RGB, Style, mix
-from vibrafeed.core.plots.text import words
+from vibrafeed.core.plots.style import LIGHT, RGB, Array, Style, mix, words
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.quantities.pictures import FILLS, INKS
 
 VEIL_STRENGTH = 0.45  # opacity of the veil over values that are not valid
-TINT_VEIL = 0.68  # share of the ground colour in the tint of a background
 HATCH_WIDTH = 0.7  # points
 HATCH_STRENGTH = 0.3  # opacity of hatches, below which values have to be readable
-LINE_STRENGTH = 0.3  # opacity of hatches of sparse lines, which contours cross
 
 # Hatch, width of a line, and the colour of both. Where values hold, regimes of closed forms
 # are told apart by sparse dots or by nothing and those of motion by sparse lines, elsewhere by
 # dense hatches.
 LOOKS = {
     name: (hatch, INKS[name], width)
-    for name, hatch, width in (
-        ("not_assessed", "", 1.8),
-        ("contact", "", 1.8),
-        ("stick", "..", 0.9),
-        ("slip", "", 1.8),
-        ("roll", "oo", 3.2),
-        ("flight", "///", 1.3),
-        ("wall_lost", "\\\\\\", 1.3),
-        ("flight_and_wall_lost", "xxx", 1.3),
-        ("no_motion", "..", 0.9),
-        ("stopped", "o", 0.9),
-        ("outside_cone", "---", 1.3),
-        ("invalid_geometry", "++", 1.3),
-        ("tipping", "|||", 1.3),
-        ("faster_than_track", "|||", 1.3),
-        ("unbounded", "..", 1.8),
-        ("separation", "", 1.8),
-        ("sliding", "", 1.8),
-        ("two_solutions", "xxx", 1.3),
-        ("no_solution", "---", 1.3),
-        ("apart", "", 1.8),
-        ("overlap", "xxx", 1.3),
-        ("no_impact", "..", 0.9),
-        ("impact_stick", "..", 0.9),
-        ("impact_slip", "", 1.8),
-        ("simultaneous", "|||", 1.3),
-        ("impact", "", 1.8),
-        ("singular", "---", 1.3),
-        # --- motion in time
-        ("stick_slip", ".", 1.8),
-        ("hopping", "/", 1.8),
-        ("hop_after_hop", "//", 1.8),
-        ("period_doubled", "\\", 1.8),
-        ("aperiodic", "x", 1.8),
-        ("runaway", "xxx", 1.3),
-        ("unresolved", "---", 1.3),
-        ("rests", "", 1.8),
-        ("tumbles", "/", 1.8),
-        # --- drive units
-        ("resonance", "", 1.8),
-        ("tuned_stiff", "..", 0.9),
-        ("tuned_soft", "/", 1.8),
-        ("hits_magnet", "x", 1.8),
-        ("overstressed", "..", 1.8),
-        ("isolation_poor", "\\", 1.8),
-        ("several_amplitudes", "", 1.8),
-        ("hunting", "x", 1.8),
-        ("stalls", "xxx", 1.3),
-        ("thrown_load", "/", 1.8),
-        # --- which way up
-        ("unstable_side", "/", 1.8),
-        ("stands", "", 1.8),
-        ("may_topple", "..", 0.9),
-        ("no_pass", "", 1.8),
-        ("passes", "", 1.8),
-        # --- rows of parts
-        ("crowded", "\\", 1.8),
-        ("indeterminate_force", "x", 1.8),
-        ("out_of_phase_possible", "\\", 1.8),
-        ("separating", "..", 0.9),
-        ("blocked", "", 1.8),
-        ("not_supported", "xxx", 1.3),
-        # --- round parts
-        ("neutral", "", 1.8),
-        ("rolls_and_slips", "///", 1.3),
-        ("soft_contact", "..", 0.9),
+    for hatch, width, names in (
+        (
+            "", 1.8,
+            "not_assessed contact slip separation sliding apart impact_slip impact rests "
+            "resonance several_amplitudes stands no_pass passes blocked neutral"
+        ),
+        (
+            "..", 0.9,
+            "stick no_motion no_impact impact_stick tuned_stiff may_topple separating "
+            "soft_contact"
+        ),
+        ("oo", 3.2, "roll"),
+        ("///", 1.3, "flight rolls_and_slips"),
+        ("\\\\\\", 1.3, "wall_lost"),
+        (
+            "xxx", 1.3,
+            "flight_and_wall_lost two_solutions overlap runaway stalls not_supported"
+        ),
+        ("o", 0.9, "stopped"),
+        ("---", 1.3, "outside_cone no_solution singular unresolved"),
+        ("++", 1.3, "invalid_geometry"),
+        ("|||", 1.3, "tipping faster_than_track simultaneous"),
+        ("..", 1.8, "unbounded overstressed"),
+        (".", 1.8, "stick_slip"),
+        ("/", 1.8, "hopping tumbles tuned_soft thrown_load unstable_side"),
+        ("//", 1.8, "hop_after_hop"),
+        ("\\", 1.8, "period_doubled isolation_poor crowded out_of_phase_possible"),
+        ("x", 1.8, "aperiodic hits_magnet hunting indeterminate_force"),
     )
-}
+    for name in names.split()
+}  # fmt: skip
 PLAIN = ("", "#8a8a8a", 1.8)
 
 ON_FILL = "#000000"  # what is written on a fill
@@ -113,7 +73,6 @@ NOTES = {
 }  # fmt: skip
 
 
-MOST_CATEGORIES = 8  # categories of a picture; more are drawn as numbers
 NO_VALUE = -1
 
 CATEGORY_FILLS = (
@@ -121,6 +80,7 @@ CATEGORY_FILLS = (
     "apart",
 )  # fmt: skip
 PALE = "#f2f2f2"
+LUMINANCE = np.array([0.299, 0.587, 0.114])
 
 
 @dataclass(frozen=True)
@@ -156,7 +116,7 @@ class Look:
     def tint(self) -> RGB:
         """A pale tint for backgrounds."""
         if self.paint:
-            return mix(self.paint, self.style.ground, TINT_VEIL)
+            return mix(self.paint, self.style.ground, 0.68)
         return mix(self.colour, self.style.ground, 0.88)
 
     @property
@@ -199,8 +159,8 @@ def looks_of(
 
 def shade(
     axes: Axes,
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
+    x: Array,
+    y: Array,
     regimes: NDArray[np.int64],
     faces: Mapping[Look, RGB],
     style: Style,
@@ -218,31 +178,26 @@ def shade(
     faces : mapping of Look to RGB
         The colour that each regime has below the shading.
     """
+    borders = []
     for look, face in faces.items():
         inside = (regimes == look.value).astype(float)
+        borders.append((inside, 1.1, 2.2, 4))
         if look.hatch or not look.valid:
             veil = (*to_rgb(style.ground), 0.0 if look.valid else VEIL_STRENGTH)
             area = axes.contourf(
                 x, y, inside, levels=[0.5, 1.5], colors=[veil], hatches=[look.hatch], zorder=2
             )
-            strength = LINE_STRENGTH if look.name in MOTION else HATCH_STRENGTH
-            area.set(
-                edgecolor=(*_ink(look, face), strength), linewidth=0.0, hatch_linewidth=HATCH_WIDTH
-            )
+            ink = (*_ink(look, face), HATCH_STRENGTH)
+            area.set(edgecolor=ink, linewidth=0.0, hatch_linewidth=HATCH_WIDTH)
+    valid = np.isin(regimes, [look.value for look in faces if look.valid]).astype(float)
+    for inside, width, halo, zorder in (*borders, (valid, 2.2, 4.0, 5)):
         if inside.min() < inside.max():
             border = axes.contour(
-                x, y, inside, levels=[0.5], colors=[style.ink], linewidths=[style.width(1.1)],
-                zorder=4,
+                x, y, inside, levels=[0.5], colors=[style.ink], linewidths=[style.width(width)],
+                zorder=zorder,
             )  # fmt: skip
-            halo = withStroke(linewidth=style.width(2.2), foreground=style.ground)
-            border.set_path_effects([halo])
-    valid = np.isin(regimes, [look.value for look in faces if look.valid]).astype(float)
-    if valid.min() < valid.max():
-        border = axes.contour(
-            x, y, valid, levels=[0.5], colors=[style.ink], linewidths=[style.width(2.2)], zorder=5
-        )
-        halo = withStroke(linewidth=style.width(4.0), foreground=style.ground)
-        border.set_path_effects([halo])
+            around = withStroke(linewidth=style.width(halo), foreground=style.ground)
+            border.set_path_effects([around])
 
 
 def swatch(look: Look, face: RGB, ink: RGB | None = None, *, hatched: bool = True) -> Patch:
@@ -251,11 +206,10 @@ def swatch(look: Look, face: RGB, ink: RGB | None = None, *, hatched: bool = Tru
     `ink` is the colour of the hatching, by default that of the look; with `hatched` False there is
     none.
     """
-    patch = Patch(facecolor=face, edgecolor=ink or look.hatch_ink, label=look.label)
-    patch.set_linewidth(0.8)
-    if hatched:
-        patch.set(hatch=look.hatch, hatch_linewidth=HATCH_WIDTH)
-    return patch
+    return Patch(
+        facecolor=face, edgecolor=ink or look.hatch_ink, label=look.label, linewidth=0.8,
+        hatch=look.hatch if hatched else None, hatch_linewidth=HATCH_WIDTH,
+    )  # fmt: skip
 
 
 def veiled_swatch(look: Look, face: RGB) -> Patch:
@@ -265,16 +219,10 @@ def veiled_swatch(look: Look, face: RGB) -> Patch:
     return swatch(look, seen, mix(seen, _ink(look, face), 0.6))
 
 
-def luminance(colours: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the luminance of colours, 0 to 1, shape (n,)."""
-    return colours @ np.array([0.299, 0.587, 0.114])
-
-
 def _ink(look: Look, face: RGB) -> RGB:
-    """Return the hatching colour of a regime that is visible on the colour `face`."""
     if not look.valid:
         return look.hatch_ink if look.style.dark else to_rgb(look.colour)
-    return to_rgb("#ffffff" if luminance(np.array(face)) < 0.5 else "#000000")
+    return to_rgb("#ffffff" if np.array(face) @ LUMINANCE < 0.5 else "#000000")
 
 
 def categories_of(array: xarray.DataArray) -> dict[int, str] | None:
@@ -292,7 +240,7 @@ def categories_of(array: xarray.DataArray) -> dict[int, str] | None:
     else:
         return None
     present = np.unique(codes_of(array.values)).tolist()
-    if len(present) > MOST_CATEGORIES:
+    if len(present) > 8:
         return None
     named[NO_VALUE] = "no value"
     return {value: named.get(value, other.format(value)) for value in present}
