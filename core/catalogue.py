@@ -86,11 +86,6 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
 
 
 def _other_drives() -> list[dict[str, Any]]:
-    """Return the waveforms of drives that may replace the plain sine, for the catalogue as JSON.
-
-    Each has its `kind` (harmonics or steps of acceleration), the names of its `parameters`, and the
-    names of the sine's parameters that it is given instead of (`instead_of`).
-    """
     kinds = {
         "harmonics": ("amplitude_", "phase_", "drive_factor"),
         "steps": ("acceleration_", "duration_", "drive_factor"),
@@ -150,18 +145,6 @@ def asked_parameters(
 
 
 def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]:
-    """Return the description of a parameter as plain values, for the catalogue as JSON.
-
-    It has label, symbol, unit, bounds, examples, the default in this scene and variant (None if it
-    has to be given), and `instead_of`, the quantities that it can be given for.
-
-    Parameters
-    ----------
-    scene, variant : Scene, str
-        The scene, and the variant of its equations or method of simulation.
-    name : str
-        The parameter, a key of `QUANTITIES`.
-    """
     quantity = QUANTITIES[name]
     default = scene.defaults_of(variant).get(name)
     return {
@@ -181,19 +164,6 @@ def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]
 
 
 def _describe_output(scene: Scene, variant: str, equation: Equation) -> dict[str, Any]:
-    """Return the description of an output as plain values, for the catalogue as JSON.
-
-    It has label, symbol, unit, equation and regimes; `level` is the value at which a regime begins,
-    drawn in plots, None without one; `asks` and `required` are the parameters that a study of the
-    output may or has to set.
-
-    Parameters
-    ----------
-    scene, variant : Scene, str
-        The scene, and the variant of its equations or method of simulation.
-    equation : Equation
-        Computes the output.
-    """
     quantity = QUANTITIES[equation.gives]
     level, begins = LEVELS.get(equation.gives, (None, ""))
     return {

@@ -53,7 +53,6 @@ def disjoint(function: Function) -> Function:
 
 
 def _without_aliases(flags: Any) -> None:
-    """Tell LLVM that array arguments do not overlap."""
     flags.noalias = True  # else each loop begins with a check of every pair of arrays
 
 
@@ -78,18 +77,11 @@ def compiled_source(source: str) -> Any:
 
 @intrinsic
 def _choose(context: Any, condition: Any, first: Any, second: Any) -> Any:
-    """Return `first` if the condition holds, else `second`, without a branch; both are computed.
-
-    Compiled loops without branches are vectorised. It is an intrinsic of numba: the arguments are
-    the types of a call, and the result is the signature of the call (booleans or floats) and a
-    function that generates its code.
-    """
     del context
     truth = isinstance(first, types.Boolean) and isinstance(second, types.Boolean)
     result = types.boolean if truth else types.float64
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        """Generate the LLVM instruction `select`."""
         condition, *values = arguments
         taken = (
             context.cast(builder, value, kind, result)
@@ -102,15 +94,9 @@ def _choose(context: Any, condition: Any, first: Any, second: Any) -> Any:
 
 @intrinsic
 def _binade(context: Any, value: Any) -> Any:
-    """Return the largest power of 2 that is not above |value|, in compiled code.
-
-    An intrinsic of numba: `value` is the type of the argument in a call, and the result is the
-    signature and a function that generates the code.
-    """
     del context
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        """Generate a mask of the exponent's bits."""
         return builder.bitcast(_exponent_bits(builder, arguments[0]), arguments[0].type)
 
     return types.float64(types.float64), generate
@@ -118,17 +104,9 @@ def _binade(context: Any, value: Any) -> Any:
 
 @intrinsic
 def _exponent(context: Any, value: Any) -> Any:
-    """Return the exponent of the largest power of 2 that is not above |value|, as a float.
-
-    An intrinsic of numba: `value` is the type of the argument in a call, and the result is the
-    signature and a function that generates the code. The exponent's bits, put into the last bits of
-    the float 2^52, make the float 2^52 + exponent + 1023, from which the constants are subtracted:
-    no conversion is needed.
-    """
     del context
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        """Generate the bit operations and the subtraction."""
         field = _exponent_bits(builder, arguments[0])
         whole = field.type
         field = builder.or_(builder.lshr(field, whole(52)), whole(0x433 << 52))
@@ -139,25 +117,15 @@ def _exponent(context: Any, value: Any) -> Any:
 
 
 def _exponent_bits(builder: Any, value: Any) -> Any:
-    """Generate code that keeps the exponent's bits of a float, as a 64-bit integer of LLVM.
-
-    `builder` is llvmlite's builder of instructions, `value` the float in the generated code.
-    """
     whole = ir.IntType(64)
     return builder.and_(builder.bitcast(value, whole), whole(0x7FF << 52))
 
 
 @intrinsic
 def _bits(context: Any, value: Any) -> Any:
-    """Return the 64 bits of a float as an integer, in compiled code.
-
-    An intrinsic of numba: `value` is the type of the argument in a call, and the result is the
-    signature (float to integer) and a function that generates the code.
-    """
     del context
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        """Generate the LLVM instruction `bitcast`."""
         return builder.bitcast(arguments[0], context.get_value_type(types.int64))
 
     return types.int64(types.float64), generate
@@ -169,15 +137,7 @@ bits: Any = _bits
 
 @intrinsic
 def _raised(context: Any, flag: Any) -> Any:
-    """True if the first byte of an array is not 0 now; the read is never optimised away.
-
-    Compiled loops look at it to be stopped: `flag` is the array (here its type), which another
-    thread may change meanwhile. An intrinsic of numba: the result is the signature of the call and
-    a function that generates its code.
-    """
-
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        """Generate an atomic load and a comparison."""
         array = context.make_array(signature.args[0])(context, builder, arguments[0])
         now = builder.load_atomic(array.data, "monotonic", 1)  # no loop keeps what it once read
         return builder.icmp_signed("!=", now, now.type(0))
@@ -204,7 +164,6 @@ def by_type(argument: str, ways: Mapping[type, Any]) -> Callable[[Function], Fun
     """
 
     def register(function: Function) -> Function:
-        """Return the name under which compiled code finds the implementations of a function."""
         place = list(inspect.signature(function).parameters).index(argument)
         chosen: Any = Choice(function, place, ways)
         return chosen
@@ -213,23 +172,15 @@ def by_type(argument: str, ways: Mapping[type, Any]) -> Callable[[Function], Fun
 
 
 def _compiled(function: Any, change: Callable[[Any], None] | None = None, **options: bool) -> Any:
-    """Return a compiled function with the cache and options of vibrafeed.
-
-    `change` sets flags of the compiler that are not options; `options` are those of `numba.njit`.
-    """
     options = {"nopython": True, "nogil": True, **options}
     return EntryDispatcher(function, {"error_model": "numpy", **options}, cache_of, change)
 
 
 class _CompileTimer(event.Listener):
-    """Has the stopwatch run while numba compiles what it did not find on the disk."""
-
     def on_start(self, event: event.Event) -> None:
-        """Start the stopwatch when numba begins to compile."""
         stopwatch.begin()
 
     def on_end(self, event: event.Event) -> None:
-        """Stop the stopwatch when numba has compiled."""
         stopwatch.end()
 
 

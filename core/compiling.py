@@ -17,7 +17,6 @@ class Stopwatch:
     """
 
     def __init__(self) -> None:
-        """Begin stopped, with no time spent and no listeners."""
         self.spent = 0.0
         self._depth = 0
         self._began = 0.0
@@ -61,7 +60,6 @@ class Stopwatch:
             self._listeners.remove(listener)
 
     def _tell(self, compiles: bool) -> None:
-        """Call all listeners with the state of compiling."""
         for told in tuple(self._listeners):
             told(compiles)
 
@@ -82,7 +80,6 @@ def announced(write: Callable[[str], object]) -> Iterator[None]:
     waiting = [ONCE]
 
     def tell(compiles: bool) -> None:
-        """Write the message once, when compiling begins."""
         if compiles and waiting:
             write(waiting.pop())
 

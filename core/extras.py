@@ -38,7 +38,6 @@ def installing(package: str = "", extra: str | None = None) -> str:
 
 
 def _packages(extra: str | None) -> list[str]:
-    """Return the names of the packages of an extra, as the installed vibrafeed declares them."""
     try:
         declared = requires("vibrafeed") or []
     except PackageNotFoundError:

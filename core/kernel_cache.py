@@ -108,7 +108,6 @@ def imported(text: str) -> Iterator[Path]:
 
 @functools.cache
 def _file_of(dotted: str) -> Path | None:
-    """Return the file of a module or package of this project; None if it is neither."""
     path = CORE.parent.joinpath(*dotted.split("."))
     files = (path.with_suffix(".py"), path / "__init__.py")
     return next(filter(Path.is_file, files), None)
@@ -189,10 +188,6 @@ def are_kept(names: Iterable[str]) -> bool:
 
 
 def _forget_old(package: str, current: Path) -> None:
-    """Remove the outdated cache folders of compiled code of a package, except the eight used last.
-
-    `package` is the name of a package of kernels; `current` is its folder in use.
-    """
     others = set(current.parent.glob(f"{package}-" + 16 * "[0-9a-f]")) - {current}
     with contextlib.suppress(OSError):  # another process removes the same ones
         for other in sorted(others, key=os.path.getmtime, reverse=True)[KEPT:]:
@@ -200,21 +195,12 @@ def _forget_old(package: str, current: Path) -> None:
 
 
 class _CacheFolder(caching._CacheLocator):
-    """The folder where numba finds the code of one function, with the stamp of its source."""
-
     def __init__(self, package: str, function: Callable[..., Any], file: str, path: Path) -> None:
-        """Note the cache folder and the source of one kernel."""
         self._py_file, self._lineno = file, function.__code__.co_firstlineno
         self._package, self._module, self._path = package, function.__module__, path
 
     @classmethod
     def from_function(cls, function: Callable[..., Any], file: str) -> _CacheFolder | None:
-        """Return the cache folder of a kernel's code; None for other functions.
-
-        numba asks this of each cache class; None also if no folder can be used. `function` is the
-        Python function, `file` the path of its source file, or the name of a generated function.
-        Only modules of the packages `kernels`, and generated loops, are cached here.
-        """
         package = LOOPS
         if not file.startswith(LOOPS):
             path = Path(file).resolve()
@@ -225,45 +211,31 @@ class _CacheFolder(caching._CacheLocator):
         return None if place is None else cls(package, function, file, place)
 
     def get_cache_path(self) -> str:
-        """Return the folder of the cached code."""
         return str(self._path)
 
     def get_source_stamp(self) -> str:
-        """Return the stamp by which numba detects changed sources."""
         return digest(self._package)
 
     def get_disambiguator(self) -> str:
-        """Return the part of the file name that distinguishes kernels."""
         return f"{self._module}-{self._lineno}"  # two kernels may have files of one name
 
     def ensure_cache_path(self) -> None:
-        """Create the folder of the cached code."""
         self._path.mkdir(parents=True, exist_ok=True)
 
 
 class _Results(caching.CompileResultCacheImpl):
-    """The writer of compiled code that numba uses in this cache, and only there."""
-
     _locator_classes: list[type[object]] = [_CacheFolder]  # noqa: RUF012 numba declares it so
 
 
 class _Cache(caching.FunctionCache):
-    """The cached code of one function; what cannot be written is compiled again next time."""
-
     _impl_class = _Results
 
     def load_overload(self, signature: Any, target_context: Any) -> Any:
-        """Return the cached code of one signature, None if there is none.
-
-        numba would first load all that it knows how to compile, and scipy with it: half a second.
-        Cached code needs only the counting of references to arrays.
-        """
         rtsys.initialize(target_context)
         with self._guard_against_spurious_io_errors():
             return self._load_overload(signature, target_context)  # type: ignore[no-untyped-call]
 
     def save_overload(self, signature: Any, data: Any) -> None:
-        """Store compiled code; does nothing if the disk refuses."""
         with contextlib.suppress(OSError):
             super().save_overload(signature, data)  # type: ignore[no-untyped-call]
 

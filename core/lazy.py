@@ -30,7 +30,6 @@ def lazily(
     places = {name: module for module, names in homes.items() for name in names}
 
     def attribute(name: str) -> Any:
-        """Return an attribute of the package, importing its module."""
         if name in modules:
             return import_module(f"{package}.{modules[name]}")
         if name not in places:
@@ -54,7 +53,6 @@ class Exported(Mapping[str, Record], Generic[Record]):
     """
 
     def __init__(self, name: str, packages: Mapping[str, ModuleType]):
-        """Note the packages by key, and the name of the record that each exports."""
         self._name, self._packages = name, MappingProxyType({**packages})
 
     def __getitem__(self, key: str) -> Record:

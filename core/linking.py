@@ -40,36 +40,24 @@ Change = Callable[[Any], None]
 
 
 class _Library(_NumbasLibrary):  # type: ignore[misc]
-    """The code of one function, and the libraries whose functions it calls."""
-
     def _optimize_functions(self, module: Any) -> None:
-        """Do nothing: functions are optimised after linking."""
         module.data_layout = self._codegen._data_layout
 
     def add_linking_library(self, library: Any) -> None:
-        """Note a library whose functions this one calls."""
         if not isinstance(library, _LinkedPart):
             library._ensure_finalized()
         self._linking_libraries.append(library)
 
 
 class _LinkedPart(_Library):
-    """The code of a function for compiled callers: LLVM's input, no machine code."""
-
     _shared_module: Any
 
     @property
     def has_dynamic_globals(self) -> bool:
-        """True if the code holds addresses of this process, so that it cannot be cached."""
         variables = self._final_module.global_variables
         return any(variable.name.startswith(GLOBALS) for variable in variables)
 
     def _get_module_for_linking(self) -> Any:
-        """Return the LLVM module of this function, prepared to be linked into its callers.
-
-        numba calls this once for each caller. External functions get the linkage `linkonce_odr`:
-        copies of one function may then meet in a program, and unused ones are removed.
-        """
         if self._shared_module is None:
             self._shared_module = self._final_module
             for function in self._final_module.functions:
@@ -79,14 +67,7 @@ class _LinkedPart(_Library):
 
 
 class _Entry(_Library):
-    """The code of a function for Python, with all that it calls."""
-
     def finalize(self) -> None:
-        """Link all code that this function calls, optimise it as a whole, and make machine code.
-
-        numba calls this when the function has been translated. Python objects that the linked code
-        needs are then set in its global variables.
-        """
         self._linking_libraries = list(_reached(self, {}))
         super().finalize()
         for variable in self._final_module.global_variables:
@@ -97,12 +78,6 @@ class _Entry(_Library):
 
 
 def _reached(library: Any, known: dict[Any, None]) -> dict[Any, None]:
-    """Return all libraries that a compiled library links, directly or not, each once and in order.
-
-    Numba's code libraries; a new function has to be linked with all of them. The result is `known`,
-    a dict used as an ordered set, which collects them; pass an empty dict. Only libraries of this
-    module's own kind (`_LinkedPart`) are looked into further.
-    """
     for called in library._linking_libraries:
         if called not in known:
             known[called] = None
@@ -112,20 +87,11 @@ def _reached(library: Any, known: dict[Any, None]) -> dict[Any, None]:
 
 
 class _Compiler(_NumbasCompiler):  # type: ignore[misc]
-    """Compiles a function into a library of ours."""
-
     def __init__(self, of_numba: Any, library: type[_Library], change: Change | None) -> None:
-        """Take over numba's compiler of a function, for libraries of ours."""
         self.__dict__.update(of_numba.__dict__)
         self._library, self._change = library, change
 
     def _compile_core(self, args: Any, return_type: Any) -> Any:
-        """Compile the function for some argument types into a code library of this module.
-
-        Return numba's result. `args` are numba's types of the arguments, `return_type` is None
-        where numba infers it. A function for compiled callers (`_LinkedPart`) is only translated
-        for LLVM, without machine code and Python wrapper, and gets a name by which callers find it.
-        """
         flags: Any = Flags()  # type: ignore[no-untyped-call]
         self.targetdescr.options.parse_as_flags(flags, self.targetoptions)
         flags.no_cfunc_wrapper = True
@@ -149,17 +115,13 @@ class _Compiler(_NumbasCompiler):  # type: ignore[misc]
 
 
 class _PartDispatcher(_NumbasDispatcher):  # type: ignore[misc]
-    """A function as compiled code sees it."""
-
     _compiler: Any
 
     def __init__(self, function: Callable[..., Any], options: Options, change: Change | None):
-        """Wrap a function for compiled callers."""
         super().__init__(function, targetoptions=dict(options))
         self._compiler = _Compiler(self._compiler, _LinkedPart, change)
 
     def add_overload(self, result: Any) -> None:
-        """Note compiled code; Python never calls it."""
         self.overloads[tuple(result.signature.args)] = result
 
 
@@ -188,7 +150,6 @@ class EntryDispatcher(_NumbasDispatcher):  # type: ignore[misc]
         cache: Callable[[Callable[..., Any]], Any],
         change: Change | None = None,
     ) -> None:
-        """Wrap a function for Python callers, with a cache on disk."""
         super().__init__(function, targetoptions=dict(options))
         self._compiler = _Compiler(self._compiler, _Entry, change)
         self._of_part = options, change
@@ -196,11 +157,10 @@ class EntryDispatcher(_NumbasDispatcher):  # type: ignore[misc]
 
     @cached_property
     def _part(self) -> _PartDispatcher:
-        """The function for compiled callers; code from the cache needs none."""
         return _PartDispatcher(self.py_func, *self._of_part)
 
     def _compilation_chain_init_hook(self) -> None:
-        """Load no extensions of numba: kernels take arrays and numbers, and the search is slow."""
+        pass
 
     def compile(self, signature: Any) -> Any:
         """Compile the function for argument types, or load it from the cache."""
@@ -235,14 +195,12 @@ class Choice:
     def __init__(
         self, function: Callable[..., Any], position: int, ways: Mapping[type, Any]
     ) -> None:
-        """Choose one of `ways` by the type of the argument at a position."""
         self.py_func, self._position, self._ways = function, position, ways
         self.__name__, self.__doc__ = function.__name__, function.__doc__
         dispatched: Any = types.Dispatcher
         self._numba_type_ = dispatched(self)
 
     def __call__(self, *arguments: Any) -> Any:
-        """Call the Python function."""
         return self.py_func(*arguments)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
@@ -254,13 +212,11 @@ class Choice:
         return self._way(signature).get_overload(signature)
 
     def _way(self, types: Any) -> Any:
-        """Return the function chosen by the types of the arguments."""
         return self._ways[types[self._position].instance_class]
 
 
 @contextmanager
 def _without_collecting() -> Iterator[None]:
-    """Suspend garbage collection in the block, which takes a fifth of compile time."""
     enabled = gc.isenabled()
     gc.disable()
     try:

@@ -39,7 +39,6 @@ class SceneCard:
         self.outputs = {entry["name"]: entry for entry in content["outputs"]}
 
     def __repr__(self) -> str:
-        """Return the card as text of some 60 lines; of numbered parameters the first is named."""
         choices = (line for choice in self._choices() for line in _wrapped(choice))
         head = [*_wrapped(f"{self.name}: {self.title}"), *choices]
         families: dict[str, list[str]] = {}
@@ -62,7 +61,6 @@ class SceneCard:
         return "\n".join([*top, "", *listed, *tail])
 
     def _repr_html_(self) -> str:
-        """Return the card as tables, for notebooks."""
         outputs = [(*_output(entry), entry["description"]) for entry in self.outputs.values()]
         return "".join([
             f"<h4>{escape(self.name)}: {escape(self.title)}</h4>",
@@ -73,7 +71,6 @@ class SceneCard:
         ])  # fmt: skip
 
     def _choices(self) -> list[str]:
-        """Return lines on the variants of its closed forms and on its methods in time."""
         chosen = self.content.get("method") or self.content["variant"]
         ways = {"variant (sweep)": "variants", "method in time (simulate)": "methods"}
         lines = [
@@ -84,17 +81,14 @@ class SceneCard:
         return [*lines, "* shown here; a parameter without default is given if an output needs it"]
 
     def _regimes(self) -> str:
-        """Return the names of its regimes."""
         return ", ".join(entry["name"] for entry in self.content["regimes"])
 
 
 def _unit(entry: Mapping[str, Any]) -> str:
-    """Return the unit of a parameter or output as it is read, empty for a pure number."""
     return SI.get(entry["unit"], entry["unit"])
 
 
 def _parameter(entry: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the row of a parameter: name, unit, default, bounds, meaning."""
     least, most = entry["lower"], entry["upper"]
     ends = [] if least is None else [f"{'>' if entry['lower_excluded'] else '>='} {least:g}"]
     ends += [] if most is None else [f"<= {most:g}"]
@@ -104,12 +98,10 @@ def _parameter(entry: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def _output(entry: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the row of an output: name, unit, source of its equation, equation."""
     return (entry["name"], _unit(entry), entry["source"], entry["equation"])
 
 
 def _aligned(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    """Return a table as lines; its last column is cut at the right edge."""
     table = [heads, *rows]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)][:-1]
     lines = []
@@ -121,12 +113,10 @@ def _aligned(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
 
 
 def _wrapped(text: str) -> list[str]:
-    """Return a text as lines, the second and further ones with an indent."""
     return textwrap.wrap(text, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
 
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table in HTML."""
     style = "text-align: left; white-space:"
     lines = [
         "".join(

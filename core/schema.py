@@ -40,12 +40,6 @@ def study_schema() -> Schema:
 
 
 def _with_names(schema: Schema, kind: Kind) -> Schema:
-    """Return a kind's JSON Schema with the names that it allows listed as choices.
-
-    Scenes, outputs, variants and the kind's own choices become ``enum`` lists, so that an editor
-    can offer them. `schema` is the one that pydantic makes of the kind's model; it is not changed
-    itself.
-    """
     first, properties = kind.scenes[0], {**schema["properties"]}
     giving = [scene for scenes in kind.scenes for scene in scenes.values()]
     outputs = {name for scene in giving for v in scene.variants for name in scene.outputs(v)}
@@ -78,7 +72,6 @@ def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema
     shared: dict[str, Schema] = {}
 
     def short(schema: Any) -> Any:
-        """Return a schema with references in place of shared parts, which become definitions."""
         if not isinstance(schema, dict) or len(text := _text(schema)) <= SHORT or counts[text] < 2:
             return _map_children(schema, short)
         if text not in names:
@@ -93,25 +86,18 @@ def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema
 
 
 def _plain(schema: Mapping[str, Any]) -> Schema:
-    """Return a schema without titles and descriptions."""
     return {key: value for key, value in schema.items() if key not in NOTES}
 
 
 def _text(schema: Mapping[str, Any]) -> str:
-    """Return a schema as text, for comparison."""
     return json.dumps(_plain(schema), sort_keys=True)
 
 
 def _children(schema: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield each key of a schema that holds further schemas, and its value."""
     return ((key, value) for key, value in schema.items() if key in (*BY_NAME, *BELOW))
 
 
 def _below(schema: Any) -> Iterator[Schema]:
-    """Yield all JSON Schemas nested in a schema, at any depth, each before those inside it.
-
-    Repeated ones are found so. Anything that is no object has none.
-    """
     if not isinstance(schema, dict):
         return
     for key, value in _children(schema):
@@ -123,11 +109,6 @@ def _below(schema: Any) -> Iterator[Schema]:
 
 
 def _map_children(schema: Any, change: Any) -> Any:
-    """Return a JSON Schema with each schema directly inside it replaced by another.
-
-    `change` is called with a schema and returns one. A value that is no object is returned itself;
-    the schema that was given is not changed.
-    """
     if not isinstance(schema, dict):
         return schema
     changed: Schema = {}

@@ -98,7 +98,6 @@ def write_utf8() -> None:
 
 
 def _psutil() -> Any:
-    """Return psutil, whose import takes as long as many a command."""
     import psutil
 
     return psutil

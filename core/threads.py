@@ -39,7 +39,6 @@ def share_out(function: Callable[[_T], Any], tasks: Iterable[_T], threads: int) 
     errors: list[BaseException] = []
 
     def work() -> None:
-        """Run tasks until none is left; on an error keep it and drop the remaining tasks."""
         try:
             while True:
                 try:
@@ -66,7 +65,6 @@ def share_out(function: Callable[[_T], Any], tasks: Iterable[_T], threads: int) 
 
 @cache
 def _pool(threads: int) -> ThreadPoolExecutor:
-    """Return the pool of helpers of the caller, made once for this many threads."""
     return ThreadPoolExecutor(max(1, threads - 1), thread_name_prefix="shared")
 
 

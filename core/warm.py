@@ -75,7 +75,6 @@ def end_with_parent() -> None:
     assert parent is not None
 
     def watch() -> None:
-        """Wait for the other's end."""
         parent.join()
         os._exit(1)
 
@@ -92,7 +91,6 @@ def carry_out(package: str, part: slice = slice(None)) -> None:
 
 
 def _cache() -> Any:
-    """Return the module of the cache; numba is loaded with it."""
     from vibrafeed.core import kernel_cache
 
     return kernel_cache

@@ -82,20 +82,12 @@ class Watch:
 
 
 class _Lookout:
-    """The thread that asks the watches of what runs, and raises their flags; it sleeps else."""
-
     def __init__(self) -> None:
-        """Begin without watches; start the thread."""
         self._changed = threading.Condition()
         self._watched: dict[int, tuple[Watch, NDArray[np.int8]]] = {}
         self._thread: threading.Thread | None = None
 
     def begin(self, watch: Watch, flag: NDArray[np.int8]) -> None:
-        """Begin to ask a watch at short intervals, to set its flag when it says to stop.
-
-        `flag` is the one-element array that compiled code looks at. The thread that asks is started
-        if need be.
-        """
         with self._changed:
             self._watched[id(flag)] = watch, flag
             if self._thread is None or not self._thread.is_alive():
@@ -105,16 +97,10 @@ class _Lookout:
                 self._changed.notify()
 
     def end(self, flag: NDArray[np.int8]) -> None:
-        """Stop polling the watch of a flag."""
         with self._changed:
             del self._watched[id(flag)]
 
     def _look(self) -> None:
-        """Set the flags of running computations that are to stop, until the process ends.
-
-        It runs in a thread of its own and asks every watch at short intervals; it sleeps when there
-        are none. A watch that raises is taken for one that stops.
-        """
         while True:
             with self._changed:
                 while not self._watched:

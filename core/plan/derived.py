@@ -96,7 +96,6 @@ class Asked:
         arrays: dict[str, NDArray[Any]] = {}
 
         def squeezed(name: str, values: NDArray[Any]) -> NDArray[Any]:
-            """Return values without the axes that the variable does not depend on."""
             kept = tuple(slice(None) if axis in dims[name] else 0 for axis in grid.axes)
             return values.reshape(shape)[kept]
 
@@ -237,16 +236,11 @@ def cells_of(plan: Plan, grid: Grid) -> dict[str, NDArray[np.float64]]:
 
 
 def _factor(output: str, parameter: str) -> float:
-    """Return the factor from a derivative in SI units and radians to the units of files."""
     factor = np.rad2deg(1.0) if QUANTITIES[output].is_angle else 1.0
     return float(factor * (np.deg2rad(1.0) if QUANTITIES[parameter].is_angle else 1.0))
 
 
 def _per(output: str, parameter: str) -> str:
-    """Return the unit of the derivative of an output by a parameter, such as ``m s-1 Hz-1``.
-
-    Files state it beside the values; without a unit on both sides it is ``"1"``.
-    """
     factors = [] if QUANTITIES[output].unit == "1" else [QUANTITIES[output].unit]
     if QUANTITIES[parameter].unit != "1":
         for unit, power in _FACTOR.findall(QUANTITIES[parameter].unit):

@@ -150,7 +150,6 @@ def values_of(
 
 
 def _with_counts(plan: Plan) -> tuple[Plan, tuple[str, ...]]:
-    """Return a plan that also has the counts of motion, and their names."""
     if not any(equation.takes_long for equation in plan.equations):
         return plan.part(plan.outputs), ()
     counts = tuple(name for name in COUNTS if name in plan.scene.outputs(plan.variant))
@@ -210,15 +209,12 @@ def jacobian(rows: Callable[[Array], Array], at: Array, step: float) -> Array:
 
 @dataclass(frozen=True)
 class _Model:
-    """The outputs of a plan over parameters; its arrays have the shape (outputs, cells)."""
-
     plan: Plan
     outputs: tuple[str, ...]
     counts: tuple[str, ...]
     watch: Watch
 
     def at(self, values: Mapping[str, Array], share: float) -> tuple[Array, Array]:
-        """Return outputs, and the counts that are the same within a regime."""
         known = run_equations(self.plan, values, self.watch.part(share))
         size = next(iter(values.values())).size
         outputs, kinds = (
@@ -230,7 +226,6 @@ class _Model:
     def derived(
         self, values: Mapping[str, Array], parameter: str, middle: Array, kinds: Array, share: float
     ) -> tuple[Array, Array, Array, NDArray[np.int8]]:
-        """Return value, derivative, its error and its status, given outputs and kinds at cells."""
         scale = _scale_of(parameter, values[parameter])
         size, finite = np.abs(middle) / scale, np.isfinite(middle)
         slope, error = np.full(middle.shape, np.nan), np.full(middle.shape, np.inf)
@@ -260,10 +255,6 @@ class _Model:
         self, near: Mapping[str, Array], parameter: str, step: Array, middle: Array, kinds: Array,
         size: Array, share: float,
     ) -> tuple[Array, Array, Array]:  # fmt: skip
-        """Return derivatives by one step, their errors, infinite if it does not count, and status.
-
-        `size` is the output over the scale of the parameter.
-        """
         at = near[parameter]
         over, under = (self._may_be(near, parameter, at + way * step) for way in (1, -1))
         inside, step = over != under, np.where(over >= under, step, -step)
@@ -285,7 +276,6 @@ class _Model:
         return slopes.slope, error, np.broadcast_to(status, error.shape)
 
     def _may_be(self, near: Mapping[str, Array], parameter: str, to: Array) -> Mask:
-        """True for values that a parameter may have beside those of all others."""
         quantity = QUANTITIES[parameter]
         unit = np.deg2rad(1.0) if quantity.is_angle else 1.0
         lower, upper = quantity.lower * unit, quantity.upper * unit
@@ -300,7 +290,6 @@ class _Model:
 
 
 def _scale_of(parameter: str, at: Array) -> Array:
-    """Return a power of two near the size of each value, or the least usual size, 1 for angles."""
     quantity = QUANTITIES[parameter]
     least = 1.0 if quantity.is_angle else (quantity.usual or (0.0,))[0]
     size = np.maximum(np.abs(at), least)

@@ -104,10 +104,6 @@ def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:
 
 
 def _fused(plan: Plan, grid: Grid) -> Fused | None:
-    """Return the compiled form of a plan on a grid; None if compiling does not pay.
-
-    It does not for few cells, or if numpy is done sooner than a compiler; some plans have none.
-    """
     cells = grid.size(list(groups_of(plan, grid))[-1])
     if cells <= FEW_CELLS:
         return None

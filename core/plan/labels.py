@@ -91,7 +91,6 @@ def verdict_variables(
 
 
 def _edge(name: str, value: float) -> float:
-    """Return a default value in the unit of files."""
     return float(np.rad2deg(value)) if QUANTITIES[name].is_angle else value
 
 
@@ -124,11 +123,6 @@ def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
 
 
 def _origin(drive: MeasuredDrive, values: Mapping[str, Values]) -> str:
-    """Return a sentence on the origin of a measured drive's numbers.
-
-    It names the recording and its digest, the shares that the fit leaves over, and those drive
-    parameters (`values`) that the study sets otherwise.
-    """
     left = ", ".join(f"{axis} {100 * share:.2g} %" for axis, share in drive.left_over.items())
     told = f"fitted to {drive.name} (SHA-256 {drive.sha256}); left over {left}"
     if drive.clock_error is not None:

@@ -110,20 +110,13 @@ class Plan:
 
     @cached_property
     def _known_parts(self) -> dict[str, Plan]:
-        """Plans of single outputs by name, kept since every slice asks for one."""
         return {}
 
     @cached_property
     def _known_axes(self) -> dict[tuple[str, ...], dict[str, frozenset[str]]]:
-        """Results of `depends_on` by the axes asked for."""
         return {}
 
     def _depends_on(self, axes: Collection[str]) -> dict[str, frozenset[str]]:
-        """Return the axes on which each quantity and each verdict of the plan depend, by name.
-
-        `axes` are the parameters with several values. A quantity depends on the axes of all inputs
-        of its equation, a verdict on those of all inputs of its conditions.
-        """
         known = {name: frozenset({name} & set(axes)) for name in self.parameters}
         known.update(dict.fromkeys(self.defaults, frozenset()))
         for equation in self.equations:
@@ -212,12 +205,9 @@ def plan_scene(
 
 
 class _Walk:
-    """Walks back from outputs to parameters, and collects equations, defaults and gaps."""
-
     def __init__(
         self, scene: Scene, variant: str, parameters: Collection[str], outputs: tuple[str, ...]
     ):
-        """Walk back from the outputs of a scene; collect equations and problems."""
         self.scene, self.variant = scene, variant
         self.parameters, self.outputs = parameters, outputs
         self.scene_defaults = scene.defaults_of(variant)
@@ -238,7 +228,6 @@ class _Walk:
                 self.visit(name, condition.regime)
 
     def plan(self) -> Plan:
-        """Return the plan of everything that was collected: equations in order, parameters."""
         ordered = [name for name in self.scene.outputs(self.variant) if name in self.outputs]
         return Plan(
             self.scene,
@@ -251,12 +240,6 @@ class _Walk:
         )
 
     def visit(self, name: str, user: str = "") -> None:
-        """Collect a quantity and all that it depends on: equations, defaults, what is missing.
-
-        It is called for the outputs, and calls itself for the inputs of the equation that gives the
-        quantity `name`. `user` is the quantity or regime that needs it, for the message if it is
-        missing.
-        """
         if name in self.visited:
             return
         self.visited.add(name)
@@ -273,12 +256,6 @@ class _Walk:
             self.missing[name] = user
 
     def _producer(self, name: str) -> Equation | None:
-        """Return the equation that gives a quantity for this study, or None.
-
-        None if there is none, or if a default is taken. An alternative parameter of the study (a
-        stroke for an amplitude) comes first. Where a quantity has a default, its equation runs only
-        if the study asks for it or sets one of its inputs.
-        """
         for alias in ALIASES:
             asked = {one for one in alias.inputs if QUANTITIES[one].parameter} - BESIDE
             if alias.gives == name and asked <= set(self.parameters):
@@ -291,18 +268,12 @@ class _Walk:
         return equation
 
     def _tells(self, names: Collection[str]) -> bool:
-        """True if the study sets one of the named parameters, or an alternative to it."""
         parameters = set(self.parameters)
         followed = (self.producers.get(name) for name in names if QUANTITIES[name].parameter)
         return any(one is not None and set(one.inputs) <= parameters for one in followed)
 
 
 def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions) -> Problem:
-    """Return the problem of an output that a variant of a scene does not give, with a fix.
-
-    The fix is another variant, another kind of study, or a similar name, which `suggest` finds.
-    `name` is the output that the user asked for.
-    """
     others = [v for v in scene.variants if name in scene.outputs(v)]
     if others:
         return Problem(
@@ -323,12 +294,6 @@ def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions)
 
 
 def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
-    """Return the problem of an output that this kind of study cannot give but another kind can.
-
-    A sweep evaluates closed forms, a simulation follows a part in time; the problem names the kind
-    to set, and an output of this kind that means the same, if any. None if no other kind gives
-    `name`. `scene` and `variant` are those of the study, for a simulation the variant is a method.
-    """
     closed = SCENES.get(scene.name)
     if scene.choice == "method" and closed is not None:
         here, there, kind = "simulation", "sweep", "sweep"
@@ -347,11 +312,6 @@ def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
 
 
 def _doubled(parameters: Collection[str], missing: Collection[str]) -> list[Problem]:
-    """Return the problems of parameters that exclude or need each other, from their names.
-
-    Such are parameters that are set twice, by two alternatives such as amplitude and stroke, and
-    those that say nothing without another, unless that is `missing` anyway.
-    """
     problems = []
     for name, others in ALTERNATIVES:
         doubled = [other for other in others if name in parameters and other in parameters]
@@ -370,11 +330,6 @@ def _doubled(parameters: Collection[str], missing: Collection[str]) -> list[Prob
 
 
 def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
-    """Return the problem of a missing parameter of a study, with what needs it and an example.
-
-    `name` is the quantity that equations of the scene need; the message has the name that studies
-    use. `needed_by` is the quantity that needs it; it is named only if users know it.
-    """
     written = WRITTEN_AS.get(name, name)
     quantity = QUANTITIES[written]
     is_inner = needed_by not in QUANTITIES or QUANTITIES[needed_by].bundle
@@ -390,10 +345,6 @@ def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
 
 
 def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> Problem:
-    """Return the problem of a parameter that a study gives and no asked output uses, with a fix.
-
-    `name` is the parameter, `outputs` are those asked of this variant of the scene.
-    """
     if name in DRIVE and "wave" not in scene.producers(variant):
         fix = "Give amplitude, alpha and beta instead, or ask for the conveying_velocity of a part"
         message = (

@@ -53,8 +53,6 @@ class Price(NamedTuple):
 
 
 class _Round(NamedTuple):
-    """The time of some cells [s], the number of those done, and whether some may go on."""
-
     seconds: float
     done: int
     open: bool
@@ -99,10 +97,6 @@ def _is_compiled() -> bool:
 def _spread_cells(
     plan: Plan, grid: Grid, free: Mapping[str, tuple[float, float]]
 ) -> tuple[dict[str, Array], int, float]:
-    """Return parameters of sampled cells, their number, and the share of cells with own motions.
-
-    Cells that differ in what no motion depends on share a motion.
-    """
     depends = plan.depends_on(grid.axes)
     moved = frozenset().union(*(depends[one.gives] for one in plan.equations if one.takes_long))
     dims = {name: grid.shape[name] for name in grid.dims(moved)}
@@ -123,10 +117,6 @@ def _spread_cells(
 
 
 def _evenly(count: int, axes: int) -> Array:
-    """Return points that fill the unit cube evenly, shape (count, axes).
-
-    Multiples of the powers of 1/g modulo 1, where g^(axes + 1) = g + 1: the golden ratio for one.
-    """
     g = 2.0
     for _ in range(64):
         g = (1.0 + g) ** (1.0 / (axes + 1))
@@ -135,7 +125,6 @@ def _evenly(count: int, axes: int) -> Array:
 
 
 def _timed(plan: Plan, known: Mapping[str, Any], count: int) -> tuple[float, float]:
-    """Return the time of a call and of each cell on one core [s]."""
     allowed = float(np.max({**plan.defaults, **known}.get(LIMIT, 0.0)))
     periods = before = reached = 0.0
     while True:
@@ -160,7 +149,6 @@ def _timed(plan: Plan, known: Mapping[str, Any], count: int) -> tuple[float, flo
 
 
 def _follow(plan: Plan, known: Mapping[str, Any], count: int, periods: float) -> _Round:
-    """Compute the first cells of a sample for some periods, for as long as the budget lasts."""
     cells = {name: value[:count] if np.ndim(value) else value for name, value in known.items()}
     if LIMIT in plan.defaults or LIMIT in known:
         cells[LIMIT] = np.asarray(periods)

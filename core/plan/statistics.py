@@ -40,7 +40,6 @@ def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
         sums = np.moveaxis(sums, -1, 1)
 
         def moments(sums: Array) -> Array:
-            """Return mean and deviation from sums over replicates."""
             count, first, second = sums
             mean = first / count
             left = np.maximum(second / count - mean**2, 0.0)

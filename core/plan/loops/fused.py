@@ -47,7 +47,6 @@ class Fused:
     """
 
     def __init__(self, plan: Plan, traced: Traced, grid: Grid):
-        """Prepare the loops of a traced plan over a grid."""
         self._grid, self._traced = grid, traced
         self._values = Values(traced, plan, grid)
         self._groups = groups_of(plan, grid)
@@ -96,7 +95,6 @@ class Fused:
                         array[...] = self._values.over(self._traced.results[name], dims)
 
     def _program(self, dims: tuple[str, ...], names: tuple[str, ...]) -> Program:
-        """Return the loops that compute the outputs `names` over the axes `dims`."""
         shape = tuple((name, self._grid.shape[name]) for name in dims)
         special = self._values.special(edge_of(self._traced, names, shape))
         return program_of(self._traced, names, shape, special)
@@ -108,20 +106,6 @@ class Fused:
         threads: int,
         progress: Progress | None,
     ) -> None:
-        """Compute all outputs that share the axes `dims` with compiled loops, on several threads.
-
-        Parameters
-        ----------
-        dims : tuple of str
-            Names of the axes of the grid on which these outputs depend.
-        results : sequence of ndarray
-            Contiguous arrays over `dims`, one for each output of the compiled program, which are
-            filled.
-        threads : int
-            The largest number of threads, the calling one included.
-        progress : callable or None
-            Called after each task with its share of the cells, by any of the threads.
-        """
         program, grid = self._programs[dims], self._grid
         loops = bind_stages(program, lay_out_operands(program, self._traced, self._values, grid))
         sizes = [grid.shape[name] for name in dims]
@@ -134,7 +118,6 @@ class Fused:
         most = TASK_CELLS if len(program.stages) == 1 else COLUMN_CELLS
 
         def run(ends: NDArray[np.int64]) -> None:
-            """Compute a task and report its share; `ends` has first cell and end of each loop."""
             loops((ends, strides), flat)
             if progress is not None:
                 progress(_cells_between(ends) / cells)
@@ -151,7 +134,6 @@ class Fused:
 
 
 def _cells_between(ends: NDArray[np.int64]) -> int:
-    """Return the cells of a task, whose ranges `ends` are as `_tasks` yields them."""
     return math.prod(stop - start for start, stop in ends.tolist())
 
 
@@ -172,7 +154,6 @@ def mark_compiled(program: Program) -> None:
 
 
 def _new_rows(count: int) -> list[Array]:
-    """Return places for the rows that a loop keeps, of `LONGEST_ROW` cells each."""
     return [np.empty(LONGEST_ROW) for _ in range(count)]
 
 
@@ -198,7 +179,6 @@ def bind_stages(
     assert last is not None
 
     def run(ranges: Sequence[NDArray[np.int64]], results: Iterable[Array]) -> None:
-        """Run the loops on some cells, and the functions of numpy between them."""
         columns: dict[int, Array] = {}
         for stage, call in between:
             if call is not None:
@@ -218,13 +198,6 @@ def bind_stages(
 def _bind_loop(
     loop: Loop, operands: Mapping[int, Any], rows: Callable[[int], Iterable[Array]]
 ) -> Callable[[Sequence[NDArray[np.int64]], Mapping[int, Array], Iterable[Array]], None]:
-    """Return a function that calls one compiled loop of a program on some cells.
-
-    `operands` are the inputs that numpy has computed beforehand, by number of the node, `rows`
-    gives places for the rows that the loop keeps. The function takes the arrays of ranges and
-    strides, the columns that numpy has computed for these cells, also by number of the node, and
-    the arrays to be filled.
-    """
     # Importing numba takes a second: only runs that gain from it pay for it.
     from vibrafeed.core.compiled import compiled_source  # numba, for those whom it repays
 
@@ -236,7 +209,6 @@ def _bind_loop(
         columns: Mapping[int, Array],
         results: Iterable[Array],
     ) -> None:
-        """Call the loop with room for the rows that it keeps."""
         own = [columns[node.number] for node in loop.columns]
         function(*ranges, *inputs, *own, *rows(len(loop.rows)), *results)
 
@@ -292,7 +264,6 @@ class Values:
     """Values of nodes that numpy computes, each once, on the grid of its own axes."""
 
     def __init__(self, traced: Traced, plan: Plan, grid: Grid):
-        """Compute with numpy the nodes that need no loop."""
         self._axes = tuple(grid.axes)
         self._known: dict[int, Any] = {}
         values = grid.si()
@@ -344,11 +315,6 @@ class Values:
 
 
 def _tasks(order: Order, shape: Mapping[str, int], most: int) -> Iterator[NDArray[np.int64]]:
-    """Yield the tasks into which the loops over a grid are divided, to share them out.
-
-    Each is an array of start and stop, int64, shape (loops + 1, 2): on the row, the innermost loop,
-    and on each outer loop. A task has at most `most` cells; `shape` are the lengths of the axes.
-    """
     row = math.prod(shape[name] for name in order.inner)
     sizes = [row, *(shape[name] for name in order.outer)]
     steps = [inside := min(row, most)]

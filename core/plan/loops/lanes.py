@@ -233,7 +233,6 @@ class LaneLoop:
         over: Iterable[str],
         most: int = TILE_CELLS,
     ):
-        """Prepare the loop that gathers a plan's outputs over some axes."""
         self._grid = grid
         shape = tuple(grid.shape.items())
         names = tuple(name for name, _ in updates)
@@ -268,7 +267,6 @@ class LaneLoop:
         self._loops = bind_stages(self._program, operands, self._rows)
 
     def _rows(self, count: int) -> NDArray[np.float64]:
-        """Return this thread's places for the rows that a loop keeps, shape (count, cells)."""
         held: dict[str, NDArray[np.float64]] = self._threads.__dict__
         if "rows" not in held or len(held["rows"]) < count:
             held["rows"] = aligned((count, LONGEST_ROW))

@@ -85,12 +85,6 @@ def order_of(
 def _outwards(
     axes: Sequence[str], shape: Mapping[str, int], steps: Collection[Node]
 ) -> tuple[str, ...]:
-    """Return axes in the order of loops, outermost first, so that little work is repeated.
-
-    From within outwards, the next loop is that over the axis on which the least work depends: all
-    other work then stands outside of that loop. `steps` are the operations to compute, `shape` has
-    the length of each axis.
-    """
     left, outer = list(axes), list[str]()
     work = [(SLOW.get(step.function, 1.0), step.axes) for step in steps]
     while left:

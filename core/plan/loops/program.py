@@ -106,7 +106,6 @@ def edge_of(
         few, many = min(few, most), min(many, most)
 
     def by_numpy(node: Node) -> bool:
-        """True if numpy should compute a node, because it is small or no loop can."""
         size = math.prod(lengths[name] for name in node.axes)
         if node.function is None:
             return True
@@ -169,29 +168,12 @@ def program_of(
 
 
 def _is_called(node: Node) -> bool:
-    """True if numpy computes a step between two loops."""
     return node.function is not None and node.function not in IN_LOOPS
 
 
 def _stages(
     order: Order, nodes: Sequence[Node], results: Sequence[Any], lanes: Lanes | None
 ) -> tuple[Stage, ...]:
-    """Return the compiled loops that compute some results, and the numpy steps between them.
-
-    A node is an operation of the graph. Some functions are left to numpy: each splits the loop, and
-    those that are ready at the same time follow the same loop.
-
-    Parameters
-    ----------
-    order : Order
-        The loops over the axes.
-    nodes : sequence of Node
-        All operations and inputs that are needed.
-    results : sequence of Node or number
-        What the last loop writes.
-    lanes : Lanes, optional
-        How results are gathered into totals; they are stored if None.
-    """
     ready = _ready(results)
     leaves = [node for node in nodes if node.function is None]
     turns = [(ready[node.number], node) for node in nodes if _is_called(node)]
@@ -215,26 +197,12 @@ def _renewed(
     edge: Iterable[Node],
     special: tuple[tuple[int, float | bool], ...],
 ) -> tuple[list[Any], list[Node]]:
-    """Return results in a new, simpler graph of operations, and all nodes that it needs.
-
-    Parameters
-    ----------
-    traced : Traced
-        The graph.
-    names : tuple of str
-        The results wanted.
-    edge : iterable of Node
-        Nodes that numpy computes beforehand: they become inputs.
-    special : tuple of (int, number)
-        Numbers of nodes that have one value everywhere, with it, which replaces them.
-    """
     graph = Graph()
     new: dict[int, Any] = {
         node.number: graph.leaf(str(node.number), node.axes, node.dtype) for node in edge
     } | dict(special)
 
     def renewed(operand: Any) -> Any:
-        """Return an operand in the new graph."""
         if not isinstance(operand, Node):
             return operand
         if operand.number not in new:
@@ -250,16 +218,9 @@ def _renewed(
 
 
 def _ready(results: Iterable[Any]) -> dict[int, int]:
-    """Return, for each node by number, after how many numpy steps in sequence its value is known.
-
-    A node is an operation of the graph. A loop cannot compute some functions: numpy does so between
-    two loops, and a loop can use a node if as many numpy steps came before it. `results` are the
-    nodes wanted.
-    """
     ready: dict[int, int] = {}
 
     def visit(node: Node) -> int:
-        """Return the number of numpy steps before a node."""
         if node.number not in ready:
             before = max((visit(inner) for inner in node.before), default=0)
             ready[node.number] = before + _is_called(node)

@@ -26,7 +26,6 @@ second cache."""
 
 
 def _keep_first(better: str) -> tuple[str, ...]:
-    """Return the lines that keep an extreme with its place, if a cell that counts is `better`."""
     return (
         f"better = ({{value}} == {{value}}) & ({better})",
         "{0} = choose(better, {value}, {0})",
@@ -134,8 +133,6 @@ def write_loop(
 
 
 class _Writer:
-    """Writes the source of one loop: each step at the level of the loops on which it depends."""
-
     def __init__(
         self,
         order: Order,
@@ -145,7 +142,6 @@ class _Writer:
         is_last: bool,
         lanes: Lanes | None,
     ):
-        """Collect the nodes, arguments and updates of a loop to be written."""
         self.order, self.results, self.is_last, self.lanes = order, results, is_last, lanes
         self.updates = lanes.updates if lanes else ("store",) * len(results)
         self.arrays = sum(UPDATES[update][0] for update in self.updates)
@@ -165,12 +161,6 @@ class _Writer:
         self.second = False
 
     def _need(self, node: Node) -> None:
-        """Collect the operations of a loop: a node of the traced graph and all nodes it depends on.
-
-        `steps` gets the nodes that the loop computes, inputs first; `used` those that it reads from
-        arrays made beforehand, where the descent ends; `deep` those that depend on a value given
-        cell by cell and cannot be moved to an outer loop. Nodes that are known already are skipped.
-        """
         if node.number in self.steps or node.number in self.used:
             return
         if node.number in self.leaves | self.columns:
@@ -183,19 +173,12 @@ class _Writer:
         self.steps[node.number] = node
 
     def _level(self, node: Node) -> int:
-        """Return the number of outer loops within which a node is computed."""
         return self.deepest if node.number in self.deep else self.order.level(node)
 
     def _is_row(self, node: Node) -> bool:
-        """True if a node has a value per cell of a row."""
         return node.number in self.deep or self.order.is_row(node)
 
     def _kept(self) -> dict[int, Node]:
-        """Return the nodes whose values along a row are stored for an inner loop, by number.
-
-        A row is the innermost loop; a node that does not depend on an outer axis is computed along
-        the row once.
-        """
         used = [(operand, self._level(node)) for node in self.nodes for operand in node.before]
         used += [(operand, self.deepest) for operand in self.results if isinstance(operand, Node)]
         kept = {
@@ -208,11 +191,6 @@ class _Writer:
         return dict(sorted(kept.items()))
 
     def _term(self, node: Node) -> str:
-        """Return the source text for the value of a node inside the innermost loop.
-
-        It is a local variable, an element of an array made beforehand, or one of a row that an
-        outer loop has stored.
-        """
         number = node.number
         if number in self.columns:
             return f"c{number}[done + cells + i]" if self.second else f"c{number}[done + i]"
@@ -227,19 +205,13 @@ class _Writer:
         return f"({row} != 0.0)" if node.dtype == np.bool_ else row
 
     def _input(self, node: Node) -> str:
-        """Return the local name of an element or row of an input array at its loop's turn."""
         is_second = self.second and self.order.level(node) == self.deepest
         return f"a{node.number}_{'b' * is_second}"
 
     def _value(self, node: Node) -> str:
-        """Return the local name of the value of a step; the second row of a pair has its own."""
         return f"t{node.number}{'b' * (self.second and node.number in self.here)}"
 
     def write(self) -> Loop:
-        """Return the loop: its source text, and the nodes of the graph that are its arguments.
-
-        A line stands inside as few loops as its values allow.
-        """
         arrays = [node for node in self.used.values() if node.number in self.leaves]
         columns = [node for node in self.used.values() if node.number in self.columns]
         lines: list[str] = []
@@ -274,11 +246,6 @@ class _Writer:
         )
 
     def _at_level(self, level: int, arrays: Sequence[Node], pad: str) -> list[str]:
-        """Return the lines of a loop's source at one level: inputs, numbers, then loops along rows.
-
-        The level counts the loops outside; a step stands as far outside as it can. `arrays` are the
-        inputs that numpy has computed, `pad` is the indentation.
-        """
         plain, rows = self._enter(level)
         lines = self._outside_row(level, arrays, plain)
         if level == self.deepest:
@@ -288,29 +255,16 @@ class _Writer:
         return [f"{pad}{line}" for line in lines]
 
     def _enter(self, level: int) -> tuple[list[Node], list[Node]]:
-        """Make a level of the loops the present one; return its steps for a row, and for a cell."""
         here = [node for node in self.nodes if self._level(node) == level]
         self.here = {node.number for node in here}
         plain = [node for node in here if not self._is_row(node)]
         return plain, [node for node in here if self._is_row(node)]
 
     def _outside_row(self, level: int, arrays: Sequence[Node], plain: Sequence[Node]) -> list[str]:
-        """Return the lines that take inputs at a level of the loops and compute the steps `plain`.
-
-        `arrays` are the inputs that numpy has computed.
-        """
         lines = [self._taken(one) for one in arrays if self.order.level(one) == level]
         return lines + [f"{self._value(node)} = {self._step(node)}" for node in plain]
 
     def _paired(self, arrays: Sequence[Node], pad: str) -> list[str]:
-        """Return the lines of the innermost outer loop that take two rows at a time.
-
-        Both rows are gathered in the same lanes, one after the other in each lane, as if they were
-        taken singly: the bits are the same. What rows have in common is read once, and a lane is
-        read and written once for two cells. Where the rows have lanes of their own, and for an odd
-        last row, the loop of single rows follows, from `unpaired` on. `arrays` are the inputs that
-        numpy has computed, `pad` is the indentation.
-        """
         level = self.deepest
         plain, rows = self._enter(level)
         outside, steps, updates = [], [], []
@@ -331,23 +285,12 @@ class _Writer:
         ]
 
     def _taken(self, node: Node) -> str:
-        """Return the line of a loop's source that takes an element or a row of an input array.
-
-        `node` is an input that numpy has computed. The line indexes its array by the outer loops on
-        whose axes it depends, and gives the element, or a row of it for the innermost loop, a local
-        name.
-        """
         turns = dict(zip(self.order.outer, self._turns(), strict=True))
         index = ", ".join(turns[name] for name in self.order.kept(node))
         taken = f"a{node.number}[{index}]" if index else f"a{node.number}"
         return f"{self._input(node)} = {taken}{'[at:stop]' if self.order.is_row(node) else ''}"
 
     def _starts(self) -> list[str]:
-        """Return the source lines that find where results of a row begin in their arrays.
-
-        The results are arrays over the grid, columns for numpy's next step, or lanes, places for
-        totals.
-        """
         lines = []
         if self.lanes:
             turns = [f"(i{k + 1} - ends[{k + 1}, 0])" for k in range(self.deepest)]
@@ -360,29 +303,20 @@ class _Writer:
         return lines + [f"o{k}_ = o{k}[{start}:{start} + cells]" for k in range(self.arrays)]
 
     def _numbers(self) -> list[str]:
-        """Return the line that names the number of a row's first cell, by which places are told."""
         return [f"{self._number()} = 0.0 + ({self._lane_index('numbers', self._turns(), 'at')})"]
 
     def _number(self) -> str:
-        """Return the local name of the number of a row's first cell."""
         return "numberb" if self.second else "number"
 
     def _turns(self) -> list[str]:
-        """Return the source texts for the turns of the outer loops, of the row that is written."""
         turns = [f"i{k + 1}" for k in range(self.deepest)]
         return [*turns[:-1], f"({turns[-1]} + 1)"] if self.second else turns
 
     def _row(self, rows: Sequence[Node], updates: Sequence[str]) -> list[str]:
-        """Return the source lines of the loop along a row, the innermost one.
-
-        They compute the nodes `rows` of the graph in order, store those that later loops need, and
-        then have the lines `updates`, which store or gather results.
-        """
         lines = [*self._steps(rows), *updates]
         return ["for i in range(cells):", *(f"    {line}" for line in lines)]
 
     def _steps(self, rows: Sequence[Node]) -> list[str]:
-        """Return the lines that compute the nodes `rows` for a cell, and store what is kept."""
         lines = []
         for node in rows:
             value = self._value(node)
@@ -394,30 +328,17 @@ class _Writer:
         return lines
 
     def _lane_index(self, strides: str, turns: Sequence[str], cell: str) -> str:
-        """Return the source text for the lane of a row's first cell, or for its number.
-
-        A lane is a place for a total. `strides` is the name of the array that has the distance for
-        each loop, `turns` are the texts for the turns of the outer loops, `cell` is that for the
-        place of the cell in the row.
-        """
         assert self.lanes is not None
         turns = [*turns, f"{cell} // {self.lanes.period}"]
         return " + ".join(f"{turn} * {strides}[{k}]" for k, turn in enumerate(turns))
 
     def _updated(self) -> list[str]:
-        """Return the source lines of the last loop that write the results of a cell.
-
-        A result is stored, or gathered into a total such as a sum or a largest value: an entry of
-        `UPDATES`.
-        """
         return [*self._read(), *self._gathered(), *self._written()]
 
     def _read(self) -> list[str]:
-        """Return the lines that read what the lanes of a cell hold into local variables."""
         return [f"v{k} = o{k}_[i]" for k, update in self._updates_by_array() if update != "store"]
 
     def _gathered(self) -> list[str]:
-        """Return the lines that take the results of a cell into these variables, or store them."""
         lines, free = [], 0
         for update, term in zip(self.updates, self._terms(), strict=True):
             count, texts, _ = UPDATES[update]
@@ -429,7 +350,6 @@ class _Writer:
         return lines
 
     def _written(self) -> list[str]:
-        """Return the lines that write these variables back to the lanes."""
         return [
             f"o{k}_[i] = v{k}{UPDATES[update][2]}"
             for k, update in self._updates_by_array()
@@ -437,26 +357,19 @@ class _Writer:
         ]
 
     def _updates_by_array(self) -> list[tuple[int, str]]:
-        """Return the number of each array of results, with what is done with it."""
         names = [update for update in self.updates for _ in range(UPDATES[update][0])]
         return list(enumerate(names))
 
     def _terms(self) -> list[str]:
-        """Return the source texts for the results in the last loop."""
         return [self._term(one) if isinstance(one, Node) else _literal(one) for one in self.results]
 
     def _step(self, node: Node) -> str:
-        """Return the source text of a step: its function called with its inputs."""
         terms = (self._term(one) if isinstance(one, Node) else _literal(one) for one in node.inputs)
         assert node.function is not None
         return IN_LOOPS[node.function].format(*terms)
 
 
 def _literal(value: Any) -> str:
-    """Return a number or truth value as source text, with infinity, NaN and -0.0.
-
-    Constants of equations are written so into the source of compiled loops.
-    """
     if isinstance(value, bool | np.bool_):
         return str(bool(value))
     number = float(value)

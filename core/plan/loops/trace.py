@@ -63,7 +63,6 @@ class Node(NDArrayOperatorsMixin):
         dtype: np.dtype[Any],
         name: str = "",
     ):
-        """Add a value with its function, inputs, axes and type to a graph."""
         self.graph, self.function, self.inputs = graph, function, inputs
         self.axes, self.dtype, self.name = axes, dtype, name
         self.number = len(graph.nodes)
@@ -77,7 +76,6 @@ class Node(NDArrayOperatorsMixin):
     def __array_ufunc__(
         self, ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **settings: Any
     ) -> Any:
-        """Add a numpy step to the graph; in-place operations make new values."""
         if method != "__call__" or settings or ufunc.nout != 1:
             raise UntraceableError(
                 f"the equation calls {ufunc.__name__}.{method}, which is not an "
@@ -88,11 +86,6 @@ class Node(NDArrayOperatorsMixin):
         return self.graph.apply(LOGICAL.get(ufunc, ufunc), inputs)
 
     def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
-        """Add `np.where` to the graph; other functions are not elementwise and raise.
-
-        `np.any` gives True: an iteration that ends when no cell is left goes on to its last step,
-        which changes no cell that had ended.
-        """
         if func is np.any and len(args) == 1 and not kwargs:
             return True
         if func is not np.where or len(args) != 3 or kwargs:
@@ -100,7 +93,6 @@ class Node(NDArrayOperatorsMixin):
         return self.graph.apply(np.where, args)
 
     def __pow__(self, exponent: Any) -> Any:
-        """Raise: numpy's power differs in the last bit between numbers and arrays."""
         raise UntraceableError(
             "the equation raises to a power, which cannot be compiled: write "
             "np.square, or a product"
@@ -134,7 +126,6 @@ class Graph:
     """Nodes, each after its inputs, and equal ones once only."""
 
     def __init__(self) -> None:
-        """Begin with no nodes."""
         self.nodes: list[Node] = []
         self._known: dict[Any, Any] = {}
 
@@ -173,10 +164,6 @@ class Graph:
 
 
 def _number(value: Any) -> Any:
-    """Return a plain number, also from an array without dimensions; raise for other arrays.
-
-    An equation that makes an array of its own cannot be traced: `UntraceableError`.
-    """
     if isinstance(value, np.ndarray):
         if value.ndim:
             raise UntraceableError("the equation creates an array, which cannot be compiled")
@@ -185,11 +172,6 @@ def _number(value: Any) -> Any:
 
 
 def _identity(operand: Any) -> Any:
-    """Return a key that equal operands share, by which repeated operations are recognised.
-
-    An operand is a node of the graph, whose key is its number, or a constant, whose key is its type
-    and its bytes.
-    """
     if isinstance(operand, Node):
         return operand.number
     array = np.asarray(operand)
@@ -197,11 +179,6 @@ def _identity(operand: Any) -> Any:
 
 
 def _dtype(function: Function, operands: Iterable[Any]) -> np.dtype[Any]:
-    """Return the type of the result of a function, found by running it on one sample.
-
-    `operands` are nodes of the graph, which know their type, or constants. Raises
-    `UntraceableError` if the function refuses these types.
-    """
     samples = (np.ones(1, one.dtype) if isinstance(one, Node) else one for one in operands)
     with np.errstate(all="ignore"):
         try:
@@ -211,12 +188,6 @@ def _dtype(function: Function, operands: Iterable[Any]) -> np.dtype[Any]:
 
 
 def _chosen(operands: tuple[Any, ...]) -> tuple[Any] | None:
-    """Return the operand that a `where` gives if no choice is left, in a tuple; else None.
-
-    `operands` are the condition and the two choices, each a node of the graph or a constant. No
-    choice is left where the condition is a constant or both choices are equal. The node of the
-    `where` is then not needed in the graph. The tuple tells a result that is None from no result.
-    """
     condition, first, second = operands
     if not isinstance(condition, Node):
         return (first if condition else second,)
@@ -224,12 +195,6 @@ def _chosen(operands: tuple[Any, ...]) -> tuple[Any] | None:
 
 
 def _joined(operands: tuple[Any, ...], *, neutral: bool) -> tuple[Any] | None:
-    """Return the operand that a logical operation gives if it needs no step, in a tuple; else None.
-
-    That is if one operand is a constant or both are equal; the graph then has no node for it.
-    `neutral` is the constant that changes nothing: True for `and`, False for `or`. `operands` are
-    two nodes of the graph or constants.
-    """
     for first, second in (operands, operands[::-1]):
         if isinstance(first, bool | np.bool_):
             return (second if bool(first) == neutral else first,)
@@ -237,11 +202,6 @@ def _joined(operands: tuple[Any, ...], *, neutral: bool) -> tuple[Any] | None:
 
 
 def _product(operands: tuple[Any, ...]) -> tuple[Any] | None:
-    """Return the other operand of a multiplication by 1, in a tuple; None for other factors.
-
-    The graph of operations then has no node for it. `operands` are two nodes or constants; only a
-    node of doubles counts, so that the result keeps its type.
-    """
     for first, second in (operands, operands[::-1]):
         if _is(first, 1.0) and isinstance(second, Node) and second.dtype == np.float64:
             return (second,)
@@ -249,10 +209,6 @@ def _product(operands: tuple[Any, ...]) -> tuple[Any] | None:
 
 
 def _unchanged(operands: tuple[Any, ...], *, by: float) -> tuple[Any] | None:
-    """Return the first operand, in a tuple, if the second is the number `by`; else None.
-
-    `by` is the number that leaves it unchanged: 1 for a quotient, 0 for a difference.
-    """
     return (operands[0],) if _is(operands[1], by) and operands[0].dtype == np.float64 else None
 
 
@@ -270,7 +226,6 @@ the step, to the last bit, else None."""
 
 
 def _is(operand: Any, value: float) -> bool:
-    """True if an operand is a number of this value; zero must not be negative."""
     return not isinstance(operand, Node) and bool(operand == value) and not np.signbit(operand)
 
 
@@ -347,18 +302,6 @@ def _traced(
     parameters: tuple[str, ...],
     ranged: tuple[str, ...],
 ) -> Traced | None:
-    """Return the graph of operations behind equations and verdicts; None if it cannot be traced.
-
-    The equations are run once with symbols in place of arrays. From the graph, loops over all cells
-    are compiled. The result is cached by all arguments.
-
-    Parameters
-    ----------
-    verdicts : tuple of Verdict
-        What decides on the regimes of a cell.
-    outputs, parameters, ranged : tuple of str
-        Names of the results wanted, of all inputs, and of those inputs that are axes of the grid.
-    """
     graph = Graph()
     leaves = {name: graph.leaf(name, {name} & set(ranged)) for name in parameters}
     try:
