@@ -19,8 +19,7 @@ from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.prepare import Simulation, prepare
 from vibrafeed.core.motion.systems import CONTACTS
 from vibrafeed.core.motion.verify import accuracy, verified, verified_at
-from vibrafeed.core.plan.derived import cells_of
-from vibrafeed.core.plan.differences import derivatives
+from vibrafeed.core.plan.differences import cells_of, derivatives
 from vibrafeed.core.plan.equations import regimes, run_equations
 from vibrafeed.core.plan.labels import (
     coordinates_of,

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Self
 from numpy.typing import NDArray
 
 from vibrafeed.core.errors import LimitError, Problem, StudyError
-from vibrafeed.core.plan.derived import Asked, is_status
+from vibrafeed.core.plan.differences import Asked, is_status
 from vibrafeed.core.plan.grid import Grid, from_si
 from vibrafeed.core.plan.plan import Plan, plan_scene
 from vibrafeed.core.plan.price import Price, in_words, price

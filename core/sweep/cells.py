@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.plan.derived import cells_of
-from vibrafeed.core.plan.differences import derivatives
+from vibrafeed.core.plan.differences import cells_of, derivatives
 from vibrafeed.core.plan.evaluate import evaluate
 from vibrafeed.core.plan.labels import (
     coordinates_of,

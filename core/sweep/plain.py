@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import Problem
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.plan.derived import Asked, asked_of
+from vibrafeed.core.plan.differences import Asked, asked_of
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.plan.price import Price
