@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.plan.plan import Plan
-from vibrafeed.core.plan.verdicts import Verdict
+from vibrafeed.core.plan.plan import Plan, Verdict
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import Equation
 from vibrafeed.core.watch import Watch

@@ -1,21 +1,66 @@
-"""The plan: the equations of one scene that the asked outputs pull, in order, and no others."""
+"""The plan: the equations of one scene that the asked outputs pull, in order, and no others.
+
+With it go its verdicts: the flag variables of a result, one for all outputs that share a validity.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.plan.verdicts import Verdict, verdicts_of
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.quantities.drive import DRIVE
 from vibrafeed.core.quantities.flags import REGIME
 from vibrafeed.core.quantities.motion import FEEDING, RESULTS
-from vibrafeed.core.scenes import ALIASES, SCENES, Condition, Equation, Scene
+from vibrafeed.core.scenes import ALIASES, EXACT, SCENES, Condition, Equation, Scene
 from vibrafeed.core.scenes.aliases import ALTERNATIVES, BESIDE, NEEDS, NOT_OF_SHAPE, WRITTEN_AS
 from vibrafeed.core.scenes.graph import behind
 from vibrafeed.core.suggestions import Suggestions, by_synonym, suggestion
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A flag variable of a result: the regime of the outputs that share a validity.
+
+    Attributes
+    ----------
+    name : str
+        ``regime``, or ``regime_<output>`` after the first of its outputs.
+    outputs : tuple of str
+        The outputs that it judges; none of `EXACT`, which hold in every regime.
+    conditions : tuple of Condition
+        The conditions in the order of the scene; the first that holds names the regime.
+    """
+
+    name: str
+    outputs: tuple[str, ...]
+    conditions: tuple[Condition, ...]
+
+    @cached_property
+    def regimes(self) -> tuple[str, ...]:
+        """The regimes that cells can have, by value."""
+        names = {condition.regime for condition in self.conditions} | {self.otherwise}
+        return tuple(sorted(names, key=lambda name: REGIMES[name].value))
+
+    @cached_property
+    def otherwise(self) -> str:
+        """The regime of cells in which no condition holds."""
+        said = [condition.otherwise for condition in self.conditions if condition.otherwise]
+        more = [name for name in said if name != "contact"]
+        return (more or said or ["not_assessed"])[-1]
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """The names of the quantities that its conditions need."""
+        return tuple(dict.fromkeys(name for one in self.conditions for name in one.inputs))
+
+    @cached_property
+    def doubts(self) -> bool:
+        """True if one of the regimes does not describe a real part."""
+        return not all(REGIMES[name].valid for name in self.regimes)
 
 
 @dataclass(frozen=True)
@@ -71,12 +116,12 @@ class Plan:
     def only(self, output: str) -> Plan:
         """Return the plan of one output alone, with the equations and parameters that it needs.
 
-        Plans are kept for the next call.
+        Plans are kept for the next call, since every slice asks for one.
         """
-        known = self._known_parts
-        if output not in known:
-            known[output] = _Walk(self.scene, self.variant, self.parameters, (output,)).plan()
-        return known[output]
+        if output not in self._known:
+            walk = _Walk(self.scene, self.variant, self.parameters, (output,))
+            self._known[output] = walk.plan()
+        return self._known[output]
 
     def part(self, names: Collection[str]) -> Plan:
         """Return a smaller plan: the equations that some outputs and verdicts of this plan need.
@@ -104,26 +149,58 @@ class Plan:
         only, which saves most of the work on a large grid. Results are kept for the next call.
         """
         names = tuple(axes)
-        if names not in self._known_axes:
-            self._known_axes[names] = self._depends_on(names)
-        return dict(self._known_axes[names])
+        if names not in self._known:
+            known = {name: frozenset({name} & set(names)) for name in self.parameters}
+            known |= dict.fromkeys(self.defaults, frozenset())
+            steps = {one.gives: one.inputs for one in self.equations}
+            for name, inputs in (steps | {one.name: one.inputs for one in self.verdicts}).items():
+                known[name] = frozenset().union(*(known[needed] for needed in inputs))
+            self._known[names] = known
+        return dict(self._known[names])
 
     @cached_property
-    def _known_parts(self) -> dict[str, Plan]:
+    def _known(self) -> dict[Any, Any]:  # by output and by axes
         return {}
 
-    @cached_property
-    def _known_axes(self) -> dict[tuple[str, ...], dict[str, frozenset[str]]]:
-        return {}
 
-    def _depends_on(self, axes: Collection[str]) -> dict[str, frozenset[str]]:
-        known = {name: frozenset({name} & set(axes)) for name in self.parameters}
-        known.update(dict.fromkeys(self.defaults, frozenset()))
-        for equation in self.equations:
-            known[equation.gives] = frozenset().union(*(known[name] for name in equation.inputs))
-        for verdict in self.verdicts:
-            known[verdict.name] = frozenset().union(*(known[name] for name in verdict.inputs))
-        return known
+def verdicts_of(conditions: Sequence[Condition], outputs: Sequence[str]) -> tuple[Verdict, ...]:
+    """Return the verdicts on outputs, that on the contact first; always at least one.
+
+    Outputs share a verdict if the same conditions judge them. A condition judges if its regime is
+    not valid or speaks of single outputs; one that tells the state of the part, such as stick,
+    parts no outputs. What holds in every regime (`EXACT`) has no verdict of its own.
+
+    Parameters
+    ----------
+    conditions : sequence of Condition
+        The conditions of the scene.
+    outputs : sequence of str
+        The outputs in the order of the scene; ``regime`` among them stands for the contact.
+    """
+    of_contact = {*_judging(conditions, REGIME)}
+    concerned = [name for name in outputs if any(name in one.outputs for one in conditions)]
+    groups: dict[tuple[Condition, ...], list[str]] = {}
+    for name in concerned:
+        if name not in EXACT:
+            groups.setdefault(_judging(conditions, name), []).append(name)
+    if not groups:
+        groups[()] = concerned or list(outputs)
+    # The one nearest to the contact: it shares most with it, and asks least besides.
+    first = max(groups, key=lambda one: (len(of_contact & {*one}), -len({*one} - of_contact)))
+    ordered = {first: groups.pop(first), **groups}
+    return tuple(
+        Verdict(
+            REGIME if judging is first else f"{REGIME}_{names[0]}",
+            tuple(name for name in names if name not in (REGIME, *EXACT)),
+            tuple(one for one in conditions if one.outputs & set(names)),
+        )
+        for judging, names in ordered.items()
+    )
+
+
+def _judging(conditions: Sequence[Condition], output: str) -> tuple[Condition, ...]:
+    concerned = (one for one in conditions if output in one.outputs)
+    return tuple(one for one in concerned if REGIMES[one.regime].judges)
 
 
 def find_scene(
@@ -188,9 +265,8 @@ def plan_scene(
     """
     scene = scene.fitted(parameters)
     gives, suggest = scene.outputs(variant), Suggestions()
-    problems = [
-        *(_unknown_output(scene, variant, name, suggest) for name in outputs if name not in gives),
-    ]
+    unknown = (name for name in outputs if name not in gives)
+    problems = [_unknown_output(scene, variant, name, suggest) for name in unknown]
     known_outputs = tuple(name for name in dict.fromkeys(outputs) if name in gives)
     walk = _Walk(scene, variant, parameters, known_outputs)
     problems += _doubled(parameters, walk.missing)
@@ -274,26 +350,23 @@ class _Walk:
 
 
 def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions) -> Problem:
+    told = _other_way(scene, variant, name)
+    if told is None:
+        message = f"{scene.name} has no output '{name[:60]}'"
+        told = message, suggest(name, scene.outputs(variant))
+    return Problem("outputs", *told, about=name)
+
+
+def _other_way(scene: Scene, variant: str, name: str) -> tuple[str, str] | None:
+    """Return message and fix for an output of another variant, or of another kind of study.
+
+    A sweep evaluates closed forms, a simulation, whose variant is a method, follows a part in time;
+    an output of this kind that means the same is named, if there is any.
+    """
     others = [v for v in scene.variants if name in scene.outputs(v)]
     if others:
-        return Problem(
-            "outputs",
-            f"the {scene.choice} '{variant}' of {scene.name} does not give '{name}'",
-            f"Set {scene.choice} to {' or '.join(others)}",
-            about=name,
-        )
-    elsewhere = _of_another_kind(scene, variant, name)
-    if elsewhere is not None:
-        return elsewhere
-    return Problem(
-        "outputs",
-        f"{scene.name} has no output '{name[:60]}'",
-        suggest(name, scene.outputs(variant)),
-        about=name,
-    )
-
-
-def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
+        message = f"the {scene.choice} '{variant}' of {scene.name} does not give '{name}'"
+        return message, f"Set {scene.choice} to {' or '.join(others)}"
     closed = SCENES.get(scene.name)
     if scene.choice == "method" and closed is not None:
         here, there, kind = "simulation", "sweep", "sweep"
@@ -304,11 +377,10 @@ def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
     if not gives:
         return None
     other = by_synonym(name, scene.outputs(variant))
-    message = f"a {there} gives {name}"
     if other is None:
-        return Problem("outputs", f"{message}, a {here} does not", f'Set kind = "{kind}"', name)
-    message += f"; a {here} gives {other}"
-    return Problem("outputs", message, f'Ask for {other} in outputs, or set kind = "{kind}"', name)
+        return f"a {there} gives {name}, a {here} does not", f'Set kind = "{kind}"'
+    message = f"a {there} gives {name}; a {here} gives {other}"
+    return message, f'Ask for {other} in outputs, or set kind = "{kind}"'
 
 
 def _doubled(parameters: Collection[str], missing: Collection[str]) -> list[Problem]:
@@ -316,13 +388,9 @@ def _doubled(parameters: Collection[str], missing: Collection[str]) -> list[Prob
     for name, others in ALTERNATIVES:
         doubled = [other for other in others if name in parameters and other in parameters]
         if doubled:
-            problems.append(
-                Problem(
-                    f"parameters.{name}",
-                    f"{name} and {' and '.join(doubled)} set the same quantity",
-                    f"Give either {name} or {' and '.join(others)}",
-                )
-            )
+            message = f"{name} and {' and '.join(doubled)} set the same quantity"
+            fix = f"Give either {name} or {' and '.join(others)}"
+            problems.append(Problem(f"parameters.{name}", message, fix))
     for name, (needed, message, example) in NEEDS.items():
         if name in parameters and needed not in {*parameters, *missing}:
             problems.append(Problem(f"parameters.{name}", message, f"Add {needed} = {example}"))

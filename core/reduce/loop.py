@@ -12,7 +12,7 @@ import numpy as np
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.loops.lanes import LARGE_TILE_CELLS, TILE_CELLS, LaneLoop, LaneOrder
 from vibrafeed.core.plan.loops.trace import Traced, TracedPlan, traced_plan
-from vibrafeed.core.plan.verdicts import Verdict
+from vibrafeed.core.plan.plan import Verdict
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.reduce.cutting import Box
 from vibrafeed.core.reduce.kernels.folding import COUNT_BITS, COUNTS

@@ -19,8 +19,7 @@ from vibrafeed.core.errors import VibrafeedError
 from vibrafeed.core.mechanics.elementwise import Elementwise
 from vibrafeed.core.plan.equations import regimes_of, run
 from vibrafeed.core.plan.operations import IN_LOOPS
-from vibrafeed.core.plan.plan import Plan
-from vibrafeed.core.plan.verdicts import Verdict
+from vibrafeed.core.plan.plan import Plan, Verdict
 from vibrafeed.core.scenes import Equation
 
 Function = Callable[..., Any]
