@@ -121,8 +121,11 @@ def derivatives(
             told = model.derived(near, parameter, *here, watch, pass_watch)
             if not watch.stopped():
                 found[:, place, :, piece] = told
+    value, slope, error, status = found
     return {
-        (output, parameter): Derived(*found[:3, k, j], found[3, k, j].astype(np.int8))
+        (output, parameter): Derived(
+            value[k, j], slope[k, j], error[k, j], status[k, j].astype(np.int8)
+        )
         for k, parameter in enumerate(parameters)
         for j, output in enumerate(plan.outputs)
     }

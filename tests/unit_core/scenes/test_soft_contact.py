@@ -10,8 +10,8 @@ from scipy.special import gamma
 
 import vibrafeed
 from vibrafeed.core.mechanics import soft_contact
-from vibrafeed.core.plan.loops.trace import traced
 from vibrafeed.core.plan.plan import make_plan
+from vibrafeed.core.plan.trace import traced
 from vibrafeed.core.quantities import REGIMES
 
 

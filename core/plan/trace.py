@@ -16,13 +16,46 @@ import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from vibrafeed.core.errors import VibrafeedError
-from vibrafeed.core.mechanics.elementwise import Elementwise
+from vibrafeed.core.mechanics.elementwise import Elementwise, binade, exponent
 from vibrafeed.core.plan.equations import regimes_of, run
-from vibrafeed.core.plan.operations import IN_LOOPS
 from vibrafeed.core.plan.plan import Plan, Verdict
 from vibrafeed.core.scenes import Equation
 
 Function = Callable[..., Any]
+
+IN_LOOPS: dict[Function, str] = {
+    np.add: "{} + {}",
+    np.subtract: "{} - {}",
+    np.multiply: "{} * {}",
+    np.divide: "{} / {}",
+    np.negative: "-{}",
+    np.square: "{0} * {0}",
+    np.reciprocal: "1.0 / {}",
+    np.sqrt: "sqrt({})",
+    binade: "binade({})",
+    exponent: "exponent({})",
+    np.less: "{} < {}",
+    np.less_equal: "{} <= {}",
+    np.greater: "{} > {}",
+    np.greater_equal: "{} >= {}",
+    np.equal: "{} == {}",
+    np.not_equal: "{} != {}",
+    np.bitwise_and: "{} & {}",
+    np.bitwise_or: "{} | {}",
+    np.invert: "{} ^ True",
+    np.isnan: "{0} != {0}",
+    np.isinf: "abs({}) == inf",
+    np.isfinite: "abs({}) < inf",
+    np.where: "choose({}, {}, {})",
+    np.maximum: "choose(({0} >= {1}) | ({0} != {0}), {0}, {1})",
+    np.minimum: "choose(({0} <= {1}) | ({0} != {0}), {0}, {1})",
+    np.absolute: "abs({})",
+    np.sign: "choose({0} > 0.0, 1.0, choose({0} < 0.0, -1.0, choose({0} == 0.0, 0.0, {0})))",
+    np.copysign: "copysign({}, {})",
+}
+"""The functions that a compiled loop takes in, with their expressions: exact or rounded once, so
+that the bits are numpy's. Others numpy computes between two loops; of an `Elementwise` that is not
+here a loop takes the steps."""
 
 LOGICAL = {np.logical_and: np.bitwise_and, np.logical_or: np.bitwise_or, np.logical_not: np.invert}
 """Functions of truth values in numpy, and the ones that stand for them in a graph."""
@@ -30,6 +63,13 @@ LOGICAL = {np.logical_and: np.bitwise_and, np.logical_or: np.bitwise_or, np.logi
 
 class UntraceableError(VibrafeedError):
     """An equation takes a step that is not elementwise, or hangs on the values in an array."""
+
+
+def _refuse(why: str) -> Function:
+    def method(*_: Any, **__: Any) -> Any:
+        raise UntraceableError(f"the equation {why}")
+
+    return method
 
 
 class Node(NDArrayOperatorsMixin):
@@ -82,43 +122,28 @@ class Node(NDArrayOperatorsMixin):
             )
         if isinstance(ufunc, Elementwise) and ufunc not in IN_LOOPS:
             return ufunc.body(*inputs)
-        return self.graph.apply(LOGICAL.get(ufunc, ufunc), inputs)
+        return self.graph.apply(LOGICAL.get(ufunc, ufunc), inputs)  # in place: a new value
 
     def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
+        # An iteration that ends when no cell is left goes on to its last step, which changes no
+        # cell that had ended.
         if func is np.any and len(args) == 1 and not kwargs:
             return True
         if func is not np.where or len(args) != 3 or kwargs:
             raise UntraceableError(f"{func.__name__} is not elementwise")
         return self.graph.apply(np.where, args)
 
-    def __pow__(self, exponent: Any) -> Any:
-        raise UntraceableError(
-            "the equation raises to a power, which cannot be compiled: write "
-            "np.square, or a product"
-        )
-
     def __getattr__(self, name: str) -> Any:
         raise UntraceableError(f"the equation uses .{name} of an array, which cannot be compiled")
 
-    def __array__(self, *_: Any, **__: Any) -> Any:
-        raise UntraceableError(
-            "the equation converts a computed value to an array, which cannot be compiled"
-        )
-
-    def __bool__(self) -> bool:
-        raise UntraceableError(
-            "the equation branches on a computed value, which cannot be compiled: use np.where"
-        )
-
-    def __float__(self) -> float:
-        raise UntraceableError(
-            "the equation converts an array to a number, which cannot be compiled"
-        )
-
-    def __getitem__(self, index: Any) -> Any:
-        raise UntraceableError("the equation indexes an array, which cannot be compiled")
-
-    __int__ = __index__ = __len__ = __iter__ = __float__
+    # numpy's power differs in the last bit between numbers and arrays
+    __pow__ = _refuse("raises to a power, which cannot be compiled: write np.square, or a product")
+    __array__ = _refuse("converts a computed value to an array, which cannot be compiled")
+    __bool__ = _refuse("branches on a computed value, which cannot be compiled: use np.where")
+    __getitem__ = _refuse("indexes an array, which cannot be compiled")
+    __float__ = __int__ = __index__ = __len__ = __iter__ = _refuse(
+        "converts an array to a number, which cannot be compiled"
+    )
 
 
 class Graph:
@@ -144,40 +169,37 @@ class Graph:
         Inputs are nodes or numbers; the result is a number, or one of the inputs, if no operation
         is needed. The same function of the same inputs gives the same node.
         """
-        operands = tuple(
-            operand if isinstance(operand, Node) else _number(operand) for operand in inputs
-        )
-        if not any(isinstance(operand, Node) for operand in operands):
+        operands = tuple(one if isinstance(one, Node) else _number(one) for one in inputs)
+        nodes = [one for one in operands if isinstance(one, Node)]
+        if not nodes:
             return function(*operands)
-        simplify = SIMPLER.get(function)
-        simpler = simplify(operands) if simplify else None
+        simpler = SIMPLER[function](operands) if function in SIMPLER else None
         if simpler is not None:
             return simpler[0]
         key = (function, *map(_identity, operands))
         if key not in self._known:
-            axes = frozenset().union(
-                *(operand.axes for operand in operands if isinstance(operand, Node))
-            )
+            axes = frozenset().union(*(one.axes for one in nodes))
             self._known[key] = Node(self, function, operands, axes, _dtype(function, operands))
         return self._known[key]
 
 
 def _number(value: Any) -> Any:
-    if isinstance(value, np.ndarray):
-        if value.ndim:
-            raise UntraceableError("the equation creates an array, which cannot be compiled")
-        return value[()]
-    return value
+    if not isinstance(value, np.ndarray):
+        return value
+    if value.ndim:
+        raise UntraceableError("the equation creates an array, which cannot be compiled")
+    return value[()]
 
 
 def _identity(operand: Any) -> Any:
+    """Return a key that equal operands share, by which repeated operations are recognised."""
     if isinstance(operand, Node):
         return operand.number
-    array = np.asarray(operand)
-    return (type(operand), array.tobytes())
+    return (type(operand), np.asarray(operand).tobytes())
 
 
 def _dtype(function: Function, operands: Iterable[Any]) -> np.dtype[Any]:
+    """Return the type of the result of a function, found by running it on one sample."""
     samples = (np.ones(1, one.dtype) if isinstance(one, Node) else one for one in operands)
     with np.errstate(all="ignore"):
         try:
@@ -225,6 +247,7 @@ the step, to the last bit, else None."""
 
 
 def _is(operand: Any, value: float) -> bool:
+    """True if an operand is a number of this value; zero must not be negative."""
     return not isinstance(operand, Node) and bool(operand == value) and not np.signbit(operand)
 
 
@@ -240,14 +263,8 @@ class Traced:
 class TracedPlan:
     """The graph of a plan, to which steps may be added.
 
-    Attributes
-    ----------
-    graph : Graph
-        Its graph.
-    known : mapping of str to Node or number
-        Every quantity of the plan.
-    holds : tuple of Node or bool
-        Whether each condition of its verdicts holds.
+    `known` has every quantity of the plan, `holds` whether each condition of its verdicts holds:
+    nodes, or numbers and truth values.
     """
 
     graph: Graph
@@ -283,14 +300,9 @@ def traced(plan: Plan, axes: Iterable[str]) -> Traced | None:
     so that equal plans share it: parameters with a single value are nodes too. None if an equation
     cannot be run with symbols in place of arrays.
     """
+    given = (*plan.parameters, *plan.defaults)
     ranged = tuple(name for name in axes if name in plan.parameters)
-    return _traced(
-        plan.equations,
-        plan.verdicts,
-        plan.outputs,
-        (*plan.parameters, *plan.defaults),
-        ranged,
-    )
+    return _traced(plan.equations, plan.verdicts, plan.outputs, given, ranged)
 
 
 @lru_cache(maxsize=256)
@@ -305,8 +317,6 @@ def _traced(
     leaves = {name: graph.leaf(name, {name} & set(ranged)) for name in parameters}
     try:
         known = run(equations, leaves)
-        results = {name: known[name] for name in outputs}
-        results |= regimes_of(verdicts, known)
+        return Traced(graph, {n: known[n] for n in outputs} | regimes_of(verdicts, known))
     except UntraceableError:
         return None
-    return Traced(graph, results)

@@ -11,25 +11,25 @@ import math
 import threading
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.aligned import aligned
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.loops.fused import (
+from vibrafeed.core.plan.loop_source import LONGEST_ROW
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.program import (
+    MAX_VALUES,
     Runner,
     Values,
     bind_stages,
+    edge_of,
     even_length,
     lay_out_operands,
-    mark_compiled,
-    missing,
+    program_of,
 )
-from vibrafeed.core.plan.loops.program import MAX_VALUES, edge_of, program_of
-from vibrafeed.core.plan.loops.source import LONGEST_ROW
-from vibrafeed.core.plan.loops.trace import Traced
-from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.trace import Traced
 
 DEPTH = 240
 """Most cells that a lane gathers: few enough that their sum is accurate, and that counts fit in 8
@@ -47,6 +47,8 @@ FEWEST_TILES = 64
 parts."""
 LONGEST_AXIS = 1 << 20
 """Longest axis that is computed by a loop with lanes, which is given all its values at once."""
+LINE = 64
+"""Bytes of a line of a processor's cache: wide registers are filled from one line."""
 
 
 @dataclass(frozen=True)
@@ -217,7 +219,7 @@ class LaneLoop:
         The grid over the axes of the field alone.
     updates : sequence of (str, str)
         Names of results, each with what lanes do with it: a key of
-        `vibrafeed.core.plan.loops.source.UPDATES`.
+        `vibrafeed.core.plan.loop_source.UPDATES`.
     over : collection of str
         The axes that are reduced.
     most : int
@@ -254,7 +256,7 @@ class LaneLoop:
     @property
     def missing(self) -> frozenset[str]:
         """The sources of its loops that are not compiled in this process."""
-        return missing(self._program)
+        return self._program.missing
 
     def prepare(self) -> None:
         """Compute by numpy the inputs of the loop; to be called once before any `run`."""
@@ -296,4 +298,16 @@ class LaneLoop:
         """
         assert self._loops is not None
         self._loops((ranges, strides, numbers), lanes)
-        mark_compiled(self._program)
+        self._program.mark_compiled()
+
+
+def aligned(shape: Sequence[int], dtype: Any = np.float64) -> NDArray[Any]:
+    """Return a new array, not filled, that begins with a line of the cache.
+
+    numpy's own begin at any multiple of 16 bytes: where half of all loads then touch two lines, a
+    compiled loop takes up to a tenth longer, in some processes and not in others.
+    """
+    size = math.prod(shape) * np.dtype(dtype).itemsize
+    room = np.empty(size + LINE, np.uint8)
+    start = -room.__array_interface__["data"][0] % LINE
+    return room[start : start + size].view(dtype).reshape(shape)

@@ -1,7 +1,9 @@
-"""The source of one loop for many steps of a graph.
+"""The loops over the axes of what is computed, and the source of one loop for steps of a graph.
 
-A step that does not depend on the axes of a row is a number, one that does is a row, and a row that
-an outer loop makes is kept for the loops within.
+The trailing axes are joined into one row that the innermost loop goes along, so that a processor's
+wide registers are full. The others are loops around it, in the order that lets most steps stand
+outside of the last. A step that does not depend on the axes of a row is a number, one that does is
+a row, and a row that an outer loop makes is kept for the loops within.
 
 Within a loop everything but truth is a float, whole numbers too, and truth is a float where it is
 kept: a processor changes the width of its values at the price of many steps.
@@ -10,19 +12,122 @@ kept: a processor changes the width of its values at the price of many steps.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from vibrafeed.core.plan.loops.order import Order
-from vibrafeed.core.plan.loops.trace import Node
-from vibrafeed.core.plan.operations import IN_LOOPS
+from vibrafeed.core.plan.trace import IN_LOOPS, Node
 
 LONGEST_ROW = 1024
 """Most cells of a row that a loop takes at once: the rows that it keeps stay in the first and
 second cache."""
+LEAST_ROW = 64
+"""Fewest cells of a row, unless all axes are joined."""
+TURN = 250.0
+"""Cost of beginning a row, in additions of a row's loop."""
+LAID = 40.0
+"""Cost per cell of laying a value out along a row before the loops, in additions."""
+LANES, UNROLLED = 4, 16
+"""Additions that a processor does at once in a row, and cells of one turn of the row's loop."""
+SLOW: dict[Any, float] = {np.divide: 15.0, np.sqrt: 20.0, np.reciprocal: 15.0}
+"""Cost of a step, in additions; 1 for functions that are not here."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """The loops over the axes of what is computed.
+
+    Attributes
+    ----------
+    axes : tuple of str
+        All of them, in the order of the grid.
+    outer : tuple of str
+        Those that are loops, outermost first.
+    inner : tuple of str
+        The trailing axes, joined into one row.
+    """
+
+    axes: tuple[str, ...]
+    outer: tuple[str, ...]
+    inner: tuple[str, ...]
+
+    def level(self, node: Node) -> int:
+        """Return the number of outer loops within which a node is computed, for its axes."""
+        return max((k + 1 for k, name in enumerate(self.outer) if name in node.axes), default=0)
+
+    def is_row(self, node: Node) -> bool:
+        """True if a node has a value per cell of a row."""
+        return any(name in node.axes for name in self.inner)
+
+    def kept(self, node: Node) -> tuple[str, ...]:
+        """Return the loop axes of a node, in the order of the grid."""
+        return tuple(name for name in self.axes if name in node.axes and name not in self.inner)
+
+
+def order_of(
+    axes: Sequence[str],
+    shape: Mapping[str, int],
+    nodes: Collection[Node],
+    longest: float = math.inf,
+) -> Order:
+    """Return the order of loops over some axes that makes the work of a graph of operations least.
+
+    An operation stands in the outermost loop that it can, so that the order decides how often it is
+    done. `nodes` are the operations and the inputs that they need, `shape` has the length of each
+    axis. A row, the innermost loop, has at most `longest` cells for each value of its first axis.
+    """
+    steps = [node for node in nodes if node.function]
+    orders = []
+    for count in range(len(axes) + 1):
+        row = math.prod(shape[name] for name in axes[count:])
+        period = math.prod(shape[name] for name in axes[count + 1 :])
+        if period <= longest and (not count or row >= LEAST_ROW):
+            outer = _outwards(axes[:count], shape, steps)
+            orders.append(Order(tuple(axes), outer, tuple(axes[count:])))
+    return min(orders, key=lambda order: _work_of(order, shape, nodes))
+
+
+def _outwards(
+    axes: Sequence[str], shape: Mapping[str, int], steps: Collection[Node]
+) -> tuple[str, ...]:
+    left, outer = list(axes), list[str]()
+    work = [(SLOW.get(step.function, 1.0), step.axes) for step in steps]
+    while left:
+        # `work` is what stands within all loops that are left. A loop of one turn costs nothing.
+        repeated = {
+            name: sum(weight for weight, among in work if name in among) * (shape[name] > 1)
+            for name in left
+        }
+        least = min(left, key=repeated.__getitem__)
+        left.remove(least)
+        outer.insert(0, least)
+        work = [(weight, among) for weight, among in work if least not in among]
+    return tuple(outer)
+
+
+def _work_of(order: Order, shape: Mapping[str, int], nodes: Collection[Node]) -> float:
+    """Return the cost of computing a graph of operations in an order of loops, to compare orders.
+
+    Its unit is the addition of two numbers within a row, the innermost loop. `nodes` are operations
+    and inputs, `shape` has the length of each axis.
+    """
+    row = math.prod(shape[name] for name in order.inner)
+    # What a row has beyond whole turns of its loop is taken cell by cell.
+    along = row + (LANES - 1) * (row % UNROLLED)
+    turns = [1]
+    for name in order.outer:
+        turns.append(turns[-1] * shape[name])
+    work = TURN * turns[-1]
+    for node in nodes:
+        is_row = order.is_row(node)
+        if node.function:
+            each = along if is_row else LANES
+            work += SLOW.get(node.function, 1.0) * turns[order.level(node)] * each
+        elif is_row:
+            work += LAID * row
+    return work
 
 
 def _keep_first(better: str) -> tuple[str, ...]:
@@ -101,21 +206,13 @@ class Loop:
     rows: tuple[Node, ...]
 
 
-def write_loop(
-    order: Order,
-    leaves: Collection[Node],
-    columns: Collection[Node],
-    results: Sequence[Any],
-    *,
-    is_last: bool,
-    lanes: Lanes | None = None,
-) -> Loop:
-    """Return the source of a loop that computes some nodes for each cell.
+class LoopWriter:
+    """Writes the source of a loop that computes some nodes for each cell.
 
     Parameters
     ----------
     order : Order
-        The loops.
+        The loops: each step stands at the level of those on which it depends.
     leaves : collection of Node
         Nodes whose values numpy has made, on their own axes.
     columns : collection of Node
@@ -129,33 +226,38 @@ def write_loop(
         each outer loop, then one for the row, from where these start; the number of a cell
         likewise, from the start of the grid.
     """
-    return _Writer(order, leaves, columns, results, is_last, lanes).write()
 
-
-class _Writer:
     def __init__(
         self,
         order: Order,
         leaves: Collection[Node],
         columns: Collection[Node],
         results: Sequence[Any],
+        *,
         is_last: bool,
-        lanes: Lanes | None,
+        lanes: Lanes | None = None,
     ):
         self.order, self.results, self.is_last, self.lanes = order, results, is_last, lanes
         self.updates = lanes.updates if lanes else ("store",) * len(results)
-        self.arrays = sum(UPDATES[update][0] for update in self.updates)
+        self.places = [update for update in self.updates for _ in range(UPDATES[update][0])]
         self.leaves = {node.number for node in leaves}
         self.columns = {node.number for node in columns}
         self.deepest = len(order.outer)
-        self.steps: dict[int, Node] = {}
-        self.used: dict[int, Node] = {}
-        self.deep = set(self.columns)
-        for result in results:
-            if isinstance(result, Node):
-                self._need(result)
+        self.steps: dict[int, Node] = {}  # that the loop computes, inputs first
+        self.used: dict[int, Node] = {}  # that it reads from arrays made beforehand
+        self.deep = set(self.columns)  # that depend on a value given cell by cell
+        wanted = [one for one in results if isinstance(one, Node)]
+        for node in wanted:
+            self._need(node)
         self.nodes = [self.steps[number] for number in sorted(self.steps)]
-        self.kept = self._kept()
+        # Values along a row that an inner loop needs.
+        used = [(one, self._level(node)) for node in self.nodes for one in node.before]
+        kept = {
+            one.number: one
+            for one, level in (*used, *((one, self.deepest) for one in wanted))
+            if one.number in self.steps and self._is_row(one) and self._level(one) < level
+        }
+        self.kept = dict(sorted(kept.items()))
         self.here: set[int] = set()
         self.pairs = bool(lanes and lanes.pairs and is_last and self.deepest)
         self.second = False
@@ -178,19 +280,9 @@ class _Writer:
     def _is_row(self, node: Node) -> bool:
         return node.number in self.deep or self.order.is_row(node)
 
-    def _kept(self) -> dict[int, Node]:
-        used = [(operand, self._level(node)) for node in self.nodes for operand in node.before]
-        used += [(operand, self.deepest) for operand in self.results if isinstance(operand, Node)]
-        kept = {
-            operand.number: operand
-            for operand, level in used
-            if operand.number in self.steps
-            and self._is_row(operand)
-            and self._level(operand) < level
-        }
-        return dict(sorted(kept.items()))
-
-    def _term(self, node: Node) -> str:
+    def _term(self, node: Any) -> str:
+        if not isinstance(node, Node):
+            return _literal(node)
         number = node.number
         if number in self.columns:
             return f"c{number}[done + cells + i]" if self.second else f"c{number}[done + i]"
@@ -212,6 +304,7 @@ class _Writer:
         return f"t{node.number}{'b' * (self.second and node.number in self.here)}"
 
     def write(self) -> Loop:
+        """Return the loop."""
         arrays = [node for node in self.used.values() if node.number in self.leaves]
         columns = [node for node in self.used.values() if node.number in self.columns]
         lines: list[str] = []
@@ -228,7 +321,7 @@ class _Writer:
             *(f"a{node.number}" for node in arrays),
             *(f"c{node.number}" for node in columns),
             *(f"r{number}" for number in self.kept),
-            *(f"o{k}" for k in range(self.arrays)),
+            *(f"o{k}" for k in range(len(self.places))),
         ]
         piece = self.lanes.piece if self.lanes else LONGEST_ROW
         head = [
@@ -238,20 +331,17 @@ class _Writer:
             f"        stop = min(at + {piece}, ends[0, 1])",
             "        cells = stop - at",
         ]
-        return Loop(
-            "\n".join([*head, *lines]) + "\n",
-            tuple(arrays),
-            tuple(columns),
-            tuple(self.kept.values()),
-        )
+        source = "\n".join([*head, *lines]) + "\n"
+        return Loop(source, tuple(arrays), tuple(columns), tuple(self.kept.values()))
 
     def _at_level(self, level: int, arrays: Sequence[Node], pad: str) -> list[str]:
         plain, rows = self._enter(level)
         lines = self._outside_row(level, arrays, plain)
         if level == self.deepest:
-            lines += [*self._starts(), *self._row(rows, self._updated()), "done += cells"]
+            row = [*self._steps(rows), *self._in_lanes(self._gathered())]
+            lines += [*self._starts(), *_along(row), "done += cells"]
         elif rows:
-            lines += self._row(rows, [])
+            lines += _along(self._steps(rows))
         return [f"{pad}{line}" for line in lines]
 
     def _enter(self, level: int) -> tuple[list[Node], list[Node]]:
@@ -265,6 +355,13 @@ class _Writer:
         return lines + [f"{self._value(node)} = {self._step(node)}" for node in plain]
 
     def _paired(self, arrays: Sequence[Node], pad: str) -> list[str]:
+        """Return the lines of the innermost outer loop that take two rows at a time.
+
+        Both rows are gathered in the same lanes, one after the other in each lane, as if they were
+        taken singly: the bits are the same. What rows have in common is read once, and a lane is
+        read and written once for two cells. Where the rows have lanes of their own, and for an odd
+        last row, the loop of single rows follows, from `unpaired` on.
+        """
         level = self.deepest
         plain, rows = self._enter(level)
         outside, steps, updates = [], [], []
@@ -274,8 +371,7 @@ class _Writer:
             steps += self._steps(rows)
             updates += self._gathered()
         self.second = False
-        inside = [*self._read(), *updates, *self._written()]
-        row = ["for i in range(cells):", *(f"    {line}" for line in [*steps, *inside])]
+        row = _along([*steps, *self._in_lanes(updates)])
         count = f"ends[{level}, 1] - ends[{level}, 0]"
         pairs = f"({count}) // 2 * 2 if strides[{level - 1}] == 0 else 0"
         return [
@@ -300,21 +396,16 @@ class _Writer:
             turns = [f"i{k + 1} * strides[{k}]" for k in range(self.deepest)]
             lines += [f"start = {' + '.join([*turns, 'at'])}"]
         start = "start" if self.is_last else "done"
-        return lines + [f"o{k}_ = o{k}[{start}:{start} + cells]" for k in range(self.arrays)]
+        named = (f"o{k}_ = o{k}[{start}:{start} + cells]" for k in range(len(self.places)))
+        return [*lines, *named]
 
     def _numbers(self) -> list[str]:
-        return [f"{self._number()} = 0.0 + ({self._lane_index('numbers', self._turns(), 'at')})"]
-
-    def _number(self) -> str:
-        return "numberb" if self.second else "number"
+        index = self._lane_index("numbers", self._turns(), "at")
+        return [f"number{'b' * self.second} = 0.0 + ({index})"]
 
     def _turns(self) -> list[str]:
         turns = [f"i{k + 1}" for k in range(self.deepest)]
         return [*turns[:-1], f"({turns[-1]} + 1)"] if self.second else turns
-
-    def _row(self, rows: Sequence[Node], updates: Sequence[str]) -> list[str]:
-        lines = [*self._steps(rows), *updates]
-        return ["for i in range(cells):", *(f"    {line}" for line in lines)]
 
     def _steps(self, rows: Sequence[Node]) -> list[str]:
         lines = []
@@ -332,41 +423,29 @@ class _Writer:
         turns = [*turns, f"{cell} // {self.lanes.period}"]
         return " + ".join(f"{turn} * {strides}[{k}]" for k, turn in enumerate(turns))
 
-    def _updated(self) -> list[str]:
-        return [*self._read(), *self._gathered(), *self._written()]
-
-    def _read(self) -> list[str]:
-        return [f"v{k} = o{k}_[i]" for k, update in self._updates_by_array() if update != "store"]
+    def _in_lanes(self, gathered: Iterable[str]) -> list[str]:
+        """Return lines between those that read what the lanes of a cell hold and write it back."""
+        held = [(k, UPDATES[one][2]) for k, one in enumerate(self.places) if one != "store"]
+        read = (f"v{k} = o{k}_[i]" for k, _ in held)
+        return [*read, *gathered, *(f"o{k}_[i] = v{k}{added}" for k, added in held)]
 
     def _gathered(self) -> list[str]:
-        lines, free = [], 0
-        for update, term in zip(self.updates, self._terms(), strict=True):
+        lines, free, number = [], 0, f"number{'b' * self.second}"
+        for update, result in zip(self.updates, self.results, strict=True):
             count, texts, _ = UPDATES[update]
-            places = [
-                f"o{k}_[i]" if update == "store" else f"v{k}" for k in range(free, free + count)
-            ]
-            lines += [text.format(*places, value=term, number=self._number()) for text in texts]
+            place = "o{}_[i]" if update == "store" else "v{}"
+            places, term = [*map(place.format, range(free, free + count))], self._term(result)
+            lines += [text.format(*places, value=term, number=number) for text in texts]
             free += count
         return lines
 
-    def _written(self) -> list[str]:
-        return [
-            f"o{k}_[i] = v{k}{UPDATES[update][2]}"
-            for k, update in self._updates_by_array()
-            if update != "store"
-        ]
-
-    def _updates_by_array(self) -> list[tuple[int, str]]:
-        names = [update for update in self.updates for _ in range(UPDATES[update][0])]
-        return list(enumerate(names))
-
-    def _terms(self) -> list[str]:
-        return [self._term(one) if isinstance(one, Node) else _literal(one) for one in self.results]
-
     def _step(self, node: Node) -> str:
-        terms = (self._term(one) if isinstance(one, Node) else _literal(one) for one in node.inputs)
         assert node.function is not None
-        return IN_LOOPS[node.function].format(*terms)
+        return IN_LOOPS[node.function].format(*map(self._term, node.inputs))
+
+
+def _along(lines: Iterable[str]) -> list[str]:
+    return ["for i in range(cells):", *(f"    {line}" for line in lines)]
 
 
 def _literal(value: Any) -> str:
