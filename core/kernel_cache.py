@@ -30,11 +30,11 @@ from numba.misc.appdirs import AppDirs
 
 CORE = Path(__file__).resolve().parent
 
-COMPILERS = ("compiled.py", "linking.py")
-"""The files that say how functions are compiled: all cached code depends on them."""
+COMPILERS = ("compiled.py",)
+"""The file that says how functions are compiled: all cached code depends on it."""
 
 NEUTRAL = ("compiling.py", "kernel_cache.py")
-"""What those import, and no code depends on."""
+"""What that imports, and no code depends on."""
 
 SETTINGS = (
     "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "DISABLE_INTEL_SVML", "LOOP_VECTORIZE", "OPT",

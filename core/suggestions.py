@@ -362,6 +362,7 @@ class Suggestions:
         self.left = SEARCHED
 
     def __call__(self, name: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
+        """Return a suggestion; after several calls only a plain text."""
         return self.within(lambda: suggestion(name, known, listed))
 
     def within(self, search: Callable[[], str]) -> str:

@@ -22,13 +22,14 @@ from vibrafeed.core.motion.verify import accuracy, verified, verified_at
 from vibrafeed.core.plan.differences import cells_of, derivatives
 from vibrafeed.core.plan.equations import regimes, run_equations
 from vibrafeed.core.plan.labels import (
+    Sample,
+    chosen_positions,
     coordinates_of,
     global_attributes,
     outputs_of,
     verdict_variables,
 )
 from vibrafeed.core.plan.pieces import Computed
-from vibrafeed.core.plan.sample import Sample, chosen_positions
 from vibrafeed.core.quantities import FLAGS
 from vibrafeed.core.reduce.reduced import Reduced
 from vibrafeed.core.study.simulate_study import SimulateStudy

@@ -16,15 +16,16 @@ from numpy.typing import NDArray
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.optimise.problem import Kept, OptimisationProblem, cells_of, chosen_cells
 from vibrafeed.core.optimise.robust import SEED, Uncertain, samples_of
-from vibrafeed.core.plan.draws import points, values_at
 from vibrafeed.core.plan.grid import parameter_to_si
-from vibrafeed.core.plan.replicates import REPLICATES
 from vibrafeed.core.plan.statistics import (
+    REPLICATES,
     Estimate,
     mean_and_deviation,
+    points,
     probability,
     quantiles,
     share,
+    values_at,
 )
 from vibrafeed.core.study.distributions import tolerance
 

@@ -28,7 +28,7 @@ from vibrafeed.core.optimise.problem import (
 )
 from vibrafeed.core.optimise.search import filled, most_reliable
 from vibrafeed.core.plan.grid import to_si
-from vibrafeed.core.plan.sample import Sample, sample_of
+from vibrafeed.core.plan.labels import Sample, sample_of
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.study.optimise_study import Limited, Pareto
 from vibrafeed.core.sweep.verify import AGAINST, Rounding, rounding_of

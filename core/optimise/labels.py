@@ -23,7 +23,7 @@ from vibrafeed.core.optimise.problem import broken_names
 from vibrafeed.core.optimise.slopes import sensitive
 from vibrafeed.core.plan.labels import coordinates_of, global_attributes, link_to_verdict
 from vibrafeed.core.plan.pieces import Computed
-from vibrafeed.core.plan.replicates import INTERVAL, REPLICATES
+from vibrafeed.core.plan.statistics import INTERVAL, REPLICATES
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES, Flag
 from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.study.optimise_study import Pareto

@@ -11,9 +11,9 @@ from typing import Literal
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.plan import draws
-from vibrafeed.core.plan.draws import values_at
+from vibrafeed.core.plan import statistics
 from vibrafeed.core.plan.grid import parameter_to_si
+from vibrafeed.core.plan.statistics import values_at
 from vibrafeed.core.study.distributions import Distribution, tolerance
 from vibrafeed.core.study.values import Between
 
@@ -119,7 +119,7 @@ def uncertain_of(
         values, weights = {name: low + (high - low) * (roots + 1) / 2}, weights / 2
     else:
         count = samples_of(how, share)
-        values = values_at(distributions, draws.points(len(distributions), count, SEED)[:, 0])
+        values = values_at(distributions, statistics.points(len(distributions), count, SEED)[:, 0])
     uncertain = Uncertain(distributions, values, how, weights, share)
     if not is_limited:
         return uncertain

@@ -1,17 +1,72 @@
-"""Statistics of an output over sampled points: mean, deviation, quantiles, probabilities."""
+"""Points that fill the unit box evenly, and statistics of an output over them, with their errors.
+
+Scrambled Sobol points: each set is evenly spread and random. Within a scrambling points depend on
+each other, between scramblings they do not. An estimate takes all points together; the scatter of
+the estimates from single scramblings tells its error: half the width of the interval that holds the
+truth in 95 % of all cases. Equal seeds give equal bits.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.plan.replicates import error_of_mean
+from vibrafeed.core.plan.grid import parameter_to_si
+from vibrafeed.core.study.distributions import Distribution
+from vibrafeed.core.study.distributions import quantiles as distribution_quantiles
 
+BITS = 30
+"""Binary digits of a coordinate; points lie in the middle of cells of that size, so that none lies
+on an edge."""
+REPLICATES = 16
+"""Scramblings of a study: enough to estimate an error within a fifth, and few enough that each is
+long."""
+INTERVAL = "Half the width of the interval that holds the true value in 95 % of all cases."
+"""What an error is, for the attributes of a variable."""
 LEVELS = 129
 """Number of quantiles that describe a whole distribution, from the least to the largest value."""
+
+
+def points(dimensions: int, count: int, seed: int, replicates: int = 1) -> Array:
+    """Return Sobol points in independent sets, shape (dimensions, replicates, count), 0 < x < 1.
+
+    `count` is a power of two: the points of each set.
+    """
+    random = np.random.default_rng(seed)
+    sets = [
+        scipy.stats.qmc.Sobol(dimensions, scramble=True, bits=BITS, rng=random).random(count)
+        for _ in range(replicates)
+    ]
+    return np.ascontiguousarray(np.moveaxis(np.stack(sets), 2, 0)) + 0.5 ** (BITS + 1)
+
+
+def values_at(distributions: Mapping[str, Distribution], shares: Array) -> dict[str, Array]:
+    """Return the parameters at points of the unit box, in SI units and radians.
+
+    `shares`, shape (parameters, ...), are the points: for each parameter, in the order of
+    `distributions`, the share of its distribution below the value.
+    """
+    return {
+        name: parameter_to_si(name, distribution_quantiles(name, one, share))
+        for (name, one), share in zip(distributions.items(), shares, strict=True)
+    }
+
+
+@cache
+def _student_factor(replicates: int) -> float:
+    return float(scipy.stats.t.ppf((1 + 0.95) / 2, replicates - 1))
+
+
+def error_of_mean(each: Array, axis: int = -1) -> Array:
+    """Return half the 95 % interval of the mean of estimates from single sets, along an axis."""
+    count = each.shape[axis]
+    return np.asarray(_student_factor(count) * each.std(axis=axis, ddof=1) / np.sqrt(count))
 
 
 class Estimate(NamedTuple):
@@ -25,9 +80,7 @@ def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
     """Return mean and standard deviation of random points with their errors, ignoring NaN.
 
     `values` are an output at independent sets of points, shape (..., sets, points of a set); the
-    results have the shape (...). The errors come from the scatter of independent sets, half the
-    width of a 95 % interval. Where all values are NaN, so is the mean. Both results have a value
-    and its error.
+    results have the shape (...). Where all values are NaN, so is the mean.
     """
     known = np.isfinite(values)
     number = known.sum(axis=(-2, -1), keepdims=True)
@@ -51,27 +104,13 @@ def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
 
 
 def quantiles(values: Array, shares: Array) -> Estimate:
-    """Return quantiles of random points with errors, ignoring NaN.
+    """Return quantiles of random points with errors, shape (shares, ...), ignoring NaN.
 
-    The error, half a 95 % interval, comes from the scatter of the quantiles of independent sets.
-
-    Parameters
-    ----------
-    values : ndarray, shape (..., sets, points of a set)
-        The values of an output.
-    shares : ndarray
-        The shares of the values below, 0 to 1.
-
-    Returns
-    -------
-    Estimate
-        Arrays of shape (shares, ...).
+    `values` have the shape (..., sets, points of a set), `shares` are those of the values below.
     """
     flat = values.reshape(*values.shape[:-2], -1)
-    found = quantile(flat, shares)
-    each = quantile(values, shares)
     # Where one scrambling has no value at all, there is no telling how far they lie apart.
-    return Estimate(found, error_of_mean(each))
+    return Estimate(quantile(flat, shares), error_of_mean(quantile(values, shares)))
 
 
 def quantile(values: Array, shares: Array) -> Array:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from vibrafeed.core.plan.replicates import INTERVAL
+from vibrafeed.core.plan.statistics import INTERVAL
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.study.sensitivity_study import Demand, SensitivityStudy

@@ -7,6 +7,7 @@ from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan.differences import cells_of, derivatives
 from vibrafeed.core.plan.evaluate import evaluate
 from vibrafeed.core.plan.labels import (
+    Sample,
     coordinates_of,
     global_attributes,
     outputs_of,
@@ -14,7 +15,6 @@ from vibrafeed.core.plan.labels import (
 )
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.plan.sample import Sample
 from vibrafeed.core.sweep.verify import accuracy, verified
 from vibrafeed.core.watch import Watch
 
