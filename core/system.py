@@ -1,4 +1,4 @@
-"""Differences of operating systems: memory, cores, priority, files, output streams.
+"""Differences of operating systems: memory, cores, priority, files, output streams, installing.
 
 Windows opens no folder, flushes no file that is open for reading only, and neither replaces nor
 removes a file that any program holds open.
@@ -8,11 +8,15 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import sys
 import time
+from importlib.metadata import PackageNotFoundError, requires
 from pathlib import Path
 from typing import Any, Final
 
+ROOT = Path(__file__).resolve().parents[1]
+"""Where the program lies: a clone of the repository, or the packages of an environment."""
 WINDOWS: Final = hasattr(os, "O_BINARY")  # no other system tells texts from binary files
 PATIENCE: Final = 2.0  # s: virus scanners and indexers let go of a file sooner, Excel does not
 LOOK: Final = 0.05  # s between two trials
@@ -101,3 +105,32 @@ def _psutil() -> Any:
     import psutil
 
     return psutil
+
+
+def installing(package: str = "", extra: str | None = None) -> str:
+    """Return the command that installs a package, alone or with an extra of vibrafeed.
+
+    In a clone the command is to be typed in its folder, and keeps to the versions that the tests
+    pass with. Elsewhere it names the package itself: no index need know vibrafeed. Without a name
+    it is all of the extra.
+    """
+    if not (ROOT / "constraints.txt").is_file():
+        return f"pip install {package or ' '.join(_packages(extra))}"
+    pip = "pip"
+    if Path(sys.prefix) == ROOT / ".venv":
+        pip = r".venv\Scripts\pip" if WINDOWS else ".venv/bin/pip"
+    which = f"'.[{extra}]'" if extra else "."
+    if WINDOWS:
+        which = which.strip("'")  # cmd.exe would keep the quotes
+    return f"{pip} install --constraint constraints.txt -e {which}"
+
+
+def _packages(extra: str | None) -> list[str]:
+    try:
+        declared = requires("vibrafeed") or []
+    except PackageNotFoundError:
+        return []
+    mark = re.compile(rf"""extra == ['"]{extra}['"]""")
+    return [
+        found[0] for one in declared if mark.search(one) and (found := re.match(r"[\w.-]+", one))
+    ]

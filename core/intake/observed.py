@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, Final, NoReturn
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.extras import installing
 from vibrafeed.core.intake.section import (
     Content,
     Resolved,
@@ -25,6 +24,7 @@ from vibrafeed.core.quantities import letter_of
 from vibrafeed.core.study.grid_study import PARAMETERS
 from vibrafeed.core.study.section_names import MAX_RUNS, OBSERVED
 from vibrafeed.core.study.units import with_unit
+from vibrafeed.core.system import installing
 
 SUFFIXES = (".csv", ".xlsx")
 OWN: Final = (*OBSERVED, "error", "regime")
