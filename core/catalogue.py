@@ -33,11 +33,7 @@ OUTPUT = ("output", "unit", "source", "equation")
 
 
 def describe_all() -> list[dict[str, Any]]:
-    """Return one line for each scene, as a list for menus of the command line and the web page.
-
-    A line has name, title, section of the source, variants of the closed forms, and methods of
-    simulation (none for scenes that cannot be simulated).
-    """
+    """Return one line for each scene, as a list for menus of the command line and the web page."""
     return [
         {
             "name": scene.name,
@@ -116,8 +112,7 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
 def needed_parameters(scene: Scene, variant: str, output: str) -> tuple[str, ...]:
     """Return the parameters that the equations of one output need, in the order of all quantities.
 
-    `variant` is that of the scene's equations, or a method of simulation. What its regime needs
-    besides is not among them.
+    What its regime needs besides is not among them.
     """
     met = behind((output,), scene.producers(variant).get)
     needed = {name for name, equation in met.items() if equation is None}
@@ -129,15 +124,8 @@ def asked_parameters(
 ) -> tuple[str, ...]:
     """Return the parameters that a study of one output may set, for the output and its regime.
 
-    Parameters
-    ----------
-    scene, variant : Scene, str
-        The scene, and the variant of its equations or method of simulation.
-    output : str
-        Name of the output.
-    required : bool
-        Whether only those are wanted that such a study has to give, as they have no default. A
-        simulation always includes those of its status, as it follows the part in any case.
+    With `required` those only that such a study has to give, as they have no default. A simulation
+    always includes those of its status, as it follows the part in any case.
     """
     regimes = (one for one in scene.conditions[variant] if output in one.outputs)
     produced, defaults = scene.producers(variant), scene.defaults_of(variant)

@@ -48,9 +48,8 @@ def compiled(function: Function) -> Function:
 
     Kernels stay sequential: a pool of threads shares out the cells, so that two requests of one
     process can run at a time, a batch can be stopped between pieces, and results do not depend on
-    the number of threads. The machine code is cached in a folder of `NUMBA_CACHE_DIR`; without that
-    variable, among the user's caches. A function that stands in no kernel file, or for which no
-    folder can be written or read, is compiled once a process.
+    the number of threads. A function that stands in no kernel file, or for which no cache folder
+    can be written or read, is compiled once a process.
     """
     return _EntryDispatcher(function, {})
 
@@ -58,17 +57,14 @@ def compiled(function: Function) -> Function:
 def borrowing(function: Function) -> Function:
     """Return a compiled function that neither allocates nor returns arrays.
 
-    It does not count references to its array arguments, which would take half of the time of a
-    short kernel.
+    References to array arguments are not counted, which would take half of the time of a short
+    kernel.
     """
     return _EntryDispatcher(function, {"_nrt": False})
 
 
 def disjoint(function: Function) -> Function:
-    """Return a compiled function that allocates no arrays and whose array arguments do not overlap.
-
-    Like `borrowing`; LLVM is promised the absence of overlap, and vectorises loops without checks.
-    """
+    """Return one like `borrowing` whose array arguments do not overlap: no loop checks that."""
     return _EntryDispatcher(function, {"_nrt": False}, apart=True)
 
 
@@ -76,8 +72,7 @@ def disjoint(function: Function) -> Function:
 def compiled_source(source: str) -> Any:
     """Return the compiled function of a source text that defines exactly one function.
 
-    Chains of equations are written as one loop over cells in such a text. The arrays that the
-    function takes may not overlap. It may call `choose` (a selection, never a branch), `binade` and
+    Its arrays may not overlap. It may call `choose` (a selection, never a branch), `binade` and
     `exponent` (powers of two of floats) and `copysign` and `sqrt` of `math`. The machine code is
     cached under a digest of the text.
     """
@@ -174,15 +169,9 @@ raised: Any = _raised
 def by_type(argument: str, ways: Mapping[type, Any]) -> Callable[[Function], Function]:
     """Return a decorator: compiled code then calls one of several functions by an argument's type.
 
-    A motion kernel is so compiled once for each kind of drive or contact without branches at run
-    time. In plain Python, the decorated function itself is called; its signature is that of all.
-
-    Parameters
-    ----------
-    argument : str
-        Name of the argument that decides, a named tuple.
-    ways : mapping of type to callable
-        The compiled function for each type of this argument.
+    The argument is a named tuple. A motion kernel is so compiled once for each kind of drive or
+    contact, without branches at run time. Python calls the decorated function itself; its signature
+    is that of all.
     """
 
     def register(function: Function) -> Function:
@@ -321,17 +310,7 @@ class _EntryDispatcher(_NumbasDispatcher):  # type: ignore[misc]
 
 
 class Choice:
-    """A name for several functions; the type of an argument decides which one compiled code calls.
-
-    Parameters
-    ----------
-    function : callable
-        Declares arguments and result of all of them; called from Python.
-    position : int
-        Position of the deciding argument, a named tuple.
-    ways : mapping
-        The compiled function for each type of the argument.
-    """
+    """A name for several functions; the type of an argument decides which one compiled code calls."""
 
     is_compiling = False
 

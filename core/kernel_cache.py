@@ -77,9 +77,7 @@ def package_of(file: Path) -> str:
 def sources(package: str) -> tuple[Path, ...]:
     """Return all source files that compiled code of a kernel package depends on, in fixed order.
 
-    Its own modules, those that they import, and those that say how to compile: a change in any of
-    them makes cached code invalid. `package` is the name of the package, or `LOOPS` for generated
-    functions.
+    Those are its own modules, those that they import, and the one that says how to compile.
     """
     files = {CORE / name for name in COMPILERS}
     if package != LOOPS:
@@ -95,10 +93,7 @@ def sources(package: str) -> tuple[Path, ...]:
 
 
 def imported(text: str) -> Iterator[Path]:
-    """Yield the paths of the modules of this project that a module imports.
-
-    `text` is the module's source. Compiled code depends on these files, too.
-    """
+    """Yield the paths of the modules of this project that a module's source imports."""
     for module, names, whole in IMPORT.findall(text):
         file = _file_of(module or whole)
         is_module = file is not None and file.name != "__init__.py"  # its names are no files
@@ -115,12 +110,7 @@ def _file_of(dotted: str) -> Path | None:
 
 @functools.cache
 def digest(package: str) -> str:
-    """Return a digest of all that compiled code of a package depends on, 16 hexadecimal digits.
-
-    These are its source files, the versions of numba, llvmlite and NumPy, and the compiler's
-    settings. The digest names the cache folder, so that outdated code is never loaded. `package` is
-    the name of a package of kernels.
-    """
+    """Return a digest of all that compiled code of a package depends on, 16 hexadecimal digits."""
     settings = {name: str(getattr(_settings, name, None)) for name in SETTINGS}
     versions = (numba.__version__, llvmlite.__version__, np.__version__)
     content = hashlib.sha256(repr((versions, settings)).encode())
@@ -140,9 +130,8 @@ def root() -> Path:
 def folder(package: str) -> Path | None:
     """Return the folder in which compiled code of a package is cached; create it if necessary.
 
-    `package` is the name of a package of kernels. A folder that exists but cannot be written is
-    used for reading, as an image may ship one; None if there is none. Outdated folders are removed
-    but for the eight used last.
+    A folder that exists but cannot be written is used for reading, as an image may ship one; None
+    if there is none. Outdated folders are removed but for the eight used last.
     """
     path = root() / f"{package}-{digest(package)}"
     with contextlib.suppress(OSError):
@@ -173,10 +162,7 @@ def is_on_disk(source: str) -> bool:
 
 
 def mark_of(package: str) -> Path | None:
-    """Return the file that says that all of a package is compiled for this processor.
-
-    It goes with the code that it speaks of. None if no folder can be written.
-    """
+    """Return the file that says that all of a package is compiled for this processor, or None."""
     place = folder(package)
     return None if place is None else place / f"warm-{processor()}"
 

@@ -25,10 +25,7 @@ Schema = dict[str, Any]
 
 
 def study_schema() -> Schema:
-    """Return the JSON Schema of studies of all kinds, by which editors check and complete them.
-
-    Schemas that occur several times stand under `$defs`.
-    """
+    """Return the JSON Schema of studies of all kinds, by which editors check and complete them."""
     models = {kind.model: kind for kind in KINDS.values()}
     references, found = models_json_schema([(model, "validation") for model in models])
     named = found["$defs"]
@@ -55,17 +52,11 @@ def _with_names(schema: Schema, kind: Kind) -> Schema:
 
 
 def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema:
-    """Return a schema of alternatives in which every repeated part is written once.
+    """Return a schema of the alternatives `kinds` in which every repeated part is written once.
 
     A part that occurs twice or more, such as the values that an angle may have, becomes a
-    definition of its own; its title and description stay where it is referred to.
-
-    Parameters
-    ----------
-    kinds : sequence of dict
-        The schemas of the alternatives.
-    named : mapping of str to dict
-        Definitions that they refer to.
+    definition of its own, beside those `named`; its title and description stay where it is referred
+    to.
     """
     counts = Counter(_text(part) for schema in (*kinds, *named.values()) for part in _below(schema))
     names: dict[str, str] = {}

@@ -245,10 +245,7 @@ What comes first is meant where several are known.
 
 
 def by_synonym(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name for which a typed word is a synonym; None if there is none.
-
-    `known` are the names to choose from.
-    """
+    """Return the known name for which a typed word is a synonym; None if there is none."""
     choice = frozenset(known)
     return next((one for one in OTHER_NAMES.get(_plain(name), ()) if one in choice), None)
 
@@ -340,8 +337,7 @@ def suggestion(name: str, known: Iterable[str], listed: Iterable[str] | None = N
     """Return a sentence that helps with an unknown name.
 
     It says how a known quantity follows from the named one, asks ``Did you mean ...?``, or lists
-    the known names. `name` is the unknown name, `known` are all known ones; `listed` are those to
-    list where none is similar, if not all of them.
+    the known names, or those `listed`.
     """
     choice = sorted(known)
     if name in _GONE and name not in choice:

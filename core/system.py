@@ -48,8 +48,7 @@ def lower_priority(by: int) -> None:
 def sync(path: Path) -> None:
     """Wait until a file is on disk, so that it survives a power failure.
 
-    For the path of a folder that is the list of its files, which changes with a rename; Windows
-    does not offer that.
+    For a folder that is the list of its files, which changes with a rename; Windows lacks that.
     """
     if not path.is_dir():
         with path.open("r+b") as file:
@@ -65,11 +64,8 @@ def sync(path: Path) -> None:
 def replace(source: Path, target: Path) -> None:
     """Give a file or folder its final name, where another file may be, which is replaced.
 
-    Raises
-    ------
-    PermissionError
-        If another program still holds one of them after two seconds, as Excel does on Windows: both
-        stay as they are.
+    Raises `PermissionError` if another program still holds one of them after two seconds, as Excel
+    does on Windows: both stay as they are.
     """
     tried = 0.0
     while True:

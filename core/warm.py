@@ -34,19 +34,9 @@ FIRST, REST = slice(1), slice(1, None)
 
 
 def compile_kernels(processes: int) -> Path | None:
-    """Compile all compiled code that is not in the cache for this processor.
+    """Compile all compiled code that is not in the cache for this processor; return its folder.
 
-    So nobody waits for a compiler later. It is done by running studies in several processes.
-
-    Parameters
-    ----------
-    processes : int
-        The largest number of processes at a time.
-
-    Returns
-    -------
-    Path or None
-        Folder of the compiled code; None if no folder can be written.
+    It is done by running studies in several processes; None if no folder can be written.
     """
     cache = _cache()
     marks: dict[str, Path | None] = {package: cache.mark_of(package) for package in STUDIES}
@@ -82,10 +72,7 @@ def end_with_parent() -> None:
 
 
 def carry_out(package: str, part: slice = slice(None)) -> None:
-    """Run studies that use all kernels of a package, which compiles them.
-
-    `part` selects from the package's studies: the first one, the others, or all.
-    """
+    """Run studies that use all kernels of a package, or some of them, which compiles them."""
     for study in STUDIES[package][part]:
         tabulate(prepare_content(study))
 

@@ -58,8 +58,7 @@ class Watch:
     def flag(self) -> Iterator[NDArray[np.int8]]:
         """Yield a one-element array for compiled code, which becomes nonzero when it is to stop.
 
-        Compiled code cannot call Python to look at a clock. So a thread of the process looks every
-        50 ms, while the block runs, whether the time limit has passed or a stop is wanted.
+        A thread of the process looks every 50 ms, while the block runs.
         """
         flag = np.zeros(1, dtype=np.int8)
         if self.stop is None and self.deadline is None:

@@ -94,18 +94,9 @@ def derivatives(
     """Return the derivatives of every output of a plan by some parameters, at some cells.
 
     NaN at a kink, at a jump, and where the motion does not repeat; from inside where the parameter
-    is at an end of what it may be.
-
-    Parameters
-    ----------
-    cells : mapping of str to array_like
-        Parameters, SI units and radians, that broadcast to the shape (cells,).
-    parameters : collection of str
-        What to derive by: parameters of the cells, or those with a default value.
-    watch : Watch, optional
-        May stop the work; derivatives that are not finished have the status `not_computed`.
-
-    Raises `StudyError` if no output depends on a parameter.
+    is at an end of what it may be. `cells` are parameters, SI units and radians, that broadcast to
+    the shape (cells,); `parameters` are of these, or have a default. Derivatives that `watch` stops
+    have the status `not_computed`. Raises `StudyError` if no output depends on a parameter.
     """
     watch, values = watch or Watch(), values_of(plan, cells, parameters)
     model = _Model(*_with_counts(plan), len(plan.outputs))
@@ -136,8 +127,7 @@ def values_of(
 ) -> dict[str, Array]:
     """Return every parameter and default of a plan at cells, SI units, each of shape (cells,).
 
-    `cells` has the values of the plan's parameters, which broadcast; `parameters` are those by
-    which outputs are to be derived. Raises `StudyError` for one of them that the plan does not use.
+    Raises `StudyError` for one of `parameters`, to derive by, that the plan does not use.
     """
     values = {**plan.defaults, **{name: cells[name] for name in plan.parameters}}
     unknown = [name for name in parameters if name not in values]
@@ -150,7 +140,6 @@ def values_of(
 
 
 def _with_counts(plan: Plan) -> tuple[Plan, tuple[str, ...]]:
-    """Return a plan that also has the counts of motion, and the names of outputs and counts."""
     if not any(equation.takes_long for equation in plan.equations):
         return plan.part(plan.outputs), plan.outputs
     counts = tuple(name for name in COUNTS if name in plan.scene.outputs(plan.variant))
@@ -308,7 +297,7 @@ class Asked:
         """The attributes of each variable that the asked derivatives add to a result, in order.
 
         For each parameter and output there are a derivative, its error, and an elasticity (per cent
-        per cent, unit 1); for each parameter a status, which tells where there is no derivative.
+        per cent); for each parameter a status, which tells where there is no derivative.
         """
         labels: dict[str, dict[str, Any]] = {}
         for parameter in self.parameters:
@@ -336,15 +325,11 @@ class Asked:
 
     @property
     def units(self) -> dict[str, str]:
-        """The unit of each variable that the asked derivatives add to a result, by name."""
+        """The unit of each variable that the asked derivatives add to a result."""
         return {name: told.get("units", "1") for name, told in self.labels.items()}
 
     def dims(self, grid: Grid, depends: Mapping[str, Iterable[str]]) -> dict[str, tuple[str, ...]]:
-        """Return the names of the axes of each variable that the asked derivatives add to a result.
-
-        A derivative has the axes of its output, a status those of all outputs. `depends` has the
-        axes on which each quantity of the plan depends.
-        """
+        """Return the axes of each variable: those of its output, for a status of all outputs."""
         every = {axis for name in self.outputs for axis in depends[name]}
         return {
             name: grid.dims(depends[told["output"]] if "output" in told else every)
@@ -356,8 +341,7 @@ class Asked:
     ) -> dict[str, NDArray[Any]]:
         """Return each variable of the asked derivatives over its axes, in the units of files.
 
-        `derivatives` has every cell of the grid, by output and parameter; `dims` has the axes of
-        each variable. The status of a parameter is the worst of all outputs.
+        The status of a parameter is the worst of all outputs.
         """
         shape = tuple(grid.shape.values())
         values: dict[str, Any] = {**plan.defaults, **grid.si()}
@@ -405,10 +389,9 @@ def is_status(name: str) -> bool:
 def asked_of(
     plan: Plan, parameters: Collection[str], wish: bool | tuple[str, ...] | None, cells: int
 ) -> Asked | None:
-    """Return the derivatives that a study asks for; None if it asks for none.
+    """Return the derivatives that a study asks for by its key `sensitivities`, None for none.
 
-    `parameters` are those that the study gives, `wish` is its key `sensitivities`, `cells` are
-    those of its grid. Raises `StudyError` with every problem.
+    Raises `StudyError` with every problem.
     """
     if not wish:
         return None

@@ -71,24 +71,11 @@ def evaluate(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> dict[str, NDArray[Any]]:
-    """Return the outputs of a plan over a grid, each over the axes that it depends on.
+    """Return the outputs and verdicts of a plan over a grid, each over its own axes, SI units.
 
-    Parameters
-    ----------
-    plan, grid
-        What to compute, and where; every parameter of the plan is on the grid.
-    into : mapping of str to ndarray, optional
-        Contiguous arrays to fill instead of new ones.
-    threads : int, optional
-        Most threads among which cells are shared out; one a core if left out. What is computed does
-        not depend on it.
-    progress : callable, optional
-        Called with the share done since the last call, maybe from another thread.
-
-    Returns
-    -------
-    dict of str to ndarray
-        The asked outputs and verdicts; SI units.
+    Every parameter of the plan is on the grid. Contiguous arrays `into` are filled instead of new
+    ones; `threads` is the most among which cells are shared out, one a core if left out; `progress`
+    is called with the share done since the last call, maybe from another thread.
     """
     results: dict[str, NDArray[Any]] = dict(into or empty_results(plan, grid))
     cells = grid.size(list(groups_of(plan, grid))[-1])
@@ -105,8 +92,7 @@ def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> Non
     """Compute a plan with simulated motion on the whole grid at once, and write into `into`.
 
     The equations of motion share out their cells among threads themselves, and ask `watch` whether
-    to stop: then cells are left that are not computed. `into` has an array for each output and
-    verdict over its own axes, SI units.
+    to stop: then cells are left that are not computed.
     """
     depends = plan.depends_on(grid.axes)
     given = grid.si()
@@ -121,11 +107,7 @@ def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> Non
 
 
 def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:
-    """Return uninitialised arrays for the outputs and verdicts of a plan, to be filled later.
-
-    Each has the shape of the axes of the grid on which it depends; regimes are int8, outputs
-    doubles.
-    """
+    """Return arrays, not filled, for the outputs (doubles) and verdicts (int8) of a plan."""
     depends = plan.depends_on(grid.axes)
     results: dict[str, NDArray[Any]] = {}
     for name in (*plan.outputs, *plan.verdict_names):
@@ -137,8 +119,8 @@ def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:
 def is_compiled_for(missing: Iterable[str], cells: int) -> bool:
     """True if loops that are not compiled yet are to be, for a number of cells.
 
-    `missing` are the sources of the loops. Cells are counted for each source: a loop is compiled
-    once numpy has computed so many that compiling would have taken no longer.
+    Cells are counted for each source: a loop is compiled once numpy has computed so many that
+    compiling would have taken no longer.
     """
     missing = tuple(missing)
     if not missing:
@@ -155,13 +137,7 @@ def is_compiled_for(missing: Iterable[str], cells: int) -> bool:
 
 
 class Fused:
-    """The graph of a plan on a grid, ready to be run.
-
-    Parameters
-    ----------
-    plan, traced, grid
-        What to compute, its graph over the axes of the grid, and where.
-    """
+    """The graph of a plan on a grid, ready to be run."""
 
     def __init__(self, plan: Plan, traced: Traced, grid: Grid):
         self._grid, self._traced = grid, traced
@@ -190,17 +166,7 @@ class Fused:
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> None:
-        """Compute the outputs and verdicts of the plan over the grid, into `results`.
-
-        Parameters
-        ----------
-        results : mapping of str to ndarray
-            Contiguous arrays over the axes that each output depends on, in the grid's order.
-        threads : int, optional
-            Among which cells are shared out; one a core if left out.
-        progress : callable, optional
-            Called with the share done since the last call, by any thread.
-        """
+        """Compute the outputs and verdicts of the plan over the grid, into contiguous arrays."""
         with np.errstate(all="ignore"):
             for dims, names in self._groups.items():
                 arrays = [results[name] for name in names]
@@ -251,11 +217,7 @@ class Fused:
 
 
 def groups_of(plan: Plan, grid: Grid) -> dict[tuple[str, ...], tuple[str, ...]]:
-    """Return the outputs and verdicts of a plan grouped by the axes that they depend on.
-
-    The groups are in order of their number of points, the largest last. Each group is computed by
-    loops of its own over these axes, the keys of the result.
-    """
+    """Return the outputs and verdicts of a plan by the axes that they depend on, largest last."""
     depends = plan.depends_on(grid.axes)
     groups: dict[tuple[str, ...], list[str]] = {}
     for name in (*plan.outputs, *plan.verdict_names):
@@ -264,10 +226,7 @@ def groups_of(plan: Plan, grid: Grid) -> dict[tuple[str, ...], tuple[str, ...]]:
 
 
 def _tasks(order: Order, shape: Mapping[str, int], most: int) -> Iterator[NDArray[np.int64]]:
-    """Yield start and stop on the row and on each outer loop, shape (loops + 1, 2), of the tasks.
-
-    A task has at most `most` cells; `shape` are the lengths of the axes.
-    """
+    """Yield start and stop of each task on the row and on each outer loop, shape (loops + 1, 2)."""
     row = math.prod(shape[name] for name in order.inner)
     sizes = [row, *(shape[name] for name in order.outer)]
     steps = [inside := min(row, most)]
@@ -283,11 +242,8 @@ def share_out(function: Callable[[_T], Any], tasks: Iterable[_T], threads: int) 
     """Call a function for each task in several threads, and return when all are done.
 
     The calling thread is one of them: it begins at once, while others wake up, and does everything
-    itself if they are busy.
-
-    `threads` is the largest number of calls at a time. The first error of a call is raised; tasks
-    that have not begun are left out then. The threads are kept from one call to the next: to start
-    two and to end them takes as long as a sweep of some 10^5 cells.
+    itself if they are busy. The first error of a call is raised; tasks that have not begun are left
+    out then. The threads are kept: to start two takes as long as a sweep of some 10^5 cells.
     """
     left = deque(tasks)
     errors: list[BaseException] = []

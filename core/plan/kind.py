@@ -18,16 +18,7 @@ from vibrafeed.core.watch import Watch
 class Sketch(NamedTuple):
     """The names in a study, or in content that is no sound study yet.
 
-    Attributes
-    ----------
-    scene : str
-        Its scene.
-    variant, method : str or None
-        What it chooses, if anything.
-    outputs : collection of str
-        The outputs that it asks for.
-    names : collection of str
-        The parameters that it gives or leaves open, wherever they stand.
+    `names` are the parameters that it gives or leaves open, wherever they stand.
     """
 
     scene: str

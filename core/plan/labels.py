@@ -40,8 +40,8 @@ Positions = Mapping[str, NDArray[np.int64]]
 def coordinates_of(plan: Plan, grid: Grid) -> dict[str, TableVariable]:
     """Return the coordinates of a result: axes of the grid, fixed parameters, default values.
 
-    They are in the units of files, with attributes; fixed parameters and defaults are scalars, so
-    that a file says all that went into its results.
+    They are in the units of files; fixed parameters and defaults are scalars, so that a file says
+    all that went into its results.
     """
     coordinates = {
         name: TableVariable((name,), grid.coordinate(name), quantity_attributes(name))
@@ -60,8 +60,7 @@ def coordinates_of(plan: Plan, grid: Grid) -> dict[str, TableVariable]:
 def outputs_of(prepared: Prepared, arrays: Mapping[str, NDArray[Any]]) -> dict[str, TableVariable]:
     """Return the requested outputs with axes and labels, in the units of files.
 
-    `arrays` are the computed outputs in SI units and radians. `prepared` is the study, with its
-    plan and the axes of each output.
+    `arrays` are the computed outputs in SI units and radians.
     """
     plan = prepared.plan
     equations = {equation.gives: equation for equation in plan.equations}
@@ -89,10 +88,7 @@ def link_to_verdict(plan: Plan, output: str) -> dict[str, str]:
 def verdict_variables(
     plan: Plan, dims: Mapping[str, tuple[str, ...]], arrays: Mapping[str, NDArray[Any]]
 ) -> dict[str, TableVariable]:
-    """Return the flag variables of a result: the regimes, each with the outputs that it judges.
-
-    `dims` has their axes and `arrays` their values, by name.
-    """
+    """Return the flag variables of a result: the regimes, each with the outputs that it judges."""
     apart = len(plan.verdicts) > 1
     return {
         one.name: TableVariable(
@@ -105,10 +101,7 @@ def verdict_variables(
 
 
 def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
-    """Return the attributes of a result that say where it is from: study, version, scene, drive.
-
-    `how` says in words how it was computed, behind the version in `source`.
-    """
+    """Return the attributes of a result that say where it is from: study, version, scene, drive."""
     study, plan = prepared.study, prepared.plan
     attributes = {
         "Conventions": CONVENTIONS,
@@ -163,18 +156,12 @@ class Sample:
     chosen: int
 
     def at(self, values: NDArray[np.generic], dims: Collection[str]) -> Array:
-        """Return the values of an array at the sampled cells, shape (count,).
-
-        `dims` are the axes of the array.
-        """
+        """Return the values of an array over the axes `dims` at the cells, shape (count,)."""
         chosen = values[tuple(self.positions[name] for name in dims)]
         return np.broadcast_to(np.asarray(chosen, dtype=np.float64), self.count)
 
     def where(self, cell: int) -> str:
-        """Return the position of a sampled cell in words: ``at frequency 50 Hz, beta 30 deg``.
-
-        `cell` is its number in the sample.
-        """
+        """Return the position of a sampled cell: ``at frequency 50 Hz, beta 30 deg``."""
         parts = []
         for name, axis in self.grid.axes.items():
             k = int(self.positions[name][cell])
@@ -194,9 +181,8 @@ class Sample:
     ) -> dict[str, str | int]:
         """Return the verification result as attributes of the dataset.
 
-        `against` is the method that evaluated the cells again, `worst` a sentence about the largest
-        error. The numbers are those of the cells that no stop left out, of those with a value to
-        compare, and of those that are further off than their known errors allow.
+        The numbers are those of the cells that no stop left out, of those with a value to compare,
+        and of those that are further off than their known errors allow.
         """
         attributes: dict[str, str | int] = {"verified_cells": compared, "verified_against": against}
         if failed:

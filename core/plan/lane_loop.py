@@ -55,26 +55,11 @@ LINE = 64
 class LaneOrder:
     """The loops over the axes of a field, and the tiles whose cells lanes gather.
 
-    Sums are made over the cells of a tile in this order: it follows from the grid and the equations
-    alone, so that results do not depend on the machine.
-
-    Attributes
-    ----------
-    outer : tuple of str
-        Axes that are loops, outermost first.
-    inner : tuple of str
-        Axes of a row, of which a tile has all values but for the first axis.
-    piece : int
-        Most lanes of a row that gathers; whole periods.
-    period : int
-        Cells of a row for each value of its first axis.
-    gathers : bool
-        Whether the first axis of a row is reduced, so that pieces of it gather in the same lanes.
-    steps : mapping of str to int
-        Values of each axis in a tile; a tile at the end of an axis may have fewer.
-    apart : frozenset of str
-        Outer axes that are reduced, but whose values in a tile have lanes of their own: a lane
-        gathers at most `DEPTH` cells, and a tile would be small.
+    `inner` are the axes of a row, of which a tile has all values but for the first axis; it has
+    `period` cells for each value of that, and gathers in at most `piece` lanes. `gathers`: the
+    first axis of a row is reduced, so that pieces of it gather in the same lanes. `steps` has the
+    values of each axis in a tile. `apart` are outer axes that are reduced, but whose values in a
+    tile have lanes of their own: a lane gathers at most `DEPTH` cells, and a tile would be small.
     """
 
     outer: tuple[str, ...]
@@ -96,20 +81,8 @@ class LaneOrder:
     ) -> LaneOrder:
         """Return the order in which a loop takes the cells of a grid to gather their totals.
 
-        Cells are taken in tiles, and within a tile gathered in lanes: places for a total each. Few
-        cells go to a lane, so that sums are accurate, and the order follows from the grid alone, so
-        that results do not depend on the machine.
-
-        Parameters
-        ----------
-        outer, inner : sequence of str
-            Axes that are loops, and axes of a row, the innermost loop.
-        shape : mapping of str to int
-            Lengths of all axes.
-        over : iterable of str
-            The axes that are reduced away.
-        most : int
-            Most cells of a tile; there are at least `FEWEST_TILES`.
+        It follows from the grid alone, so that results do not depend on the machine. `over` are the
+        axes that are reduced away; a tile has at most `most` cells.
         """
         goes = set(over)
         depth = DEPTH
@@ -146,11 +119,7 @@ class LaneOrder:
         return cls(tuple(outer), tuple(inner), piece, period, gathers, steps, frozenset(apart))
 
     def lanes(self, shape: Mapping[str, int], over: Iterable[str]) -> dict[str, int]:
-        """Return the number of lanes of a tile on each axis, outermost first; their product is all.
-
-        A lane is a place in which cells of one point of the result are gathered. `shape` is the
-        length of the tile on each axis, `over` are the axes that are reduced away.
-        """
+        """Return the number of lanes of a tile of some shape on each axis, outermost first."""
         goes = set(over)
         lanes = {name: shape[name] for name in self.outer if name not in goes or name in self.apart}
         for name in self.inner:
@@ -160,11 +129,7 @@ class LaneOrder:
         return lanes
 
     def is_in_grid_order(self, axes: Iterable[str], over: Iterable[str]) -> bool:
-        """True if each lane gets its cells in the order of the grid, the last axis fastest.
-
-        `axes` are those of the grid, in order, `over` those that are reduced away. The pieces of a
-        row are the outermost loop.
-        """
+        """True if each lane gets its cells in the order of the grid, the last axis fastest."""
         goes = set(over) - self.apart
         mixed = [name for name in self.outer if name in goes and self.steps[name] > 1]
         if self.gathers and self.steps[self.inner[0]] * self.period > self.piece:
@@ -181,8 +146,7 @@ class LaneOrder:
     def cells_along(self, axes: Sequence[str]) -> tuple[list[int], NDArray[np.int64]]:
         """Return the axes of the row and of each outer loop among `axes`, and cells for each value.
 
-        These are the cells of a row for a value of its first axis, and 1 for other axes: an array
-        of the shape (loops + 1, 1).
+        These are an array of the shape (loops + 1, 1), 1 but for the row.
         """
         names = (*self.inner[:1], *self.outer)
         cells = [self.period] * len(self.inner[:1]) + [1] * len(self.outer)
@@ -198,10 +162,7 @@ class LaneOrder:
         return np.ascontiguousarray(ends[:, loops]) * cells
 
     def most_lanes(self, shape: Mapping[str, int], over: Iterable[str]) -> int:
-        """Return the number of lanes of the largest tile of a grid.
-
-        `shape` is the length of the grid on each axis, `over` are the axes that are reduced away.
-        """
+        """Return the number of lanes of the largest tile of a grid."""
         tile = {name: min(step, shape[name]) for name, step in self.steps.items()}
         return math.prod(self.lanes(tile, over).values())
 
@@ -209,21 +170,9 @@ class LaneOrder:
 class LaneLoop:
     """The compiled loop of a plan that gathers its results in lanes.
 
-    Parameters
-    ----------
-    plan : Plan
-        The plan of a field.
-    traced : Traced
-        Its graph; the values that lanes gather are among the results.
-    grid : Grid
-        The grid over the axes of the field alone.
-    updates : sequence of (str, str)
-        Names of results, each with what lanes do with it: a key of
-        `vibrafeed.core.plan.loop_source.UPDATES`.
-    over : collection of str
-        The axes that are reduced.
-    most : int
-        Most cells of a tile; fewer where numpy works between loops.
+    `grid` is that over the axes of the field alone; `updates` are names of results, each with what
+    lanes do with it: a key of `vibrafeed.core.plan.loop_source.UPDATES`. A tile has at most `most`
+    cells.
     """
 
     def __init__(
@@ -283,18 +232,10 @@ class LaneLoop:
     ) -> None:
         """Compute the cells of a tile and add them to totals, places of which are called lanes.
 
-        Parameters
-        ----------
-        ranges : ndarray of int64, shape (loops + 1, 2)
-            The tile: one of `LaneOrder.ranges`.
-        strides : ndarray of int64, shape (loops + 1,)
-            Lanes from one value of an axis to the next, for outer axes and the first axis of a row,
-            by `LaneOrder.along_loops`; 0 for an axis that stays in the same lanes.
-        numbers : ndarray of int64, shape (loops + 1,)
-            The same for the numbers of cells, by which `first_largest` and `first_least` name a
-            cell.
-        lanes : sequence of ndarray
-            Flat arrays, as many as the updates take; they are updated.
+        `ranges` is one of `LaneOrder.ranges`. `strides`, int64, shape (loops + 1,), are lanes from
+        one value of an axis to the next, by `LaneOrder.along_loops`, `numbers` the same for the
+        numbers of cells, by which `first_largest` and `first_least` name a cell. The flat arrays
+        `lanes`, as many as the updates take, are updated.
         """
         assert self._loops is not None
         self._loops((ranges, strides, numbers), lanes)

@@ -37,17 +37,7 @@ SLOW: dict[Any, float] = {np.divide: 15.0, np.sqrt: 20.0, np.reciprocal: 15.0}
 
 @dataclass(frozen=True)
 class Order:
-    """The loops over the axes of what is computed.
-
-    Attributes
-    ----------
-    axes : tuple of str
-        All of them, in the order of the grid.
-    outer : tuple of str
-        Those that are loops, outermost first.
-    inner : tuple of str
-        The trailing axes, joined into one row.
-    """
+    """The loops over the axes of what is computed: outermost first, then those of the row."""
 
     axes: tuple[str, ...]
     outer: tuple[str, ...]
@@ -74,9 +64,8 @@ def order_of(
 ) -> Order:
     """Return the order of loops over some axes that makes the work of a graph of operations least.
 
-    An operation stands in the outermost loop that it can, so that the order decides how often it is
-    done. `nodes` are the operations and the inputs that they need, `shape` has the length of each
-    axis. A row, the innermost loop, has at most `longest` cells for each value of its first axis.
+    `nodes` are the operations and the inputs that they need. A row, the innermost loop, has at most
+    `longest` cells for each value of its first axis.
     """
     steps = [node for node in nodes if node.function]
     orders = []
@@ -108,11 +97,6 @@ def _outwards(
 
 
 def _work_of(order: Order, shape: Mapping[str, int], nodes: Collection[Node]) -> float:
-    """Return the cost of computing a graph of operations in an order of loops, to compare orders.
-
-    Its unit is the addition of two numbers within a row, the innermost loop. `nodes` are operations
-    and inputs, `shape` has the length of each axis.
-    """
     row = math.prod(shape[name] for name in order.inner)
     # What a row has beyond whole turns of its loop is taken cell by cell.
     along = row + (LANES - 1) * (row % UNROLLED)
@@ -166,16 +150,9 @@ times as much.
 class Lanes:
     """The settings by which a loop takes cells into lanes instead of storing them.
 
-    Attributes
-    ----------
-    updates : tuple of str
-        For each result, what is done with it: names of `UPDATES`.
-    period : int
-        Cells of a row for each value of its first axis.
-    piece : int
-        Most cells of a row that are taken at once: whole periods.
-    pairs : bool
-        Whether rows that gather in the same lanes are taken two at a time.
+    `updates` are names of `UPDATES`, one for each result; a row has `period` cells for each value
+    of its first axis, of which at most `piece`, whole periods, are taken at once. `pairs`: rows
+    that gather in the same lanes are taken two at a time.
     """
 
     updates: tuple[str, ...]
@@ -188,16 +165,10 @@ class Lanes:
 class Loop:
     """The source of a compiled loop, and what it is given, in the order of its arguments.
 
-    Attributes
-    ----------
-    source : str
-        A function ``loop(ends, strides, ...)``; with lanes, ``loop(ends, strides, numbers, ...)``.
-    arrays : tuple of Node
-        Arrays that numpy has made, laid out by `Order.kept`, and rows last.
-    columns : tuple of Node
-        Arrays with a value for each cell, in the order in which the loop takes the cells.
-    rows : tuple of Node
-        Places for rows that are kept, of `LONGEST_ROW` cells each.
+    The source is a function ``loop(ends, strides, ...)``; with lanes, ``loop(ends, strides,
+    numbers, ...)``. `arrays` numpy has made, laid out by `Order.kept`, and rows last; `columns`
+    have a value for each cell, in the order in which the loop takes the cells; `rows` are places of
+    `LONGEST_ROW` cells for rows that are kept.
     """
 
     source: str
@@ -209,22 +180,11 @@ class Loop:
 class LoopWriter:
     """Writes the source of a loop that computes some nodes for each cell.
 
-    Parameters
-    ----------
-    order : Order
-        The loops: each step stands at the level of those on which it depends.
-    leaves : collection of Node
-        Nodes whose values numpy has made, on their own axes.
-    columns : collection of Node
-        Nodes whose values numpy has made for each cell.
-    results : sequence of Node or number
-        What to compute.
-    is_last : bool
-        True if results are written where the grid has them, False if one after another.
-    lanes : Lanes, optional
-        How cells are taken into lanes; they are stored if left out. A lane is found by a stride for
-        each outer loop, then one for the row, from where these start; the number of a cell
-        likewise, from the start of the grid.
+    Each step stands at the level of the loops on which it depends. Numpy has made the values of
+    `leaves` on their own axes, and those of `columns` for each cell. Of the last loop the results
+    are written where the grid has them, else one after another. A lane is found by a stride for
+    each outer loop, then one for the row, from where these start; the number of a cell likewise,
+    from the start of the grid.
     """
 
     def __init__(

@@ -25,14 +25,8 @@ from vibrafeed.core.suggestions import Suggestions, by_synonym, suggestion
 class Verdict:
     """A flag variable of a result: the regime of the outputs that share a validity.
 
-    Attributes
-    ----------
-    name : str
-        ``regime``, or ``regime_<output>`` after the first of its outputs.
-    outputs : tuple of str
-        The outputs that it judges; none of `EXACT`, which hold in every regime.
-    conditions : tuple of Condition
-        The conditions in the order of the scene; the first that holds names the regime.
+    It is called ``regime``, or ``regime_<output>`` after the first of its outputs, of which none is
+    of `EXACT`. The first of its conditions that holds names the regime.
     """
 
     name: str
@@ -67,22 +61,9 @@ class Verdict:
 class Plan:
     """The equations that run for a set of outputs.
 
-    Attributes
-    ----------
-    scene : Scene
-        The scene.
-    variant : str
-        The variant in force.
-    outputs : tuple of str
-        The asked outputs, without verdicts.
-    equations : tuple of Equation
-        The equations to run, each after those that it needs.
-    verdicts : tuple of Verdict
-        The flag variables of the result, each with the outputs that it judges; ``regime`` first.
-    parameters : tuple of str
-        The given parameters that the equations and conditions need.
-    defaults : mapping of str to float
-        Values that stand in for what is not given, SI units.
+    `outputs` are without verdicts, of which ``regime`` comes first; each of `equations` comes after
+    those that it needs; `parameters` are the given ones that are needed, and `defaults` stand in
+    for what is not given, SI units.
     """
 
     scene: Scene
@@ -124,11 +105,7 @@ class Plan:
         return self._known[output]
 
     def part(self, names: Collection[str]) -> Plan:
-        """Return a smaller plan: the equations that some outputs and verdicts of this plan need.
-
-        `names` are names of quantities and of verdicts. Parameters and defaults are limited to
-        what these equations take.
-        """
+        """Return a smaller plan: the equations that some outputs and verdicts of this plan need."""
         verdicts = tuple(verdict for verdict in self.verdicts if verdict.name in names)
         outputs = tuple(name for name in names if name not in self.verdict_names)
         wanted = [*outputs, *(name for verdict in verdicts for name in verdict.inputs)]
@@ -145,8 +122,8 @@ class Plan:
     def depends_on(self, axes: Collection[str]) -> dict[str, frozenset[str]]:
         """Return the axes on which each quantity and each verdict of the plan depend, by name.
 
-        `axes` are the parameters with several values. A quantity is computed over its own axes
-        only, which saves most of the work on a large grid. Results are kept for the next call.
+        A quantity is computed over its own axes only, which saves most of the work on a large grid.
+        Results are kept for the next call.
         """
         names = tuple(axes)
         if names not in self._known:
@@ -169,13 +146,6 @@ def verdicts_of(conditions: Sequence[Condition], outputs: Sequence[str]) -> tupl
     Outputs share a verdict if the same conditions judge them. A condition judges if its regime is
     not valid or speaks of single outputs; one that tells the state of the part, such as stick,
     parts no outputs. What holds in every regime (`EXACT`) has no verdict of its own.
-
-    Parameters
-    ----------
-    conditions : sequence of Condition
-        The conditions of the scene.
-    outputs : sequence of str
-        The outputs in the order of the scene; ``regime`` among them stands for the contact.
     """
     of_contact = {*_judging(conditions, REGIME)}
     concerned = [name for name in outputs if any(name in one.outputs for one in conditions)]
@@ -206,15 +176,7 @@ def _judging(conditions: Sequence[Condition], output: str) -> tuple[Condition, .
 def find_scene(
     name: str, variant: str | None, scenes: Mapping[str, Scene] = SCENES
 ) -> tuple[Scene, str]:
-    """Return the named scene and the chosen variant of its equations, the default one for None.
-
-    `scenes` are those to look in, by name.
-
-    Raises
-    ------
-    StudyError
-        If there is no such scene or variant.
-    """
+    """Return the named scene and variant, the default one for None; raise `StudyError` without."""
     scene, variant, problems = choose_scene(name, variant, scenes)
     if problems:
         raise StudyError(problems)
@@ -226,8 +188,8 @@ def choose_scene(
 ) -> tuple[Scene, str, list[Problem]]:
     """Return the named scene, the variant of its equations, and the problems of the variant's name.
 
-    An unknown variant gives way to the default, so that the rest of a study can be checked.
-    `scenes` are those to look in. Raises `StudyError` if there is no such scene.
+    An unknown variant gives way to the default, so that the rest of a study can be checked. Raises
+    `StudyError` if there is no such scene among `scenes`.
     """
     scene = scenes.get(name)
     if scene is None:
@@ -245,13 +207,7 @@ def choose_scene(
 def make_plan(
     scene_name: str, variant: str | None, outputs: Collection[str], parameters: Collection[str]
 ) -> Plan:
-    """Return the plan for outputs of a named scene, given the names of a study's parameters.
-
-    Raises
-    ------
-    StudyError
-        With every problem: unknown scene, variant or output, missing and unused parameters.
-    """
+    """Return the plan for outputs of a named scene; raise `StudyError` with every problem."""
     return plan_scene(*find_scene(scene_name, variant), outputs, parameters)
 
 
@@ -358,11 +314,6 @@ def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions)
 
 
 def _other_way(scene: Scene, variant: str, name: str) -> tuple[str, str] | None:
-    """Return message and fix for an output of another variant, or of another kind of study.
-
-    A sweep evaluates closed forms, a simulation, whose variant is a method, follows a part in time;
-    an output of this kind that means the same is named, if there is any.
-    """
     others = [v for v in scene.variants if name in scene.outputs(v)]
     if others:
         message = f"the {scene.choice} '{variant}' of {scene.name} does not give '{name}'"
@@ -431,11 +382,7 @@ def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> 
 
 
 def scene_parameters(scene: Scene, variant: str) -> tuple[str, ...]:
-    """Return the names of the parameters that a study of a scene's variant can give.
-
-    They are those that its equations or conditions use, and alternatives to them such as stroke for
-    amplitude.
-    """
+    """Return the parameters that a study of a variant can give, with alternatives to them."""
     parts: tuple[Equation | Condition, ...] = (*scene.variants[variant], *scene.conditions[variant])
     needed = {name for part in parts for name in part.inputs}
     for alias in ALIASES:

@@ -60,24 +60,13 @@ class Prepared:
         )
 
     def check_lazy(self, fix: str) -> Self:
-        """Return the study; raise `StudyError` if cells cannot be computed when they are read.
-
-        `fix` says what the user can do instead.
-        """
+        """Return the study; raise `StudyError` with `fix` if cells cannot be computed when read."""
         if self.not_lazy is not None:
             raise StudyError([replace(self.not_lazy, fix=fix)])
         return self
 
     def shares(self, where: str, count: int) -> Shares:
-        """Return the shares into which the study can be divided, writing to a result.
-
-        Parameters
-        ----------
-        where : str
-            The result.
-        count : int
-            Number of shares.
-        """
+        """Return the shares into which the study can be divided, writing to the result `where`."""
         raise NotImplementedError
 
     @property
@@ -163,10 +152,7 @@ class Prepared:
 
     @cached_property
     def price(self) -> Price:
-        """The price of the cells on one core, without verification, at most about so much [s].
-
-        Where motions are simulated, some are simulated once to find it; see `core.plan.price`.
-        """
+        """The price of the cells on one core, without verification; motions are sampled for it."""
         return self.known_price or self._new_price()
 
     def _new_price(self) -> Price:
@@ -227,10 +213,7 @@ class Prepared:
         return replace(self, study=self.study.model_copy(update={"verify": None}))
 
     def check_verification(self) -> Self:
-        """Return the study itself; raise `StudyError` if it cannot be verified in 100 seconds.
-
-        Verifying means to compute some cells another way. A study that does not ask for it passes.
-        """
+        """Return the study; raise `StudyError` if verifying it, as asked, takes above 100 s."""
         if self.study.verify is None:
             return self
         if not self.verified_by:
@@ -251,11 +234,7 @@ class Prepared:
                 raise LimitError(limit, asked, allowed, self.what_fits(allowed / asked))
 
     def what_fits(self, share: float) -> str:
-        """Return a sentence on a smaller grid that fits the limits, as the fix in a message.
-
-        `share` is the share of the present number of cells that fits. One axis gets fewer values,
-        or all of them.
-        """
+        """Return a sentence on a grid that fits the limits, with that share of the cells."""
         longest = max(self.grid.shape, key=lambda name: self.grid.shape[name])
         fitting = int(self.grid.shape[longest] * share)
         if fitting >= 2:
@@ -280,16 +259,8 @@ def plan_study(
 ) -> tuple[Plan, Grid]:
     """Return the plan (equations in order) and the grid of a study of any kind.
 
-    Raises `StudyError` with all problems of the study at once.
-
-    Parameters
-    ----------
-    outputs : iterable of str
-        The outputs to compute.
-    chosen : Chosen
-        Scene, variant and the problems of their names.
-    more : mapping of str to Values, optional
-        Parameters that the study gives elsewhere than under `parameters`.
+    `chosen` are scene, variant and the problems of their names; `more` are parameters that the
+    study gives elsewhere than under `parameters`. Raises `StudyError` with all problems at once.
     """
     values = {**study.values(), **(more or {})}
     grid = Grid.of(values)
@@ -306,10 +277,7 @@ def plan_study(
 
 
 def names_intended(parameters: Iterable[object]) -> list[str]:
-    """Return the parameters that a user intended, misspelt ones corrected.
-
-    `parameters` are names as written; those without a near match are dropped.
-    """
+    """Return the parameters that a user intended, misspelt ones corrected, others left out."""
     given = [*map(str, parameters)]
     unknown = [name for name in given if name not in PARAMETERS]
     meant = {name: intended(name, PARAMETERS) for name in unknown[:SEARCHED]}
@@ -318,11 +286,7 @@ def names_intended(parameters: Iterable[object]) -> list[str]:
 
 
 def locate_problem(problem: Problem, study: Study) -> Problem:
-    """Return a problem of a plan with the path at which its cause stands in the study.
-
-    A plan names `parameters.<name>` or an output; the study may have either in another section,
-    such as among its variables.
-    """
+    """Return a problem of a plan with the path at which its cause stands in the study."""
     section, _, name = problem.place.partition(".")
     if section == "parameters":
         return replace(problem, place=study.places().get(name, problem.place))
@@ -332,12 +296,7 @@ def locate_problem(problem: Problem, study: Study) -> Problem:
 
 
 def broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Problem]:
-    """Yield problems of parameters whose values on the grid break a relation of the scene.
-
-    A relation is between parameters, such as a length below a diameter; it is looked at for the
-    ends of their ranges. `grid` has the values of all parameters that the study gives; `variant` is
-    that of the `scene`.
-    """
+    """Yield problems of parameters whose ends on the grid break a relation of the scene."""
     given = {*grid.axes, *grid.fixed}
     for constraint in (*scene.constraints, *CONSTRAINTS):
         concerned = constraint.variant in ("", variant)

@@ -70,15 +70,9 @@ def price(
 ) -> Price:
     """Return the price of evaluating a plan on a grid, from some cells that are evenly spread.
 
-    Parameters
-    ----------
-    plan, grid : Plan, Grid
-        The plan of the study, and its parameters; the grid may be of any size.
-    rough : float, optional
-        The price of a cell where nothing is timed [s]: of closed forms, and of motions whose code
-        is not compiled yet. That of the scene if left out.
-    free : mapping of str to (float, float), optional
-        Parameters that are not on the grid, and the ends of their values, SI units.
+    `rough` is the price of a cell where nothing is timed [s], that of the scene if left out: of
+    closed forms, and of motions whose code is not compiled yet. `free` are parameters that are not
+    on the grid, and the ends of their values, SI units.
     """
     each = plan.scene.seconds_a_cell if rough is None else rough
     if not any(one.takes_long for one in plan.equations) or not _is_compiled():

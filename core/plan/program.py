@@ -60,17 +60,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class Program:
-    """The loops that fill arrays with the same axes.
-
-    Attributes
-    ----------
-    order : Order
-        The loops over their axes.
-    stages : tuple of Stage
-        What is done, one after the other.
-    lanes : Lanes or None
-        How the last loop takes cells into lanes; None if it stores them.
-    """
+    """The loops that fill arrays with the same axes: their order, and what is done in turn."""
 
     order: Order
     stages: tuple[Stage, ...]
@@ -101,20 +91,9 @@ def edge_of(
 ) -> tuple[Node, ...]:
     """Return the nodes of a graph that numpy computes beforehand, and loops take as inputs.
 
-    A node is an operation. By numpy goes what has few values, what no loop can compute unless it
-    has too many values, and what these need. A value that depends on axes of the row and on others
-    would be laid out as a row for each of the others: loops compute it themselves, if they can.
-
-    Parameters
-    ----------
-    names : tuple of str
-        The results wanted.
-    shape : tuple of (str, int)
-        Names and lengths of the axes.
-    row : tuple of str
-        The axes of the innermost loop.
-    most : int, optional
-        The largest number of values of an array.
+    That is what has few values, what no loop can compute unless it has more than `most` values, and
+    what these need. A value that depends on axes of the row and on others would be laid out as a
+    row for each of the others: loops compute it themselves, if they can.
     """
     lengths = dict(shape)
     cells = math.prod(lengths.values())
@@ -154,20 +133,9 @@ def program_of(
 ) -> Program:
     """Return the compiled loops that compute some results of a graph over axes of given lengths.
 
-    Parameters
-    ----------
-    traced : Traced
-        The graph of operations and its results.
-    names : tuple of str
-        The results wanted.
-    shape : tuple of (str, int)
-        Names and lengths of the axes.
-    special : tuple of (int, number)
-        Numbers of nodes that have one value everywhere, with it: operations that it makes
-        superfluous are left out.
-    updates : tuple of str, optional
-        For each result a name of `UPDATES`: the loops then gather cells into totals instead of
-        storing them.
+    `special` are numbers of nodes that have one value everywhere, with it: operations that it makes
+    superfluous are left out. With `updates`, a name of `UPDATES` for each result, the loops gather
+    cells into totals instead of storing them.
     """
     lengths = dict(shape)
     most = MAX_VALUES if updates else None
@@ -260,11 +228,7 @@ class Values:
                 self._known[node.number] = np.asarray(value)
 
     def of(self, operand: Any) -> Any:
-        """Return the value of an operand over all axes of the grid, of size 1 where it is constant.
-
-        `operand` is a node, an operation of the graph, whose value is computed once by numpy and
-        kept, or a constant, which is returned itself.
-        """
+        """Return the value of a node, computed once, of size 1 along other axes; or a constant."""
         if not isinstance(operand, Node):
             return operand
         if operand.number not in self._known:
@@ -272,10 +236,7 @@ class Values:
         return self._known[operand.number]
 
     def over(self, operand: Any, axes: Iterable[str]) -> Array:
-        """Return the value of a node or constant as an array over `axes`, or as a scalar.
-
-        `axes` include all axes on which the operand depends; the others are dropped.
-        """
+        """Return the value of a node or constant as an array over `axes`, or as a scalar."""
         value, kept = np.asarray(self.of(operand)), set(axes)
         if not value.ndim:
             return value
@@ -283,11 +244,7 @@ class Values:
         return value.squeeze(dropped)
 
     def special(self, nodes: Iterable[Node]) -> tuple[tuple[int, float | bool], ...]:
-        """Return the nodes that are 0, 1, infinite, true or false everywhere, with the value.
-
-        A node is an operation of the graph. Each is a pair of the node's number and its value: a
-        loop without the operations that such values make superfluous is faster.
-        """
+        """Return the nodes that are 0, 1, infinite, true or false everywhere, with the value."""
         constants: list[tuple[int, float | bool]] = []
         for node in nodes:
             value = np.asarray(self.of(node))
@@ -323,14 +280,12 @@ def bind_stages(
 ) -> Runner:
     """Return a function that runs the compiled loops of a program on some cells.
 
-    A program is the graph of a plan as loops over cells; a function that loops do not have splits
-    it, and is taken by numpy between them. What is the same for all cells is found here, once.
-    `operands` are the inputs that numpy has computed, the result of `lay_out_operands`; `rows` is
-    asked for places for the rows that a loop keeps, by their number, in each call.
+    `operands` are the result of `lay_out_operands`; `rows` is asked for places for the rows that a
+    loop keeps, by their number, in each call.
 
     The function takes arrays of int64: start and stop along the row (the innermost loop) and along
-    each outer loop, then the strides of the loops in the results, and for loops that add up
-    statistics the strides of cell numbers. It takes the flat arrays that the last loop fills, too.
+    each outer loop, then the strides of the loops in the results, and for loops that gather cells
+    the strides of cell numbers. It takes the flat arrays that the last loop fills, too.
     """
     loops = (stage.loop for stage in program.stages)
     calls = [None if loop is None else _bind_loop(loop, operands, rows) for loop in loops]
@@ -378,8 +333,7 @@ def lay_out_operands(
 ) -> dict[int, Any]:
     """Return the input arrays of a program's loops, by number of the node.
 
-    They are arrays in the order of the loops, with the axes of loops and row (the innermost loop),
-    or plain numbers. `values` computes them by numpy on the grid; a value that changes along the
+    They are arrays with the axes of loops and row, or plain numbers; a value that changes along the
     row is spread over all of it.
     """
     order, shape = program.order, grid.shape

@@ -79,8 +79,7 @@ class Estimate(NamedTuple):
 def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
     """Return mean and standard deviation of random points with their errors, ignoring NaN.
 
-    `values` are an output at independent sets of points, shape (..., sets, points of a set); the
-    results have the shape (...). Where all values are NaN, so is the mean.
+    `values` have the shape (..., sets, points of a set); the results have the shape (...).
     """
     known = np.isfinite(values)
     number = known.sum(axis=(-2, -1), keepdims=True)
@@ -116,8 +115,7 @@ def quantiles(values: Array, shares: Array) -> Estimate:
 def quantile(values: Array, shares: Array) -> Array:
     """Return quantiles of the values along the last axis, ignoring NaN, shape (shares, ...).
 
-    `shares` are those of the values below the quantile, 0 to 1. Between two neighbouring values it
-    is linear, as numpy does by default; NaN where there are no values.
+    Between two neighbouring values it is linear, as numpy does by default; NaN without any.
     """
     values = np.sort(values, axis=-1)  # NaN come last
     number = np.isfinite(values).sum(axis=-1)
@@ -133,9 +131,8 @@ def quantile(values: Array, shares: Array) -> Array:
 def probability(met: Mask) -> Estimate:
     """Return the probability of an event with its error, shape (...), from random points.
 
-    `met` is True at the points where it occurred, shape (..., sets, points of a set); the scatter
-    of independent sets gives the error, half a 95 % interval. Where all points agree, chance may
-    have left out one: the error then is at least one point's share.
+    `met` has the shape (..., sets, points of a set). Where all points agree, chance may have left
+    out one: the error then is at least one point's share.
     """
     replicates, count = met.shape[-2:]
     each = met.mean(axis=-1)

@@ -73,22 +73,10 @@ def _refuse(why: str) -> Function:
 
 
 class Node(NDArrayOperatorsMixin):
-    """One value of a graph: a parameter, or a function of other values.
+    """One value of a graph: a parameter, by name, or a function of nodes and plain numbers.
 
-    Attributes
-    ----------
-    number : int
-        Its place among the nodes of its graph, after those of its inputs.
-    function : callable or None
-        The function of numpy that gives it; None of a parameter.
-    inputs : tuple
-        What the function is given: nodes and plain numbers.
-    axes : frozenset of str
-        The axes that it depends on.
-    dtype : numpy.dtype
-        Of its values.
-    name : str
-        The parameter; empty otherwise.
+    `number` is its place among the nodes of its graph, after those of its inputs, `axes` are those
+    that it depends on, `dtype` is that of its values.
     """
 
     __slots__ = ("axes", "dtype", "function", "graph", "inputs", "name", "number")
@@ -154,10 +142,7 @@ class Graph:
         self._known: dict[Any, Any] = {}
 
     def leaf(self, name: str, axes: Iterable[str], dtype: Any = np.float64) -> Node:
-        """Return the node of a parameter in the graph; the same name gives the same node.
-
-        `axes` are the axes of the grid on which it depends: itself if it has several values.
-        """
+        """Return the node of a parameter in the graph; the same name gives the same node."""
         key = (None, name)
         if key not in self._known:
             self._known[key] = Node(self, None, (), frozenset(axes), np.dtype(dtype), name)
@@ -166,8 +151,8 @@ class Graph:
     def apply(self, function: Function, inputs: Iterable[Any]) -> Any:
         """Return the node of the graph for a numpy function of some inputs, or a number.
 
-        Inputs are nodes or numbers; the result is a number, or one of the inputs, if no operation
-        is needed. The same function of the same inputs gives the same node.
+        The result is one of the inputs, if no operation is needed. The same function of the same
+        inputs gives the same node.
         """
         operands = tuple(one if isinstance(one, Node) else _number(one) for one in inputs)
         nodes = [one for one in operands if isinstance(one, Node)]
@@ -192,14 +177,12 @@ def _number(value: Any) -> Any:
 
 
 def _identity(operand: Any) -> Any:
-    """Return a key that equal operands share, by which repeated operations are recognised."""
     if isinstance(operand, Node):
         return operand.number
     return (type(operand), np.asarray(operand).tobytes())
 
 
 def _dtype(function: Function, operands: Iterable[Any]) -> np.dtype[Any]:
-    """Return the type of the result of a function, found by running it on one sample."""
     samples = (np.ones(1, one.dtype) if isinstance(one, Node) else one for one in operands)
     with np.errstate(all="ignore"):
         try:
@@ -247,7 +230,6 @@ the step, to the last bit, else None."""
 
 
 def _is(operand: Any, value: float) -> bool:
-    """True if an operand is a number of this value; zero must not be negative."""
     return not isinstance(operand, Node) and bool(operand == value) and not np.signbit(operand)
 
 
@@ -273,11 +255,10 @@ class TracedPlan:
 
 
 def traced_plan(plan: Plan, axes: Iterable[str]) -> TracedPlan | None:
-    """Return the graph of operations behind a plan, with every quantity and condition, or None.
+    """Return the graph behind a plan, with every quantity and condition; None if it has none.
 
-    The plan's equations are run once with symbols in place of arrays; None if one of them cannot
-    be. `axes` are the names of the parameters that have several values. The graph is new for each
-    call: the caller may add operations to it before a loop is compiled.
+    `axes` are the names of the parameters that have several values. The graph is new for each call:
+    the caller may add operations to it before a loop is compiled.
     """
     graph = Graph()
     ranged = {name for name in axes if name in plan.parameters}
@@ -294,11 +275,10 @@ def traced_plan(plan: Plan, axes: Iterable[str]) -> TracedPlan | None:
 
 
 def traced(plan: Plan, axes: Iterable[str]) -> Traced | None:
-    """Return the graph behind a plan's outputs and verdicts, to compile loops from it.
+    """Return the graph behind a plan's outputs and verdicts; None if an equation has none.
 
     `axes` are the names of the parameters with several values. The graph does not depend on values,
-    so that equal plans share it: parameters with a single value are nodes too. None if an equation
-    cannot be run with symbols in place of arrays.
+    so that equal plans share it: parameters with a single value are nodes too.
     """
     given = (*plan.parameters, *plan.defaults)
     ranged = tuple(name for name in axes if name in plan.parameters)
