@@ -36,12 +36,6 @@ _NumbasLibrary: Any = JITCodeLibrary
 _NumbasCompiler: Any = vars(dispatcher)["_FunctionCompiler"]
 _NumbasDispatcher: Any = CPUDispatcher
 
-ENVIRONMENT = "_ZN08NumbaEnv"
-"""What the names of the globals begin with that hold what a function needs of Python."""
-
-GLOBALS = "numba.dynamic.globals"
-"""What the names of the globals begin with that hold addresses of one process."""
-
 
 def compiled(function: Function) -> Function:
     """Return a function compiled by numba for a kernel; it releases Python's global lock.
@@ -196,8 +190,8 @@ class _LinkedPart(_Library):
 
     @property
     def has_dynamic_globals(self) -> bool:
-        variables = self._final_module.global_variables
-        return any(variable.name.startswith(GLOBALS) for variable in variables)
+        names = (one.name for one in self._final_module.global_variables)
+        return any(name.startswith("numba.dynamic.globals") for name in names)
 
     def _get_module_for_linking(self) -> Any:
         # Copies of one function may meet in a program, and unused ones are removed.
@@ -214,7 +208,7 @@ class _Entry(_Library):
         self._linking_libraries = list(_reached(self, {}))
         super().finalize()
         for variable in self._final_module.global_variables:
-            if variable.name.startswith(ENVIRONMENT):
+            if variable.name.startswith("_ZN08NumbaEnv"):  # what a function needs of Python
                 environment = lookup_environment(variable.name)  # type: ignore[no-untyped-call]
                 if environment is not None:
                     self._codegen.set_env(variable.name, environment)
@@ -310,7 +304,7 @@ class _EntryDispatcher(_NumbasDispatcher):  # type: ignore[misc]
 
 
 class Choice:
-    """A name for several functions; the type of an argument decides which one compiled code calls."""
+    """A name for several functions, of which compiled code calls one by the type of an argument."""
 
     is_compiling = False
 

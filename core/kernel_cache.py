@@ -58,7 +58,6 @@ IMPORT = re.compile(
 A parser finds the same in fifty times the time, at every start: a test compares them."""
 
 _settings: Any = numba.config
-_user_caches = AppDirs(appname="vibrafeed", appauthor=False)  # type: ignore[no-untyped-call]
 
 
 @functools.cache
@@ -123,7 +122,8 @@ def digest(package: str) -> str:
 @functools.cache
 def root() -> Path:
     """Return the folder of the kernel cache: `NUMBA_CACHE_DIR`, or in the user's cache."""
-    return Path(_settings.CACHE_DIR or _user_caches.user_cache_dir)
+    own = AppDirs(appname="vibrafeed", appauthor=False)  # type: ignore[no-untyped-call]
+    return Path(_settings.CACHE_DIR or own.user_cache_dir)
 
 
 @functools.cache

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from pydantic.json_schema import models_json_schema
@@ -58,9 +58,14 @@ def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema
     definition of its own, beside those `named`; its title and description stay where it is referred
     to.
     """
-    counts = Counter(_text(part) for schema in (*kinds, *named.values()) for part in _below(schema))
+    counts: Counter[str] = Counter()
     names: dict[str, str] = {}
     shared: dict[str, Schema] = {}
+
+    def counted(schema: Any) -> Any:
+        if isinstance(schema, dict):
+            counts[_text(schema)] += 1
+        return _map_children(schema, counted)
 
     def short(schema: Any) -> Any:
         if not isinstance(schema, dict) or len(text := _text(schema)) <= SHORT or counts[text] < 2:
@@ -71,6 +76,8 @@ def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema
         notes = {key: schema[key] for key in NOTES if key in schema}
         return {"$ref": f"#/$defs/{names[text]}", **notes}
 
+    for schema in (*kinds, *named.values()):
+        _map_children(schema, counted)
     whole = [_map_children(kind, short) for kind in kinds]
     definitions = {name: _map_children(schema, short) for name, schema in named.items()}
     return {"$schema": DIALECT, "oneOf": whole, "$defs": definitions | shared}
@@ -84,29 +91,14 @@ def _text(schema: Mapping[str, Any]) -> str:
     return json.dumps(_plain(schema), sort_keys=True)
 
 
-def _children(schema: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    return ((key, value) for key, value in schema.items() if key in (*BY_NAME, *BELOW))
-
-
-def _below(schema: Any) -> Iterator[Schema]:
-    if not isinstance(schema, dict):
-        return
-    for key, value in _children(schema):
-        many = value.values() if key in BY_NAME else value if isinstance(value, list) else [value]
-        for one in many:
-            if isinstance(one, dict):
-                yield one
-                yield from _below(one)
-
-
 def _map_children(schema: Any, change: Any) -> Any:
     if not isinstance(schema, dict):
         return schema
-    changed: Schema = {}
-    for key, value in _children(schema):
+    changed: Schema = {**schema}
+    for key, value in schema.items():
         if key in BY_NAME:
             changed[key] = {name: change(one) for name, one in value.items()}
-        else:
+        elif key in BELOW:
             many = isinstance(value, list)
             changed[key] = [change(one) for one in value] if many else change(value)
-    return {**schema, **changed}
+    return changed

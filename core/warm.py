@@ -29,16 +29,14 @@ STUDIES: dict[str, tuple[Mapping[str, Any], ...]] = {
 }
 """Studies that need all kernels, by package; those of all kinds."""
 
-FIRST, REST = slice(1), slice(1, None)
-"""The study of a package that comes first, and the others."""
-
 
 def compile_kernels(processes: int) -> Path | None:
     """Compile all compiled code that is not in the cache for this processor; return its folder.
 
     It is done by running studies in several processes; None if no folder can be written.
     """
-    cache = _cache()
+    from vibrafeed.core import kernel_cache as cache  # numba is loaded with it
+
     marks: dict[str, Path | None] = {package: cache.mark_of(package) for package in STUDIES}
     left = {package: mark for package, mark in marks.items() if mark is None or not mark.exists()}
     for mark in left.values():
@@ -48,7 +46,7 @@ def compile_kernels(processes: int) -> Path | None:
         spawn = multiprocessing.get_context("spawn")
         most = min(processes, len(left))
         with ProcessPoolExecutor(most, spawn, end_with_parent) as pool:
-            for part in (FIRST, REST):
+            for part in (slice(1), slice(1, None)):  # the study that comes first, and the others
                 list(pool.map(carry_out, left, len(left) * [part]))
         for mark in left.values():
             assert mark is not None
@@ -75,12 +73,6 @@ def carry_out(package: str, part: slice = slice(None)) -> None:
     """Run studies that use all kernels of a package, or some of them, which compiles them."""
     for study in STUDIES[package][part]:
         tabulate(prepare_content(study))
-
-
-def _cache() -> Any:
-    from vibrafeed.core import kernel_cache
-
-    return kernel_cache
 
 
 def main() -> int:
