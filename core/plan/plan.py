@@ -169,8 +169,7 @@ def verdicts_of(conditions: Sequence[Condition], outputs: Sequence[str]) -> tupl
 
 
 def _judging(conditions: Sequence[Condition], output: str) -> tuple[Condition, ...]:
-    concerned = (one for one in conditions if output in one.outputs)
-    return tuple(one for one in concerned if REGIMES[one.regime].judges)
+    return tuple(one for one in conditions if output in one.outputs and REGIMES[one.regime].judges)
 
 
 def find_scene(
@@ -249,14 +248,11 @@ class _Walk:
         self.used: set[str] = set()
         self.missing: dict[str, str] = {}  # parameter: who needs it
         self.visited: set[str] = set()
-        self.conditions = tuple(
-            condition for condition in scene.conditions[variant] if condition.outputs & set(outputs)
-        )
         for name in outputs:
             if name != REGIME:
                 self.visit(name)
-        for condition in self.conditions:
-            for name in condition.inputs:
+        for condition in scene.conditions[variant]:
+            for name in condition.inputs if condition.outputs & set(outputs) else ():
                 self.visit(name, condition.regime)
 
     def plan(self) -> Plan:
@@ -275,10 +271,9 @@ class _Walk:
         if name in self.visited:
             return
         self.visited.add(name)
-        equation = self._producer(name)
         if name in self.parameters:
             self.used.add(name)
-        elif equation is not None:
+        elif (equation := self._producer(name)) is not None:
             for needed in equation.inputs:
                 self.visit(needed, name)
             self.equations.append(equation)
@@ -288,21 +283,20 @@ class _Walk:
             self.missing[name] = user
 
     def _producer(self, name: str) -> Equation | None:
+        # An alternative parameter of the study, such as a stroke for an amplitude, comes first.
+        given = set(self.parameters)
         for alias in ALIASES:
             asked = {one for one in alias.inputs if QUANTITIES[one].parameter} - BESIDE
-            if alias.gives == name and asked <= set(self.parameters):
+            if alias.gives == name and asked <= given:
                 return alias
         equation = self.producers.get(name)
-        if equation is not None and name in self.scene_defaults:
-            # A default of a derived quantity: the equation runs only if the study speaks of it.
-            spoken_of = name in self.outputs or set(equation.inputs) & set(self.parameters)
-            return equation if spoken_of or self._tells(equation.inputs) else None
-        return equation
-
-    def _tells(self, names: Collection[str]) -> bool:
-        parameters = set(self.parameters)
-        followed = (self.producers.get(name) for name in names if QUANTITIES[name].parameter)
-        return any(one is not None and set(one.inputs) <= parameters for one in followed)
+        if equation is None or name not in self.scene_defaults:
+            return equation
+        # A default of a derived quantity: the equation runs only if the study asks for it, or sets
+        # one of its inputs, or an alternative to one.
+        inputs = (self.producers.get(one) for one in equation.inputs if QUANTITIES[one].parameter)
+        told = any(one is not None and set(one.inputs) <= given for one in inputs)
+        return equation if told or name in self.outputs or given & {*equation.inputs} else None
 
 
 def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions) -> Problem:
@@ -351,9 +345,8 @@ def _doubled(parameters: Collection[str], missing: Collection[str]) -> list[Prob
 def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
     written = WRITTEN_AS.get(name, name)
     quantity = QUANTITIES[written]
-    is_inner = needed_by not in QUANTITIES or QUANTITIES[needed_by].bundle
     needed = f"{scene.name} needs it"
-    if not is_inner:
+    if needed_by in QUANTITIES and not QUANTITIES[needed_by].bundle:  # users know it
         needed = f"{needed_by.replace('_', ' ')} of {needed}"
     example = quantity.examples[0] if quantity.unit == "1" else f'"{quantity.examples[0]}"'
     return Problem(

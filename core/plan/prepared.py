@@ -101,8 +101,8 @@ class Prepared:
     def units(self) -> dict[str, str]:
         """The unit of each output."""
         told = {} if self.derived is None else self.derived.units
-        flags = dict.fromkeys(self.plan.verdict_names, QUANTITIES["regime"].unit)
-        return {name: (told | flags).get(name) or QUANTITIES[name].unit for name in self.dims}
+        told |= dict.fromkeys(self.plan.verdict_names, QUANTITIES["regime"].unit)
+        return {name: told.get(name) or QUANTITIES[name].unit for name in self.dims}
 
     @property
     def cells(self) -> int:
@@ -220,11 +220,10 @@ class Prepared:
             message = "no other method follows this motion"
             raise StudyError([Problem("verify", message, "Leave it out")])
         if self.seconds_to_verify > MAX_SECONDS_TO_VERIFY:
-            each = self.seconds_a_verified_cell
-            most = int(MAX_SECONDS_TO_VERIFY / each)
-            message = f"{self.verified_by} take{'s' * self.verified_by.startswith('the')} some "
-            message += f"{each:.2g} s a cell"
-            raise StudyError([Problem("verify", message, f"Give at most {most:,}")])
+            each, by = self.seconds_a_verified_cell, self.verified_by
+            message = f"{by} take{'s' * by.startswith('the')} some {each:.2g} s a cell"
+            fix = f"Give at most {int(MAX_SECONDS_TO_VERIFY / each):,}"
+            raise StudyError([Problem("verify", message, fix)])
         return self
 
     def check_limits(self, *, cells: int | None, bytes_: int | None) -> None:
@@ -237,10 +236,9 @@ class Prepared:
         """Return a sentence on a grid that fits the limits, with that share of the cells."""
         longest = max(self.grid.shape, key=lambda name: self.grid.shape[name])
         fitting = int(self.grid.shape[longest] * share)
+        points, axes = self.grid.shape[longest], len(self.grid.shape)
         if fitting >= 2:
-            points = self.grid.shape[longest]
             return f"It fits with {fitting:,} instead of {points:,} values of {longest}"
-        axes = len(self.grid.shape)
         each = int((self.cells * share) ** (1 / axes))
         if each >= 2:
             return f"It fits with {each:,} values on each of the {axes} axes"
