@@ -78,17 +78,15 @@ def sources(package: str) -> tuple[Path, ...]:
 
     Those are its own modules, those that they import, and the one that says how to compile.
     """
-    files = {CORE / name for name in COMPILERS}
-    if package != LOOPS:
-        left = sorted(packages()[package].glob("*.py"))
-        passed = files | {CORE / name for name in NEUTRAL}
-        while left:
-            file = left.pop()
-            if file not in passed:
-                passed.add(file)
-                files.add(file)
-                left += imported(file.read_text(encoding="utf-8"))
-    return tuple(sorted(files))
+    neutral = {CORE / name for name in NEUTRAL}
+    passed = neutral | {CORE / name for name in COMPILERS}
+    left = [] if package == LOOPS else sorted(packages()[package].glob("*.py"))
+    while left:
+        file = left.pop()
+        if file not in passed:
+            passed.add(file)
+            left += imported(file.read_text(encoding="utf-8"))
+    return tuple(sorted(passed - neutral))
 
 
 def imported(text: str) -> Iterator[Path]:
@@ -137,8 +135,10 @@ def folder(package: str) -> Path | None:
     with contextlib.suppress(OSError):
         path.mkdir(parents=True, exist_ok=True)
         os.utime(path)  # it is in use
-        if os.access(path, os.W_OK):
-            _forget_old(package, path)
+        if os.access(path, os.W_OK):  # another process may remove the same ones
+            others = set(path.parent.glob(f"{package}-" + 16 * "[0-9a-f]")) - {path}
+            for other in sorted(others, key=os.path.getmtime, reverse=True)[KEPT:]:
+                shutil.rmtree(other, ignore_errors=True)
             return path
     return path if os.access(path, os.R_OK) else None
 
@@ -171,13 +171,6 @@ def are_kept(names: Iterable[str]) -> bool:
     """True if all of some packages has been compiled for this processor, and kept."""
     marks = [mark_of(name) for name in names]
     return all(mark is not None and mark.exists() for mark in marks)
-
-
-def _forget_old(package: str, current: Path) -> None:
-    others = set(current.parent.glob(f"{package}-" + 16 * "[0-9a-f]")) - {current}
-    with contextlib.suppress(OSError):  # another process removes the same ones
-        for other in sorted(others, key=os.path.getmtime, reverse=True)[KEPT:]:
-            shutil.rmtree(other, ignore_errors=True)
 
 
 class _CacheFolder(caching._CacheLocator):

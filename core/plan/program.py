@@ -64,7 +64,6 @@ class Program:
 
     order: Order
     stages: tuple[Stage, ...]
-    lanes: Lanes | None = None
 
     @cached_property
     def sources(self) -> frozenset[str]:
@@ -148,8 +147,7 @@ def program_of(
         lanes = Lanes(updates, period, LONGEST_ROW // period * period, pairs)
     edge = edge_of(traced, names, shape, order.inner, most)
     results, needed = _renewed(traced, names, edge, special)
-    stages = _stages(order, needed, results, lanes)
-    return Program(order, stages, lanes)
+    return Program(order, _stages(order, needed, results, lanes))
 
 
 def _is_called(node: Node) -> bool:
