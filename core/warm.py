@@ -35,9 +35,9 @@ def compile_kernels(processes: int) -> Path | None:
 
     It is done by running studies in several processes; None if no folder can be written.
     """
-    from vibrafeed.core import kernel_cache as cache  # numba is loaded with it
+    from vibrafeed.core import kernel_cache  # numba is loaded with it
 
-    marks: dict[str, Path | None] = {package: cache.mark_of(package) for package in STUDIES}
+    marks: dict[str, Path | None] = {package: kernel_cache.mark_of(package) for package in STUDIES}
     left = {package: mark for package, mark in marks.items() if mark is None or not mark.exists()}
     for mark in left.values():
         if mark is None or not os.access(mark.parent, os.W_OK):  # an image's, of another processor
@@ -51,7 +51,7 @@ def compile_kernels(processes: int) -> Path | None:
         for mark in left.values():
             assert mark is not None
             mark.touch()
-    return Path(cache.root())
+    return Path(kernel_cache.root())
 
 
 def end_with_parent() -> None:

@@ -101,8 +101,8 @@ def derivatives(
     watch, values = watch or Watch(), values_of(plan, cells, parameters)
     model = _Model(*_with_counts(plan), len(plan.outputs))
     count = next(iter(values.values())).size
-    found = np.full((4, len(parameters), len(plan.outputs), count), np.nan)
-    found[3] = STATUS["not_computed"]
+    rows = np.full((4, len(parameters), len(plan.outputs), count), np.nan)
+    rows[3] = STATUS["not_computed"]
     pass_watch = watch.part(1 / (ceil(count / BLOCK) * (1 + len(parameters))))
     for start in range(0, count, BLOCK):
         piece = slice(start, start + BLOCK)
@@ -111,8 +111,8 @@ def derivatives(
         for place, parameter in enumerate(parameters):
             told = model.derived(near, parameter, *here, watch, pass_watch)
             if not watch.stopped():
-                found[:, place, :, piece] = told
-    value, slope, error, status = found
+                rows[:, place, :, piece] = told
+    value, slope, error, status = rows
     return {
         (output, parameter): Derived(
             value[k, j], slope[k, j], error[k, j], status[k, j].astype(np.int8)
@@ -304,7 +304,7 @@ class Asked:
             by, status = QUANTITIES[parameter].label.lower(), _status_name(parameter)
             for output in self.outputs:
                 of, unit = in_sentence(QUANTITIES[output].label), _per(output, parameter)
-                told = (
+                texts = (
                     (unit, f"Derivative of {of} by {by}",
                      f"d({output})/d({parameter}); NaN where {status} says why there is none."),
                     (unit, f"Error of the derivative of {of} by {by}",
@@ -312,7 +312,7 @@ class Asked:
                     ("1", f"Sensitivity of {of} to {by}", f"d ln({output})/d ln({parameter})."),
                 )  # fmt: skip
                 for name, (units, title, comment) in zip(
-                    _names(output, parameter), told, strict=True
+                    _names(output, parameter), texts, strict=True
                 ):
                     labels[name] = {
                         "units": units, "long_name": title, "comment": comment,
@@ -399,7 +399,7 @@ def asked_of(
     part = plan.part(outputs)  # a parameter of a verdict alone moves no output
     known = [name for name in (*part.parameters, *part.defaults) if QUANTITIES[name].parameter]
     names = wish if isinstance(wish, tuple) else tuple(name for name in parameters if name in known)
-    told = [
+    faults = [
         (f"no requested output depends on '{name[:60]}', which sensitivities names",
          suggestion(name, known))
         for name in names
@@ -407,13 +407,13 @@ def asked_of(
     ]  # fmt: skip
     if not outputs:
         message = "none of the requested outputs is a number with a derivative"
-        told.append((message, "Leave out sensitivities, or request another output"))
+        faults.append((message, "Leave out sensitivities, or request another output"))
     values = cells * len(outputs) * len(names)
     if values > MAX_DERIVED:
         message = f"it asks for {values:,} derivatives and allows {MAX_DERIVED:,}"
-        told.append((message, "Give fewer cells, outputs or names of parameters"))
-    if told:
-        raise StudyError([Problem(SECTION, *one) for one in told])
+        faults.append((message, "Give fewer cells, outputs or names of parameters"))
+    if faults:
+        raise StudyError([Problem(SECTION, *one) for one in faults])
     return Asked(outputs, names)
 
 

@@ -199,25 +199,18 @@ class LoopWriter:
     ):
         self.order, self.results, self.is_last, self.lanes = order, results, is_last, lanes
         self.updates = lanes.updates if lanes else ("store",) * len(results)
-        self.places = [update for update in self.updates for _ in range(UPDATES[update][0])]
+        self.arrays = [update for update in self.updates for _ in range(UPDATES[update][0])]
         self.leaves = {node.number for node in leaves}
         self.columns = {node.number for node in columns}
         self.deepest = len(order.outer)
         self.steps: dict[int, Node] = {}  # that the loop computes, inputs first
         self.used: dict[int, Node] = {}  # that it reads from arrays made beforehand
         self.deep = set(self.columns)  # that depend on a value given cell by cell
-        wanted = [one for one in results if isinstance(one, Node)]
-        for node in wanted:
-            self._need(node)
+        for result in results:
+            if isinstance(result, Node):
+                self._need(result)
         self.nodes = [self.steps[number] for number in sorted(self.steps)]
-        # Values along a row that an inner loop needs.
-        used = [(one, self._level(node)) for node in self.nodes for one in node.before]
-        kept = {
-            one.number: one
-            for one, level in (*used, *((one, self.deepest) for one in wanted))
-            if one.number in self.steps and self._is_row(one) and self._level(one) < level
-        }
-        self.kept = dict(sorted(kept.items()))
+        self.kept = self._kept()
         self.here: set[int] = set()
         self.pairs = bool(lanes and lanes.pairs and is_last and self.deepest)
         self.second = False
@@ -233,6 +226,16 @@ class LoopWriter:
         if any(one.number in self.deep for one in node.before):
             self.deep.add(node.number)
         self.steps[node.number] = node
+
+    def _kept(self) -> dict[int, Node]:  # values along a row that an inner loop needs
+        used = [(one, self._level(node)) for node in self.nodes for one in node.before]
+        used += [(one, self.deepest) for one in self.results if isinstance(one, Node)]
+        kept = {
+            one.number: one
+            for one, level in used
+            if one.number in self.steps and self._is_row(one) and self._level(one) < level
+        }
+        return dict(sorted(kept.items()))
 
     def _level(self, node: Node) -> int:
         return self.deepest if node.number in self.deep else self.order.level(node)
@@ -281,7 +284,7 @@ class LoopWriter:
             *(f"a{node.number}" for node in arrays),
             *(f"c{node.number}" for node in columns),
             *(f"r{number}" for number in self.kept),
-            *(f"o{k}" for k in range(len(self.places))),
+            *(f"o{k}" for k in range(len(self.arrays))),
         ]
         piece = self.lanes.piece if self.lanes else LONGEST_ROW
         head = [
@@ -356,7 +359,7 @@ class LoopWriter:
             turns = [f"i{k + 1} * strides[{k}]" for k in range(self.deepest)]
             lines += [f"start = {' + '.join([*turns, 'at'])}"]
         start = "start" if self.is_last else "done"
-        named = (f"o{k}_ = o{k}[{start}:{start} + cells]" for k in range(len(self.places)))
+        named = (f"o{k}_ = o{k}[{start}:{start} + cells]" for k in range(len(self.arrays)))
         return [*lines, *named]
 
     def _numbers(self) -> list[str]:
@@ -385,7 +388,7 @@ class LoopWriter:
 
     def _in_lanes(self, gathered: Iterable[str]) -> list[str]:
         """Return lines between those that read what the lanes of a cell hold and write it back."""
-        held = [(k, UPDATES[one][2]) for k, one in enumerate(self.places) if one != "store"]
+        held = [(k, UPDATES[one][2]) for k, one in enumerate(self.arrays) if one != "store"]
         read = (f"v{k} = o{k}_[i]" for k, _ in held)
         return [*read, *gathered, *(f"o{k}_[i] = v{k}{added}" for k, added in held)]
 

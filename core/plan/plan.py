@@ -284,10 +284,10 @@ class _Walk:
 
     def _producer(self, name: str) -> Equation | None:
         # An alternative parameter of the study, such as a stroke for an amplitude, comes first.
-        given = set(self.parameters)
+        parameters = set(self.parameters)
         for alias in ALIASES:
             asked = {one for one in alias.inputs if QUANTITIES[one].parameter} - BESIDE
-            if alias.gives == name and asked <= given:
+            if alias.gives == name and asked <= parameters:
                 return alias
         equation = self.producers.get(name)
         if equation is None or name not in self.scene_defaults:
@@ -295,8 +295,8 @@ class _Walk:
         # A default of a derived quantity: the equation runs only if the study asks for it, or sets
         # one of its inputs, or an alternative to one.
         inputs = (self.producers.get(one) for one in equation.inputs if QUANTITIES[one].parameter)
-        told = any(one is not None and set(one.inputs) <= given for one in inputs)
-        return equation if told or name in self.outputs or given & {*equation.inputs} else None
+        told = any(one is not None and set(one.inputs) <= parameters for one in inputs)
+        return equation if told or name in self.outputs or parameters & {*equation.inputs} else None
 
 
 def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions) -> Problem:

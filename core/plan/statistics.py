@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.plan.grid import parameter_to_si
+from vibrafeed.core.study import distributions
 from vibrafeed.core.study.distributions import Distribution
-from vibrafeed.core.study.distributions import quantiles as distribution_quantiles
 
 BITS = 30
 """Binary digits of a coordinate; points lie in the middle of cells of that size, so that none lies
@@ -46,15 +46,15 @@ def points(dimensions: int, count: int, seed: int, replicates: int = 1) -> Array
     return np.ascontiguousarray(np.moveaxis(np.stack(sets), 2, 0)) + 0.5 ** (BITS + 1)
 
 
-def values_at(distributions: Mapping[str, Distribution], shares: Array) -> dict[str, Array]:
+def values_at(uncertain: Mapping[str, Distribution], shares: Array) -> dict[str, Array]:
     """Return the parameters at points of the unit box, in SI units and radians.
 
     `shares`, shape (parameters, ...), are the points: for each parameter, in the order of
-    `distributions`, the share of its distribution below the value.
+    `uncertain`, the share of its distribution below the value.
     """
     return {
-        name: parameter_to_si(name, distribution_quantiles(name, one, share))
-        for (name, one), share in zip(distributions.items(), shares, strict=True)
+        name: parameter_to_si(name, distributions.quantiles(name, one, share))
+        for (name, one), share in zip(uncertain.items(), shares, strict=True)
     }
 
 
