@@ -50,19 +50,9 @@ def describe_all() -> list[dict[str, Any]]:
 def describe(name: str, variant: str | None = None, *, method: str | None = None) -> dict[str, Any]:
     """Return the description of a scene: parameters, outputs, equations, regimes, validity.
 
-    Parameters
-    ----------
-    name : str
-        The scene, such as rectangle-on-plane.
-    variant : str, optional
-        Variant of the closed forms; by default the scene's own.
-    method : str, optional
-        A method of simulation: the description is then that of the scene's motion in time.
-
-    Raises
-    ------
-    StudyError
-        If there is no such scene, variant or method.
+    `variant` is that of the closed forms, by default the scene's own; with a `method` of simulation
+    the description is that of the scene's motion in time. Raises `StudyError` if there is none of
+    them.
     """
     scene, chosen = find_scene(name, variant)
     line = next(line for line in describe_all() if line["name"] == name)

@@ -1,11 +1,9 @@
 """The cache of compiled kernels: a folder a package, named after what its code depends on.
 
 numba's own cache watches the one file a function stands in, so that a kernel which calls into
-another file would keep the old callee. Here the code of a package lies in a folder named after a
-digest of the files of the package and of all that they import, of the versions and settings of the
-compiler, and of what joins them. A change of any of them opens a new folder, and leaves those of
-the other packages alone; dates and places of files play no part. numba itself keeps the entries of
-one folder apart by argument types and by processor.
+another file would keep the old callee. Here the folder of a package is named after a digest of its
+files and of all that they import, and of versions and settings of the compiler; dates and places of
+files play no part. numba itself keeps its entries apart by argument types and by processor.
 """
 
 from __future__ import annotations
@@ -74,10 +72,7 @@ def package_of(file: Path) -> str:
 
 @functools.cache
 def sources(package: str) -> tuple[Path, ...]:
-    """Return all source files that compiled code of a kernel package depends on, in fixed order.
-
-    Those are its own modules, those that they import, and the one that says how to compile.
-    """
+    """Return all source files that compiled code of a kernel package depends on, in fixed order."""
     neutral = {CORE / name for name in NEUTRAL}
     passed = neutral | {CORE / name for name in COMPILERS}
     left = [] if package == LOOPS else sorted(packages()[package].glob("*.py"))
@@ -126,10 +121,10 @@ def root() -> Path:
 
 @functools.cache
 def folder(package: str) -> Path | None:
-    """Return the folder in which compiled code of a package is cached; create it if necessary.
+    """Return the folder, made if necessary, in which compiled code of a package is cached.
 
-    A folder that exists but cannot be written is used for reading, as an image may ship one; None
-    if there is none. Outdated folders are removed but for the eight used last.
+    One that cannot be written is used for reading, as an image may ship one; None if there is none.
+    Of outdated folders the eight used last stay.
     """
     path = root() / f"{package}-{digest(package)}"
     with contextlib.suppress(OSError):

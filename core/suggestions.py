@@ -336,8 +336,7 @@ SEARCHED = 8  # names of one request that are worth a search for what was meant
 def suggestion(name: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
     """Return a sentence that helps with an unknown name.
 
-    It says how a known quantity follows from the named one, asks ``Did you mean ...?``, or lists
-    the known names, or those `listed`.
+    It says how a known quantity follows, asks ``Did you mean ...?``, or lists the known names.
     """
     choice = sorted(known)
     if name in _GONE and name not in choice:

@@ -35,10 +35,7 @@ def cores() -> int:
 
 
 def lower_priority(by: int) -> None:
-    """Let other processes of this machine go first.
-
-    `by` is added to the niceness, which ends at 19; on Windows the priority is "below normal".
-    """
+    """Let other processes go first: add to the niceness, or "below normal" on Windows."""
     psutil = _psutil()
     process = psutil.Process()
     below_normal = getattr(psutil, "BELOW_NORMAL_PRIORITY_CLASS", None)
@@ -104,11 +101,10 @@ def _psutil() -> Any:
 
 
 def installing(package: str = "", extra: str | None = None) -> str:
-    """Return the command that installs a package, alone or with an extra of vibrafeed.
+    """Return the command that installs a package, or all of an extra of vibrafeed.
 
     In a clone the command is to be typed in its folder, and keeps to the versions that the tests
-    pass with. Elsewhere it names the package itself: no index need know vibrafeed. Without a name
-    it is all of the extra.
+    pass with. Elsewhere it names the package itself: no index need know vibrafeed.
     """
     if not (ROOT / "constraints.txt").is_file():
         return f"pip install {package or ' '.join(_packages(extra))}"

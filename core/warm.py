@@ -1,8 +1,6 @@
 """Kernels compiled before anybody waits for them: when an image is built, or a service starts.
 
-Each package of kernels has studies that need all of it. The first of them needs what the first
-study of a user does; these come before the rest. Packages are compiled in several processes at a
-time. Where everything is compiled already, it takes no time.
+Each package of kernels has studies that need all of it, first what the first study of a user needs.
 
 `python -m vibrafeed.core.warm` does it; the code is kept in NUMBA_CACHE_DIR, or among the user's
 caches.

@@ -25,16 +25,9 @@ LOOK = 0.05
 class Watch:
     """The watch over a long computation: it says whether to stop, and takes its progress.
 
-    Attributes
-    ----------
-    progress : callable, optional
-        Called with the share of the cells done since the last call; from any thread, one at a time.
-    stop : callable, optional
-        Returns True if no further cell is to be started.
-    deadline : float, optional
-        The `time.monotonic` at which no further cell is started.
-    threads : int, optional
-        Most threads among which cells are shared out; one a core if left out.
+    `progress` is called with the share of the cells done since the last call, from any thread, one
+    at a time; no cell is started once `stop` returns True, or at the `deadline` of
+    `time.monotonic`. Cells are shared out among `threads` at most, one a core if left out.
     """
 
     progress: Callable[[float], object] | None = None

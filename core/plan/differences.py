@@ -94,9 +94,9 @@ def derivatives(
     """Return the derivatives of every output of a plan by some parameters, at some cells.
 
     NaN at a kink, at a jump, and where the motion does not repeat; from inside where the parameter
-    is at an end of what it may be. `cells` are parameters, SI units and radians, that broadcast to
-    the shape (cells,); `parameters` are of these, or have a default. Derivatives that `watch` stops
-    have the status `not_computed`. Raises `StudyError` if no output depends on a parameter.
+    is at an end of what it may be. `cells` have parameters, SI units, that broadcast to (cells,).
+    What `watch` stops has the status `not_computed`. Raises `StudyError` if no output depends on a
+    parameter.
     """
     watch, values = watch or Watch(), values_of(plan, cells, parameters)
     model = _Model(*_with_counts(plan), len(plan.outputs))
@@ -153,9 +153,8 @@ class Slopes(NamedTuple):
     """Derivatives from difference quotients, and what they are judged by; arrays of one shape.
 
     `error` is the difference of the quotients over the step and over half of it, `largest` the
-    larger of both. `apart` and `near` are the differences of the slopes on both sides, over the
-    step and over half of it: half as much if the function is smooth, as much at a kink, twice as
-    much at a jump.
+    larger of both. `apart` and `near` are differences of the slopes on both sides, over the step
+    and over half of it: half as much if the function is smooth, as much at a kink, twice at a jump.
     """
 
     slope: Array
@@ -294,11 +293,7 @@ class Asked:
 
     @cached_property
     def labels(self) -> dict[str, dict[str, Any]]:
-        """The attributes of each variable that the asked derivatives add to a result, in order.
-
-        For each parameter and output there are a derivative, its error, and an elasticity (per cent
-        per cent); for each parameter a status, which tells where there is no derivative.
-        """
+        """The attributes of each variable that the asked derivatives add to a result, in order."""
         labels: dict[str, dict[str, Any]] = {}
         for parameter in self.parameters:
             by, status = QUANTITIES[parameter].label.lower(), _status_name(parameter)

@@ -73,9 +73,8 @@ def evaluate(
 ) -> dict[str, NDArray[Any]]:
     """Return the outputs and verdicts of a plan over a grid, each over its own axes, SI units.
 
-    Every parameter of the plan is on the grid. Contiguous arrays `into` are filled instead of new
-    ones; `threads` is the most among which cells are shared out, one a core if left out; `progress`
-    is called with the share done since the last call, maybe from another thread.
+    Contiguous arrays `into` are filled instead of new ones; `threads` is the most among which cells
+    are shared out, one a core if left out; any thread calls `progress` with the share done since.
     """
     results: dict[str, NDArray[Any]] = dict(into or empty_results(plan, grid))
     cells = grid.size(list(groups_of(plan, grid))[-1])
@@ -241,9 +240,9 @@ def _tasks(order: Order, shape: Mapping[str, int], most: int) -> Iterator[NDArra
 def share_out(function: Callable[[_T], Any], tasks: Iterable[_T], threads: int) -> None:
     """Call a function for each task in several threads, and return when all are done.
 
-    The calling thread is one of them: it begins at once, while others wake up, and does everything
-    itself if they are busy. The first error of a call is raised; tasks that have not begun are left
-    out then. The threads are kept: to start two takes as long as a sweep of some 10^5 cells.
+    The calling thread is one of them, and does everything itself if the others are busy. The first
+    error of a call is raised; tasks that have not begun are left out then. The threads are kept: to
+    start two takes as long as a sweep of some 10^5 cells.
     """
     left = deque(tasks)
     errors: list[BaseException] = []

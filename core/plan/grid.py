@@ -100,8 +100,7 @@ class Grid:
     def si(self) -> dict[str, NDArray[np.float64]]:
         """Return all parameters in SI units and radians, broadcastable over the grid.
 
-        An axis has as many dimensions as the grid, of size 1 but for its own: a result has exactly
-        the dimensions that it depends on.
+        An axis has as many dimensions as the grid, of size 1 but for its own.
         """
         fixed = self.fixed.items()
         known = {name: parameter_to_si(name, np.asarray(value)) for name, value in fixed}
@@ -130,10 +129,7 @@ class Grid:
 
 
 def random_positions(grid: Grid, count: int, seed: int | str) -> dict[str, NDArray[np.int64]]:
-    """Return the positions, on each axis, of random distinct cells; equal seeds give equal cells.
-
-    There are `count` cells, or as many as the grid has. A grid of any size costs no more.
-    """
+    """Return the positions on each axis of random distinct cells, equal for equal seeds."""
     chosen = random.Random(seed).sample(range(grid.cells), min(count, grid.cells))
     return positions_of(grid.shape, np.array(chosen, dtype=np.int64))
 

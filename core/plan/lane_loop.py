@@ -1,8 +1,7 @@
 """A loop that takes cells into lanes: what is known of many cells, without an array of them.
 
 A lane is a place in a row. It gathers the cells that stand there, row after row: each step is on
-whole rows, as if they were stored, so that a processor's wide registers are full and no value
-crosses from one lane to another. What the lanes of a tile hold belongs to whoever asked.
+whole rows, so that a processor's wide registers are full and no value crosses lanes.
 """
 
 from __future__ import annotations
@@ -55,11 +54,10 @@ LINE = 64
 class LaneOrder:
     """The loops over the axes of a field, and the tiles whose cells lanes gather.
 
-    `inner` are the axes of a row, of which a tile has all values but for the first axis; it has
-    `period` cells for each value of that, and gathers in at most `piece` lanes. `gathers`: the
-    first axis of a row is reduced, so that pieces of it gather in the same lanes. `steps` has the
-    values of each axis in a tile. `apart` are outer axes that are reduced, but whose values in a
-    tile have lanes of their own: a lane gathers at most `DEPTH` cells, and a tile would be small.
+    A row along the axes `inner` has `period` cells for each value of its first axis, and at most
+    `piece` lanes; `gathers`: that axis is reduced, and pieces of the row gather in the same lanes.
+    `steps` has the values of each axis in a tile. `apart` are outer axes that are reduced, but
+    whose values have lanes of their own.
     """
 
     outer: tuple[str, ...]
@@ -79,10 +77,9 @@ class LaneOrder:
         over: Iterable[str],
         most: int = TILE_CELLS,
     ) -> LaneOrder:
-        """Return the order in which a loop takes the cells of a grid to gather their totals.
+        """Return the order in which a loop takes the cells of a grid to gather totals over axes.
 
-        It follows from the grid alone, so that results do not depend on the machine. `over` are the
-        axes that are reduced away; a tile has at most `most` cells.
+        It follows from the grid alone: results do not depend on the machine.
         """
         goes = set(over)
         depth = DEPTH
@@ -129,7 +126,7 @@ class LaneOrder:
         return lanes
 
     def is_in_grid_order(self, axes: Iterable[str], over: Iterable[str]) -> bool:
-        """True if each lane gets its cells in the order of the grid, the last axis fastest."""
+        """True if each lane gets its cells in the order of the grid."""
         goes = set(over) - self.apart
         mixed = [name for name in self.outer if name in goes and self.steps[name] > 1]
         if self.gathers and self.steps[self.inner[0]] * self.period > self.piece:
@@ -137,17 +134,11 @@ class LaneOrder:
         return mixed == [name for name in axes if name in mixed]
 
     def along_loops(self, values: Mapping[str, int]) -> NDArray[np.int64]:
-        """Return a number for each outer loop, then one for the row: shape (loops + 1,).
-
-        `values` has those of outer axes and of the first axis of a row; others are 0.
-        """
+        """Return a number, 0 where none is given, for each outer loop, then one for the row."""
         return np.array([values.get(name, 0) for name in (*self.outer, *self.inner[:1])], np.int64)
 
     def cells_along(self, axes: Sequence[str]) -> tuple[list[int], NDArray[np.int64]]:
-        """Return the axes of the row and of each outer loop among `axes`, and cells for each value.
-
-        These are an array of the shape (loops + 1, 1), 1 but for the row.
-        """
+        """Return the places of row and outer loops among `axes`, and cells for each value."""
         names = (*self.inner[:1], *self.outer)
         cells = [self.period] * len(self.inner[:1]) + [1] * len(self.outer)
         return [axes.index(name) for name in names], np.array(cells, np.int64).reshape(-1, 1)
@@ -155,8 +146,8 @@ class LaneOrder:
     def ranges(self, axes: Sequence[str], ends: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return tiles as loops take them: start and stop along the row, then on each outer loop.
 
-        `ends` are start and stop of each tile on each of `axes`, int64, shape (tiles, axes, 2); the
-        result has the shape (tiles, loops + 1, 2).
+        `ends` on each of `axes` are int64, shape (tiles, axes, 2); the result (tiles, loops + 1,
+        2).
         """
         loops, cells = self.cells_along(axes)
         return np.ascontiguousarray(ends[:, loops]) * cells
@@ -170,9 +161,8 @@ class LaneOrder:
 class LaneLoop:
     """The compiled loop of a plan that gathers its results in lanes.
 
-    `grid` is that over the axes of the field alone; `updates` are names of results, each with what
-    lanes do with it: a key of `vibrafeed.core.plan.loop_source.UPDATES`. A tile has at most `most`
-    cells.
+    `grid` has the axes of the field alone; `updates` are names of results, each with a key of
+    `vibrafeed.core.plan.loop_source.UPDATES`. A tile has at most `most` cells.
     """
 
     def __init__(
@@ -230,12 +220,11 @@ class LaneLoop:
         numbers: NDArray[np.int64],
         lanes: Sequence[NDArray[np.float64]],
     ) -> None:
-        """Compute the cells of a tile and add them to totals, places of which are called lanes.
+        """Compute the cells of a tile and add them to the flat arrays `lanes`.
 
         `ranges` is one of `LaneOrder.ranges`. `strides`, int64, shape (loops + 1,), are lanes from
         one value of an axis to the next, by `LaneOrder.along_loops`, `numbers` the same for the
-        numbers of cells, by which `first_largest` and `first_least` name a cell. The flat arrays
-        `lanes`, as many as the updates take, are updated.
+        numbers of cells, by which `first_largest` and `first_least` name a cell.
         """
         assert self._loops is not None
         self._loops((ranges, strides, numbers), lanes)
@@ -245,8 +234,8 @@ class LaneLoop:
 def aligned(shape: Sequence[int], dtype: Any = np.float64) -> NDArray[Any]:
     """Return a new array, not filled, that begins with a line of the cache.
 
-    numpy's own begin at any multiple of 16 bytes: where half of all loads then touch two lines, a
-    compiled loop takes up to a tenth longer, in some processes and not in others.
+    numpy's own begin at any multiple of 16 bytes: half of all loads may then touch two lines, and a
+    compiled loop takes up to a tenth longer.
     """
     size = math.prod(shape) * np.dtype(dtype).itemsize
     room = np.empty(size + LINE, np.uint8)

@@ -2,11 +2,10 @@
 
 The trailing axes are joined into one row that the innermost loop goes along, so that a processor's
 wide registers are full. The others are loops around it, in the order that lets most steps stand
-outside of the last. A step that does not depend on the axes of a row is a number, one that does is
-a row, and a row that an outer loop makes is kept for the loops within.
+outside of the last. A row that an outer loop makes is kept for the loops within.
 
-Within a loop everything but truth is a float, whole numbers too, and truth is a float where it is
-kept: a processor changes the width of its values at the price of many steps.
+Within a loop everything but truth is a float, whole numbers too, and truth where it is kept: a
+processor changes the width of its values at the price of many steps.
 """
 
 from __future__ import annotations
@@ -62,10 +61,9 @@ def order_of(
     nodes: Collection[Node],
     longest: float = math.inf,
 ) -> Order:
-    """Return the order of loops over some axes that makes the work of a graph of operations least.
+    """Return the order of loops over some axes that makes the work of a graph least.
 
-    `nodes` are the operations and the inputs that they need. A row, the innermost loop, has at most
-    `longest` cells for each value of its first axis.
+    A row, the innermost loop, has at most `longest` cells for each value of its first axis.
     """
     steps = [node for node in nodes if node.function]
     orders = []
@@ -148,11 +146,10 @@ times as much.
 
 @dataclass(frozen=True)
 class Lanes:
-    """The settings by which a loop takes cells into lanes instead of storing them.
+    """How a loop takes cells into lanes instead of storing them: a name of `UPDATES` a result.
 
-    `updates` are names of `UPDATES`, one for each result; a row has `period` cells for each value
-    of its first axis, of which at most `piece`, whole periods, are taken at once. `pairs`: rows
-    that gather in the same lanes are taken two at a time.
+    A row has `period` cells for each value of its first axis, of which whole periods, at most
+    `piece`, are taken at once. `pairs`: rows that gather in the same lanes are taken two at a time.
     """
 
     updates: tuple[str, ...]
@@ -165,10 +162,9 @@ class Lanes:
 class Loop:
     """The source of a compiled loop, and what it is given, in the order of its arguments.
 
-    The source is a function ``loop(ends, strides, ...)``; with lanes, ``loop(ends, strides,
-    numbers, ...)``. `arrays` numpy has made, laid out by `Order.kept`, and rows last; `columns`
-    have a value for each cell, in the order in which the loop takes the cells; `rows` are places of
-    `LONGEST_ROW` cells for rows that are kept.
+    It is a function ``loop(ends, strides, ...)``; with lanes, ``loop(ends, strides, numbers,
+    ...)``. `arrays` numpy has made, laid out by `Order.kept`, and rows last; `columns` have a value
+    for each cell in turn; `rows` are places of `LONGEST_ROW` cells for rows that are kept.
     """
 
     source: str
@@ -180,11 +176,9 @@ class Loop:
 class LoopWriter:
     """Writes the source of a loop that computes some nodes for each cell.
 
-    Each step stands at the level of the loops on which it depends. Numpy has made the values of
-    `leaves` on their own axes, and those of `columns` for each cell. Of the last loop the results
-    are written where the grid has them, else one after another. A lane is found by a stride for
-    each outer loop, then one for the row, from where these start; the number of a cell likewise,
-    from the start of the grid.
+    Numpy has made the values of `leaves` on their own axes, and those of `columns` for each cell.
+    Of the last loop the results are written where the grid has them, else one after another. A lane
+    is found by a stride for each outer loop, then one for the row; the number of a cell likewise.
     """
 
     def __init__(
@@ -320,10 +314,9 @@ class LoopWriter:
     def _paired(self, arrays: Sequence[Node], pad: str) -> list[str]:
         """Return the lines of the innermost outer loop that take two rows at a time.
 
-        Both rows are gathered in the same lanes, one after the other in each lane, as if they were
-        taken singly: the bits are the same. What rows have in common is read once, and a lane is
-        read and written once for two cells. Where the rows have lanes of their own, and for an odd
-        last row, the loop of single rows follows, from `unpaired` on.
+        Both are gathered in the same lanes, one after the other, as if taken singly: the bits are
+        the same. Where the rows have lanes of their own, and for an odd last row, single rows
+        follow.
         """
         level = self.deepest
         plain, rows = self._enter(level)

@@ -59,11 +59,10 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Plan:
-    """The equations that run for a set of outputs.
+    """The equations that run for a set of outputs, each after those that it needs.
 
-    `outputs` are without verdicts, of which ``regime`` comes first; each of `equations` comes after
-    those that it needs; `parameters` are the given ones that are needed, and `defaults` stand in
-    for what is not given, SI units.
+    Of the verdicts ``regime`` comes first; `parameters` are the given ones that are needed, and
+    `defaults` stand in for what is not given, SI units.
     """
 
     scene: Scene
@@ -123,7 +122,6 @@ class Plan:
         """Return the axes on which each quantity and each verdict of the plan depend, by name.
 
         A quantity is computed over its own axes only, which saves most of the work on a large grid.
-        Results are kept for the next call.
         """
         names = tuple(axes)
         if names not in self._known:
@@ -187,8 +185,7 @@ def choose_scene(
 ) -> tuple[Scene, str, list[Problem]]:
     """Return the named scene, the variant of its equations, and the problems of the variant's name.
 
-    An unknown variant gives way to the default, so that the rest of a study can be checked. Raises
-    `StudyError` if there is no such scene among `scenes`.
+    An unknown variant gives way to the default. Raises `StudyError` if there is no such scene.
     """
     scene = scenes.get(name)
     if scene is None:
@@ -215,8 +212,7 @@ def plan_scene(
 ) -> Plan:
     """Return the plan for outputs of a scene, given the names of a study's parameters.
 
-    Raises `StudyError` with every problem: unknown outputs, parameters that are missing, unused, or
-    set twice.
+    Raises `StudyError` with every problem.
     """
     scene = scene.fitted(parameters)
     gives, suggest = scene.outputs(variant), Suggestions()

@@ -190,7 +190,7 @@ class Prepared:
 
     @property
     def seconds_a_verified_cell(self) -> float:
-        """The likely time to verify a point by closed forms [s]: two differences a parameter."""
+        """The likely time to verify a point [s]: two differences a parameter."""
         evaluations = 1 + 2 * len(self.plan.parameters)
         return EXTENDED_SLOWER * evaluations * self.plan.scene.seconds_a_cell
 
@@ -202,7 +202,7 @@ class Prepared:
 
     @property
     def computing_share(self) -> float:
-        """The share of computing in the total time with verification, 0 to 1, for the progress."""
+        """The share of computing in the total time with verification, for the progress."""
         if not self.seconds_to_verify:
             return 1.0
         seconds = self.price.of(self.cells)

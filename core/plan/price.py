@@ -1,8 +1,8 @@
 """The price of a study: 64 of its cells are computed and timed, once, with a margin of two.
 
-Nobody knows beforehand whether a motion repeats, so the sampled motions are followed for more and
-more periods while a budget of time lasts. What has not repeated by then counts as if it went on for
-all the periods that the study allows. Closed forms have a fixed price for each cell.
+Nobody knows beforehand whether a motion repeats, so the samples are followed for more and more
+periods while a budget of time lasts. What has not repeated by then counts as if it never did.
+Closed forms have a fixed price for each cell.
 """
 
 from __future__ import annotations
@@ -70,9 +70,9 @@ def price(
 ) -> Price:
     """Return the price of evaluating a plan on a grid, from some cells that are evenly spread.
 
-    `rough` is the price of a cell where nothing is timed [s], that of the scene if left out: of
-    closed forms, and of motions whose code is not compiled yet. `free` are parameters that are not
-    on the grid, and the ends of their values, SI units.
+    `rough` is that of a cell where nothing is timed [s], the scene's if left out: of closed forms,
+    and of motions whose code is not compiled yet. `free` are the ends of parameters that are not on
+    the grid, SI units.
     """
     each = plan.scene.seconds_a_cell if rough is None else rough
     if not any(one.takes_long for one in plan.equations) or not _is_compiled():

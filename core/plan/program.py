@@ -1,9 +1,8 @@
 """The loops that fill arrays with the same axes, and the steps of numpy around them.
 
-What depends on few axes is computed by numpy on its own small grid, once. What is left has a value
-for each cell, or nearly: one loop computes it without an array in between. A function that numpy
-has and a loop cannot repeat to the last bit (a logarithm, a sine) splits the loop: numpy takes it
-between two loops, some thousand cells at a time.
+What depends on few axes is computed by numpy on its own small grid, once, what is left by one loop
+without an array in between. A function that a loop cannot repeat to the last bit (a logarithm, a
+sine) splits it: numpy takes it between two loops, some thousand cells at a time.
 """
 
 from __future__ import annotations
@@ -49,8 +48,8 @@ _compiled: set[str] = set()  # the sources of loops that have run in this proces
 class Stage:
     """A loop, and the functions of numpy that follow it; none after the last loop.
 
-    The loop fills `columns` (there is none where numpy has all that it needs), and then the results
-    of `functions` are columns of later loops.
+    The loop, if numpy lacks something, fills `columns`; the results of `functions` are columns of
+    later loops.
     """
 
     loop: Loop | None
@@ -90,9 +89,9 @@ def edge_of(
 ) -> tuple[Node, ...]:
     """Return the nodes of a graph that numpy computes beforehand, and loops take as inputs.
 
-    That is what has few values, what no loop can compute unless it has more than `most` values, and
-    what these need. A value that depends on axes of the row and on others would be laid out as a
-    row for each of the others: loops compute it themselves, if they can.
+    That is what has few values, what no loop can compute, and what these need. A value that depends
+    on axes of the row and on others would be laid out as a row for each of the others: loops
+    compute it.
     """
     lengths = dict(shape)
     cells = math.prod(lengths.values())
@@ -132,9 +131,8 @@ def program_of(
 ) -> Program:
     """Return the compiled loops that compute some results of a graph over axes of given lengths.
 
-    `special` are numbers of nodes that have one value everywhere, with it: operations that it makes
-    superfluous are left out. With `updates`, a name of `UPDATES` for each result, the loops gather
-    cells into totals instead of storing them.
+    Operations that the values of `special` nodes make superfluous are left out. With `updates`, a
+    name of `UPDATES` for each result, the loops gather cells instead of storing them.
     """
     lengths = dict(shape)
     most = MAX_VALUES if updates else None
@@ -278,12 +276,10 @@ def bind_stages(
 ) -> Runner:
     """Return a function that runs the compiled loops of a program on some cells.
 
-    `operands` are the result of `lay_out_operands`; `rows` is asked for places for the rows that a
-    loop keeps, by their number, in each call.
-
-    The function takes arrays of int64: start and stop along the row (the innermost loop) and along
-    each outer loop, then the strides of the loops in the results, and for loops that gather cells
-    the strides of cell numbers. It takes the flat arrays that the last loop fills, too.
+    `rows` is asked in each call for places for the rows that a loop keeps. The function takes
+    arrays of int64: start and stop along the row and along each outer loop, then the strides of the
+    loops in the results, and for loops with lanes those of cell numbers; and the flat arrays that
+    the last loop fills.
     """
     loops = (stage.loop for stage in program.stages)
     calls = [None if loop is None else _bind_loop(loop, operands, rows) for loop in loops]
@@ -329,10 +325,9 @@ def _bind_loop(
 def lay_out_operands(
     program: Program, traced: Traced, values: Values, grid: Grid
 ) -> dict[int, Any]:
-    """Return the input arrays of a program's loops, by number of the node.
+    """Return the inputs of a program's loops, arrays or numbers, by number of the node.
 
-    They are arrays with the axes of loops and row, or plain numbers; a value that changes along the
-    row is spread over all of it.
+    A value that changes along the row is spread over all of it.
     """
     order, shape = program.order, grid.shape
     row = math.prod(shape[name] for name in order.inner)

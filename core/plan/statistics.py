@@ -1,9 +1,9 @@
 """Points that fill the unit box evenly, and statistics of an output over them, with their errors.
 
-Scrambled Sobol points: each set is evenly spread and random. Within a scrambling points depend on
-each other, between scramblings they do not. An estimate takes all points together; the scatter of
-the estimates from single scramblings tells its error: half the width of the interval that holds the
-truth in 95 % of all cases. Equal seeds give equal bits.
+Within a scrambling of Sobol points these depend on each other, between scramblings they do not. An
+estimate takes all points together; the scatter of the estimates from single scramblings tells its
+error: half the width of the interval that holds the truth in 95 % of all cases. Equal seeds give
+equal bits.
 """
 
 from __future__ import annotations
@@ -131,8 +131,7 @@ def quantile(values: Array, shares: Array) -> Array:
 def probability(met: Mask) -> Estimate:
     """Return the probability of an event with its error, shape (...), from random points.
 
-    `met` has the shape (..., sets, points of a set). Where all points agree, chance may have left
-    out one: the error then is at least one point's share.
+    `met` is of shape (..., sets, points). Where all agree the error is at least one point's share.
     """
     replicates, count = met.shape[-2:]
     each = met.mean(axis=-1)

@@ -149,11 +149,7 @@ class Graph:
         return self._known[key]
 
     def apply(self, function: Function, inputs: Iterable[Any]) -> Any:
-        """Return the node of the graph for a numpy function of some inputs, or a number.
-
-        The result is one of the inputs, if no operation is needed. The same function of the same
-        inputs gives the same node.
-        """
+        """Return the node (one for equal steps) or number for a function of nodes and numbers."""
         operands = tuple(one if isinstance(one, Node) else _number(one) for one in inputs)
         nodes = [one for one in operands if isinstance(one, Node)]
         if not nodes:
@@ -257,8 +253,7 @@ class TracedPlan:
 def traced_plan(plan: Plan, axes: Iterable[str]) -> TracedPlan | None:
     """Return the graph behind a plan, with every quantity and condition; None if it has none.
 
-    `axes` are the names of the parameters that have several values. The graph is new for each call:
-    the caller may add operations to it before a loop is compiled.
+    `axes` are the parameters with several values. The graph is new: steps may be added to it.
     """
     graph = Graph()
     ranged = {name for name in axes if name in plan.parameters}
@@ -277,8 +272,8 @@ def traced_plan(plan: Plan, axes: Iterable[str]) -> TracedPlan | None:
 def traced(plan: Plan, axes: Iterable[str]) -> Traced | None:
     """Return the graph behind a plan's outputs and verdicts; None if an equation has none.
 
-    `axes` are the names of the parameters with several values. The graph does not depend on values,
-    so that equal plans share it: parameters with a single value are nodes too.
+    `axes` are the parameters with several values. Others are nodes too: equal plans share the
+    graph.
     """
     given = (*plan.parameters, *plan.defaults)
     ranged = tuple(name for name in axes if name in plan.parameters)
