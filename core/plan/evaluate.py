@@ -108,11 +108,11 @@ def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> Non
 def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:
     """Return arrays, not filled, for the outputs (doubles) and verdicts (int8) of a plan."""
     depends = plan.depends_on(grid.axes)
-    results: dict[str, NDArray[Any]] = {}
-    for name in (*plan.outputs, *plan.verdict_names):
-        shape = tuple(grid.shape[axis] for axis in grid.dims(depends[name]))
-        results[name] = np.empty(shape, np.int8 if name in plan.verdict_names else np.float64)
-    return results
+    dtypes = dict.fromkeys(plan.outputs, np.float64) | dict.fromkeys(plan.verdict_names, np.int8)
+    return {
+        name: np.empty([grid.shape[axis] for axis in grid.dims(depends[name])], dtype)
+        for name, dtype in dtypes.items()
+    }
 
 
 def is_compiled_for(missing: Iterable[str], cells: int) -> bool:
