@@ -146,7 +146,7 @@ times as much.
 
 @dataclass(frozen=True)
 class Lanes:
-    """How a loop takes cells into lanes instead of storing them: a name of `UPDATES` a result.
+    """The settings by which a loop takes cells into lanes: a name of `UPDATES` for each result.
 
     A row has `period` cells for each value of its first axis, of which whole periods, at most
     `piece`, are taken at once. `pairs`: rows that gather in the same lanes are taken two at a time.
