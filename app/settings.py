@@ -16,8 +16,8 @@ from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from vibrafeed.app.folders import data_folder
 from vibrafeed.core.errors import Problem
-from vibrafeed.core.extras import installing
 from vibrafeed.core.suggestions import suggestion
+from vibrafeed.core.system import installing
 
 PREFIX = "VIBRAFEED_"
 # Read by the tests only; whoever runs them may serve with the same environment.

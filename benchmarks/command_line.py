@@ -22,7 +22,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from benchmarks.options import options
-from vibrafeed.core.extras import ROOT
+from vibrafeed.core.system import ROOT
 
 PAIRS = 15
 MILLION = """

@@ -33,12 +33,11 @@ from benchmarks.timing import timed
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.plan.blocks import evaluate_in_blocks
-from vibrafeed.core.plan.evaluate import empty_results
+from vibrafeed.core.plan.evaluate import Fused, empty_results
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.loops.fused import Fused
-from vibrafeed.core.plan.loops.trace import traced
 from vibrafeed.core.plan.plan import Plan, make_plan, scene_parameters
 from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.plan.trace import traced
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.units import read_number

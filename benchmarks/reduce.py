@@ -29,12 +29,11 @@ import xarray
 from numpy.typing import NDArray
 
 from benchmarks.options import options
-from vibrafeed.core.aligned import aligned
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.loops.lanes import LaneLoop
-from vibrafeed.core.plan.loops.trace import traced
+from vibrafeed.core.plan.lane_loop import LaneLoop, aligned
+from vibrafeed.core.plan.trace import traced
 from vibrafeed.core.reduce.arrays import reduced_arrays
 from vibrafeed.core.reduce.run import Units, cores
 from vibrafeed.core.reduce.state import State, merge_states

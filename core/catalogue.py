@@ -1,7 +1,11 @@
-"""The catalogue: what every scene takes and gives, for people and programs alike."""
+"""The catalogue: what every scene takes and gives, for programs, and as a card for people."""
 
 from __future__ import annotations
 
+import re
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
 from typing import Any
 
 from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS
@@ -11,15 +15,24 @@ from vibrafeed.core.quantities.drives import DRIVE
 from vibrafeed.core.quantities.pictures import INKS, LEVELS, colour_of
 from vibrafeed.core.scenes import SCENES, Equation, Scene, instead_of
 from vibrafeed.core.scenes.scene import behind
+from vibrafeed.core.study.shown import SI
 from vibrafeed.core.study.units import read_number
+
+DRIVES = {
+    "harmonics": ("amplitude_", "phase_", "drive_factor"),
+    "steps": ("acceleration_", "duration_", "drive_factor"),
+}
+"""How the parameters begin of each drive that may replace the plain sine."""
+WIDTH, LINES = 100, 60
+"""Columns of the text, and lines beyond which outputs are named only."""
+SHORT = 24
+"""Characters below which a cell of a table is not broken."""
+PARAMETER = ("parameter", "unit", "default", "bounds", "meaning")
+OUTPUT = ("output", "unit", "source", "equation")
 
 
 def describe_all() -> list[dict[str, Any]]:
-    """Return one line for each scene, as a list for menus of the command line and the web page.
-
-    A line has name, title, section of the source, variants of the closed forms, and methods of
-    simulation (none for scenes that cannot be simulated).
-    """
+    """Return one line for each scene, as a list for menus of the command line and the web page."""
     return [
         {
             "name": scene.name,
@@ -36,19 +49,9 @@ def describe_all() -> list[dict[str, Any]]:
 def describe(name: str, variant: str | None = None, *, method: str | None = None) -> dict[str, Any]:
     """Return the description of a scene: parameters, outputs, equations, regimes, validity.
 
-    Parameters
-    ----------
-    name : str
-        The scene, such as rectangle-on-plane.
-    variant : str, optional
-        Variant of the closed forms; by default the scene's own.
-    method : str, optional
-        A method of simulation: the description is then that of the scene's motion in time.
-
-    Raises
-    ------
-    StudyError
-        If there is no such scene, variant or method.
+    `variant` is that of the closed forms, by default the scene's own; with a `method` of simulation
+    the description is that of the scene's motion in time. Raises `StudyError` if there is none of
+    them.
     """
     scene, chosen = find_scene(name, variant)
     line = next(line for line in describe_all() if line["name"] == name)
@@ -56,7 +59,16 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
         scene, chosen = find_scene(name, method, SYSTEMS)
         line |= {"title": scene.title}
         if name in CONTACTS:
-            line |= {"other_drives": _other_drives()}
+            line["other_drives"] = [
+                {
+                    "kind": kind,
+                    "parameters": [n for n in DRIVE if n.startswith(stems)],
+                    "instead_of": ["amplitude", "alpha", "beta"],
+                }
+                for kind, stems in DRIVES.items()
+            ]
+    conditions = scene.conditions[chosen]
+    regimes = {one.regime for one in conditions} | {one.otherwise for one in conditions}
     return {
         **line,
         scene.choice: chosen,
@@ -79,43 +91,17 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
                 "colour": colour_of(regime),
                 "ink": INKS[regime],
             }
-            for regime in scene_regimes(scene, chosen)
+            for regime in sorted(
+                (regimes | {"not_assessed"}) - {""}, key=lambda name: REGIMES[name].value
+            )
         ],
     }
-
-
-def _other_drives() -> list[dict[str, Any]]:
-    """Return the waveforms of drives that may replace the plain sine, for the catalogue as JSON.
-
-    Each has its `kind` (harmonics or steps of acceleration), the names of its `parameters`, and the
-    names of the sine's parameters that it is given instead of (`instead_of`).
-    """
-    kinds = {
-        "harmonics": ("amplitude_", "phase_", "drive_factor"),
-        "steps": ("acceleration_", "duration_", "drive_factor"),
-    }
-    return [
-        {
-            "kind": kind,
-            "parameters": [n for n in DRIVE if n.startswith(stems)],
-            "instead_of": ["amplitude", "alpha", "beta"],
-        }
-        for kind, stems in kinds.items()
-    ]
-
-
-def scene_regimes(scene: Scene, variant: str) -> tuple[str, ...]:
-    """Return the regimes that a variant can report, by their value in files."""
-    names = {condition.regime for condition in scene.conditions[variant]}
-    names |= {condition.otherwise for condition in scene.conditions[variant]} - {""}
-    return tuple(sorted(names | {"not_assessed"}, key=lambda name: REGIMES[name].value))
 
 
 def needed_parameters(scene: Scene, variant: str, output: str) -> tuple[str, ...]:
     """Return the parameters that the equations of one output need, in the order of all quantities.
 
-    `variant` is that of the scene's equations, or a method of simulation. What its regime needs
-    besides is not among them.
+    What its regime needs besides is not among them.
     """
     met = behind((output,), scene.producers(variant).get)
     needed = {name for name, equation in met.items() if equation is None}
@@ -127,15 +113,8 @@ def asked_parameters(
 ) -> tuple[str, ...]:
     """Return the parameters that a study of one output may set, for the output and its regime.
 
-    Parameters
-    ----------
-    scene, variant : Scene, str
-        The scene, and the variant of its equations or method of simulation.
-    output : str
-        Name of the output.
-    required : bool
-        Whether only those are wanted that such a study has to give, as they have no default. A
-        simulation always includes those of its status, as it follows the part in any case.
+    With `required` those only that such a study has to give, as they have no default. A simulation
+    always includes those of its status, as it follows the part in any case.
     """
     regimes = (one for one in scene.conditions[variant] if output in one.outputs)
     produced, defaults = scene.producers(variant), scene.defaults_of(variant)
@@ -149,20 +128,7 @@ def asked_parameters(
 
 
 def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]:
-    """Return the description of a parameter as plain values, for the catalogue as JSON.
-
-    It has label, symbol, unit, bounds, examples, the default in this scene and variant (None if it
-    has to be given), and `instead_of`, the quantities that it can be given for.
-
-    Parameters
-    ----------
-    scene, variant : Scene, str
-        The scene, and the variant of its equations or method of simulation.
-    name : str
-        The parameter, a key of `QUANTITIES`.
-    """
     quantity = QUANTITIES[name]
-    default = scene.defaults_of(variant).get(name)
     return {
         "name": name,
         "label": quantity.label,
@@ -172,7 +138,7 @@ def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]
         "lower": None if quantity.lower == -float("inf") else quantity.lower,
         "lower_excluded": quantity.strict,
         "upper": None if quantity.upper == float("inf") else quantity.upper,
-        "default": default,
+        "default": scene.defaults_of(variant).get(name),
         "instead_of": list(instead_of(name)),
         "examples": list(quantity.examples),
         "example": read_number(name, quantity, quantity.examples[0]) if quantity.examples else None,
@@ -180,19 +146,6 @@ def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]
 
 
 def _describe_output(scene: Scene, variant: str, equation: Equation) -> dict[str, Any]:
-    """Return the description of an output as plain values, for the catalogue as JSON.
-
-    It has label, symbol, unit, equation and regimes; `level` is the value at which a regime begins,
-    drawn in plots, None without one; `asks` and `required` are the parameters that a study of the
-    output may or has to set.
-
-    Parameters
-    ----------
-    scene, variant : Scene, str
-        The scene, and the variant of its equations or method of simulation.
-    equation : Equation
-        Computes the output.
-    """
     quantity = QUANTITIES[equation.gives]
     level, begins = LEVELS.get(equation.gives, (None, ""))
     return {
@@ -215,3 +168,114 @@ def _describe_output(scene: Scene, variant: str, equation: Equation) -> dict[str
             if equation.gives in condition.outputs
         ],
     }
+
+
+class SceneCard:
+    """The parameters and outputs of one scene, as `vibrafeed.scene` returns them.
+
+    Attributes
+    ----------
+    content : dict
+        All about the scene, as `vibrafeed.scenes` returns it.
+    name, title, validity : str
+        Its name, what it describes, and where it holds.
+    parameters, outputs : dict
+        The description of each by its name: unit, bounds, default, equation and so on.
+    """
+
+    def __init__(self, content: Mapping[str, Any]) -> None:
+        self.content = dict(content)
+        self.name, self.title = content["name"], content["title"]
+        self.validity: str = content["validity"]
+        self.parameters = {entry["name"]: entry for entry in content["parameters"]}
+        self.outputs = {entry["name"]: entry for entry in content["outputs"]}
+
+    def __repr__(self) -> str:
+        choices = (line for choice in self._choices() for line in _wrapped(choice))
+        head = [*_wrapped(f"{self.name}: {self.title}"), *choices]
+        families: dict[str, list[str]] = {}
+        for name in self.parameters:
+            families.setdefault(re.sub(r"_\d+$", "", name), []).append(name)
+        rows = []
+        for first, *more in families.values():
+            to = f" to {more[-1].rpartition('_')[2]}" if more else ""
+            rows.append((first + to, *_parameter(self.parameters[first])[1:]))
+        tail = [
+            "",
+            *_wrapped(f"Validity: {self.validity}"),
+            *_wrapped(f"Regimes: {self._regimes()}"),
+        ]
+        top = [*head, "", *_aligned(PARAMETER, rows)]
+        listed = _aligned(OUTPUT, map(_output, self.outputs.values()))
+        if len(top) + len(listed) + len(tail) > LINES:
+            named = ", ".join(f"{name} [{_unit(one)}]" for name, one in self.outputs.items())
+            listed = _wrapped(f"Outputs: {named.replace(' []', '')}. `.outputs[name]` says more.")
+        return "\n".join([*top, "", *listed, *tail])
+
+    def _repr_html_(self) -> str:
+        outputs = [(*_output(entry), entry["description"]) for entry in self.outputs.values()]
+        return "".join([
+            f"<h4>{escape(self.name)}: {escape(self.title)}</h4>",
+            *(f"<p>{escape(line)}</p>" for line in (*self._choices(), self.validity)),
+            _table(PARAMETER, map(_parameter, self.parameters.values())),
+            _table((*OUTPUT, "meaning"), outputs),
+            f"<p>Regimes: {escape(self._regimes())}</p>",
+        ])  # fmt: skip
+
+    def _choices(self) -> list[str]:
+        chosen = self.content.get("method") or self.content["variant"]
+        ways = {"variant (sweep)": "variants", "method in time (simulate)": "methods"}
+        lines = [
+            f"{way}: {', '.join(f'{one}*' if one == chosen else one for one in self.content[key])}"
+            for way, key in ways.items()
+            if self.content[key]
+        ]
+        return [*lines, "* shown here; a parameter without default is given if an output needs it"]
+
+    def _regimes(self) -> str:
+        return ", ".join(entry["name"] for entry in self.content["regimes"])
+
+
+def _unit(entry: Mapping[str, Any]) -> str:
+    return SI.get(entry["unit"], entry["unit"])
+
+
+def _parameter(entry: Mapping[str, Any]) -> tuple[str, ...]:
+    least, most = entry["lower"], entry["upper"]
+    ends = [] if least is None else [f"{'>' if entry['lower_excluded'] else '>='} {least:g}"]
+    ends += [] if most is None else [f"<= {most:g}"]
+    default = "" if entry["default"] is None else f"{entry['default']:g}"
+    others = f"For {', '.join(entry['instead_of'])}: " if entry["instead_of"] else ""
+    return (entry["name"], _unit(entry), default, ", ".join(ends), others + entry["description"])
+
+
+def _output(entry: Mapping[str, Any]) -> tuple[str, ...]:
+    return (entry["name"], _unit(entry), entry["source"], entry["equation"])
+
+
+def _aligned(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    table = [heads, *rows]
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)][:-1]
+    lines = []
+    for row in table:
+        begin = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=False))
+        left = max(20, WIDTH - len(begin) - 2)
+        lines.append(f"{begin}  {textwrap.shorten(row[-1], left, placeholder=' ...')}".rstrip())
+    return lines
+
+
+def _wrapped(text: str) -> list[str]:
+    return textwrap.wrap(text, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
+
+
+def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    style = "text-align: left; white-space:"
+    lines = [
+        "".join(
+            f'<{tag} style="{style} {"nowrap" if len(cell) < SHORT else "normal"}">'
+            f"{escape(cell)}</{tag}>"
+            for cell in cells
+        )
+        for tag, cells in (("th", heads), *(("td", row) for row in rows))
+    ]
+    return f"<table><tr>{'</tr><tr>'.join(lines)}</tr></table>"

@@ -1,26 +1,40 @@
-"""Compilation of the kernels by numba: how functions of kernel files are compiled.
+"""Compilation by numba: how functions of kernel files are compiled, and linked into machine code.
 
-`vibrafeed.core.linking` says how compiled functions that call each other become machine code, and
-`vibrafeed.core.kernel_cache` where that is kept.
+numba makes machine code of a function before it compiles the caller, links the optimised code into
+that, and optimises both anew: what lies ten calls deep is optimised ten times. Here a function that
+compiled code calls is a part, which is typed and translated for LLVM, and left so. One that Python
+calls is an entry: it is linked with the parts that it reaches, each once, and then optimised. Which
+of the two a function is, the caller decides; it may be both.
+
+`vibrafeed.core.kernel_cache` says where machine code is kept.
 """
 
 from __future__ import annotations
 
-import functools
+import gc
 import inspect
 import math
 from collections.abc import Callable, Mapping
+from functools import cache, cached_property
 from typing import Any, TypeVar
 
 from llvmlite import ir
-from numba.core import event, types
+from llvmlite.binding import Linkage
+from numba.core import dispatcher, event, types
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Flags, compile_extra
+from numba.core.environment import lookup_environment
+from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic
 
 from vibrafeed.core.compiling import stopwatch
 from vibrafeed.core.kernel_cache import cache_of, loop_name
-from vibrafeed.core.linking import Choice, EntryDispatcher
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+_NumbasLibrary: Any = JITCodeLibrary
+_NumbasCompiler: Any = vars(dispatcher)["_FunctionCompiler"]
+_NumbasDispatcher: Any = CPUDispatcher
 
 
 def compiled(function: Function) -> Function:
@@ -28,41 +42,31 @@ def compiled(function: Function) -> Function:
 
     Kernels stay sequential: a pool of threads shares out the cells, so that two requests of one
     process can run at a time, a batch can be stopped between pieces, and results do not depend on
-    the number of threads. The machine code is cached in a folder of `NUMBA_CACHE_DIR`; without that
-    variable, among the user's caches. A function that stands in no kernel file, or for which no
-    folder can be written or read, is compiled once a process.
+    the number of threads. A function that stands in no kernel file, or for which no cache folder
+    can be written or read, is compiled once a process.
     """
-    return _compiled(function)
+    return _EntryDispatcher(function, {})
 
 
 def borrowing(function: Function) -> Function:
     """Return a compiled function that neither allocates nor returns arrays.
 
-    It does not count references to its array arguments, which would take half of the time of a
-    short kernel.
+    References to array arguments are not counted, which would take half of the time of a short
+    kernel.
     """
-    return _compiled(function, _nrt=False)
+    return _EntryDispatcher(function, {"_nrt": False})
 
 
 def disjoint(function: Function) -> Function:
-    """Return a compiled function that allocates no arrays and whose array arguments do not overlap.
-
-    Like `borrowing`; LLVM is promised the absence of overlap, and vectorises loops without checks.
-    """
-    return _compiled(function, _without_aliases, _nrt=False)
+    """Return one like `borrowing` whose array arguments do not overlap: no loop checks that."""
+    return _EntryDispatcher(function, {"_nrt": False}, apart=True)
 
 
-def _without_aliases(flags: Any) -> None:
-    """Tell LLVM that array arguments do not overlap."""
-    flags.noalias = True  # else each loop begins with a check of every pair of arrays
-
-
-@functools.cache
+@cache
 def compiled_source(source: str) -> Any:
     """Return the compiled function of a source text that defines exactly one function.
 
-    Chains of equations are written as one loop over cells in such a text. The arrays that the
-    function takes may not overlap. It may call `choose` (a selection, never a branch), `binade` and
+    Its arrays may not overlap. It may call `choose` (a selection, never a branch), `binade` and
     `exponent` (powers of two of floats) and `copysign` and `sqrt` of `math`. The machine code is
     cached under a digest of the text.
     """
@@ -78,18 +82,12 @@ def compiled_source(source: str) -> Any:
 
 @intrinsic
 def _choose(context: Any, condition: Any, first: Any, second: Any) -> Any:
-    """Return `first` if the condition holds, else `second`, without a branch; both are computed.
-
-    Compiled loops without branches are vectorised. It is an intrinsic of numba: the arguments are
-    the types of a call, and the result is the signature of the call (booleans or floats) and a
-    function that generates its code.
-    """
+    """Return `first` if the condition holds, else `second`, without a branch."""
     del context
     truth = isinstance(first, types.Boolean) and isinstance(second, types.Boolean)
     result = types.boolean if truth else types.float64
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        """Generate the LLVM instruction `select`."""
         condition, *values = arguments
         taken = (
             context.cast(builder, value, kind, result)
@@ -102,15 +100,10 @@ def _choose(context: Any, condition: Any, first: Any, second: Any) -> Any:
 
 @intrinsic
 def _binade(context: Any, value: Any) -> Any:
-    """Return the largest power of 2 that is not above |value|, in compiled code.
-
-    An intrinsic of numba: `value` is the type of the argument in a call, and the result is the
-    signature and a function that generates the code.
-    """
+    """Return the largest power of 2 that is not above |value|."""
     del context
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        """Generate a mask of the exponent's bits."""
         return builder.bitcast(_exponent_bits(builder, arguments[0]), arguments[0].type)
 
     return types.float64(types.float64), generate
@@ -120,15 +113,11 @@ def _binade(context: Any, value: Any) -> Any:
 def _exponent(context: Any, value: Any) -> Any:
     """Return the exponent of the largest power of 2 that is not above |value|, as a float.
 
-    An intrinsic of numba: `value` is the type of the argument in a call, and the result is the
-    signature and a function that generates the code. The exponent's bits, put into the last bits of
-    the float 2^52, make the float 2^52 + exponent + 1023, from which the constants are subtracted:
-    no conversion is needed.
+    The exponent's bits, put into the last bits of the float 2^52, make 2^52 + exponent + 1023.
     """
     del context
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        """Generate the bit operations and the subtraction."""
         field = _exponent_bits(builder, arguments[0])
         whole = field.type
         field = builder.or_(builder.lshr(field, whole(52)), whole(0x433 << 52))
@@ -139,25 +128,15 @@ def _exponent(context: Any, value: Any) -> Any:
 
 
 def _exponent_bits(builder: Any, value: Any) -> Any:
-    """Generate code that keeps the exponent's bits of a float, as a 64-bit integer of LLVM.
-
-    `builder` is llvmlite's builder of instructions, `value` the float in the generated code.
-    """
     whole = ir.IntType(64)
     return builder.and_(builder.bitcast(value, whole), whole(0x7FF << 52))
 
 
 @intrinsic
 def _bits(context: Any, value: Any) -> Any:
-    """Return the 64 bits of a float as an integer, in compiled code.
-
-    An intrinsic of numba: `value` is the type of the argument in a call, and the result is the
-    signature (float to integer) and a function that generates the code.
-    """
     del context
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        """Generate the LLVM instruction `bitcast`."""
         return builder.bitcast(arguments[0], context.get_value_type(types.int64))
 
     return types.int64(types.float64), generate
@@ -169,15 +148,7 @@ bits: Any = _bits
 
 @intrinsic
 def _raised(context: Any, flag: Any) -> Any:
-    """True if the first byte of an array is not 0 now; the read is never optimised away.
-
-    Compiled loops look at it to be stopped: `flag` is the array (here its type), which another
-    thread may change meanwhile. An intrinsic of numba: the result is the signature of the call and
-    a function that generates its code.
-    """
-
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        """Generate an atomic load and a comparison."""
         array = context.make_array(signature.args[0])(context, builder, arguments[0])
         now = builder.load_atomic(array.data, "monotonic", 1)  # no loop keeps what it once read
         return builder.icmp_signed("!=", now, now.type(0))
@@ -192,46 +163,180 @@ raised: Any = _raised
 def by_type(argument: str, ways: Mapping[type, Any]) -> Callable[[Function], Function]:
     """Return a decorator: compiled code then calls one of several functions by an argument's type.
 
-    A motion kernel is so compiled once for each kind of drive or contact without branches at run
-    time. In plain Python, the decorated function itself is called; its signature is that of all.
-
-    Parameters
-    ----------
-    argument : str
-        Name of the argument that decides, a named tuple.
-    ways : mapping of type to callable
-        The compiled function for each type of this argument.
+    The argument is a named tuple. A motion kernel is so compiled once for each kind of drive or
+    contact, without branches at run time. Python calls the decorated function itself; its signature
+    is that of all.
     """
 
     def register(function: Function) -> Function:
-        """Return the name under which compiled code finds the implementations of a function."""
         place = list(inspect.signature(function).parameters).index(argument)
-        chosen: Any = Choice(function, place, ways)
-        return chosen
+        return Choice(function, place, ways)  # type: ignore[return-value]
 
     return register
 
 
-def _compiled(function: Any, change: Callable[[Any], None] | None = None, **options: bool) -> Any:
-    """Return a compiled function with the cache and options of vibrafeed.
+class _Library(_NumbasLibrary):  # type: ignore[misc]
+    def _optimize_functions(self, module: Any) -> None:
+        module.data_layout = self._codegen._data_layout
 
-    `change` sets flags of the compiler that are not options; `options` are those of `numba.njit`.
-    """
-    options = {"nopython": True, "nogil": True, **options}
-    return EntryDispatcher(function, {"error_model": "numpy", **options}, cache_of, change)
+    def add_linking_library(self, library: Any) -> None:
+        if not isinstance(library, _LinkedPart):
+            library._ensure_finalized()
+        self._linking_libraries.append(library)
+
+
+class _LinkedPart(_Library):
+    _shared_module: Any
+
+    @property
+    def has_dynamic_globals(self) -> bool:
+        names = (one.name for one in self._final_module.global_variables)
+        return any(name.startswith("numba.dynamic.globals") for name in names)
+
+    def _get_module_for_linking(self) -> Any:
+        # Copies of one function may meet in a program, and unused ones are removed.
+        if self._shared_module is None:
+            self._shared_module = self._final_module
+            for function in self._final_module.functions:
+                if not function.is_declaration and function.linkage == Linkage.external:
+                    function.linkage = "linkonce_odr"
+        return self._shared_module
+
+
+class _Entry(_Library):
+    def finalize(self) -> None:
+        self._linking_libraries = list(_reached(self, {}))
+        super().finalize()
+        for variable in self._final_module.global_variables:
+            if variable.name.startswith("_ZN08NumbaEnv"):  # what a function needs of Python
+                environment = lookup_environment(variable.name)  # type: ignore[no-untyped-call]
+                if environment is not None:
+                    self._codegen.set_env(variable.name, environment)
+
+
+def _reached(library: Any, known: dict[Any, None]) -> dict[Any, None]:
+    for called in library._linking_libraries:
+        if called not in known:
+            known[called] = None
+            if isinstance(called, _LinkedPart):
+                _reached(called, known)
+    return known
+
+
+class _Compiler(_NumbasCompiler):  # type: ignore[misc]
+    """Compiles a function into a library of ours; `apart`: its array arguments do not overlap."""
+
+    def __init__(self, of_numba: Any, library: type[_Library], apart: bool) -> None:
+        self.__dict__.update(of_numba.__dict__)
+        self._library, self._apart = library, apart
+
+    def _compile_core(self, args: Any, return_type: Any) -> Any:
+        flags: Any = Flags()  # type: ignore[no-untyped-call]
+        self.targetdescr.options.parse_as_flags(flags, self.targetoptions)
+        flags.no_cfunc_wrapper = True
+        flags.no_cpython_wrapper = flags.no_compile = self._library is _LinkedPart
+        if self._apart:
+            flags.noalias = True  # else each loop begins with a check of every pair of arrays
+        typing, target = self.targetdescr.typing_context, self.targetdescr.target_context
+        library: Any = self._library(target.codegen(), self.py_func.__qualname__)
+        library.enable_object_caching()
+        collects = gc.isenabled()
+        gc.disable()  # it takes a fifth of compile time
+        try:
+            result: Any = compile_extra(  # type: ignore[no-untyped-call]
+                typing, target, self.py_func, args, return_type, flags, self.locals, library,
+                self.pipeline_class,
+            )  # fmt: skip
+        finally:
+            if collects:
+                gc.enable()
+        if self._library is _LinkedPart:
+            # A name by which callers find it, where numba has an address.
+            result = result._replace(entry_point=object())
+            target.insert_user_function(result.entry_point, result.fndesc, [library])
+        return result
+
+
+class _PartDispatcher(_NumbasDispatcher):  # type: ignore[misc]
+    """A function as compiled code sees it."""
+
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any], apart: bool):
+        super().__init__(function, targetoptions=dict(options))
+        self._compiler: Any = _Compiler(self._compiler, _LinkedPart, apart)
+
+    def add_overload(self, result: Any) -> None:
+        self.overloads[tuple(result.signature.args)] = result  # Python never calls it
+
+
+class _EntryDispatcher(_NumbasDispatcher):  # type: ignore[misc]
+    """A function as Python sees it; compiled code is handed its part."""
+
+    _cache: Any
+
+    def __init__(
+        self, function: Callable[..., Any], options: dict[str, Any], apart: bool = False
+    ) -> None:
+        options = {"error_model": "numpy", "nopython": True, "nogil": True, **options}
+        super().__init__(function, targetoptions=options)
+        self._compiler: Any = _Compiler(self._compiler, _Entry, apart)
+        self._of_part, self._asks_cache = (options, apart), True
+
+    @cached_property
+    def _part(self) -> _PartDispatcher:
+        return _PartDispatcher(self.py_func, *self._of_part)  # code from the cache needs none
+
+    def _compilation_chain_init_hook(self) -> None:
+        pass  # no extensions of numba: kernels take arrays and numbers, and the search is slow
+
+    def compile(self, signature: Any) -> Any:
+        """Compile the function for argument types, or load it from the cache."""
+        if self._asks_cache:
+            self._cache, self._asks_cache = cache_of(self.py_func) or self._cache, False
+        return super().compile(signature)
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Return numba's template for typing a call of the function."""
+        return self._part.get_call_template(args, kws)
+
+    def get_overload(self, signature: Any) -> Any:
+        """Return numba's key for the function's code."""
+        return self._part.get_overload(signature)
+
+
+class Choice:
+    """A name for several functions, of which compiled code calls one by the type of an argument."""
+
+    is_compiling = False
+
+    def __init__(
+        self, function: Callable[..., Any], position: int, ways: Mapping[type, Any]
+    ) -> None:
+        self.py_func, self._position, self._ways = function, position, ways
+        self.__name__, self.__doc__ = function.__name__, function.__doc__
+        self._numba_type_ = types.Dispatcher(self)  # type: ignore[type-var]
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call the function itself."""
+        return self.py_func(*arguments)
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Return numba's template for typing a call of the chosen function."""
+        return self._way(args).get_call_template(args, kws)
+
+    def get_overload(self, signature: Any) -> Any:
+        """Return numba's key for the chosen function's code."""
+        return self._way(signature).get_overload(signature)
+
+    def _way(self, types: Any) -> Any:
+        return self._ways[types[self._position].instance_class]
 
 
 class _CompileTimer(event.Listener):
-    """Has the stopwatch run while numba compiles what it did not find on the disk."""
-
     def on_start(self, event: event.Event) -> None:
-        """Start the stopwatch when numba begins to compile."""
         stopwatch.begin()
 
     def on_end(self, event: event.Event) -> None:
-        """Stop the stopwatch when numba has compiled."""
         stopwatch.end()
 
 
-register: Any = event.register
-register("numba:compile", _CompileTimer())
+event.register("numba:compile", _CompileTimer())  # type: ignore[no-untyped-call]

@@ -10,34 +10,24 @@ from contextlib import contextmanager
 class Stopwatch:
     """Runs while something is compiled; the compiler compiles one thing at a time, and its parts.
 
-    Attributes
-    ----------
-    spent : float
-        Time that compiling has taken so far [s].
+    `spent` is the time that compiling has taken so far [s].
     """
 
     def __init__(self) -> None:
-        """Begin stopped, with no time spent and no listeners."""
         self.spent = 0.0
         self._depth = 0
         self._began = 0.0
         self._listeners: list[Callable[[bool], object]] = []
 
     def begin(self) -> None:
-        """Note that a compilation has begun, perhaps within another one.
-
-        Listeners hear of the outermost only.
-        """
+        """Note that a compilation has begun, perhaps within another one, of which nobody hears."""
         self._depth += 1
         if self._depth == 1:
             self._began = time.perf_counter()
             self._tell(True)
 
     def end(self) -> None:
-        """Note that the compilation that began last has ended; listeners hear when none is left.
-
-        The time since the outermost began is added to `spent`.
-        """
+        """Note that the compilation that began last has ended."""
         self._depth -= 1
         if not self._depth:
             self.spent += time.perf_counter() - self._began
@@ -50,10 +40,7 @@ class Stopwatch:
 
     @contextmanager
     def telling(self, listener: Callable[[bool], object]) -> Iterator[None]:
-        """Call a function within the block whenever compiling begins (True) or ends (False).
-
-        `listener` is the function.
-        """
+        """Call a function within the block whenever compiling begins (True) or ends (False)."""
         self._listeners.append(listener)
         try:
             yield
@@ -61,7 +48,6 @@ class Stopwatch:
             self._listeners.remove(listener)
 
     def _tell(self, compiles: bool) -> None:
-        """Call all listeners with the state of compiling."""
         for told in tuple(self._listeners):
             told(compiles)
 
@@ -75,14 +61,10 @@ ONCE = "compiling once, some seconds; it is kept"
 
 @contextmanager
 def announced(write: Callable[[str], object]) -> Iterator[None]:
-    """Call `write` with a message the first time that the block compiles something.
-
-    The message tells a user who waits why the first run takes some seconds longer.
-    """
+    """Call `write` with a message the first time that the block compiles something."""
     waiting = [ONCE]
 
     def tell(compiles: bool) -> None:
-        """Write the message once, when compiling begins."""
         if compiles and waiting:
             write(waiting.pop())
 

@@ -56,7 +56,6 @@ class VibrafeedError(Exception):
     __module__ = PUBLIC
 
     def _render_traceback_(self) -> list[str]:
-        """Return the message alone for notebooks, without the stack."""
         return [f"{type(self).__name__}: {self}"]
 
 
@@ -66,7 +65,6 @@ class StudyError(VibrafeedError):
     __module__ = PUBLIC
 
     def __init__(self, problems: Iterable[Problem]):
-        """Keep all distinct problems, and make the message of them."""
         # Two needs of one missing parameter are one problem.
         self.problems = tuple(dict.fromkeys(problems))
         super().__init__("\n".join(str(problem) for problem in self.problems))
@@ -91,7 +89,6 @@ class LimitError(VibrafeedError):
     __module__ = PUBLIC
 
     def __init__(self, limit: str, asked: int, allowed: int, fix: str):
-        """Keep the limit, what was asked and what is allowed, and make the message."""
         self.limit, self.asked, self.allowed, self.fix = limit, asked, allowed, fix
         self.message = f"the study asks for {asked:,} {limit}, the limit is {allowed:,}"
         super().__init__(f"{self.message}. {fix}.")
@@ -108,7 +105,6 @@ class MissingPackageError(VibrafeedError):
     """Something takes a package that is not installed; the message says how to install it."""
 
     def __init__(self, what: str, package: str, how: str):
-        """State the package that is missing and how to install it."""
         super().__init__(f"{what} needs {package}, which is not installed: {how}")
 
 

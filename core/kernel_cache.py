@@ -1,11 +1,9 @@
 """The cache of compiled kernels: a folder a package, named after what its code depends on.
 
 numba's own cache watches the one file a function stands in, so that a kernel which calls into
-another file would keep the old callee. Here the code of a package lies in a folder named after a
-digest of the files of the package and of all that they import, of the versions and settings of the
-compiler, and of what joins them. A change of any of them opens a new folder, and leaves those of
-the other packages alone; dates and places of files play no part. numba itself keeps the entries of
-one folder apart by argument types and by processor.
+another file would keep the old callee. Here the folder of a package is named after a digest of its
+files and of all that they import, and of versions and settings of the compiler; dates and places of
+files play no part. numba itself keeps its entries apart by argument types and by processor.
 """
 
 from __future__ import annotations
@@ -30,11 +28,11 @@ from numba.misc.appdirs import AppDirs
 
 CORE = Path(__file__).resolve().parent
 
-COMPILERS = ("compiled.py", "linking.py")
-"""The files that say how functions are compiled: all cached code depends on them."""
+COMPILERS = ("compiled.py",)
+"""The file that says how functions are compiled: all cached code depends on it."""
 
 NEUTRAL = ("compiling.py", "kernel_cache.py")
-"""What those import, and no code depends on."""
+"""What that imports, and no code depends on."""
 
 SETTINGS = (
     "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "DISABLE_INTEL_SVML", "LOOP_VECTORIZE", "OPT",
@@ -58,7 +56,6 @@ IMPORT = re.compile(
 A parser finds the same in fifty times the time, at every start: a test compares them."""
 
 _settings: Any = numba.config
-_user_caches = AppDirs(appname="vibrafeed", appauthor=False)  # type: ignore[no-untyped-call]
 
 
 @functools.cache
@@ -75,30 +72,20 @@ def package_of(file: Path) -> str:
 
 @functools.cache
 def sources(package: str) -> tuple[Path, ...]:
-    """Return all source files that compiled code of a kernel package depends on, in fixed order.
-
-    Its own modules, those that they import, and those that say how to compile: a change in any of
-    them makes cached code invalid. `package` is the name of the package, or `LOOPS` for generated
-    functions.
-    """
-    files = {CORE / name for name in COMPILERS}
-    if package != LOOPS:
-        left = sorted(packages()[package].glob("*.py"))
-        passed = files | {CORE / name for name in NEUTRAL}
-        while left:
-            file = left.pop()
-            if file not in passed:
-                passed.add(file)
-                files.add(file)
-                left += imported(file.read_text(encoding="utf-8"))
-    return tuple(sorted(files))
+    """Return all source files that compiled code of a kernel package depends on, in fixed order."""
+    neutral = {CORE / name for name in NEUTRAL}
+    passed = neutral | {CORE / name for name in COMPILERS}
+    left = [] if package == LOOPS else sorted(packages()[package].glob("*.py"))
+    while left:
+        file = left.pop()
+        if file not in passed:
+            passed.add(file)
+            left += imported(file.read_text(encoding="utf-8"))
+    return tuple(sorted(passed - neutral))
 
 
 def imported(text: str) -> Iterator[Path]:
-    """Yield the paths of the modules of this project that a module imports.
-
-    `text` is the module's source. Compiled code depends on these files, too.
-    """
+    """Yield the paths of the modules of this project that a module's source imports."""
     for module, names, whole in IMPORT.findall(text):
         file = _file_of(module or whole)
         is_module = file is not None and file.name != "__init__.py"  # its names are no files
@@ -108,7 +95,6 @@ def imported(text: str) -> Iterator[Path]:
 
 @functools.cache
 def _file_of(dotted: str) -> Path | None:
-    """Return the file of a module or package of this project; None if it is neither."""
     path = CORE.parent.joinpath(*dotted.split("."))
     files = (path.with_suffix(".py"), path / "__init__.py")
     return next(filter(Path.is_file, files), None)
@@ -116,12 +102,7 @@ def _file_of(dotted: str) -> Path | None:
 
 @functools.cache
 def digest(package: str) -> str:
-    """Return a digest of all that compiled code of a package depends on, 16 hexadecimal digits.
-
-    These are its source files, the versions of numba, llvmlite and NumPy, and the compiler's
-    settings. The digest names the cache folder, so that outdated code is never loaded. `package` is
-    the name of a package of kernels.
-    """
+    """Return a digest of all that compiled code of a package depends on, 16 hexadecimal digits."""
     settings = {name: str(getattr(_settings, name, None)) for name in SETTINGS}
     versions = (numba.__version__, llvmlite.__version__, np.__version__)
     content = hashlib.sha256(repr((versions, settings)).encode())
@@ -134,23 +115,25 @@ def digest(package: str) -> str:
 @functools.cache
 def root() -> Path:
     """Return the folder of the kernel cache: `NUMBA_CACHE_DIR`, or in the user's cache."""
-    return Path(_settings.CACHE_DIR or _user_caches.user_cache_dir)
+    own = AppDirs(appname="vibrafeed", appauthor=False)  # type: ignore[no-untyped-call]
+    return Path(_settings.CACHE_DIR or own.user_cache_dir)
 
 
 @functools.cache
 def folder(package: str) -> Path | None:
-    """Return the folder in which compiled code of a package is cached; create it if necessary.
+    """Return the folder, made if necessary, in which compiled code of a package is cached.
 
-    `package` is the name of a package of kernels. A folder that exists but cannot be written is
-    used for reading, as an image may ship one; None if there is none. Outdated folders are removed
-    but for the eight used last.
+    One that cannot be written is used for reading, as an image may ship one; None if there is none.
+    Of outdated folders the eight used last stay.
     """
     path = root() / f"{package}-{digest(package)}"
     with contextlib.suppress(OSError):
         path.mkdir(parents=True, exist_ok=True)
         os.utime(path)  # it is in use
-        if os.access(path, os.W_OK):
-            _forget_old(package, path)
+        if os.access(path, os.W_OK):  # another process may remove the same ones
+            others = set(path.parent.glob(f"{package}-" + 16 * "[0-9a-f]")) - {path}
+            for other in sorted(others, key=os.path.getmtime, reverse=True)[KEPT:]:
+                shutil.rmtree(other, ignore_errors=True)
             return path
     return path if os.access(path, os.R_OK) else None
 
@@ -174,10 +157,7 @@ def is_on_disk(source: str) -> bool:
 
 
 def mark_of(package: str) -> Path | None:
-    """Return the file that says that all of a package is compiled for this processor.
-
-    It goes with the code that it speaks of. None if no folder can be written.
-    """
+    """Return the file that says that all of a package is compiled for this processor, or None."""
     place = folder(package)
     return None if place is None else place / f"warm-{processor()}"
 
@@ -188,33 +168,13 @@ def are_kept(names: Iterable[str]) -> bool:
     return all(mark is not None and mark.exists() for mark in marks)
 
 
-def _forget_old(package: str, current: Path) -> None:
-    """Remove the outdated cache folders of compiled code of a package, except the eight used last.
-
-    `package` is the name of a package of kernels; `current` is its folder in use.
-    """
-    others = set(current.parent.glob(f"{package}-" + 16 * "[0-9a-f]")) - {current}
-    with contextlib.suppress(OSError):  # another process removes the same ones
-        for other in sorted(others, key=os.path.getmtime, reverse=True)[KEPT:]:
-            shutil.rmtree(other, ignore_errors=True)
-
-
 class _CacheFolder(caching._CacheLocator):
-    """The folder where numba finds the code of one function, with the stamp of its source."""
-
     def __init__(self, package: str, function: Callable[..., Any], file: str, path: Path) -> None:
-        """Note the cache folder and the source of one kernel."""
         self._py_file, self._lineno = file, function.__code__.co_firstlineno
         self._package, self._module, self._path = package, function.__module__, path
 
     @classmethod
     def from_function(cls, function: Callable[..., Any], file: str) -> _CacheFolder | None:
-        """Return the cache folder of a kernel's code; None for other functions.
-
-        numba asks this of each cache class; None also if no folder can be used. `function` is the
-        Python function, `file` the path of its source file, or the name of a generated function.
-        Only modules of the packages `kernels`, and generated loops, are cached here.
-        """
         package = LOOPS
         if not file.startswith(LOOPS):
             path = Path(file).resolve()
@@ -225,45 +185,31 @@ class _CacheFolder(caching._CacheLocator):
         return None if place is None else cls(package, function, file, place)
 
     def get_cache_path(self) -> str:
-        """Return the folder of the cached code."""
         return str(self._path)
 
     def get_source_stamp(self) -> str:
-        """Return the stamp by which numba detects changed sources."""
         return digest(self._package)
 
     def get_disambiguator(self) -> str:
-        """Return the part of the file name that distinguishes kernels."""
         return f"{self._module}-{self._lineno}"  # two kernels may have files of one name
 
     def ensure_cache_path(self) -> None:
-        """Create the folder of the cached code."""
         self._path.mkdir(parents=True, exist_ok=True)
 
 
 class _Results(caching.CompileResultCacheImpl):
-    """The writer of compiled code that numba uses in this cache, and only there."""
-
     _locator_classes: list[type[object]] = [_CacheFolder]  # noqa: RUF012 numba declares it so
 
 
 class _Cache(caching.FunctionCache):
-    """The cached code of one function; what cannot be written is compiled again next time."""
-
     _impl_class = _Results
 
     def load_overload(self, signature: Any, target_context: Any) -> Any:
-        """Return the cached code of one signature, None if there is none.
-
-        numba would first load all that it knows how to compile, and scipy with it: half a second.
-        Cached code needs only the counting of references to arrays.
-        """
         rtsys.initialize(target_context)
         with self._guard_against_spurious_io_errors():
             return self._load_overload(signature, target_context)  # type: ignore[no-untyped-call]
 
     def save_overload(self, signature: Any, data: Any) -> None:
-        """Store compiled code; does nothing if the disk refuses."""
         with contextlib.suppress(OSError):
             super().save_overload(signature, data)  # type: ignore[no-untyped-call]
 

@@ -18,19 +18,12 @@ def lazily(
 ) -> Callable[[str], Any]:
     """Return a package's `__getattr__` that imports attributes on first use (PEP 562).
 
-    Parameters
-    ----------
-    package : str
-        Name of the package.
-    homes : mapping of str to tuple of str
-        The names that the package exports from each of its modules.
-    modules : mapping of str to str
-        Names of modules that the package exports as they are, each with its path in the package.
+    `homes` has the names that the package exports from each of its modules; `modules` are exported
+    as they are, each with its path in the package.
     """
     places = {name: module for module, names in homes.items() for name in names}
 
     def attribute(name: str) -> Any:
-        """Return an attribute of the package, importing its module."""
         if name in modules:
             return import_module(f"{package}.{modules[name]}")
         if name not in places:
@@ -43,18 +36,9 @@ def lazily(
 
 
 class Exported(Mapping[str, Record], Generic[Record]):
-    """The records that packages export under one name; a package is loaded on request.
-
-    Parameters
-    ----------
-    name : str
-        What each calls its record, such as ``KIND``.
-    packages : mapping of str to module
-        The packages, by the name of their record.
-    """
+    """The records that packages, by key, export under one name; a package is loaded on request."""
 
     def __init__(self, name: str, packages: Mapping[str, ModuleType]):
-        """Note the packages by key, and the name of the record that each exports."""
         self._name, self._packages = name, MappingProxyType({**packages})
 
     def __getitem__(self, key: str) -> Record:

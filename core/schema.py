@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from pydantic.json_schema import models_json_schema
@@ -25,10 +25,7 @@ Schema = dict[str, Any]
 
 
 def study_schema() -> Schema:
-    """Return the JSON Schema of studies of all kinds, by which editors check and complete them.
-
-    Schemas that occur several times stand under `$defs`.
-    """
+    """Return the JSON Schema of studies of all kinds, by which editors check and complete them."""
     models = {kind.model: kind for kind in KINDS.values()}
     references, found = models_json_schema([(model, "validation") for model in models])
     named = found["$defs"]
@@ -40,12 +37,6 @@ def study_schema() -> Schema:
 
 
 def _with_names(schema: Schema, kind: Kind) -> Schema:
-    """Return a kind's JSON Schema with the names that it allows listed as choices.
-
-    Scenes, outputs, variants and the kind's own choices become ``enum`` lists, so that an editor
-    can offer them. `schema` is the one that pydantic makes of the kind's model; it is not changed
-    itself.
-    """
     first, properties = kind.scenes[0], {**schema["properties"]}
     giving = [scene for scenes in kind.scenes for scene in scenes.values()]
     outputs = {name for scene in giving for v in scene.variants for name in scene.outputs(v)}
@@ -61,24 +52,22 @@ def _with_names(schema: Schema, kind: Kind) -> Schema:
 
 
 def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema:
-    """Return a schema of alternatives in which every repeated part is written once.
+    """Return a schema of the alternatives `kinds` in which every repeated part is written once.
 
     A part that occurs twice or more, such as the values that an angle may have, becomes a
-    definition of its own; its title and description stay where it is referred to.
-
-    Parameters
-    ----------
-    kinds : sequence of dict
-        The schemas of the alternatives.
-    named : mapping of str to dict
-        Definitions that they refer to.
+    definition of its own, beside those `named`; its title and description stay where it is referred
+    to.
     """
-    counts = Counter(_text(part) for schema in (*kinds, *named.values()) for part in _below(schema))
+    counts: Counter[str] = Counter()
     names: dict[str, str] = {}
     shared: dict[str, Schema] = {}
 
+    def counted(schema: Any) -> Any:
+        if isinstance(schema, dict):
+            counts[_text(schema)] += 1
+        return _map_children(schema, counted)
+
     def short(schema: Any) -> Any:
-        """Return a schema with references in place of shared parts, which become definitions."""
         if not isinstance(schema, dict) or len(text := _text(schema)) <= SHORT or counts[text] < 2:
             return _map_children(schema, short)
         if text not in names:
@@ -87,54 +76,29 @@ def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema
         notes = {key: schema[key] for key in NOTES if key in schema}
         return {"$ref": f"#/$defs/{names[text]}", **notes}
 
+    for schema in (*kinds, *named.values()):
+        _map_children(schema, counted)
     whole = [_map_children(kind, short) for kind in kinds]
     definitions = {name: _map_children(schema, short) for name, schema in named.items()}
     return {"$schema": DIALECT, "oneOf": whole, "$defs": definitions | shared}
 
 
 def _plain(schema: Mapping[str, Any]) -> Schema:
-    """Return a schema without titles and descriptions."""
     return {key: value for key, value in schema.items() if key not in NOTES}
 
 
 def _text(schema: Mapping[str, Any]) -> str:
-    """Return a schema as text, for comparison."""
     return json.dumps(_plain(schema), sort_keys=True)
 
 
-def _children(schema: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield each key of a schema that holds further schemas, and its value."""
-    return ((key, value) for key, value in schema.items() if key in (*BY_NAME, *BELOW))
-
-
-def _below(schema: Any) -> Iterator[Schema]:
-    """Yield all JSON Schemas nested in a schema, at any depth, each before those inside it.
-
-    Repeated ones are found so. Anything that is no object has none.
-    """
-    if not isinstance(schema, dict):
-        return
-    for key, value in _children(schema):
-        many = value.values() if key in BY_NAME else value if isinstance(value, list) else [value]
-        for one in many:
-            if isinstance(one, dict):
-                yield one
-                yield from _below(one)
-
-
 def _map_children(schema: Any, change: Any) -> Any:
-    """Return a JSON Schema with each schema directly inside it replaced by another.
-
-    `change` is called with a schema and returns one. A value that is no object is returned itself;
-    the schema that was given is not changed.
-    """
     if not isinstance(schema, dict):
         return schema
-    changed: Schema = {}
-    for key, value in _children(schema):
+    changed: Schema = {**schema}
+    for key, value in schema.items():
         if key in BY_NAME:
             changed[key] = {name: change(one) for name, one in value.items()}
-        else:
+        elif key in BELOW:
             many = isinstance(value, list)
             changed[key] = [change(one) for one in value] if many else change(value)
-    return {**schema, **changed}
+    return changed

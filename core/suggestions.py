@@ -230,10 +230,6 @@ _UNITS: Final = {
 
 
 def _names_by_synonym() -> dict[str, tuple[str, ...]]:
-    """Return the names of quantities that each synonym stands for, the most likely first.
-
-    Users who write a synonym are told the name in use here.
-    """
     spoken: dict[str, tuple[str, ...]] = {word: (name,) for word, name in WORDS.items()}
     for name, others in _SYNONYMS.items():
         for other in others.split():
@@ -249,16 +245,12 @@ What comes first is meant where several are known.
 
 
 def by_synonym(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name for which a typed word is a synonym; None if there is none.
-
-    `known` are the names to choose from.
-    """
+    """Return the known name for which a typed word is a synonym; None if there is none."""
     choice = frozenset(known)
     return next((one for one in OTHER_NAMES.get(_plain(name), ()) if one in choice), None)
 
 
 def _plain(name: str) -> str:
-    """Return a typed name in small letters, with underscores between its words."""
     return name.strip().casefold().replace("-", "_").replace(" ", "_")
 
 
@@ -291,11 +283,6 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 
 
 def _may_mean(typed: str, name: str) -> bool:
-    """True if a typed name may be a known one, cut or misspelt, and is not another quantity.
-
-    Each word of either has its like in the other; numbers of the known one may be left out. A short
-    word, as in `amplitude_y`, is no slip.
-    """
     name = _plain(name)
     added = {*typed.split("_")} - {*name.split("_")}
     if not name.startswith(typed) and any(0 < len(one) < SHORT and one.isalpha() for one in added):
@@ -311,7 +298,6 @@ def _may_mean(typed: str, name: str) -> bool:
         return True
 
     def has_all(among: list[str], wanted: list[str]) -> bool:
-        """True if each wanted word is like one among others."""
         return all(difflib.get_close_matches(one, among, n=1, cutoff=_ALIKE) for one in wanted)
 
     words = [word for word in words if not word.isdecimal()]
@@ -350,9 +336,7 @@ SEARCHED = 8  # names of one request that are worth a search for what was meant
 def suggestion(name: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
     """Return a sentence that helps with an unknown name.
 
-    It says how a known quantity follows from the named one, asks ``Did you mean ...?``, or lists
-    the known names. `name` is the unknown name, `known` are all known ones; `listed` are those to
-    list where none is similar, if not all of them.
+    It says how a known quantity follows, asks ``Did you mean ...?``, or lists the known names.
     """
     choice = sorted(known)
     if name in _GONE and name not in choice:
@@ -373,7 +357,7 @@ class Suggestions:
         self.left = SEARCHED
 
     def __call__(self, name: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
-        """Return a suggestion; after several calls only a plain text, as searching takes time."""
+        """Return a suggestion; after several calls only a plain text."""
         return self.within(lambda: suggestion(name, known, listed))
 
     def within(self, search: Callable[[], str]) -> str:
@@ -383,10 +367,6 @@ class Suggestions:
 
 
 def _in_families(names: Iterable[str]) -> list[str]:
-    """Return sorted names; those differing in a last number are joined, as in `spin_1 to _3`.
-
-    A list of known names in a message is shorter so.
-    """
     families: dict[str, list[str]] = {}
     for name in names:
         stem, _, number = name.rpartition("_")

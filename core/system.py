@@ -1,4 +1,4 @@
-"""Differences of operating systems: memory, cores, priority, files, output streams.
+"""Differences of operating systems: memory, cores, priority, files, output streams, installing.
 
 Windows opens no folder, flushes no file that is open for reading only, and neither replaces nor
 removes a file that any program holds open.
@@ -8,11 +8,15 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import sys
 import time
+from importlib.metadata import PackageNotFoundError, requires
 from pathlib import Path
 from typing import Any, Final
 
+ROOT = Path(__file__).resolve().parents[1]
+"""Where the program lies: a clone of the repository, or the packages of an environment."""
 WINDOWS: Final = hasattr(os, "O_BINARY")  # no other system tells texts from binary files
 PATIENCE: Final = 2.0  # s: virus scanners and indexers let go of a file sooner, Excel does not
 LOOK: Final = 0.05  # s between two trials
@@ -31,10 +35,7 @@ def cores() -> int:
 
 
 def lower_priority(by: int) -> None:
-    """Let other processes of this machine go first.
-
-    `by` is added to the niceness, which ends at 19; on Windows the priority is "below normal".
-    """
+    """Let other processes go first: add to the niceness, or "below normal" on Windows."""
     psutil = _psutil()
     process = psutil.Process()
     below_normal = getattr(psutil, "BELOW_NORMAL_PRIORITY_CLASS", None)
@@ -44,8 +45,7 @@ def lower_priority(by: int) -> None:
 def sync(path: Path) -> None:
     """Wait until a file is on disk, so that it survives a power failure.
 
-    For the path of a folder that is the list of its files, which changes with a rename; Windows
-    does not offer that.
+    For a folder that is the list of its files, which changes with a rename; Windows lacks that.
     """
     if not path.is_dir():
         with path.open("r+b") as file:
@@ -61,11 +61,8 @@ def sync(path: Path) -> None:
 def replace(source: Path, target: Path) -> None:
     """Give a file or folder its final name, where another file may be, which is replaced.
 
-    Raises
-    ------
-    PermissionError
-        If another program still holds one of them after two seconds, as Excel does on Windows: both
-        stay as they are.
+    Raises `PermissionError` if another program still holds one of them after two seconds, as Excel
+    does on Windows: both stay as they are.
     """
     tried = 0.0
     while True:
@@ -98,7 +95,34 @@ def write_utf8() -> None:
 
 
 def _psutil() -> Any:
-    """Return psutil, whose import takes as long as many a command."""
     import psutil
 
     return psutil
+
+
+def installing(package: str = "", extra: str | None = None) -> str:
+    """Return the command that installs a package, or all of an extra of vibrafeed.
+
+    In a clone the command is to be typed in its folder, and keeps to the versions that the tests
+    pass with. Elsewhere it names the package itself: no index need know vibrafeed.
+    """
+    if not (ROOT / "constraints.txt").is_file():
+        return f"pip install {package or ' '.join(_packages(extra))}"
+    pip = "pip"
+    if Path(sys.prefix) == ROOT / ".venv":
+        pip = r".venv\Scripts\pip" if WINDOWS else ".venv/bin/pip"
+    which = f"'.[{extra}]'" if extra else "."
+    if WINDOWS:
+        which = which.strip("'")  # cmd.exe would keep the quotes
+    return f"{pip} install --constraint constraints.txt -e {which}"
+
+
+def _packages(extra: str | None) -> list[str]:
+    try:
+        declared = requires("vibrafeed") or []
+    except PackageNotFoundError:
+        return []
+    mark = re.compile(rf"""extra == ['"]{extra}['"]""")
+    return [
+        found[0] for one in declared if mark.search(one) and (found := re.match(r"[\w.-]+", one))
+    ]

@@ -1,8 +1,6 @@
 """Kernels compiled before anybody waits for them: when an image is built, or a service starts.
 
-Each package of kernels has studies that need all of it. The first of them needs what the first
-study of a user does; these come before the rest. Packages are compiled in several processes at a
-time. Where everything is compiled already, it takes no time.
+Each package of kernels has studies that need all of it, first what the first study of a user needs.
 
 `python -m vibrafeed.core.warm` does it; the code is kept in NUMBA_CACHE_DIR, or among the user's
 caches.
@@ -29,27 +27,15 @@ STUDIES: dict[str, tuple[Mapping[str, Any], ...]] = {
 }
 """Studies that need all kernels, by package; those of all kinds."""
 
-FIRST, REST = slice(1), slice(1, None)
-"""The study of a package that comes first, and the others."""
-
 
 def compile_kernels(processes: int) -> Path | None:
-    """Compile all compiled code that is not in the cache for this processor.
+    """Compile all compiled code that is not in the cache for this processor; return its folder.
 
-    So nobody waits for a compiler later. It is done by running studies in several processes.
-
-    Parameters
-    ----------
-    processes : int
-        The largest number of processes at a time.
-
-    Returns
-    -------
-    Path or None
-        Folder of the compiled code; None if no folder can be written.
+    It is done by running studies in several processes; None if no folder can be written.
     """
-    cache = _cache()
-    marks: dict[str, Path | None] = {package: cache.mark_of(package) for package in STUDIES}
+    from vibrafeed.core import kernel_cache  # numba is loaded with it
+
+    marks: dict[str, Path | None] = {package: kernel_cache.mark_of(package) for package in STUDIES}
     left = {package: mark for package, mark in marks.items() if mark is None or not mark.exists()}
     for mark in left.values():
         if mark is None or not os.access(mark.parent, os.W_OK):  # an image's, of another processor
@@ -58,12 +44,12 @@ def compile_kernels(processes: int) -> Path | None:
         spawn = multiprocessing.get_context("spawn")
         most = min(processes, len(left))
         with ProcessPoolExecutor(most, spawn, end_with_parent) as pool:
-            for part in (FIRST, REST):
+            for part in (slice(1), slice(1, None)):  # the study that comes first, and the others
                 list(pool.map(carry_out, left, len(left) * [part]))
         for mark in left.values():
             assert mark is not None
             mark.touch()
-    return Path(cache.root())
+    return Path(kernel_cache.root())
 
 
 def end_with_parent() -> None:
@@ -75,7 +61,6 @@ def end_with_parent() -> None:
     assert parent is not None
 
     def watch() -> None:
-        """Wait for the other's end."""
         parent.join()
         os._exit(1)
 
@@ -83,19 +68,9 @@ def end_with_parent() -> None:
 
 
 def carry_out(package: str, part: slice = slice(None)) -> None:
-    """Run studies that use all kernels of a package, which compiles them.
-
-    `part` selects from the package's studies: the first one, the others, or all.
-    """
+    """Run studies that use all kernels of a package, or some of them, which compiles them."""
     for study in STUDIES[package][part]:
         tabulate(prepare_content(study))
-
-
-def _cache() -> Any:
-    """Return the module of the cache; numba is loaded with it."""
-    from vibrafeed.core import kernel_cache
-
-    return kernel_cache
 
 
 def main() -> int:

@@ -25,16 +25,9 @@ LOOK = 0.05
 class Watch:
     """The watch over a long computation: it says whether to stop, and takes its progress.
 
-    Attributes
-    ----------
-    progress : callable, optional
-        Called with the share of the cells done since the last call; from any thread, one at a time.
-    stop : callable, optional
-        Returns True if no further cell is to be started.
-    deadline : float, optional
-        The `time.monotonic` at which no further cell is started.
-    threads : int, optional
-        Most threads among which cells are shared out; one a core if left out.
+    `progress` is called with the share of the cells done since the last call, from any thread, one
+    at a time; no cell is started once `stop` returns True, or at the `deadline` of
+    `time.monotonic`. Cells are shared out among `threads` at most, one a core if left out.
     """
 
     progress: Callable[[float], object] | None = None
@@ -58,8 +51,7 @@ class Watch:
     def flag(self) -> Iterator[NDArray[np.int8]]:
         """Yield a one-element array for compiled code, which becomes nonzero when it is to stop.
 
-        Compiled code cannot call Python to look at a clock. So a thread of the process looks every
-        50 ms, while the block runs, whether the time limit has passed or a stop is wanted.
+        A thread of the process looks every 50 ms, while the block runs.
         """
         flag = np.zeros(1, dtype=np.int8)
         if self.stop is None and self.deadline is None:
@@ -82,20 +74,12 @@ class Watch:
 
 
 class _Lookout:
-    """The thread that asks the watches of what runs, and raises their flags; it sleeps else."""
-
     def __init__(self) -> None:
-        """Begin without watches; start the thread."""
         self._changed = threading.Condition()
         self._watched: dict[int, tuple[Watch, NDArray[np.int8]]] = {}
         self._thread: threading.Thread | None = None
 
     def begin(self, watch: Watch, flag: NDArray[np.int8]) -> None:
-        """Begin to ask a watch at short intervals, to set its flag when it says to stop.
-
-        `flag` is the one-element array that compiled code looks at. The thread that asks is started
-        if need be.
-        """
         with self._changed:
             self._watched[id(flag)] = watch, flag
             if self._thread is None or not self._thread.is_alive():
@@ -105,16 +89,10 @@ class _Lookout:
                 self._changed.notify()
 
     def end(self, flag: NDArray[np.int8]) -> None:
-        """Stop polling the watch of a flag."""
         with self._changed:
             del self._watched[id(flag)]
 
     def _look(self) -> None:
-        """Set the flags of running computations that are to stop, until the process ends.
-
-        It runs in a thread of its own and asks every watch at short intervals; it sleeps when there
-        are none. A watch that raises is taken for one that stops.
-        """
         while True:
             with self._changed:
                 while not self._watched:

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibrafeed._values import Bounds, Maps, Named, Values
+    from vibrafeed.core.catalogue import SceneCard
     from vibrafeed.core.intake.keywords import StudyLike
     from vibrafeed.core.motion.drive_error import DriveError
-    from vibrafeed.core.scene_card import SceneCard
     from vibrafeed.core.study import Study
     from vibrafeed.core.watch import Watch
     from vibrafeed.parameters import Keywords, Outputs, SceneName
@@ -532,7 +532,7 @@ def scene(
     >>> card.outputs["conveying_velocity"]["unit"]
     'm s-1'
     """
-    from vibrafeed.core.scene_card import SceneCard  # loads the catalogue
+    from vibrafeed.core.catalogue import SceneCard  # loads the catalogue
 
     return SceneCard(scenes(name, variant, method=method))
 

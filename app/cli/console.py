@@ -19,7 +19,7 @@ import typer
 
 from vibrafeed.app.cli.options import FAILED
 from vibrafeed.core.compiling import ONCE, stopwatch
-from vibrafeed.core.extras import installing
+from vibrafeed.core.system import installing
 
 if TYPE_CHECKING:
     from rich.console import Console

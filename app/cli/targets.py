@@ -211,7 +211,7 @@ def _is_whole(prepared: Prepared, target: str) -> bool:
     `target` is the path of the result; `prepared` is its study.
     """
     from vibrafeed.core.kinds import is_whole
-    from vibrafeed.core.plan.sample import LEFT_OUT
+    from vibrafeed.core.plan.labels import LEFT_OUT
     from vibrafeed.core.sweep.targets import attributes_there
 
     if not prepared.keeps_some:  # it may be large, and is written when it is computed

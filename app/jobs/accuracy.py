@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import xarray
 
-from vibrafeed.core.extras import installing
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.report import Report
+from vibrafeed.core.system import installing
 
 if TYPE_CHECKING:
     from vibrafeed.app.jobs.store import Store

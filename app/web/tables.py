@@ -15,7 +15,7 @@ from vibrafeed.app.settings import Settings
 from vibrafeed.app.web.outgoing import reserve_bytes
 from vibrafeed.core.dataset.formats import FORMATS
 from vibrafeed.core.dataset.frame import Frame
-from vibrafeed.core.extras import installing
+from vibrafeed.core.system import installing
 
 NOTE: Final = "Vibrafeed-Note"
 TABLES: Final = {suffix[1:]: one.media for suffix, one in FORMATS.items() if one.media}

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from vibrafeed.core.dataset.regimes import regime_counts
 from vibrafeed.core.dataset.table import Table, TableVariable
 from vibrafeed.core.errors import LimitError, MissingPackageError
-from vibrafeed.core.extras import installing
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.quantities.flags import is_regime
+from vibrafeed.core.system import installing
 
 CSV_ROWS: Final = 8192  # rows of a piece; other threads wait while the interpreter writes one
 PARQUET_ROWS: Final = 131_072  # rows of a group in the file

@@ -24,8 +24,7 @@ from vibrafeed.core.dataset.packing import index_length, is_whole, pack
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.dataset.zarr_metadata import array_document, group_document
 from vibrafeed.core.errors import MissingPackageError
-from vibrafeed.core.extras import installing
-from vibrafeed.core.system import sync
+from vibrafeed.core.system import installing, sync
 
 if TYPE_CHECKING:
     from obstore.store import ObjectStore

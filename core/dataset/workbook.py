@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.frame import Frame, FrameColumn, heading
 from vibrafeed.core.errors import LimitError, MissingPackageError
-from vibrafeed.core.extras import installing
+from vibrafeed.core.system import installing
 
 MAX_ROWS: Final = 2**20 - 1  # that a sheet of Excel has under its headings
 ROWS: Final = 1024  # rows that are added at a time; writing can be stopped in between

@@ -14,7 +14,6 @@ from typing import Any, Final
 import numpy as np
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.extras import installing
 from vibrafeed.core.intake.recorded import DRIVE
 from vibrafeed.core.intake.section import (
     Content,
@@ -39,6 +38,7 @@ from vibrafeed.core.study.distributions import CALIBRATION
 from vibrafeed.core.study.grid_study import CRITERIA, DRIVE_ANGLES, MAX_RUNS, OBSERVED, PARAMETERS
 from vibrafeed.core.study.reduction import LevelSet, Reduction
 from vibrafeed.core.study.units import BARE_NUMBER, UnitError, unit_factor, with_unit
+from vibrafeed.core.system import installing
 
 _NUMBER_AND_UNIT = re.compile(r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?)(\s*[^\d\s.,].*)?")
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.plan.labels import FAILED, LEFT_OUT
 from vibrafeed.core.plan.pieces import carry_out
 from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.plan.sample import FAILED, LEFT_OUT
 from vibrafeed.core.quantities import STATUSES
 from vibrafeed.core.study.grid_study import Study
 from vibrafeed.core.watch import Watch

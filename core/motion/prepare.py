@@ -19,7 +19,7 @@ from vibrafeed.core.motion.systems import (
     methods_of,
     with_falling_restitution,
 )
-from vibrafeed.core.plan.derived import Asked, asked_of
+from vibrafeed.core.plan.differences import Asked, asked_of
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import Plan, choose_scene
 from vibrafeed.core.plan.prepared import Chosen, Prepared, broken_constraints, plan_study

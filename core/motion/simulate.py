@@ -21,18 +21,18 @@ from vibrafeed.core.motion.method import TIME, TrajectoryRequest
 from vibrafeed.core.motion.prepare import Simulation, choose_system, prepare
 from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS
 from vibrafeed.core.motion.verify import accuracy, verified, verified_at
-from vibrafeed.core.plan.derived import cells_of
-from vibrafeed.core.plan.differences import derivatives
+from vibrafeed.core.plan.differences import cells_of, derivatives
 from vibrafeed.core.plan.equations import regimes, run_equations
 from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.plan.labels import (
+    Sample,
+    chosen_positions,
     coordinates_of,
     global_attributes,
     outputs_of,
     verdict_variables,
 )
 from vibrafeed.core.plan.pieces import Computed
-from vibrafeed.core.plan.sample import Sample, chosen_positions
 from vibrafeed.core.quantities import FLAGS, MOTION_MODES
 from vibrafeed.core.reduce.reduced import Reduced
 from vibrafeed.core.study.sweep_and_simulate import SimulateStudy

@@ -17,8 +17,8 @@ from vibrafeed.core.motion.result import ANSWERED, STATUS
 from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.grid import from_si
+from vibrafeed.core.plan.labels import Sample, sample_of
 from vibrafeed.core.plan.plan import Plan, plan_scene, scene_parameters
-from vibrafeed.core.plan.sample import Sample, sample_of
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.watch import Watch

@@ -37,10 +37,9 @@ from vibrafeed.core.optimise.problem import (
 from vibrafeed.core.optimise.search import filled, most_reliable
 from vibrafeed.core.optimise.uncertain import judged_afresh
 from vibrafeed.core.plan.grid import to_si
-from vibrafeed.core.plan.labels import coordinates_of, global_attributes
+from vibrafeed.core.plan.labels import Sample, coordinates_of, global_attributes, sample_of
 from vibrafeed.core.plan.pieces import Computed
-from vibrafeed.core.plan.replicates import REPLICATES
-from vibrafeed.core.plan.sample import Sample, sample_of
+from vibrafeed.core.plan.statistics import REPLICATES
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES
 from vibrafeed.core.study.optimise_study import Limited, Pareto
 from vibrafeed.core.sweep.verify import AGAINST, Rounding, rounding_of

@@ -20,7 +20,7 @@ from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.labels import link_to_verdict
 from vibrafeed.core.plan.prepared import Box, Prepared
 from vibrafeed.core.plan.price import MARGIN, Price, price
-from vibrafeed.core.plan.replicates import INTERVAL
+from vibrafeed.core.plan.statistics import INTERVAL
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES, Flag
 from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.study.distributions import Distribution, nominal, tolerance

@@ -24,16 +24,16 @@ from vibrafeed.core.optimise.problem import (
     cells_of,
     chosen_cells,
 )
-from vibrafeed.core.plan import draws
-from vibrafeed.core.plan.draws import points, values_at
 from vibrafeed.core.plan.grid import parameter_to_si
-from vibrafeed.core.plan.replicates import REPLICATES
 from vibrafeed.core.plan.statistics import (
+    REPLICATES,
     Estimate,
     mean_and_deviation,
+    points,
     probability,
     quantiles,
     share,
+    values_at,
 )
 from vibrafeed.core.study.distributions import Distribution, tolerance
 from vibrafeed.core.study.values import Between
@@ -72,7 +72,7 @@ def uncertain_of(
         values, weights = {name: low + (high - low) * (roots + 1) / 2}, weights / 2
     else:
         count = samples_of(how, share)
-        values = values_at(distributions, draws.points(len(distributions), count, SEED)[:, 0])
+        values = values_at(distributions, points(len(distributions), count, SEED)[:, 0])
     uncertain = Uncertain(distributions, values, how, weights, share)
     if not is_limited:
         return uncertain

@@ -10,8 +10,10 @@ of D are equal, and not larger, since kinks of motion lie close. Other steps ser
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+import re
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import ceil
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
@@ -19,13 +21,17 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from vibrafeed.core.dataset.table import TableVariable, flag_attributes
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.plan.equations import run_equations
+from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import Plan, plan_scene
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.flags import DERIVATIVE_STATUSES
+from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.scenes import CONSTRAINTS
+from vibrafeed.core.suggestions import suggestion
 from vibrafeed.core.watch import Watch
 
 STEPS = 2.0 ** -np.array([16, 12, 8, 20, 24, 28, 32])
@@ -48,19 +54,19 @@ COUNTS = ("period_multiple", "impacts_per_period", "collisions_per_period")
 """Whole numbers that do not change inside a regime; a scene may lack some."""
 BLOCK = 1 << 15  # cells that are computed at once
 STATUS: Mapping[str, int] = {name: flag.value for name, flag in DERIVATIVE_STATUSES.items()}
+SECTION = "sensitivities"
+MAX_DERIVED = 2_000_000
+"""Most derivatives of a study: cells times outputs times parameters."""
+
+Dims = Mapping[str, tuple[str, ...]]
+"""The axes of each variable."""
 
 
 class Derived(NamedTuple):
-    """An output and its derivative by one parameter, SI units; arrays of shape (cells,).
+    """An output, its derivative by one parameter, the estimated error and the status of that.
 
-    Attributes
-    ----------
-    value, slope : ndarray
-        The output and its derivative, NaN where there is none.
-    error : ndarray
-        Estimate of the error of `slope`, NaN where there is none.
-    status : ndarray of int8
-        Value of a `DERIVATIVE_STATUSES` entry.
+    Arrays of shape (cells,), SI units, NaN where there is none; `status` has the value of a
+    `DERIVATIVE_STATUSES` entry.
     """
 
     value: Array
@@ -69,15 +75,14 @@ class Derived(NamedTuple):
     status: NDArray[np.int8]
 
     def logarithmic(self, at: Array) -> Array:
-        """Return the elasticity d ln(output)/d ln(parameter), shape (cells,).
+        """Return the elasticity d ln(output)/d ln(parameter), NaN where the output is 0.
 
-        `at` are the values of the parameter, SI units, shape (cells,). NaN where the output is 0.
-        It is the exponent if the output is a power of the parameter.
+        `at` are the values of the parameter, SI units, shape (cells,). It is the exponent if the
+        output is a power of the parameter.
         """
         with np.errstate(all="ignore"):
             usable = (self.value != 0) & np.isfinite(self.value)
-            elasticity: Array = np.where(usable, self.slope / self.value * at, np.nan)
-        return elasticity
+            return np.asarray(np.where(usable, self.slope / self.value * at, np.nan))
 
 
 Derivatives: TypeAlias = dict[tuple[str, str], Derived]
@@ -93,47 +98,32 @@ def derivatives(
 ) -> Derivatives:
     """Return the derivatives of every output of a plan by some parameters, at some cells.
 
-    The keys are pairs (output, parameter), the values arrays over the cells, SI units and radians.
     NaN at a kink, at a jump, and where the motion does not repeat; from inside where the parameter
-    is at an end of what it may be.
-
-    Parameters
-    ----------
-    plan : Plan
-        Its outputs are derived.
-    cells : mapping of str to array_like
-        Parameters, SI units and radians, that broadcast to the shape (cells,).
-    parameters : collection of str
-        What to derive by: parameters of the cells, or those with a default value.
-    watch : Watch, optional
-        May stop the work; derivatives that are not finished have the status `not_computed`.
-    sides : mapping of str to ndarray, shape (cells,), optional
-        By parameter: 1 or -1 where only values above or below that of the cell count, 0 where all.
-
-    Raises `StudyError` if no output depends on a parameter.
+    is at an end of what it may be. `cells` have parameters, SI units, that broadcast to (cells,).
+    `sides` have, by parameter and of shape (cells,), 1 or -1 where only values above or below that
+    of the cell count. What `watch` stops has the status `not_computed`. Raises `StudyError` if no
+    output depends on a parameter.
     """
-    watch = watch or Watch()
-    values = values_of(plan, cells, parameters)
-    whole, counts = _with_counts(plan)
-    model = _Model(whole, plan.outputs, counts, watch)
+    watch, values = watch or Watch(), values_of(plan, cells, parameters)
+    model = _Model(*_with_counts(plan), len(plan.outputs))
     count = next(iter(values.values())).size
-    shape = (len(parameters), len(plan.outputs), count)
-    value, slope, error = np.full((3, *shape), np.nan)
-    status = np.full(shape, STATUS["not_computed"], dtype=np.int8)
-    both = np.zeros(count, dtype=np.int8)
-    share = 1 / (ceil(count / BLOCK) * (1 + len(parameters)))
+    rows = np.full((4, len(parameters), len(plan.outputs), count), np.nan)
+    rows[3], both = STATUS["not_computed"], np.zeros(count, dtype=np.int8)
+    pass_watch = watch.part(1 / (ceil(count / BLOCK) * (1 + len(parameters))))
     for start in range(0, count, BLOCK):
         piece = slice(start, start + BLOCK)
-        near = {name: values[name][piece] for name in (*whole.parameters, *parameters)}
-        outputs, kinds = model.at(near, share)
-        for number, parameter in enumerate(parameters):
+        near = {name: values[name][piece] for name in (*model.plan.parameters, *parameters)}
+        here = model.at(near, pass_watch)
+        for place, parameter in enumerate(parameters):
             side = sides.get(parameter, both)[piece]
-            told = model.derived(near, parameter, side, outputs, kinds, share)
+            told = model.derived(near, parameter, side, *here, watch, pass_watch)
             if not watch.stopped():
-                for array, part in zip((value, slope, error, status), told, strict=True):
-                    array[number, :, piece] = part
+                rows[:, place, :, piece] = told
+    value, slope, error, status = rows
     return {
-        (output, parameter): Derived(*(array[k, j] for array in (value, slope, error, status)))
+        (output, parameter): Derived(
+            value[k, j], slope[k, j], error[k, j], status[k, j].astype(np.int8)
+        )
         for k, parameter in enumerate(parameters)
         for j, output in enumerate(plan.outputs)
     }
@@ -144,8 +134,7 @@ def values_of(
 ) -> dict[str, Array]:
     """Return every parameter and default of a plan at cells, SI units, each of shape (cells,).
 
-    `cells` has the values of the plan's parameters, which broadcast; `parameters` are those by
-    which outputs are to be derived. Raises `StudyError` for one of them that the plan does not use.
+    Raises `StudyError` for one of `parameters`, to derive by, that the plan does not use.
     """
     values = {**plan.defaults, **{name: cells[name] for name in plan.parameters}}
     unknown = [name for name in parameters if name not in values]
@@ -153,34 +142,26 @@ def values_of(
         fix = f"Known here: {', '.join(values)}"
         message = f"no output asked for of {plan.scene.name} is computed from it"
         raise StudyError([Problem(f"parameters.{name}", message, fix) for name in unknown])
-    columns = [np.asarray(value, dtype=np.float64) for value in values.values()]
-    shape = np.broadcast_shapes((1,), *(column.shape for column in columns))
-    return {n: np.broadcast_to(c, shape) for n, c in zip(values, columns, strict=True)}
+    columns = np.broadcast_arrays(np.zeros(1), *values.values())[1:]
+    return {n: np.asarray(c, np.float64) for n, c in zip(values, columns, strict=True)}
 
 
 def _with_counts(plan: Plan) -> tuple[Plan, tuple[str, ...]]:
-    """Return a plan that also has the counts of motion, and their names."""
     if not any(equation.takes_long for equation in plan.equations):
-        return plan.part(plan.outputs), ()
+        return plan.part(plan.outputs), plan.outputs
     counts = tuple(name for name in COUNTS if name in plan.scene.outputs(plan.variant))
     outputs = tuple(dict.fromkeys((*plan.outputs, *counts)))
     more = plan_scene(plan.scene, plan.variant, outputs, plan.parameters)
     settings = {name: value for name, value in plan.defaults.items() if name in more.defaults}
-    return replace(more, defaults={**more.defaults, **settings}), counts
+    return replace(more, defaults={**more.defaults, **settings}), (*plan.outputs, *counts)
 
 
 class Slopes(NamedTuple):
     """Derivatives from difference quotients, and what they are judged by; arrays of one shape.
 
-    Attributes
-    ----------
-    slope, error : ndarray
-        The derivative, and the difference of the quotients over the step and over half of it.
-    apart, near : ndarray
-        Difference of the slopes on both sides, over the step and over half of it: half as much if
-        the function is smooth, as much at a kink, twice as much at a jump.
-    largest : ndarray
-        The larger of both quotients.
+    `error` is the difference of the quotients over the step and over half of it, `largest` the
+    larger of both. `apart` and `near` are differences of the slopes on both sides, over the step
+    and over half of it: half as much if the function is smooth, as much at a kink, twice at a jump.
     """
 
     slope: Array
@@ -211,66 +192,58 @@ def jacobian(rows: Callable[[Array], Array], at: Array, step: float) -> Array:
     """
     steps = step * np.eye(at.size)
     ahead, behind = np.minimum(at + steps, 1.0), np.maximum(at - steps, 0.0)
-    values = rows(np.concatenate([ahead, behind]))
-    change = values[: at.size] - values[at.size :]
-    slopes: Array = change / np.diag(ahead - behind)[:, np.newaxis]
-    return slopes
+    above, below = np.split(rows(np.concatenate([ahead, behind])), 2)
+    return np.asarray((above - below) / np.diag(ahead - behind)[:, np.newaxis])
 
 
 @dataclass(frozen=True)
 class _Model:
-    """The outputs of a plan over parameters; its arrays have the shape (outputs, cells)."""
+    """A plan whose first outputs are derived, the others being counts that tell regimes apart."""
 
     plan: Plan
-    outputs: tuple[str, ...]
-    counts: tuple[str, ...]
-    watch: Watch
+    names: tuple[str, ...]
+    derives: int
 
-    def at(self, values: Mapping[str, Array], share: float) -> tuple[Array, Array]:
-        """Return outputs, and the counts that are the same within a regime."""
-        known = run_equations(self.plan, values, self.watch.part(share))
-        size = next(iter(values.values())).size
-        outputs, kinds = (
-            np.reshape([np.broadcast_to(known[name], size) for name in names], (len(names), size))
-            for names in (self.outputs, self.counts)
-        )
-        return outputs, kinds
+    def at(self, values: Mapping[str, Array], watch: Watch) -> tuple[Array, Array]:
+        """Return outputs, shape (outputs, cells), and counts likewise."""
+        known = run_equations(self.plan, values, watch)
+        shape = len(self.names), next(iter(values.values())).size
+        rows = np.reshape([np.broadcast_to(known[name], shape[1:]) for name in self.names], shape)
+        return rows[: self.derives], rows[self.derives :]
 
     def derived(
         self, values: Mapping[str, Array], parameter: str, side: NDArray[np.int8], middle: Array,
-        kinds: Array, share: float,
-    ) -> tuple[Array, Array, Array, NDArray[np.int8]]:  # fmt: skip
-        """Return value, derivative, its error and its status, given outputs and kinds at cells."""
+        kinds: Array, watch: Watch, pass_watch: Watch,
+    ) -> Array:  # fmt: skip
+        """Return value, derivative, error and status, shape (4, outputs, cells), at cells."""
         scale = scale_of(parameter, values[parameter])
         size, finite = np.abs(middle) / scale, np.isfinite(middle)
-        slope, error = np.full(middle.shape, np.nan), np.full(middle.shape, np.inf)
-        status = np.full(middle.shape, STATUS["kink"], dtype=np.int8)
-        repeats = kinds[0] >= 1 if self.counts else np.ones(scale.size, dtype=bool)
+        best = np.stack([np.full(middle.shape, one) for one in (np.nan, np.inf, STATUS["kink"])])
+        repeats = kinds[0] >= 1 if len(kinds) else np.ones(scale.size, dtype=bool)
         is_open = repeats & finite.any(axis=0)
         for relative in STEPS:
             (todo,) = np.nonzero(is_open)
-            if not todo.size or self.watch.stopped():
+            if not todo.size or watch.stopped():
                 break
             near = {name: array[todo] for name, array in values.items()}
             here = middle[:, todo], kinds[:, todo], size[:, todo]
             step = relative * scale[todo]
-            tried = self._tried(near, parameter, side[todo], step, *here, share)
-            better = tried[1] < error[:, todo]
-            for array, new in zip((slope, error, status), tried, strict=True):
-                array[:, todo] = np.where(better, new, array[:, todo])
-            good = error <= GOOD * np.fmax(np.abs(slope), size)
-            is_open, share = repeats & ~(good | ~finite).all(axis=0), 0.0
+            tried = self._tried(near, parameter, side[todo], step, *here, pass_watch)
+            best[:, :, todo] = np.where(tried[1] < best[1][:, todo], tried, best[:, :, todo])
+            good = best[1] <= GOOD * np.fmax(np.abs(best[0]), size)
+            is_open, pass_watch = repeats & ~(good | ~finite).all(axis=0), watch.part(0.0)
+        slope, error, status = best
         room = np.fmax(TRUSTED * np.abs(slope), NEGLIGIBLE * size)
         status[np.isfinite(error) & ~(error <= room)] = STATUS["unsettled"]
         status[~finite] = STATUS["no_value"]
         status[:, ~repeats] = STATUS["not_periodic"]
-        slope[status >= STATUS["kink"]] = error[status >= STATUS["kink"]] = np.nan
-        return middle, slope, error, status
+        best[:2, status >= STATUS["kink"]] = np.nan
+        return np.stack([middle, slope, error, status])
 
     def _tried(
         self, near: Mapping[str, Array], parameter: str, side: NDArray[np.int8], step: Array,
-        middle: Array, kinds: Array, size: Array, share: float,
-    ) -> tuple[Array, Array, Array]:  # fmt: skip
+        middle: Array, kinds: Array, size: Array, watch: Watch,
+    ) -> Array:  # fmt: skip
         """Return derivatives by one step, their errors, infinite if it does not count, and status.
 
         `size` is the output over the scale of the parameter.
@@ -282,7 +255,7 @@ class _Model:
         allowed = np.where(side > 0, over, under) | (side == 0)
         around = at + np.where(inside, OFFSETS[1], OFFSETS[0]) * step
         moved = {name: np.tile(array, 4) for name, array in near.items()}
-        rows = self.at({**moved, parameter: around.ravel()}, share)
+        rows = self.at({**moved, parameter: around.ravel()}, watch)
         outputs, others = (row.reshape(-1, *around.shape) for row in rows)
         # At an end of its range a motion may be of another kind, as without any rebound.
         own = np.where(inside, others[:, -1], kinds)
@@ -293,9 +266,9 @@ class _Model:
             kink = np.abs(2 * slopes.near - slopes.apart)  # 0 but for h^3 where F is smooth
             counts = same & (kink <= AGREE * (slopes.largest + size))
             error = slopes.error + kink / 2 + ROUNDING * np.abs(middle / step)
-        error = np.where(counts, error, np.inf)
         status = np.where(inside, STATUS["one_sided"], STATUS["differences"])
-        return slopes.slope, error, np.broadcast_to(status, error.shape)
+        error = np.where(counts, error, np.inf)
+        return np.stack([slopes.slope, error, np.broadcast_to(status, error.shape)])
 
     def _may_be(self, near: Mapping[str, Array], parameter: str, to: Array) -> Mask:
         """True for values that a parameter may have beside those of all others."""
@@ -318,3 +291,151 @@ def scale_of(parameter: str, at: Array) -> Array:
     least = 1.0 if quantity.is_angle else (quantity.usual or (0.0,))[0]
     size = np.maximum(np.abs(at), least)
     return np.asarray(np.ldexp(1.0, np.frexp(np.where(size == 0, 1.0, size))[1]))
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The outputs of a study that are derived, and the parameters by which they are."""
+
+    outputs: tuple[str, ...]
+    parameters: tuple[str, ...]
+
+    @property
+    def passes(self) -> int:
+        """The number of times that a cell is computed: usually four for each parameter, and one."""
+        return 1 + 4 * len(self.parameters)
+
+    @cached_property
+    def labels(self) -> dict[str, dict[str, Any]]:
+        """The attributes of each variable that the asked derivatives add to a result, in order."""
+        labels: dict[str, dict[str, Any]] = {}
+        for parameter in self.parameters:
+            by, status = QUANTITIES[parameter].label.lower(), _status_name(parameter)
+            for output in self.outputs:
+                of, unit = in_sentence(QUANTITIES[output].label), _per(output, parameter)
+                texts = (
+                    (unit, f"Derivative of {of} by {by}",
+                     f"d({output})/d({parameter}); NaN where {status} says why there is none."),
+                    (unit, f"Error of the derivative of {of} by {by}",
+                     "An estimate, from differences over a step and over half of it."),
+                    ("1", f"Sensitivity of {of} to {by}", f"d ln({output})/d ln({parameter})."),
+                )  # fmt: skip
+                for name, (units, title, comment) in zip(
+                    _names(output, parameter), texts, strict=True
+                ):
+                    labels[name] = {
+                        "units": units, "long_name": title, "comment": comment,
+                        "output": output, "parameter": parameter,
+                    }  # fmt: skip
+            labels[status] = flag_attributes(
+                "motion_status", DERIVATIVE_STATUSES, tuple(DERIVATIVE_STATUSES)
+            ) | {"long_name": f"Status of the derivatives by {by}"}
+        return labels
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The unit of each variable that the asked derivatives add to a result."""
+        return {name: told.get("units", "1") for name, told in self.labels.items()}
+
+    def dims(self, grid: Grid, depends: Mapping[str, Iterable[str]]) -> dict[str, tuple[str, ...]]:
+        """Return the axes of each variable: those of its output, for a status of all outputs."""
+        every = {axis for name in self.outputs for axis in depends[name]}
+        return {
+            name: grid.dims(depends[told["output"]] if "output" in told else every)
+            for name, told in self.labels.items()
+        }
+
+    def arrays(
+        self, plan: Plan, grid: Grid, dims: Dims, derivatives: Derivatives
+    ) -> dict[str, NDArray[Any]]:
+        """Return each variable of the asked derivatives over its axes, in the units of files.
+
+        The status of a parameter is the worst of all outputs.
+        """
+        shape = tuple(grid.shape.values())
+        values: dict[str, Any] = {**plan.defaults, **grid.si()}
+        flat: dict[str, NDArray[Any]] = {}
+        for parameter in self.parameters:
+            at = np.broadcast_to(values[parameter], shape).ravel()
+            derived = [derivatives[output, parameter] for output in self.outputs]
+            for output, one in zip(self.outputs, derived, strict=True):
+                factor = np.rad2deg(1.0) if QUANTITIES[output].is_angle else 1.0
+                factor *= np.deg2rad(1.0) if QUANTITIES[parameter].is_angle else 1.0
+                told = one.slope * factor, one.error * factor, one.logarithmic(at)
+                flat |= zip(_names(output, parameter), told, strict=True)
+            worst = np.maximum.reduce([one.status for one in derived])
+            flat[_status_name(parameter)] = worst
+        return {
+            name: array.reshape(shape)[
+                tuple(slice(None) if axis in dims[name] else 0 for axis in grid.axes)
+            ]
+            for name, array in flat.items()
+        }
+
+    def variables(self, dims: Dims, arrays: Mapping[str, NDArray[Any]]) -> dict[str, TableVariable]:
+        """Return the variables of derivatives for a result by name: axes, values, attributes."""
+        return {
+            name: TableVariable(dims[name], arrays[name], told)
+            for name, told in self.labels.items()
+        }
+
+
+def _names(output: str, parameter: str) -> tuple[str, str, str]:
+    """Return the names of a derivative, of its error, and of the elasticity."""
+    derivative = f"derivative_{output}_by_{parameter}"
+    return derivative, f"{derivative}_error", f"sensitivity_{output}_to_{parameter}"
+
+
+def _status_name(parameter: str) -> str:
+    return f"derivative_status_{parameter}"
+
+
+def is_status(name: str) -> bool:
+    """True if a variable is the status of derivatives."""
+    return name.startswith(_status_name(""))
+
+
+def asked_of(
+    plan: Plan, parameters: Collection[str], wish: bool | tuple[str, ...] | None, cells: int
+) -> Asked | None:
+    """Return the derivatives that a study asks for by its key `sensitivities`, None for none.
+
+    Raises `StudyError` with every problem.
+    """
+    if not wish:
+        return None
+    outputs = tuple(name for name in plan.outputs if QUANTITIES[name].is_derived)
+    part = plan.part(outputs)  # a parameter of a verdict alone moves no output
+    known = [name for name in (*part.parameters, *part.defaults) if QUANTITIES[name].parameter]
+    names = wish if isinstance(wish, tuple) else tuple(name for name in parameters if name in known)
+    faults = [
+        (f"no requested output depends on '{name[:60]}', which sensitivities names",
+         suggestion(name, known))
+        for name in names
+        if name not in known
+    ]  # fmt: skip
+    if not outputs:
+        message = "none of the requested outputs is a number with a derivative"
+        faults.append((message, "Leave out sensitivities, or request another output"))
+    values = cells * len(outputs) * len(names)
+    if values > MAX_DERIVED:
+        message = f"it asks for {values:,} derivatives and allows {MAX_DERIVED:,}"
+        faults.append((message, "Give fewer cells, outputs or names of parameters"))
+    if faults:
+        raise StudyError([Problem(SECTION, *one) for one in faults])
+    return Asked(outputs, names)
+
+
+def cells_of(plan: Plan, grid: Grid) -> dict[str, NDArray[np.float64]]:
+    """Return the parameters of a plan at every cell of a grid, SI units, shape (cells,)."""
+    values, shape = grid.si(), tuple(grid.shape.values())
+    return {name: np.broadcast_to(values[name], shape).ravel() for name in plan.parameters}
+
+
+def _per(output: str, parameter: str) -> str:
+    """Return the unit of a derivative, such as ``m s-1 Hz-1``; ``"1"`` without any."""
+    units = "" if QUANTITIES[output].unit == "1" else QUANTITIES[output].unit
+    for unit, power in re.findall(r"([A-Za-z]+)(-?\d+)?", QUANTITIES[parameter].unit):
+        inverse = -int(power or 1)
+        units += f" {unit}" if inverse == 1 else f" {unit}{inverse}"
+    return units.strip() or "1"

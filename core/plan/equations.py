@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.plan.plan import Plan
-from vibrafeed.core.plan.verdicts import Verdict
+from vibrafeed.core.plan.plan import Plan, Verdict
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import Equation
 from vibrafeed.core.watch import Watch
@@ -29,19 +28,14 @@ def too_large_is_data() -> np.errstate:
 def run_equations(plan: Plan, parameters: Mapping[str, Any], watch: Watch | None = None) -> Known:
     """Compute all equations of a plan on whole arrays; return every quantity, SI units.
 
-    `parameters` holds the given ones, SI units and radians. Equations that take long, such as
-    motions, ask `watch` whether to stop.
+    Equations that take long, such as motions, ask `watch` whether to stop.
     """
     known: Known = {name: np.asarray(value) for name, value in plan.defaults.items()}
     return run(plan.equations, known | dict(parameters), watch)
 
 
 def run(equations: Iterable[Equation], known: Known, watch: Watch | None = None) -> Known:
-    """Compute equations one after another, adding their results to `known`, which is returned.
-
-    `known` holds what they need: arrays by name, SI units. Equations that take long ask `watch`
-    whether to stop.
-    """
+    """Compute equations one after another, adding their results to `known`, which is returned."""
     with too_large_is_data():
         for equation in equations:
             watched = {"watch": watch} if equation.takes_long else {}
@@ -59,8 +53,7 @@ def regimes(plan: Plan, known: Mapping[str, Any]) -> dict[str, NDArray[np.int8]]
 def regimes_of(verdicts: Sequence[Verdict], known: Mapping[str, Any]) -> dict[str, Any]:
     """Return the number of each cell's regime by each verdict: the first condition that holds.
 
-    `known` has the quantities that the conditions need: arrays by name, SI units. A condition of
-    several verdicts is looked at once. The results are int8, of the shape of the conditions.
+    A condition of several verdicts is looked at once. The results are int8.
     """
     results: dict[str, Any] = {}
     with too_large_is_data():

@@ -6,11 +6,16 @@ comes often, goes through a loop that is compiled from them. Both give the same 
 
 from __future__ import annotations
 
+import math
+import os
 import sys
 import threading
-from collections import defaultdict
-from collections.abc import Iterable
-from typing import Any
+from collections import defaultdict, deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
+from functools import cache
+from itertools import product
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +23,26 @@ from numpy.typing import NDArray
 from vibrafeed.core.plan.blocks import Progress, Results, evaluate_in_blocks
 from vibrafeed.core.plan.equations import regimes, run_equations
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.loops.fused import Fused, groups_of
-from vibrafeed.core.plan.loops.trace import traced
+from vibrafeed.core.plan.loop_source import Order
 from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.program import (
+    FEW_CELLS,
+    Array,
+    Program,
+    Values,
+    bind_stages,
+    cells_between,
+    edge_of,
+    even_length,
+    lay_out_operands,
+    program_of,
+)
+from vibrafeed.core.plan.trace import Traced, traced
 from vibrafeed.core.watch import Watch
 
-FEW_CELLS = 16_384
+_T = TypeVar("_T")
+
+LOOPED_FROM = 16_384
 """Number of cells that numpy computes in about a millisecond: no loop is compiled for fewer."""
 LOADED_FROM, COMPILED_FROM, CACHED_FROM = 5_000_000, 10_000_000, 500_000
 """Numbers of cells that numpy computes in place of a loop before the compiler is loaded, the loop
@@ -34,6 +53,16 @@ _seen: defaultdict[str, int] = defaultdict(int)
 _lock = threading.Lock()
 
 
+TASK_CELLS = 1 << 20
+"""Most cells of one call of a loop, which then takes some hundred microseconds."""
+COLUMN_CELLS = 1 << 15
+"""The same where numpy works between loops: its arrays stay in the second-level cache."""
+FEWEST_SHARED = 1 << 17
+"""Fewest cells for which another thread is used."""
+SHARES = 4
+"""Tasks for each thread, at least: who had the processor for longer takes more of them."""
+
+
 def evaluate(
     plan: Plan,
     grid: Grid,
@@ -42,31 +71,19 @@ def evaluate(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> dict[str, NDArray[Any]]:
-    """Return the outputs of a plan over a grid, each over the axes that it depends on.
+    """Return the outputs and verdicts of a plan over a grid, each over its own axes, SI units.
 
-    Parameters
-    ----------
-    plan, grid
-        What to compute, and where; every parameter of the plan is on the grid.
-    into : mapping of str to ndarray, optional
-        Contiguous arrays to fill instead of new ones.
-    threads : int, optional
-        Most threads among which cells are shared out; one a core if left out. What is computed does
-        not depend on it.
-    progress : callable, optional
-        Called with the share done since the last call, maybe from another thread.
-
-    Returns
-    -------
-    dict of str to ndarray
-        The asked outputs and verdicts; SI units.
+    Contiguous arrays `into` are filled instead of new ones; `threads` is the most among which cells
+    are shared out, one a core if left out; any thread calls `progress` with the share done since.
     """
     results: dict[str, NDArray[Any]] = dict(into or empty_results(plan, grid))
-    fused = _fused(plan, grid)
-    if fused is None:
-        evaluate_in_blocks(plan, grid, results, progress=progress)
-    else:
+    cells = grid.size(list(groups_of(plan, grid))[-1])
+    graph = traced(plan, grid.axes) if cells > LOOPED_FROM else None
+    fused = None if graph is None else Fused(plan, graph, grid)
+    if fused is not None and is_compiled_for(fused.missing, cells):
         fused.run(results, threads, progress)
+    else:
+        evaluate_in_blocks(plan, grid, results, progress=progress)
     return results
 
 
@@ -74,8 +91,7 @@ def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> Non
     """Compute a plan with simulated motion on the whole grid at once, and write into `into`.
 
     The equations of motion share out their cells among threads themselves, and ask `watch` whether
-    to stop: then cells are left that are not computed. `into` has an array for each output and
-    verdict over its own axes, SI units.
+    to stop: then cells are left that are not computed.
     """
     depends = plan.depends_on(grid.axes)
     given = grid.si()
@@ -90,39 +106,20 @@ def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> Non
 
 
 def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:
-    """Return uninitialised arrays for the outputs and verdicts of a plan, to be filled later.
-
-    Each has the shape of the axes of the grid on which it depends; regimes are int8, outputs
-    doubles.
-    """
+    """Return arrays, not filled, for the outputs (doubles) and verdicts (int8) of a plan."""
     depends = plan.depends_on(grid.axes)
-    results: dict[str, NDArray[Any]] = {}
-    for name in (*plan.outputs, *plan.verdict_names):
-        shape = tuple(grid.shape[axis] for axis in grid.dims(depends[name]))
-        results[name] = np.empty(shape, np.int8 if name in plan.verdict_names else np.float64)
-    return results
-
-
-def _fused(plan: Plan, grid: Grid) -> Fused | None:
-    """Return the compiled form of a plan on a grid; None if compiling does not pay.
-
-    It does not for few cells, or if numpy is done sooner than a compiler; some plans have none.
-    """
-    cells = grid.size(list(groups_of(plan, grid))[-1])
-    if cells <= FEW_CELLS:
-        return None
-    graph = traced(plan, grid.axes)
-    if graph is None:
-        return None
-    fused = Fused(plan, graph, grid)
-    return fused if is_compiled_for(fused.missing, cells) else None
+    dtypes = dict.fromkeys(plan.outputs, np.float64) | dict.fromkeys(plan.verdict_names, np.int8)
+    return {
+        name: np.empty([grid.shape[axis] for axis in grid.dims(depends[name])], dtype)
+        for name, dtype in dtypes.items()
+    }
 
 
 def is_compiled_for(missing: Iterable[str], cells: int) -> bool:
     """True if loops that are not compiled yet are to be, for a number of cells.
 
-    `missing` are the sources of the loops. Cells are counted for each source: a loop is compiled
-    once numpy has computed so many that compiling would have taken no longer.
+    Cells are counted for each source: a loop is compiled once numpy has computed so many that
+    compiling would have taken no longer.
     """
     missing = tuple(missing)
     if not missing:
@@ -136,3 +133,149 @@ def is_compiled_for(missing: Iterable[str], cells: int) -> bool:
     from vibrafeed.core.kernel_cache import is_on_disk
 
     return seen >= sum(CACHED_FROM if is_on_disk(one) else COMPILED_FROM for one in missing)
+
+
+class Fused:
+    """The graph of a plan on a grid, ready to be run."""
+
+    def __init__(self, plan: Plan, traced: Traced, grid: Grid):
+        self._grid, self._traced = grid, traced
+        self._values = Values(traced, plan, grid)
+        self._groups = groups_of(plan, grid)
+        with np.errstate(all="ignore"):  # equations for arrays compute what a choice leaves out
+            self._programs = {
+                dims: self._program(dims, names)
+                for dims, names in self._groups.items()
+                if grid.size(dims) > FEW_CELLS
+            }
+
+    @property
+    def sources(self) -> frozenset[str]:
+        """The sources of all loops that the plan needs."""
+        return frozenset().union(*(program.sources for program in self._programs.values()))
+
+    @property
+    def missing(self) -> frozenset[str]:
+        """The sources of loops that are not compiled in this process."""
+        return frozenset().union(*(program.missing for program in self._programs.values()))
+
+    def run(
+        self,
+        results: Mapping[str, Array],
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> None:
+        """Compute the outputs and verdicts of the plan over the grid, into contiguous arrays."""
+        with np.errstate(all="ignore"):
+            for dims, names in self._groups.items():
+                arrays = [results[name] for name in names]
+                if dims in self._programs:
+                    tell = progress if dims == tuple(self._groups)[-1] else None
+                    self._run(dims, arrays, threads or os.cpu_count() or 1, tell)
+                else:
+                    for name, array in zip(names, arrays, strict=True):
+                        array[...] = self._values.over(self._traced.results[name], dims)
+
+    def _program(self, dims: tuple[str, ...], names: tuple[str, ...]) -> Program:
+        shape = tuple((name, self._grid.shape[name]) for name in dims)
+        special = self._values.special(edge_of(self._traced, names, shape))
+        return program_of(self._traced, names, shape, special)
+
+    def _run(
+        self,
+        dims: tuple[str, ...],
+        results: Sequence[Array],
+        threads: int,
+        progress: Progress | None,
+    ) -> None:
+        program, grid = self._programs[dims], self._grid
+        loops = bind_stages(program, lay_out_operands(program, self._traced, self._values, grid))
+        sizes = [grid.shape[name] for name in dims]
+        strides = np.array(
+            [math.prod(sizes[dims.index(name) + 1 :]) for name in program.order.outer],
+            dtype=np.int64,
+        )
+        flat = [array.reshape(-1) for array in results]
+        cells = grid.size(dims)
+        most = TASK_CELLS if len(program.stages) == 1 else COLUMN_CELLS
+
+        def run(ends: NDArray[np.int64]) -> None:
+            loops((ends, strides), flat)
+            if progress is not None:
+                progress(cells_between(ends) / cells)
+
+        share = cells if cells < FEWEST_SHARED else -(-cells // (SHARES * threads))
+        # The largest first: what is left over at the ends of axes fills the gaps.
+        tasks = sorted(
+            _tasks(program.order, grid.shape, min(most, share)), key=cells_between, reverse=True
+        )
+        if program.missing:
+            run(tasks.pop(0))  # compiling is for one
+            program.mark_compiled()
+        share_out(run, tasks, threads)
+
+
+def groups_of(plan: Plan, grid: Grid) -> dict[tuple[str, ...], tuple[str, ...]]:
+    """Return the outputs and verdicts of a plan by the axes that they depend on, largest last."""
+    depends = plan.depends_on(grid.axes)
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for name in (*plan.outputs, *plan.verdict_names):
+        groups.setdefault(grid.dims(depends[name]), []).append(name)
+    return {dims: tuple(groups[dims]) for dims in sorted(groups, key=grid.size)}
+
+
+def _tasks(order: Order, shape: Mapping[str, int], most: int) -> Iterator[NDArray[np.int64]]:
+    """Yield start and stop of each task on the row and on each outer loop, shape (loops + 1, 2)."""
+    row = math.prod(shape[name] for name in order.inner)
+    sizes = [row, *(shape[name] for name in order.outer)]
+    steps = [inside := min(row, most)]
+    for size in reversed(sizes[1:]):
+        steps.insert(1, even_length(size, most // inside))
+        inside *= steps[1]
+    starts = (range(0, size, step) for size, step in zip(sizes, steps, strict=True))
+    for at in product(*starts):
+        yield np.array([at, np.minimum(np.add(at, steps), sizes)], dtype=np.int64).T.copy()
+
+
+def share_out(function: Callable[[_T], Any], tasks: Iterable[_T], threads: int) -> None:
+    """Call a function for each task in several threads, and return when all are done.
+
+    The calling thread is one of them, and does everything itself if the others are busy. The first
+    error of a call is raised; tasks that have not begun are left out then. The threads are kept: to
+    start two takes as long as a sweep of some 10^5 cells.
+    """
+    left = deque(tasks)
+    errors: list[BaseException] = []
+
+    def work() -> None:
+        try:
+            while True:
+                try:
+                    task = left.popleft()
+                except IndexError:
+                    return
+                function(task)
+        except BaseException as error:
+            errors.append(error)
+            left.clear()
+
+    helpers = min(threads, len(left)) - 1
+    calls = [_pool(threads).submit(work) for _ in range(helpers)]
+    work()
+    running = [call for call in calls if not call.cancel()]
+    try:
+        wait(running)
+    except BaseException:  # they still write into the caller's arrays
+        wait(running)
+        raise
+    if errors:
+        raise errors[0]
+
+
+@cache
+def _pool(threads: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(max(1, threads - 1), thread_name_prefix="shared")
+
+
+if hasattr(os, "register_at_fork"):  # a fork has no threads but its own
+    os.register_at_fork(after_in_child=_pool.cache_clear)

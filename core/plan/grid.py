@@ -27,34 +27,20 @@ def parameter_to_si(name: str, values: NDArray[np.float64]) -> NDArray[np.float6
 
 
 def from_si(name: str, values: NDArray[np.generic]) -> NDArray[np.generic]:
-    """Return values converted from SI units and radians to the unit of files.
-
-    Inverse of `to_si`.
-    """
+    """Return values converted from SI units and radians to the unit of files."""
     return np.rad2deg(values) if QUANTITIES[name].is_angle else values
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Ranged and fixed parameters, in the units of studies.
-
-    Attributes
-    ----------
-    axes : mapping of str to Points or Span
-        The ranged parameters, in order.
-    fixed : mapping of str to float
-        The others.
-    """
+    """Ranged parameters, in order, and fixed ones, in the units of studies."""
 
     axes: Mapping[str, Points | Span]
     fixed: Mapping[str, float]
 
     @classmethod
     def of(cls, values: Mapping[str, Values]) -> Grid:
-        """Return the grid of a study's parameters: those with several values are axes.
-
-        `values` has the values of each parameter, as a user gave them: one, a list or a range.
-        """
+        """Return the grid of a study's parameters: those with several values are axes."""
         return cls(
             {name: value for name, value in values.items() if not isinstance(value, Fixed)},
             {name: value.value for name, value in values.items() if isinstance(value, Fixed)},
@@ -80,10 +66,7 @@ class Grid:
         return math.prod(self.shape[name] for name in dims)
 
     def within(self, box: Mapping[str, tuple[int, int]]) -> Grid:
-        """Return the part of the grid between two positions on each axis named in `box`.
-
-        `box` has start and stop (exclusive) of an axis by its name; other axes stay whole.
-        """
+        """Return the part of the grid between start and stop on each axis named in `box`."""
         axes = {
             name: Points(tuple(axis.array(*box[name]))) if name in box else axis
             for name, axis in self.axes.items()
@@ -91,11 +74,7 @@ class Grid:
         return Grid(axes, self.fixed)
 
     def piece(self, box: Mapping[str, tuple[int, int]], names: Iterable[str]) -> Grid:
-        """Return a smaller grid: the axes of a box, within its ends, with some fixed parameters.
-
-        `box` has start and stop (exclusive) of an axis by its name. Axes not in `box` are left out,
-        as are fixed parameters not in `names`.
-        """
+        """Return a smaller grid: the axes of a box, within its ends, with some fixed parameters."""
         ends = {name: (0, axis.size) for name, axis in self.axes.items()}
         cut = {name: at for name, at in box.items() if at != ends[name]}
         wanted = set(names)
@@ -109,10 +88,7 @@ class Grid:
         return self.axes[name].array()
 
     def bounds(self, name: str) -> tuple[float, float]:
-        """Return the smallest and largest value of a parameter, SI units and radians.
-
-        `name` is the parameter; both are equal if it has a single value.
-        """
+        """Return the smallest and largest value of a parameter, SI units and radians."""
         if name in self.fixed:
             ends = np.array([self.fixed[name]])
         else:
@@ -124,9 +100,7 @@ class Grid:
     def si(self) -> dict[str, NDArray[np.float64]]:
         """Return all parameters in SI units and radians, broadcastable over the grid.
 
-        An axis has as many dimensions as the grid, of size 1 but for its own: arrays that depend
-        on different axes then broadcast by themselves, and a result has exactly the dimensions
-        that it depends on.
+        An axis has as many dimensions as the grid, of size 1 but for its own.
         """
         fixed = self.fixed.items()
         known = {name: parameter_to_si(name, np.asarray(value)) for name, value in fixed}
@@ -141,8 +115,8 @@ class Grid:
     ) -> dict[str, NDArray[np.float64]]:
         """Return the named parameters of some cells, SI units and radians, shape (count,) each.
 
-        `positions` has, for each axis, the index of every cell on it, shape (count,). No axis is
-        made as a whole: it may have a hundred million values.
+        `positions` has, for each axis, the index of every cell on it. No axis is made as a whole:
+        it may have a hundred million values.
         """
         wanted = set(names)
         cells = {
@@ -155,20 +129,13 @@ class Grid:
 
 
 def random_positions(grid: Grid, count: int, seed: int | str) -> dict[str, NDArray[np.int64]]:
-    """Return the positions, on each axis, of random distinct cells; equal seeds give equal cells.
-
-    There are `count` cells, or as many as the grid has, in random order. A grid of any size costs
-    no more. They are the cells of a study that are verified. Each array has the shape (count,).
-    """
+    """Return the positions on each axis of random distinct cells, equal for equal seeds."""
     chosen = random.Random(seed).sample(range(grid.cells), min(count, grid.cells))
     return positions_of(grid.shape, np.array(chosen, dtype=np.int64))
 
 
 def positions_of(shape: dict[str, int], numbers: NDArray[np.int64]) -> dict[str, NDArray[np.int64]]:
-    """Return the positions on each axis of cells that are numbered from 0, the last axis fastest.
-
-    `shape` has the length of each axis; a position array has the shape of `numbers`.
-    """
+    """Return the positions on each axis of cells numbered from 0, the last axis fastest."""
     positions: dict[str, NDArray[np.int64]] = {}
     left = numbers
     for name, size in reversed(shape.items()):

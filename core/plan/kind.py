@@ -18,16 +18,7 @@ from vibrafeed.core.watch import Watch
 class Sketch(NamedTuple):
     """The names in a study, or in content that is no sound study yet.
 
-    Attributes
-    ----------
-    scene : str
-        Its scene.
-    variant, method : str or None
-        What it chooses, if anything.
-    outputs : collection of str
-        The outputs that it asks for.
-    names : collection of str
-        The parameters that it gives or leaves open, wherever they stand.
+    `names` are the parameters that it gives or leaves open, wherever they stand.
     """
 
     scene: str
@@ -54,11 +45,10 @@ class Kind:
     example : mapping
         A short study that is carried out at once.
     prepare : callable
-        Takes a study; returns it ready to be carried out, or raises `StudyError` with every
-        problem.
+        Takes a study; returns it prepared, or raises `StudyError` with every problem.
     choose : callable
-        Takes a `Sketch`; returns the scene and the variant or method in force, and what is wrong
-        with the one that is named. Raises `StudyError` if there is no such scene.
+        Takes a `Sketch`; returns the scene, the variant or method in force, and what is wrong with
+        the one that is named. Raises `StudyError` without a scene.
     compute : callable
         Takes what `prepare` returns and a `Watch`; returns what was `Computed`.
     label : callable
@@ -69,8 +59,7 @@ class Kind:
     is_measured : bool
         True if error against run time is measured for its studies (`vibrafeed.core.report`).
     compiles : mapping of str to tuple of mapping
-        Studies that between them need every kernel of the kind; each group has its own kernels, so
-        that several processes can compile at a time.
+        Studies that need every kernel of the kind; each group has its own.
     """
 
     name: str

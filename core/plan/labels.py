@@ -1,8 +1,9 @@
-"""The labels of a result of any kind: coordinates, outputs, and attributes of the whole."""
+"""The labels of a result of any kind: coordinates, outputs, attributes; and its verified cells."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,26 +17,39 @@ from vibrafeed.core.dataset.table import (
     quantity_attributes,
     regime_attributes,
 )
-from vibrafeed.core.plan.grid import Grid
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.grid import Grid, from_si, random_positions
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.study.grid_study import DrivenStudy, MeasuredDrive
 from vibrafeed.core.study.values import Fixed, Values
 
+LEFT_OUT = "verified_left_out"
+"""The attribute with the number of cells that a stop left without verifying; absent if it left
+none."""
+
+FAILED = "verified_failed"
+"""The attribute with the number of verified cells that are further off than their known error
+allows; absent if there are none."""
+
+Positions = Mapping[str, NDArray[np.int64]]
+
 
 def coordinates_of(plan: Plan, grid: Grid) -> dict[str, TableVariable]:
     """Return the coordinates of a result: axes of the grid, fixed parameters, default values.
 
-    They are in the units of files, with attributes; fixed parameters and defaults are scalars, so
-    that a file says all that went into its results.
+    They are in the units of files; fixed parameters and defaults are scalars, so that a file says
+    all that went into its results.
     """
     coordinates = {
         name: TableVariable((name,), grid.coordinate(name), quantity_attributes(name))
         for name in grid.axes
     }
-    fixed = {name: value for name, value in grid.fixed.items() if name in plan.parameters}
-    fixed |= {name: _edge(name, value) for name, value in plan.defaults.items()}
+    fixed: dict[str, Any] = {
+        name: value for name, value in grid.fixed.items() if name in plan.parameters
+    }
+    fixed |= {name: from_si(name, np.asarray(value)) for name, value in plan.defaults.items()}
     return coordinates | {
         name: TableVariable((), np.asarray(value, dtype=np.float64), quantity_attributes(name))
         for name, value in fixed.items()
@@ -45,8 +59,7 @@ def coordinates_of(plan: Plan, grid: Grid) -> dict[str, TableVariable]:
 def outputs_of(prepared: Prepared, arrays: Mapping[str, NDArray[Any]]) -> dict[str, TableVariable]:
     """Return the requested outputs with axes and labels, in the units of files.
 
-    `arrays` are the computed outputs in SI units and radians. `prepared` is the study, with its
-    plan and the axes of each output.
+    `arrays` are the computed outputs in SI units and radians.
     """
     plan = prepared.plan
     equations = {equation.gives: equation for equation in plan.equations}
@@ -74,10 +87,7 @@ def link_to_verdict(plan: Plan, output: str) -> dict[str, str]:
 def verdict_variables(
     plan: Plan, dims: Mapping[str, tuple[str, ...]], arrays: Mapping[str, NDArray[Any]]
 ) -> dict[str, TableVariable]:
-    """Return the flag variables of a result: the regimes, each with the outputs that it judges.
-
-    `dims` has their axes and `arrays` their values, by name.
-    """
+    """Return the flag variables of a result: the regimes, each with the outputs that it judges."""
     apart = len(plan.verdicts) > 1
     return {
         one.name: TableVariable(
@@ -89,16 +99,8 @@ def verdict_variables(
     }
 
 
-def _edge(name: str, value: float) -> float:
-    """Return a default value in the unit of files."""
-    return float(np.rad2deg(value)) if QUANTITIES[name].is_angle else value
-
-
 def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
-    """Return the attributes of a result that say where it is from: study, version, scene, drive.
-
-    `how` says in words how it was computed, behind the version in `source`.
-    """
+    """Return the attributes of a result that say where it is from: study, version, scene, drive."""
     study, plan = prepared.study, prepared.plan
     attributes = {
         "Conventions": CONVENTIONS,
@@ -123,14 +125,89 @@ def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
 
 
 def _origin(drive: MeasuredDrive, values: Mapping[str, Values]) -> str:
-    """Return a sentence on the origin of a measured drive's numbers.
-
-    It names the recording and its digest, the shares that the fit leaves over, and those drive
-    parameters (`values`) that the study sets otherwise.
-    """
     left = ", ".join(f"{axis} {100 * share:.2g} %" for axis, share in drive.left_over.items())
     told = f"fitted to {drive.name} (SHA-256 {drive.sha256}); left over {left}"
     if drive.clock_error is not None:
         told += f"; clock error {100 * drive.clock_error:.3g} %"
     others = [name for name, number in drive.numbers.items() if values.get(name) != Fixed(number)]
     return told + (f"; not from it {', '.join(others)}" if others else "")
+
+
+def chosen_positions(prepared: Prepared) -> tuple[Positions, int]:
+    """Return the axis positions of the cells to verify, and their number.
+
+    They are all different, and the same for equal studies.
+    """
+    grid, asked = prepared.grid, prepared.study.verify or 0
+    return random_positions(grid, asked, prepared.study.key()), min(asked, grid.cells)
+
+
+@dataclass(frozen=True)
+class Sample:
+    """The cells of a study that are verified: the position of each on each axis of the grid.
+
+    `chosen` counts those that a stop left without a value to verify, too.
+    """
+
+    grid: Grid
+    positions: Positions
+    count: int
+    chosen: int
+
+    def at(self, values: NDArray[np.generic], dims: Collection[str]) -> Array:
+        """Return the values of an array over the axes `dims` at the cells, shape (count,)."""
+        chosen = values[tuple(self.positions[name] for name in dims)]
+        return np.broadcast_to(np.asarray(chosen, dtype=np.float64), self.count)
+
+    def where(self, cell: int) -> str:
+        """Return the position of a sampled cell: ``at frequency 50 Hz, beta 30 deg``."""
+        parts = []
+        for name, axis in self.grid.axes.items():
+            k = int(self.positions[name][cell])
+            unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
+            value = float(axis.array(k, k + 1)[0])
+            parts.append(f"{name} {value:.12g}" + ("" if unit == "1" else f" {unit}"))
+        return f"at {', '.join(parts)}" if parts else "at the only cell"
+
+    def verification_attributes(
+        self,
+        against: str,
+        worst: str = "",
+        *,
+        evaluated: int = 0,
+        compared: int = 0,
+        failed: int = 0,
+    ) -> dict[str, str | int]:
+        """Return the verification result as attributes of the dataset.
+
+        The numbers are those of the cells that no stop left out, of those with a value to compare,
+        and of those that are further off than their known errors allow.
+        """
+        attributes: dict[str, str | int] = {"verified_cells": compared, "verified_against": against}
+        if failed:
+            attributes[FAILED] = failed
+        left = self.chosen - evaluated
+        if left:
+            stop = f"stopped before {left:,} of {self.chosen:,} cells could be verified"
+            worst = f"{worst}; {stop}" if worst else stop
+        return attributes | {"verified_worst": worst} | ({LEFT_OUT: left} if left else {})
+
+
+def sample_of(
+    prepared: Prepared,
+    arrays: Mapping[str, NDArray[np.generic]],
+    unfinished: tuple[str, int] | None = None,
+) -> Sample:
+    """Return the cells of a study that are to be verified: random ones, equal for equal studies.
+
+    `arrays` are its computed results; `unfinished` is the name of a status among them, and its
+    value in cells that a stop left without a result: these are taken out.
+    """
+    positions, chosen = chosen_positions(prepared)
+    sample = Sample(prepared.grid, positions, chosen, chosen)
+    if unfinished is None:
+        return sample
+    name, value = unfinished
+    finished = sample.at(arrays[name], prepared.dims[name]) != value
+    positions = {axis: position[finished] for axis, position in positions.items()}
+    return replace(sample, positions=positions, count=int(finished.sum()))

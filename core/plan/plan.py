@@ -1,13 +1,16 @@
-"""The plan: the equations of one scene that the asked outputs pull, in order, and no others."""
+"""The plan: the equations of one scene that the asked outputs pull, in order, and no others.
+
+With it go its verdicts: the flag variables of a result, one for all outputs that share a validity.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.plan.verdicts import Verdict, verdicts_of
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.quantities.drives import DRIVE
 from vibrafeed.core.quantities.flags import REGIME
@@ -16,6 +19,7 @@ from vibrafeed.core.scenes import (
     ALIASES,
     ALTERNATIVES,
     BESIDE,
+    EXACT,
     NEEDS,
     NOT_OF_SHAPE,
     SCENES,
@@ -29,25 +33,47 @@ from vibrafeed.core.suggestions import Suggestions, by_synonym, suggestion
 
 
 @dataclass(frozen=True)
-class Plan:
-    """The equations that run for a set of outputs.
+class Verdict:
+    """A flag variable of a result: the regime of the outputs that share a validity.
 
-    Attributes
-    ----------
-    scene : Scene
-        The scene.
-    variant : str
-        The variant in force.
-    outputs : tuple of str
-        The asked outputs, without verdicts.
-    equations : tuple of Equation
-        The equations to run, each after those that it needs.
-    verdicts : tuple of Verdict
-        The flag variables of the result, each with the outputs that it judges; ``regime`` first.
-    parameters : tuple of str
-        The given parameters that the equations and conditions need.
-    defaults : mapping of str to float
-        Values that stand in for what is not given, SI units.
+    It is called ``regime``, or ``regime_<output>`` after the first of its outputs, of which none is
+    of `EXACT`. The first of its conditions that holds names the regime.
+    """
+
+    name: str
+    outputs: tuple[str, ...]
+    conditions: tuple[Condition, ...]
+
+    @cached_property
+    def regimes(self) -> tuple[str, ...]:
+        """The regimes that cells can have, by value."""
+        names = {condition.regime for condition in self.conditions} | {self.otherwise}
+        return tuple(sorted(names, key=lambda name: REGIMES[name].value))
+
+    @cached_property
+    def otherwise(self) -> str:
+        """The regime of cells in which no condition holds."""
+        said = [condition.otherwise for condition in self.conditions if condition.otherwise]
+        more = [name for name in said if name != "contact"]
+        return (more or said or ["not_assessed"])[-1]
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """The names of the quantities that its conditions need."""
+        return tuple(dict.fromkeys(name for one in self.conditions for name in one.inputs))
+
+    @cached_property
+    def doubts(self) -> bool:
+        """True if one of the regimes does not describe a real part."""
+        return not all(REGIMES[name].valid for name in self.regimes)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The equations that run for a set of outputs, each after those that it needs.
+
+    Of the verdicts ``regime`` comes first; `parameters` are the given ones that are needed, and
+    `defaults` stand in for what is not given, SI units.
     """
 
     scene: Scene
@@ -81,19 +107,15 @@ class Plan:
     def only(self, output: str) -> Plan:
         """Return the plan of one output alone, with the equations and parameters that it needs.
 
-        Plans are kept for the next call.
+        Plans are kept for the next call, since every slice asks for one.
         """
-        known = self._known_parts
-        if output not in known:
-            known[output] = _Walk(self.scene, self.variant, self.parameters, (output,)).plan()
-        return known[output]
+        if output not in self._known:
+            walk = _Walk(self.scene, self.variant, self.parameters, (output,))
+            self._known[output] = walk.plan()
+        return self._known[output]
 
     def part(self, names: Collection[str]) -> Plan:
-        """Return a smaller plan: the equations that some outputs and verdicts of this plan need.
-
-        `names` are names of quantities and of verdicts. Parameters and defaults are limited to
-        what these equations take.
-        """
+        """Return a smaller plan: the equations that some outputs and verdicts of this plan need."""
         verdicts = tuple(verdict for verdict in self.verdicts if verdict.name in names)
         outputs = tuple(name for name in names if name not in self.verdict_names)
         wanted = [*outputs, *(name for verdict in verdicts for name in verdict.inputs)]
@@ -110,51 +132,59 @@ class Plan:
     def depends_on(self, axes: Collection[str]) -> dict[str, frozenset[str]]:
         """Return the axes on which each quantity and each verdict of the plan depend, by name.
 
-        `axes` are the parameters with several values. A quantity is computed over its own axes
-        only, which saves most of the work on a large grid. Results are kept for the next call.
+        A quantity is computed over its own axes only, which saves most of the work on a large grid.
         """
         names = tuple(axes)
-        if names not in self._known_axes:
-            self._known_axes[names] = self._depends_on(names)
-        return dict(self._known_axes[names])
+        if names not in self._known:
+            known = {name: frozenset({name} & set(names)) for name in self.parameters}
+            known |= dict.fromkeys(self.defaults, frozenset())
+            steps = {one.gives: one.inputs for one in self.equations}
+            for name, inputs in (steps | {one.name: one.inputs for one in self.verdicts}).items():
+                known[name] = frozenset().union(*(known[needed] for needed in inputs))
+            self._known[names] = known
+        return dict(self._known[names])
 
     @cached_property
-    def _known_parts(self) -> dict[str, Plan]:
-        """Plans of single outputs by name, kept since every slice asks for one."""
+    def _known(self) -> dict[Any, Any]:  # by output and by axes
         return {}
 
-    @cached_property
-    def _known_axes(self) -> dict[tuple[str, ...], dict[str, frozenset[str]]]:
-        """Results of `depends_on` by the axes asked for."""
-        return {}
 
-    def _depends_on(self, axes: Collection[str]) -> dict[str, frozenset[str]]:
-        """Return the axes on which each quantity and each verdict of the plan depend, by name.
+def verdicts_of(conditions: Sequence[Condition], outputs: Sequence[str]) -> tuple[Verdict, ...]:
+    """Return the verdicts on outputs, that on the contact first; always at least one.
 
-        `axes` are the parameters with several values. A quantity depends on the axes of all inputs
-        of its equation, a verdict on those of all inputs of its conditions.
-        """
-        known = {name: frozenset({name} & set(axes)) for name in self.parameters}
-        known.update(dict.fromkeys(self.defaults, frozenset()))
-        for equation in self.equations:
-            known[equation.gives] = frozenset().union(*(known[name] for name in equation.inputs))
-        for verdict in self.verdicts:
-            known[verdict.name] = frozenset().union(*(known[name] for name in verdict.inputs))
-        return known
+    Outputs share a verdict if the same conditions judge them. A condition judges if its regime is
+    not valid or speaks of single outputs; one that tells the state of the part, such as stick,
+    parts no outputs. What holds in every regime (`EXACT`) has no verdict of its own.
+    """
+    of_contact = {*_judging(conditions, REGIME)}
+    concerned = [name for name in outputs if any(name in one.outputs for one in conditions)]
+    groups: dict[tuple[Condition, ...], list[str]] = {}
+    for name in concerned:
+        if name not in EXACT:
+            groups.setdefault(_judging(conditions, name), []).append(name)
+    if not groups:
+        groups[()] = concerned or list(outputs)
+    # The one nearest to the contact: it shares most with it, and asks least besides.
+    first = max(groups, key=lambda one: (len(of_contact & {*one}), -len({*one} - of_contact)))
+    ordered = {first: groups.pop(first), **groups}
+    return tuple(
+        Verdict(
+            REGIME if judging is first else f"{REGIME}_{names[0]}",
+            tuple(name for name in names if name not in (REGIME, *EXACT)),
+            tuple(one for one in conditions if one.outputs & set(names)),
+        )
+        for judging, names in ordered.items()
+    )
+
+
+def _judging(conditions: Sequence[Condition], output: str) -> tuple[Condition, ...]:
+    return tuple(one for one in conditions if output in one.outputs and REGIMES[one.regime].judges)
 
 
 def find_scene(
     name: str, variant: str | None, scenes: Mapping[str, Scene] = SCENES
 ) -> tuple[Scene, str]:
-    """Return the named scene and the chosen variant of its equations, the default one for None.
-
-    `scenes` are those to look in, by name.
-
-    Raises
-    ------
-    StudyError
-        If there is no such scene or variant.
-    """
+    """Return the named scene and variant, the default one for None; raise `StudyError` without."""
     scene, variant, problems = choose_scene(name, variant, scenes)
     if problems:
         raise StudyError(problems)
@@ -166,8 +196,7 @@ def choose_scene(
 ) -> tuple[Scene, str, list[Problem]]:
     """Return the named scene, the variant of its equations, and the problems of the variant's name.
 
-    An unknown variant gives way to the default, so that the rest of a study can be checked.
-    `scenes` are those to look in. Raises `StudyError` if there is no such scene.
+    An unknown variant gives way to the default. Raises `StudyError` if there is no such scene.
     """
     scene = scenes.get(name)
     if scene is None:
@@ -185,13 +214,7 @@ def choose_scene(
 def make_plan(
     scene_name: str, variant: str | None, outputs: Collection[str], parameters: Collection[str]
 ) -> Plan:
-    """Return the plan for outputs of a named scene, given the names of a study's parameters.
-
-    Raises
-    ------
-    StudyError
-        With every problem: unknown scene, variant or output, missing and unused parameters.
-    """
+    """Return the plan for outputs of a named scene; raise `StudyError` with every problem."""
     return plan_scene(*find_scene(scene_name, variant), outputs, parameters)
 
 
@@ -200,14 +223,12 @@ def plan_scene(
 ) -> Plan:
     """Return the plan for outputs of a scene, given the names of a study's parameters.
 
-    Raises `StudyError` with every problem: unknown outputs, parameters that are missing, unused, or
-    set twice.
+    Raises `StudyError` with every problem.
     """
     scene = scene.fitted(parameters)
     gives, suggest = scene.outputs(variant), Suggestions()
-    problems = [
-        *(_unknown_output(scene, variant, name, suggest) for name in outputs if name not in gives),
-    ]
+    unknown = (name for name in outputs if name not in gives)
+    problems = [_unknown_output(scene, variant, name, suggest) for name in unknown]
     known_outputs = tuple(name for name in dict.fromkeys(outputs) if name in gives)
     walk = _Walk(scene, variant, parameters, known_outputs)
     problems += _doubled(parameters, walk.missing)
@@ -222,12 +243,9 @@ def plan_scene(
 
 
 class _Walk:
-    """Walks back from outputs to parameters, and collects equations, defaults and gaps."""
-
     def __init__(
         self, scene: Scene, variant: str, parameters: Collection[str], outputs: tuple[str, ...]
     ):
-        """Walk back from the outputs of a scene; collect equations and problems."""
         self.scene, self.variant = scene, variant
         self.parameters, self.outputs = parameters, outputs
         self.scene_defaults = scene.defaults_of(variant)
@@ -237,18 +255,14 @@ class _Walk:
         self.used: set[str] = set()
         self.missing: dict[str, str] = {}  # parameter: who needs it
         self.visited: set[str] = set()
-        self.conditions = tuple(
-            condition for condition in scene.conditions[variant] if condition.outputs & set(outputs)
-        )
         for name in outputs:
             if name != REGIME:
                 self.visit(name)
-        for condition in self.conditions:
-            for name in condition.inputs:
+        for condition in scene.conditions[variant]:
+            for name in condition.inputs if condition.outputs & set(outputs) else ():
                 self.visit(name, condition.regime)
 
     def plan(self) -> Plan:
-        """Return the plan of everything that was collected: equations in order, parameters."""
         ordered = [name for name in self.scene.outputs(self.variant) if name in self.outputs]
         return Plan(
             self.scene,
@@ -261,19 +275,12 @@ class _Walk:
         )
 
     def visit(self, name: str, user: str = "") -> None:
-        """Collect a quantity and all that it depends on: equations, defaults, what is missing.
-
-        It is called for the outputs, and calls itself for the inputs of the equation that gives the
-        quantity `name`. `user` is the quantity or regime that needs it, for the message if it is
-        missing.
-        """
         if name in self.visited:
             return
         self.visited.add(name)
-        equation = self._producer(name)
         if name in self.parameters:
             self.used.add(name)
-        elif equation is not None:
+        elif (equation := self._producer(name)) is not None:
             for needed in equation.inputs:
                 self.visit(needed, name)
             self.equations.append(equation)
@@ -283,62 +290,35 @@ class _Walk:
             self.missing[name] = user
 
     def _producer(self, name: str) -> Equation | None:
-        """Return the equation that gives a quantity for this study, or None.
-
-        None if there is none, or if a default is taken. An alternative parameter of the study (a
-        stroke for an amplitude) comes first. Where a quantity has a default, its equation runs only
-        if the study asks for it or sets one of its inputs.
-        """
+        # An alternative parameter of the study, such as a stroke for an amplitude, comes first.
+        parameters = set(self.parameters)
         for alias in ALIASES:
             asked = {one for one in alias.inputs if QUANTITIES[one].parameter} - BESIDE
-            if alias.gives == name and asked <= set(self.parameters):
+            if alias.gives == name and asked <= parameters:
                 return alias
         equation = self.producers.get(name)
-        if equation is not None and name in self.scene_defaults:
-            # A default of a derived quantity: the equation runs only if the study speaks of it.
-            spoken_of = name in self.outputs or set(equation.inputs) & set(self.parameters)
-            return equation if spoken_of or self._tells(equation.inputs) else None
-        return equation
-
-    def _tells(self, names: Collection[str]) -> bool:
-        """True if the study sets one of the named parameters, or an alternative to it."""
-        parameters = set(self.parameters)
-        followed = (self.producers.get(name) for name in names if QUANTITIES[name].parameter)
-        return any(one is not None and set(one.inputs) <= parameters for one in followed)
+        if equation is None or name not in self.scene_defaults:
+            return equation
+        # A default of a derived quantity: the equation runs only if the study asks for it, or sets
+        # one of its inputs, or an alternative to one.
+        inputs = (self.producers.get(one) for one in equation.inputs if QUANTITIES[one].parameter)
+        told = any(one is not None and set(one.inputs) <= parameters for one in inputs)
+        return equation if told or name in self.outputs or parameters & {*equation.inputs} else None
 
 
 def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions) -> Problem:
-    """Return the problem of an output that a variant of a scene does not give, with a fix.
+    told = _other_way(scene, variant, name)
+    if told is None:
+        message = f"{scene.name} has no output '{name[:60]}'"
+        told = message, suggest(name, scene.outputs(variant))
+    return Problem("outputs", *told, about=name)
 
-    The fix is another variant, another kind of study, or a similar name, which `suggest` finds.
-    `name` is the output that the user asked for.
-    """
+
+def _other_way(scene: Scene, variant: str, name: str) -> tuple[str, str] | None:
     others = [v for v in scene.variants if name in scene.outputs(v)]
     if others:
-        return Problem(
-            "outputs",
-            f"the {scene.choice} '{variant}' of {scene.name} does not give '{name}'",
-            f"Set {scene.choice} to {' or '.join(others)}",
-            about=name,
-        )
-    elsewhere = _of_another_kind(scene, variant, name)
-    if elsewhere is not None:
-        return elsewhere
-    return Problem(
-        "outputs",
-        f"{scene.name} has no output '{name[:60]}'",
-        suggest(name, scene.outputs(variant)),
-        about=name,
-    )
-
-
-def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
-    """Return the problem of an output that this kind of study cannot give but another kind can.
-
-    A sweep evaluates closed forms, a simulation follows a part in time; the problem names the kind
-    to set, and an output of this kind that means the same, if any. None if no other kind gives
-    `name`. `scene` and `variant` are those of the study, for a simulation the variant is a method.
-    """
+        message = f"the {scene.choice} '{variant}' of {scene.name} does not give '{name}'"
+        return message, f"Set {scene.choice} to {' or '.join(others)}"
     closed = SCENES.get(scene.name)
     if scene.choice == "method" and closed is not None:
         here, there, kind = "simulation", "sweep", "sweep"
@@ -349,30 +329,20 @@ def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
     if not gives:
         return None
     other = by_synonym(name, scene.outputs(variant))
-    message = f"a {there} gives {name}"
     if other is None:
-        return Problem("outputs", f"{message}, a {here} does not", f'Set kind = "{kind}"', name)
-    message += f"; a {here} gives {other}"
-    return Problem("outputs", message, f'Ask for {other} in outputs, or set kind = "{kind}"', name)
+        return f"a {there} gives {name}, a {here} does not", f'Set kind = "{kind}"'
+    message = f"a {there} gives {name}; a {here} gives {other}"
+    return message, f'Ask for {other} in outputs, or set kind = "{kind}"'
 
 
 def _doubled(parameters: Collection[str], missing: Collection[str]) -> list[Problem]:
-    """Return the problems of parameters that exclude or need each other, from their names.
-
-    Such are parameters that are set twice, by two alternatives such as amplitude and stroke, and
-    those that say nothing without another, unless that is `missing` anyway.
-    """
     problems = []
     for name, others in ALTERNATIVES:
         doubled = [other for other in others if name in parameters and other in parameters]
         if doubled:
-            problems.append(
-                Problem(
-                    f"parameters.{name}",
-                    f"{name} and {' and '.join(doubled)} set the same quantity",
-                    f"Give either {name} or {' and '.join(others)}",
-                )
-            )
+            message = f"{name} and {' and '.join(doubled)} set the same quantity"
+            fix = f"Give either {name} or {' and '.join(others)}"
+            problems.append(Problem(f"parameters.{name}", message, fix))
     for name, (needed, message, example) in NEEDS.items():
         if name in parameters and needed not in {*parameters, *missing}:
             problems.append(Problem(f"parameters.{name}", message, f"Add {needed} = {example}"))
@@ -380,16 +350,10 @@ def _doubled(parameters: Collection[str], missing: Collection[str]) -> list[Prob
 
 
 def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
-    """Return the problem of a missing parameter of a study, with what needs it and an example.
-
-    `name` is the quantity that equations of the scene need; the message has the name that studies
-    use. `needed_by` is the quantity that needs it; it is named only if users know it.
-    """
     written = WRITTEN_AS.get(name, name)
     quantity = QUANTITIES[written]
-    is_inner = needed_by not in QUANTITIES or QUANTITIES[needed_by].bundle
     needed = f"{scene.name} needs it"
-    if not is_inner:
+    if needed_by in QUANTITIES and not QUANTITIES[needed_by].bundle:  # users know it
         needed = f"{needed_by.replace('_', ' ')} of {needed}"
     example = quantity.examples[0] if quantity.unit == "1" else f'"{quantity.examples[0]}"'
     return Problem(
@@ -400,10 +364,6 @@ def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
 
 
 def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> Problem:
-    """Return the problem of a parameter that a study gives and no asked output uses, with a fix.
-
-    `name` is the parameter, `outputs` are those asked of this variant of the scene.
-    """
     if name in DRIVE and "wave" not in scene.producers(variant):
         fix = "Give amplitude, alpha and beta instead, or ask for the conveying_velocity of a part"
         message = (
@@ -422,11 +382,7 @@ def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> 
 
 
 def scene_parameters(scene: Scene, variant: str) -> tuple[str, ...]:
-    """Return the names of the parameters that a study of a scene's variant can give.
-
-    They are those that its equations or conditions use, and alternatives to them such as stroke for
-    amplitude.
-    """
+    """Return the parameters that a study of a variant can give, with alternatives to them."""
     parts: tuple[Equation | Condition, ...] = (*scene.variants[variant], *scene.conditions[variant])
     needed = {name for part in parts for name in part.inputs}
     for alias in ALIASES:

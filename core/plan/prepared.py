@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Self
 from numpy.typing import NDArray
 
 from vibrafeed.core.errors import LimitError, Problem, StudyError
-from vibrafeed.core.plan.derived import Asked, is_status
+from vibrafeed.core.plan.differences import Asked, is_status
 from vibrafeed.core.plan.grid import Grid, from_si
 from vibrafeed.core.plan.plan import Plan, plan_scene
 from vibrafeed.core.plan.price import Price, in_words, price
@@ -59,24 +59,13 @@ class Prepared:
         )
 
     def check_lazy(self, fix: str) -> Self:
-        """Return the study; raise `StudyError` if cells cannot be computed when they are read.
-
-        `fix` says what the user can do instead.
-        """
+        """Return the study; raise `StudyError` with `fix` if cells cannot be computed when read."""
         if self.not_lazy is not None:
             raise StudyError([replace(self.not_lazy, fix=fix)])
         return self
 
     def shares(self, where: str, count: int) -> Shares:
-        """Return the shares into which the study can be divided, writing to a result.
-
-        Parameters
-        ----------
-        where : str
-            The result.
-        count : int
-            Number of shares.
-        """
+        """Return the shares into which the study can be divided, writing to the result `where`."""
         raise NotImplementedError
 
     @property
@@ -111,8 +100,8 @@ class Prepared:
     def units(self) -> dict[str, str]:
         """The unit of each output."""
         told = {} if self.derived is None else self.derived.units
-        flags = dict.fromkeys(self.plan.verdict_names, QUANTITIES["regime"].unit)
-        return {name: (told | flags).get(name) or QUANTITIES[name].unit for name in self.dims}
+        told |= dict.fromkeys(self.plan.verdict_names, QUANTITIES["regime"].unit)
+        return {name: told.get(name) or QUANTITIES[name].unit for name in self.dims}
 
     @property
     def cells(self) -> int:
@@ -162,10 +151,7 @@ class Prepared:
 
     @cached_property
     def price(self) -> Price:
-        """The price of the cells on one core, without verification, at most about so much [s].
-
-        Where motions are simulated, some are simulated once to find it; see `core.plan.price`.
-        """
+        """The price of the cells on one core, without verification; motions are sampled for it."""
         return self.known_price or self._new_price()
 
     def _new_price(self) -> Price:
@@ -203,7 +189,7 @@ class Prepared:
 
     @property
     def seconds_a_verified_cell(self) -> float:
-        """The likely time to verify a point by closed forms [s]: two differences a parameter."""
+        """The likely time to verify a point [s]: two differences a parameter."""
         evaluations = 1 + 2 * len(self.plan.parameters)
         return EXTENDED_SLOWER * evaluations * self.plan.scene.seconds_a_cell
 
@@ -215,7 +201,7 @@ class Prepared:
 
     @property
     def computing_share(self) -> float:
-        """The share of computing in the total time with verification, 0 to 1, for the progress."""
+        """The share of computing in the total time with verification, for the progress."""
         if not self.seconds_to_verify:
             return 1.0
         seconds = self.price.of(self.cells)
@@ -226,21 +212,17 @@ class Prepared:
         return replace(self, study=self.study.model_copy(update={"verify": None}))
 
     def check_verification(self) -> Self:
-        """Return the study itself; raise `StudyError` if it cannot be verified in 100 seconds.
-
-        Verifying means to compute some cells another way. A study that does not ask for it passes.
-        """
+        """Return the study; raise `StudyError` if verifying it, as asked, takes above 100 s."""
         if self.study.verify is None:
             return self
         if not self.verified_by:
             message = "no other method follows this motion"
             raise StudyError([Problem("verify", message, "Leave it out")])
         if self.seconds_to_verify > MAX_SECONDS_TO_VERIFY:
-            each = self.seconds_a_verified_cell
-            most = int(MAX_SECONDS_TO_VERIFY / each)
-            message = f"{self.verified_by} take{'s' * self.verified_by.startswith('the')} some "
-            message += f"{each:.2g} s a cell"
-            raise StudyError([Problem("verify", message, f"Give at most {most:,}")])
+            each, by = self.seconds_a_verified_cell, self.verified_by
+            message = f"{by} take{'s' * by.startswith('the')} some {each:.2g} s a cell"
+            fix = f"Give at most {int(MAX_SECONDS_TO_VERIFY / each):,}"
+            raise StudyError([Problem("verify", message, fix)])
         return self
 
     def check_limits(self, *, cells: int | None, bytes_: int | None) -> None:
@@ -250,17 +232,12 @@ class Prepared:
                 raise LimitError(limit, asked, allowed, self.what_fits(allowed / asked))
 
     def what_fits(self, share: float) -> str:
-        """Return a sentence on a smaller grid that fits the limits, as the fix in a message.
-
-        `share` is the share of the present number of cells that fits. One axis gets fewer values,
-        or all of them.
-        """
+        """Return a sentence on a grid that fits the limits, with that share of the cells."""
         longest = max(self.grid.shape, key=lambda name: self.grid.shape[name])
         fitting = int(self.grid.shape[longest] * share)
+        points, axes = self.grid.shape[longest], len(self.grid.shape)
         if fitting >= 2:
-            points = self.grid.shape[longest]
             return f"It fits with {fitting:,} instead of {points:,} values of {longest}"
-        axes = len(self.grid.shape)
         each = int((self.cells * share) ** (1 / axes))
         if each >= 2:
             return f"It fits with {each:,} values on each of the {axes} axes"
@@ -279,16 +256,8 @@ def plan_study(
 ) -> tuple[Plan, Grid]:
     """Return the plan (equations in order) and the grid of a study of any kind.
 
-    Raises `StudyError` with all problems of the study at once.
-
-    Parameters
-    ----------
-    outputs : iterable of str
-        The outputs to compute.
-    chosen : Chosen
-        Scene, variant and the problems of their names.
-    more : mapping of str to Values, optional
-        Parameters that the study gives elsewhere than under `parameters`.
+    `chosen` are scene, variant and the problems of their names; `more` are parameters that the
+    study gives elsewhere than under `parameters`. Raises `StudyError` with all problems at once.
     """
     values = {**study.values(), **(more or {})}
     grid = Grid.of(values)
@@ -305,10 +274,7 @@ def plan_study(
 
 
 def names_intended(parameters: Iterable[object]) -> list[str]:
-    """Return the parameters that a user intended, misspelt ones corrected.
-
-    `parameters` are names as written; those without a near match are dropped.
-    """
+    """Return the parameters that a user intended, misspelt ones corrected, others left out."""
     given = [*map(str, parameters)]
     unknown = [name for name in given if name not in PARAMETERS]
     meant = {name: intended(name, PARAMETERS) for name in unknown[:SEARCHED]}
@@ -317,11 +283,7 @@ def names_intended(parameters: Iterable[object]) -> list[str]:
 
 
 def locate_problem(problem: Problem, study: Study) -> Problem:
-    """Return a problem of a plan with the path at which its cause stands in the study.
-
-    A plan names `parameters.<name>` or an output; the study may have either in another section,
-    such as among its variables.
-    """
+    """Return a problem of a plan with the path at which its cause stands in the study."""
     section, _, name = problem.place.partition(".")
     if section == "parameters":
         return replace(problem, place=study.places().get(name, problem.place))
@@ -331,12 +293,7 @@ def locate_problem(problem: Problem, study: Study) -> Problem:
 
 
 def broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Problem]:
-    """Yield problems of parameters whose values on the grid break a relation of the scene.
-
-    A relation is between parameters, such as a length below a diameter; it is looked at for the
-    ends of their ranges. `grid` has the values of all parameters that the study gives; `variant` is
-    that of the `scene`.
-    """
+    """Yield problems of parameters whose ends on the grid break a relation of the scene."""
     given = {*grid.axes, *grid.fixed}
     for constraint in (*scene.constraints, *CONSTRAINTS):
         concerned = constraint.variant in ("", variant)

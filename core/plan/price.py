@@ -1,8 +1,8 @@
 """The price of a study: 64 of its cells are computed and timed, once, with a margin of two.
 
-Nobody knows beforehand whether a motion repeats, so the sampled motions are followed for more and
-more periods while a budget of time lasts. What has not repeated by then counts as if it went on for
-all the periods that the study allows. Closed forms have a fixed price for each cell.
+Nobody knows beforehand whether a motion repeats, so the samples are followed for more and more
+periods while a budget of time lasts. What has not repeated by then counts as if it never did.
+Closed forms have a fixed price for each cell.
 """
 
 from __future__ import annotations
@@ -53,8 +53,6 @@ class Price(NamedTuple):
 
 
 class _Round(NamedTuple):
-    """The time of some cells [s], the number of those done, and whether some may go on."""
-
     seconds: float
     done: int
     open: bool
@@ -72,15 +70,9 @@ def price(
 ) -> Price:
     """Return the price of evaluating a plan on a grid, from some cells that are evenly spread.
 
-    Parameters
-    ----------
-    plan, grid : Plan, Grid
-        The plan of the study, and its parameters; the grid may be of any size.
-    rough : float, optional
-        The price of a cell where nothing is timed [s]: of closed forms, and of motions whose code
-        is not compiled yet. That of the scene if left out.
-    free : mapping of str to (float, float), optional
-        Parameters that are not on the grid, and the ends of their values, SI units.
+    `rough` is that of a cell where nothing is timed [s], the scene's if left out: of closed forms,
+    and of motions whose code is not compiled yet. `free` are the ends of parameters that are not on
+    the grid, SI units.
     """
     each = plan.scene.seconds_a_cell if rough is None else rough
     if not any(one.takes_long for one in plan.equations) or not _is_compiled():
@@ -99,10 +91,6 @@ def _is_compiled() -> bool:
 def _spread_cells(
     plan: Plan, grid: Grid, free: Mapping[str, tuple[float, float]]
 ) -> tuple[dict[str, Array], int, float]:
-    """Return parameters of sampled cells, their number, and the share of cells with own motions.
-
-    Cells that differ in what no motion depends on share a motion.
-    """
     depends = plan.depends_on(grid.axes)
     moved = frozenset().union(*(depends[one.gives] for one in plan.equations if one.takes_long))
     dims = {name: grid.shape[name] for name in grid.dims(moved)}
@@ -123,10 +111,6 @@ def _spread_cells(
 
 
 def _evenly(count: int, axes: int) -> Array:
-    """Return points that fill the unit cube evenly, shape (count, axes).
-
-    Multiples of the powers of 1/g modulo 1, where g^(axes + 1) = g + 1: the golden ratio for one.
-    """
     g = 2.0
     for _ in range(64):
         g = (1.0 + g) ** (1.0 / (axes + 1))
@@ -135,7 +119,6 @@ def _evenly(count: int, axes: int) -> Array:
 
 
 def _timed(plan: Plan, known: Mapping[str, Any], count: int) -> tuple[float, float]:
-    """Return the time of a call and of each cell on one core [s]."""
     allowed = float(np.max({**plan.defaults, **known}.get(LIMIT, 0.0)))
     periods = before = reached = 0.0
     while True:
@@ -160,7 +143,6 @@ def _timed(plan: Plan, known: Mapping[str, Any], count: int) -> tuple[float, flo
 
 
 def _follow(plan: Plan, known: Mapping[str, Any], count: int, periods: float) -> _Round:
-    """Compute the first cells of a sample for some periods, for as long as the budget lasts."""
     cells = {name: value[:count] if np.ndim(value) else value for name, value in known.items()}
     if LIMIT in plan.defaults or LIMIT in known:
         cells[LIMIT] = np.asarray(periods)

@@ -1,17 +1,72 @@
-"""Statistics of an output over sampled points: mean, deviation, quantiles, probabilities."""
+"""Points that fill the unit box evenly, and statistics of an output over them, with their errors.
+
+Within a scrambling of Sobol points these depend on each other, between scramblings they do not. An
+estimate takes all points together; the scatter of the estimates from single scramblings tells its
+error: half the width of the interval that holds the truth in 95 % of all cases. Equal seeds give
+equal bits.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.plan.replicates import error_of_mean
+from vibrafeed.core.plan.grid import parameter_to_si
+from vibrafeed.core.study import distributions
+from vibrafeed.core.study.distributions import Distribution
 
+BITS = 30
+"""Binary digits of a coordinate; points lie in the middle of cells of that size, so that none lies
+on an edge."""
+REPLICATES = 16
+"""Scramblings of a study: enough to estimate an error within a fifth, and few enough that each is
+long."""
+INTERVAL = "Half the width of the interval that holds the true value in 95 % of all cases."
+"""What an error is, for the attributes of a variable."""
 LEVELS = 129
 """Number of quantiles that describe a whole distribution, from the least to the largest value."""
+
+
+def points(dimensions: int, count: int, seed: int, replicates: int = 1) -> Array:
+    """Return Sobol points in independent sets, shape (dimensions, replicates, count), 0 < x < 1.
+
+    `count` is a power of two: the points of each set.
+    """
+    random = np.random.default_rng(seed)
+    sets = [
+        scipy.stats.qmc.Sobol(dimensions, scramble=True, bits=BITS, rng=random).random(count)
+        for _ in range(replicates)
+    ]
+    return np.ascontiguousarray(np.moveaxis(np.stack(sets), 2, 0)) + 0.5 ** (BITS + 1)
+
+
+def values_at(uncertain: Mapping[str, Distribution], shares: Array) -> dict[str, Array]:
+    """Return the parameters at points of the unit box, in SI units and radians.
+
+    `shares`, shape (parameters, ...), are the points: for each parameter, in the order of
+    `uncertain`, the share of its distribution below the value.
+    """
+    return {
+        name: parameter_to_si(name, distributions.quantiles(name, one, share))
+        for (name, one), share in zip(uncertain.items(), shares, strict=True)
+    }
+
+
+@cache
+def _student_factor(replicates: int) -> float:
+    return float(scipy.stats.t.ppf((1 + 0.95) / 2, replicates - 1))
+
+
+def error_of_mean(each: Array, axis: int = -1) -> Array:
+    """Return half the 95 % interval of the mean of estimates from single sets, along an axis."""
+    count = each.shape[axis]
+    return np.asarray(_student_factor(count) * each.std(axis=axis, ddof=1) / np.sqrt(count))
 
 
 class Estimate(NamedTuple):
@@ -24,10 +79,7 @@ class Estimate(NamedTuple):
 def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
     """Return mean and standard deviation of random points with their errors, ignoring NaN.
 
-    `values` are an output at independent sets of points, shape (..., sets, points of a set); the
-    results have the shape (...). The errors come from the scatter of independent sets, half the
-    width of a 95 % interval. Where all values are NaN, so is the mean. Both results have a value
-    and its error.
+    `values` have the shape (..., sets, points of a set); the results have the shape (...).
     """
     known = np.isfinite(values)
     number = known.sum(axis=(-2, -1), keepdims=True)
@@ -40,7 +92,6 @@ def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
         sums = np.moveaxis(sums, -1, 1)
 
         def moments(sums: Array) -> Array:
-            """Return mean and deviation from sums over replicates."""
             count, first, second = sums
             mean = first / count
             left = np.maximum(second / count - mean**2, 0.0)
@@ -52,34 +103,19 @@ def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
 
 
 def quantiles(values: Array, shares: Array) -> Estimate:
-    """Return quantiles of random points with errors, ignoring NaN.
+    """Return quantiles of random points with errors, shape (shares, ...), ignoring NaN.
 
-    The error, half a 95 % interval, comes from the scatter of the quantiles of independent sets.
-
-    Parameters
-    ----------
-    values : ndarray, shape (..., sets, points of a set)
-        The values of an output.
-    shares : ndarray
-        The shares of the values below, 0 to 1.
-
-    Returns
-    -------
-    Estimate
-        Arrays of shape (shares, ...).
+    `values` have the shape (..., sets, points of a set), `shares` are those of the values below.
     """
     flat = values.reshape(*values.shape[:-2], -1)
-    found = quantile(flat, shares)
-    each = quantile(values, shares)
     # Where one scrambling has no value at all, there is no telling how far they lie apart.
-    return Estimate(found, error_of_mean(each))
+    return Estimate(quantile(flat, shares), error_of_mean(quantile(values, shares)))
 
 
 def quantile(values: Array, shares: Array) -> Array:
     """Return quantiles of the values along the last axis, ignoring NaN, shape (shares, ...).
 
-    `shares` are those of the values below the quantile, 0 to 1. Between two neighbouring values it
-    is linear, as numpy does by default; NaN where there are no values.
+    Between two neighbouring values it is linear, as numpy does by default; NaN without any.
     """
     values = np.sort(values, axis=-1)  # NaN come last
     number = np.isfinite(values).sum(axis=-1)
@@ -95,9 +131,7 @@ def quantile(values: Array, shares: Array) -> Array:
 def probability(met: Mask) -> Estimate:
     """Return the probability of an event with its error, shape (...), from random points.
 
-    `met` is True at the points where it occurred, shape (..., sets, points of a set); the scatter
-    of independent sets gives the error, half a 95 % interval. Where all points agree, chance may
-    have left out one: the error then is at least one point's share.
+    `met` is of shape (..., sets, points). Where all agree the error is at least one point's share.
     """
     replicates, count = met.shape[-2:]
     each = met.mean(axis=-1)

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.plan.evaluate import evaluate, evaluate_at_once, is_compiled_for
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.loops.lanes import LONGEST_AXIS, TILE_CELLS, LaneOrder
-from vibrafeed.core.plan.loops.source import LONGEST_ROW
+from vibrafeed.core.plan.lane_loop import LONGEST_AXIS, TILE_CELLS, LaneOrder
+from vibrafeed.core.plan.loop_source import LONGEST_ROW
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.reduce.cutting import Box, Cutting, Rows

@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.plan.loops.fused import even_length
+from vibrafeed.core.plan.program import even_length
 
 BOX_CELLS = 1 << 22
 """Most cells of a box, which then takes some milliseconds."""

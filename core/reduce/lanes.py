@@ -11,8 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.aligned import aligned
-from vibrafeed.core.plan.loops.lanes import LaneOrder
+from vibrafeed.core.plan.lane_loop import LaneOrder, aligned
 from vibrafeed.core.reduce.cutting import Box
 from vibrafeed.core.reduce.kernels import folding
 from vibrafeed.core.reduce.kernels.bits import LEAST, MOST

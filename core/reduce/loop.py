@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.loops.lanes import LARGE_TILE_CELLS, TILE_CELLS, LaneLoop, LaneOrder
-from vibrafeed.core.plan.loops.trace import Traced, TracedPlan, traced_plan
-from vibrafeed.core.plan.verdicts import Verdict
+from vibrafeed.core.plan.lane_loop import LARGE_TILE_CELLS, TILE_CELLS, LaneLoop, LaneOrder
+from vibrafeed.core.plan.plan import Verdict
+from vibrafeed.core.plan.trace import Traced, TracedPlan, traced_plan
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.reduce.cutting import Box
 from vibrafeed.core.reduce.kernels.folding import COUNT_BITS, COUNTS
@@ -37,7 +37,7 @@ class Gathering:
     Attributes
     ----------
     update : str
-        A name of `vibrafeed.core.plan.loops.source.UPDATES`.
+        A name of `vibrafeed.core.plan.loop_source.UPDATES`.
     output : str
         The output; empty of counts.
     counters : tuple of int

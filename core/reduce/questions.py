@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.plan import Plan
-from vibrafeed.core.plan.verdicts import Verdict
+from vibrafeed.core.plan.plan import Plan, Verdict
 from vibrafeed.core.quantities import FLAGS, REGIMES
 from vibrafeed.core.study.reduction import LevelSet, Reduction, ShareCondition
 

@@ -17,8 +17,8 @@ import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan.differences import slopes_of
-from vibrafeed.core.plan.draws import points
 from vibrafeed.core.plan.grid import parameter_to_si
+from vibrafeed.core.plan.statistics import points
 from vibrafeed.core.study.distributions import Distribution, deviation, nominal, tolerance
 
 NEAR = 0.01

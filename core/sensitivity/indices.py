@@ -20,8 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.plan.draws import points
-from vibrafeed.core.plan.replicates import REPLICATES, error_of_mean
+from vibrafeed.core.plan.statistics import REPLICATES, error_of_mean, points
 
 MAX_INPUTS = 40  # uncertain parameters: evaluations grow with their number
 FLAT = 1e-14

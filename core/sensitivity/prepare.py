@@ -19,8 +19,7 @@ from vibrafeed.core.plan.kind import Sketch
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.plan.prepared import Chosen, Prepared, locate_problem, plan_study
 from vibrafeed.core.plan.price import Price, price
-from vibrafeed.core.plan.replicates import INTERVAL
-from vibrafeed.core.plan.statistics import LEVELS
+from vibrafeed.core.plan.statistics import INTERVAL, LEVELS
 from vibrafeed.core.quantities import FLAGS, QUANTITIES, REGIMES
 from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.sensitivity.budget import Budget

@@ -17,14 +17,12 @@ from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.plan import statistics
-from vibrafeed.core.plan.draws import values_at
 from vibrafeed.core.plan.equations import regimes, run_equations
 from vibrafeed.core.plan.grid import from_si
 from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.plan.labels import coordinates_of, global_attributes, verdict_variables
 from vibrafeed.core.plan.pieces import Computed
-from vibrafeed.core.plan.replicates import REPLICATES
-from vibrafeed.core.plan.statistics import LEVELS
+from vibrafeed.core.plan.statistics import LEVELS, REPLICATES, values_at
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.sensitivity.indices import design, indices_of

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.plan.derived import cells_of
-from vibrafeed.core.plan.differences import derivatives
+from vibrafeed.core.plan.differences import cells_of, derivatives
 from vibrafeed.core.plan.evaluate import evaluate
 from vibrafeed.core.plan.labels import (
+    Sample,
     coordinates_of,
     global_attributes,
     outputs_of,
@@ -15,7 +15,6 @@ from vibrafeed.core.plan.labels import (
 )
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.plan.sample import Sample
 from vibrafeed.core.sweep.verify import accuracy, verified
 from vibrafeed.core.watch import Watch
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from vibrafeed.core.errors import VibrafeedError
-from vibrafeed.core.extras import installing
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.sweep.zarr_view import ZarrView
+from vibrafeed.core.system import installing
 
 if TYPE_CHECKING:
     import xarray

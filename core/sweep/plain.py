@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import Problem
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.plan.derived import Asked, asked_of
+from vibrafeed.core.plan.differences import Asked, asked_of
+from vibrafeed.core.plan.labels import Sample
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.plan.price import Price
-from vibrafeed.core.plan.sample import Sample
 from vibrafeed.core.plan.shares import SHARDS
 from vibrafeed.core.plan.tiles import Tiled
 from vibrafeed.core.reduce.reduced import Reduced

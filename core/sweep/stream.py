@@ -22,10 +22,9 @@ from vibrafeed.core.dataset.regimes import is_valid
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import VibrafeedError
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.plan.labels import coordinates_of
+from vibrafeed.core.plan.labels import Sample, coordinates_of, sample_of
 from vibrafeed.core.plan.pieces import carry_out, run_cost
 from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.plan.sample import Sample, sample_of
 from vibrafeed.core.plan.tiles import Tiled
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.sweep.cells import attributes_of, compute, label

@@ -11,8 +11,7 @@ import numpy as np
 
 from night import count
 from vibrafeed.core.plan.equations import regimes_of
-from vibrafeed.core.plan.plan import make_plan
-from vibrafeed.core.plan.verdicts import Verdict
+from vibrafeed.core.plan.plan import Verdict, make_plan
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import SCENES
 

@@ -6,7 +6,7 @@ import sys
 from types import FunctionType
 from typing import Any
 
-from vibrafeed.core.linking import Choice
+from vibrafeed.core.compiled import Choice
 
 
 def plain(module: Any, known: dict[str, dict[str, Any]] | None = None) -> dict[str, Any]:

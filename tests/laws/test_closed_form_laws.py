@@ -7,8 +7,7 @@ import pytest
 
 from vibrafeed.core.mechanics import travel
 from vibrafeed.core.plan.equations import regimes_of
-from vibrafeed.core.plan.plan import make_plan
-from vibrafeed.core.plan.verdicts import Verdict
+from vibrafeed.core.plan.plan import Verdict, make_plan
 from vibrafeed.core.quantities import REGIMES
 
 RANDOM = np.random.default_rng(20041)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vibrafeed.core.aligned import LINE, aligned
+from vibrafeed.core.plan.lane_loop import LINE, aligned
 
 
 @pytest.mark.parametrize("shape", [(), (0,), (1,), (1000,), (3, 1024)], ids=str)

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from vibrafeed.core import extras
-from vibrafeed.core.extras import ROOT, installing
+from vibrafeed.core import system
+from vibrafeed.core.system import ROOT, installing
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 OURS = {"vibrafeed"}
@@ -109,7 +109,7 @@ def test_in_a_clone_the_clone_is_installed(monkeypatch):
 
 def test_on_windows_pip_lies_elsewhere_and_quotes_are_no_quotes(monkeypatch):
     monkeypatch.setattr("sys.prefix", str(ROOT / ".venv"))
-    monkeypatch.setattr(extras, "ON_WINDOWS", True)
+    monkeypatch.setattr(system, "WINDOWS", True)
     assert (
         installing(extra="serve")
         == r".venv\Scripts\pip install --constraint constraints.txt -e .[serve]"
@@ -117,19 +117,19 @@ def test_on_windows_pip_lies_elsewhere_and_quotes_are_no_quotes(monkeypatch):
 
 
 def test_from_a_wheel_all_packages_of_an_extra_are_named(monkeypatch, tmp_path):
-    monkeypatch.setattr(extras, "ROOT", tmp_path)
+    monkeypatch.setattr(system, "ROOT", tmp_path)
     declared = [
         "numpy",
         "uvicorn; extra == 'serve'",
         'h11>=0.16; extra == "serve"',
         "mypy; extra == 'dev'",
     ]
-    monkeypatch.setattr(extras, "requires", lambda name: declared)
+    monkeypatch.setattr(system, "requires", lambda name: declared)
     assert installing(extra="serve") == "pip install uvicorn h11"
 
 
 def test_from_a_wheel_the_package_itself_is_named(monkeypatch, tmp_path):
-    monkeypatch.setattr(extras, "ROOT", tmp_path)
+    monkeypatch.setattr(system, "ROOT", tmp_path)
     assert installing("pyarrow", "tables") == "pip install pyarrow"
     assert installing("openpyxl") == "pip install openpyxl"
 

@@ -298,7 +298,8 @@ print(stopwatch.spent)
 @pytest.mark.night
 def test_after_an_edit_of_a_tumbling_kernel_a_planar_simulation_compiles_nothing(tree):
     """Nor does it in another clone."""
-    from vibrafeed.core.warm import FIRST, carry_out
+    from vibrafeed.core.plots.film import FIRST
+    from vibrafeed.core.warm import carry_out
 
     carry_out("motion-planar", FIRST)
     environment = {

@@ -7,7 +7,7 @@ import threading
 
 import pytest
 
-from vibrafeed.core.threads import share_out
+from vibrafeed.core.plan.evaluate import share_out
 from waiting import PATIENCE
 
 

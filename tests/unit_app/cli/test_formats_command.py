@@ -13,7 +13,7 @@ import xarray
 from typer.testing import CliRunner
 
 from vibrafeed.app.cli import app
-from vibrafeed.core.extras import installing
+from vibrafeed.core.system import installing
 
 FIXED = {"frequency": "50 Hz", "friction": 0.4}
 STUDIES = {

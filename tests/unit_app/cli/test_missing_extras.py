@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from vibrafeed.app.cli import app
-from vibrafeed.core.extras import installing
+from vibrafeed.core.system import installing
 
 
 @pytest.mark.parametrize("words", [["serve"], ["serve", "--show-settings"], ["key", "list"]])

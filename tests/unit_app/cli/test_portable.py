@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[3]
 PROJECT = [ROOT / "vibrafeed"]
 OPTIONAL = {  # what is looked for, and not needed
     ("core/report.py", "os.getloadavg"),
-    ("core/threads.py", "os.register_at_fork"),
+    ("core/plan/evaluate.py", "os.register_at_fork"),
     ("app/cli/studies.py", "os.set_blocking"),
 }
 SERVICE = {  # what the service still needs of POSIX

@@ -15,10 +15,10 @@ from posted_sweeps import STUDY, problem, with_axes
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
 from vibrafeed.app.web.accept import takes_gzip
-from vibrafeed.core.extras import installing
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.system import installing
 
 CUT = {
     "output": "transport_velocity",

@@ -5,13 +5,12 @@ import pytest
 
 from benchmarks.evaluate import grid_of, plan_of, traceable
 from vibrafeed.core.plan import evaluate as door
+from vibrafeed.core.plan import program
 from vibrafeed.core.plan.blocks import evaluate_in_blocks
-from vibrafeed.core.plan.evaluate import empty_results, evaluate
+from vibrafeed.core.plan.evaluate import Fused, empty_results, evaluate
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.loops import fused, program
-from vibrafeed.core.plan.loops.fused import Fused
-from vibrafeed.core.plan.loops.trace import Graph, UntraceableError, traced
 from vibrafeed.core.plan.plan import Plan, make_plan
+from vibrafeed.core.plan.trace import Graph, UntraceableError, traced
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.values import Fixed, Points
 
@@ -63,7 +62,7 @@ def both_ways(plan: Plan, grid: Grid, threads: int | None = None):
 @pytest.fixture
 def few_cells(monkeypatch):
     """Let loops take what numpy otherwise would because it is small."""
-    for module in (program, fused):
+    for module in (program, door):
         monkeypatch.setattr(module, "FEW_CELLS", 200)
     for cached in (program.edge_of, program.program_of):
         cached.cache_clear()
@@ -104,8 +103,8 @@ def track(outputs: tuple[str, ...], **values) -> tuple[Plan, Grid]:
 @pytest.mark.parametrize("task", [600, 5_000, 1 << 20])
 @pytest.mark.parametrize("threads", [1, 3])
 def test_bits_do_not_depend_on_threads_or_tasks(monkeypatch, threads, task):
-    monkeypatch.setattr(fused, "TASK_CELLS", task)
-    monkeypatch.setattr(fused, "COLUMN_CELLS", task)
+    monkeypatch.setattr(door, "TASK_CELLS", task)
+    monkeypatch.setattr(door, "COLUMN_CELLS", task)
     # Numpy takes the arc of a stop between loops; the distances are short and long ones.
     spans = {"speed": (0.0, 0.2, 3), "distance": (1e-4, 0.3, 2), "beta": (5, 60, 6)}
     plan, grid = track(("travel_time", "stopping_time"), **spans)
@@ -194,7 +193,7 @@ def test_loops_are_compiled_once_numpy_has_worked_as_long(monkeypatch):
     monkeypatch.setattr(door, "_seen", door.defaultdict(int))
     monkeypatch.setattr(door, "COMPILED_FROM", 300_000)
     monkeypatch.setattr(door, "CACHED_FROM", 300_000)
-    monkeypatch.setattr(fused, "_compiled", set())
+    monkeypatch.setattr(program, "_compiled", set())
     ran: list[int] = []
     run = Fused.run
 

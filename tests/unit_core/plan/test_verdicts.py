@@ -14,7 +14,7 @@ from vibrafeed.core.dataset.formats import read_result, write_result
 from vibrafeed.core.dataset.regimes import is_valid
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.motion import SYSTEMS
-from vibrafeed.core.plan.verdicts import verdicts_of
+from vibrafeed.core.plan.plan import verdicts_of
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import EXACT, SCENES
 

@@ -12,8 +12,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from vibrafeed.core.plan.loops.lanes import DEPTH, TILE_CELLS, LaneOrder
-from vibrafeed.core.plan.loops.source import UPDATES
+from vibrafeed.core.plan.lane_loop import DEPTH, TILE_CELLS, LaneOrder
+from vibrafeed.core.plan.loop_source import UPDATES
 from vibrafeed.core.reduce.arrays import binned_quantiles
 from vibrafeed.core.reduce.boxes import exact_quantiles, values_of
 from vibrafeed.core.reduce.kernels import others

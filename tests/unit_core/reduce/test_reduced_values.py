@@ -16,8 +16,8 @@ import pytest
 from boxes import assert_same_bits
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
-from vibrafeed.core.plan.loops.lanes import DEPTH, LARGE_TILE_CELLS, MAX_LANES, TILE_CELLS
-from vibrafeed.core.plan.loops.program import program_of
+from vibrafeed.core.plan.lane_loop import DEPTH, LARGE_TILE_CELLS, MAX_LANES, TILE_CELLS
+from vibrafeed.core.plan.program import program_of
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.reduce.arrays import reduced_arrays
 from vibrafeed.core.reduce.run import Units
@@ -143,7 +143,7 @@ def test_so_has_one_with_functions_of_numpy_between_its_loops(monkeypatch) -> No
 @pytest.mark.parametrize("over", [("frequency", "alpha"), ("amplitude", "beta")], ids="-".join)
 def test_rows_taken_in_pairs_have_the_bits_of_stored_cells(over, monkeypatch) -> None:
     """Rows in the same lanes are paired, and an odd one is left; those in their own are not."""
-    monkeypatch.setattr("vibrafeed.core.plan.loops.program.PAIRED_CELLS", 1)
+    monkeypatch.setattr("vibrafeed.core.plan.program.PAIRED_CELLS", 1)
     program_of.cache_clear()
     axes = {name: {**AXES[name], "num": num} for name, num in PAIRED.items()}
     asked = {**ASKED, "over": list(over), "quantiles": [], "shares": {}}

@@ -15,8 +15,8 @@ from night import count
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.mechanics import orienting
-from vibrafeed.core.plan.loops.trace import traced
 from vibrafeed.core.plan.plan import make_plan
+from vibrafeed.core.plan.trace import traced
 from vibrafeed.core.quantities import REGIMES
 
 BOX = {"length": "30 mm", "width": "20 mm", "height": "10 mm"}

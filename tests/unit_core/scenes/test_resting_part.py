@@ -12,8 +12,8 @@ import vibrafeed
 from benchmarks.known_answers import known_answers
 from night import count
 from vibrafeed.core.mechanics import resting
-from vibrafeed.core.plan.loops.trace import traced
 from vibrafeed.core.plan.plan import make_plan, scene_parameters
+from vibrafeed.core.plan.trace import traced
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import SCENES, instead_of
 from vibrafeed.core.scenes.resting_part import ASPECTS

@@ -10,8 +10,8 @@ import pytest
 import vibrafeed
 from night import count
 from vibrafeed.core.mechanics import resting, rolling, round_parts
-from vibrafeed.core.plan.loops.trace import traced
 from vibrafeed.core.plan.plan import make_plan, scene_parameters
+from vibrafeed.core.plan.trace import traced
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import SCENES, instead_of
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from vibrafeed.core.plan.draws import points, values_at
+from vibrafeed.core.plan.statistics import points, values_at
 from vibrafeed.core.study.distributions import (
     Distribution,
     Tabulated,

@@ -22,8 +22,8 @@ from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import KINDS, tabulate
 from vibrafeed.core.motion.systems import METHODS
+from vibrafeed.core.plan.labels import chosen_positions
 from vibrafeed.core.plan.pieces import Computed, Cut, carry_out, join
-from vibrafeed.core.plan.sample import chosen_positions
 from vibrafeed.core.watch import Watch
 
 motion_prepare = importlib.import_module("vibrafeed.core.motion.prepare")  # a function has its name

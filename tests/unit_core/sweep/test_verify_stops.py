@@ -12,8 +12,8 @@ from verified_studies import BEST, MOTION, STUDIES, SWEEP
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import KINDS, is_whole, tabulate
 from vibrafeed.core.optimise.methods import METHODS
+from vibrafeed.core.plan.labels import chosen_positions
 from vibrafeed.core.plan.pieces import Computed
-from vibrafeed.core.plan.sample import chosen_positions
 from vibrafeed.core.watch import Watch
 
 

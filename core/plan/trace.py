@@ -16,14 +16,46 @@ import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from vibrafeed.core.errors import VibrafeedError
-from vibrafeed.core.mechanics.arrays import Elementwise
+from vibrafeed.core.mechanics.arrays import Elementwise, binade, exponent
 from vibrafeed.core.plan.equations import regimes_of, run
-from vibrafeed.core.plan.operations import IN_LOOPS
-from vibrafeed.core.plan.plan import Plan
-from vibrafeed.core.plan.verdicts import Verdict
+from vibrafeed.core.plan.plan import Plan, Verdict
 from vibrafeed.core.scenes import Equation
 
 Function = Callable[..., Any]
+
+IN_LOOPS: dict[Function, str] = {
+    np.add: "{} + {}",
+    np.subtract: "{} - {}",
+    np.multiply: "{} * {}",
+    np.divide: "{} / {}",
+    np.negative: "-{}",
+    np.square: "{0} * {0}",
+    np.reciprocal: "1.0 / {}",
+    np.sqrt: "sqrt({})",
+    binade: "binade({})",
+    exponent: "exponent({})",
+    np.less: "{} < {}",
+    np.less_equal: "{} <= {}",
+    np.greater: "{} > {}",
+    np.greater_equal: "{} >= {}",
+    np.equal: "{} == {}",
+    np.not_equal: "{} != {}",
+    np.bitwise_and: "{} & {}",
+    np.bitwise_or: "{} | {}",
+    np.invert: "{} ^ True",
+    np.isnan: "{0} != {0}",
+    np.isinf: "abs({}) == inf",
+    np.isfinite: "abs({}) < inf",
+    np.where: "choose({}, {}, {})",
+    np.maximum: "choose(({0} >= {1}) | ({0} != {0}), {0}, {1})",
+    np.minimum: "choose(({0} <= {1}) | ({0} != {0}), {0}, {1})",
+    np.absolute: "abs({})",
+    np.sign: "choose({0} > 0.0, 1.0, choose({0} < 0.0, -1.0, choose({0} == 0.0, 0.0, {0})))",
+    np.copysign: "copysign({}, {})",
+}
+"""The functions that a compiled loop takes in, with their expressions: exact or rounded once, so
+that the bits are numpy's. Others numpy computes between two loops; of an `Elementwise` that is not
+here a loop takes the steps."""
 
 LOGICAL = {np.logical_and: np.bitwise_and, np.logical_or: np.bitwise_or, np.logical_not: np.invert}
 """Functions of truth values in numpy, and the ones that stand for them in a graph."""
@@ -33,23 +65,18 @@ class UntraceableError(VibrafeedError):
     """An equation takes a step that is not elementwise, or hangs on the values in an array."""
 
 
-class Node(NDArrayOperatorsMixin):
-    """One value of a graph: a parameter, or a function of other values.
+def _refuse(why: str) -> Function:
+    def method(*_: Any, **__: Any) -> Any:
+        raise UntraceableError(f"the equation {why}")
 
-    Attributes
-    ----------
-    number : int
-        Its place among the nodes of its graph, after those of its inputs.
-    function : callable or None
-        The function of numpy that gives it; None of a parameter.
-    inputs : tuple
-        What the function is given: nodes and plain numbers.
-    axes : frozenset of str
-        The axes that it depends on.
-    dtype : numpy.dtype
-        Of its values.
-    name : str
-        The parameter; empty otherwise.
+    return method
+
+
+class Node(NDArrayOperatorsMixin):
+    """One value of a graph: a parameter, by name, or a function of nodes and plain numbers.
+
+    `number` is its place among the nodes of its graph, after those of its inputs, `axes` are those
+    that it depends on, `dtype` is that of its values.
     """
 
     __slots__ = ("axes", "dtype", "function", "graph", "inputs", "name", "number")
@@ -63,7 +90,6 @@ class Node(NDArrayOperatorsMixin):
         dtype: np.dtype[Any],
         name: str = "",
     ):
-        """Add a value with its function, inputs, axes and type to a graph."""
         self.graph, self.function, self.inputs = graph, function, inputs
         self.axes, self.dtype, self.name = axes, dtype, name
         self.number = len(graph.nodes)
@@ -77,7 +103,6 @@ class Node(NDArrayOperatorsMixin):
     def __array_ufunc__(
         self, ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **settings: Any
     ) -> Any:
-        """Add a numpy step to the graph; in-place operations make new values."""
         if method != "__call__" or settings or ufunc.nout != 1:
             raise UntraceableError(
                 f"the equation calls {ufunc.__name__}.{method}, which is not an "
@@ -85,123 +110,75 @@ class Node(NDArrayOperatorsMixin):
             )
         if isinstance(ufunc, Elementwise) and ufunc not in IN_LOOPS:
             return ufunc.body(*inputs)
-        return self.graph.apply(LOGICAL.get(ufunc, ufunc), inputs)
+        return self.graph.apply(LOGICAL.get(ufunc, ufunc), inputs)  # in place: a new value
 
     def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
-        """Add `np.where` to the graph; other functions are not elementwise and raise.
-
-        `np.any` gives True: an iteration that ends when no cell is left goes on to its last step,
-        which changes no cell that had ended.
-        """
+        # An iteration that ends when no cell is left goes on to its last step, which changes no
+        # cell that had ended.
         if func is np.any and len(args) == 1 and not kwargs:
             return True
         if func is not np.where or len(args) != 3 or kwargs:
             raise UntraceableError(f"{func.__name__} is not elementwise")
         return self.graph.apply(np.where, args)
 
-    def __pow__(self, exponent: Any) -> Any:
-        """Raise: numpy's power differs in the last bit between numbers and arrays."""
-        raise UntraceableError(
-            "the equation raises to a power, which cannot be compiled: write "
-            "np.square, or a product"
-        )
-
     def __getattr__(self, name: str) -> Any:
         raise UntraceableError(f"the equation uses .{name} of an array, which cannot be compiled")
 
-    def __array__(self, *_: Any, **__: Any) -> Any:
-        raise UntraceableError(
-            "the equation converts a computed value to an array, which cannot be compiled"
-        )
-
-    def __bool__(self) -> bool:
-        raise UntraceableError(
-            "the equation branches on a computed value, which cannot be compiled: use np.where"
-        )
-
-    def __float__(self) -> float:
-        raise UntraceableError(
-            "the equation converts an array to a number, which cannot be compiled"
-        )
-
-    def __getitem__(self, index: Any) -> Any:
-        raise UntraceableError("the equation indexes an array, which cannot be compiled")
-
-    __int__ = __index__ = __len__ = __iter__ = __float__
+    # numpy's power differs in the last bit between numbers and arrays
+    __pow__ = _refuse("raises to a power, which cannot be compiled: write np.square, or a product")
+    __array__ = _refuse("converts a computed value to an array, which cannot be compiled")
+    __bool__ = _refuse("branches on a computed value, which cannot be compiled: use np.where")
+    __getitem__ = _refuse("indexes an array, which cannot be compiled")
+    __float__ = __int__ = __index__ = __len__ = __iter__ = _refuse(
+        "converts an array to a number, which cannot be compiled"
+    )
 
 
 class Graph:
     """Nodes, each after its inputs, and equal ones once only."""
 
     def __init__(self) -> None:
-        """Begin with no nodes."""
         self.nodes: list[Node] = []
         self._known: dict[Any, Any] = {}
 
     def leaf(self, name: str, axes: Iterable[str], dtype: Any = np.float64) -> Node:
-        """Return the node of a parameter in the graph; the same name gives the same node.
-
-        `axes` are the axes of the grid on which it depends: itself if it has several values.
-        """
+        """Return the node of a parameter in the graph; the same name gives the same node."""
         key = (None, name)
         if key not in self._known:
             self._known[key] = Node(self, None, (), frozenset(axes), np.dtype(dtype), name)
         return self._known[key]
 
     def apply(self, function: Function, inputs: Iterable[Any]) -> Any:
-        """Return the node of the graph for a numpy function of some inputs, or a number.
-
-        Inputs are nodes or numbers; the result is a number, or one of the inputs, if no operation
-        is needed. The same function of the same inputs gives the same node.
-        """
-        operands = tuple(
-            operand if isinstance(operand, Node) else _number(operand) for operand in inputs
-        )
-        if not any(isinstance(operand, Node) for operand in operands):
+        """Return the node (one for equal steps) or number for a function of nodes and numbers."""
+        operands = tuple(one if isinstance(one, Node) else _number(one) for one in inputs)
+        nodes = [one for one in operands if isinstance(one, Node)]
+        if not nodes:
             return function(*operands)
-        simplify = SIMPLER.get(function)
-        simpler = simplify(operands) if simplify else None
+        simpler = SIMPLER[function](operands) if function in SIMPLER else None
         if simpler is not None:
             return simpler[0]
         key = (function, *map(_identity, operands))
         if key not in self._known:
-            axes = frozenset().union(
-                *(operand.axes for operand in operands if isinstance(operand, Node))
-            )
+            axes = frozenset().union(*(one.axes for one in nodes))
             self._known[key] = Node(self, function, operands, axes, _dtype(function, operands))
         return self._known[key]
 
 
 def _number(value: Any) -> Any:
-    """Return a plain number, also from an array without dimensions; raise for other arrays.
-
-    An equation that makes an array of its own cannot be traced: `UntraceableError`.
-    """
-    if isinstance(value, np.ndarray):
-        if value.ndim:
-            raise UntraceableError("the equation creates an array, which cannot be compiled")
-        return value[()]
-    return value
+    if not isinstance(value, np.ndarray):
+        return value
+    if value.ndim:
+        raise UntraceableError("the equation creates an array, which cannot be compiled")
+    return value[()]
 
 
 def _identity(operand: Any) -> Any:
-    """Return a key that equal operands share, by which repeated operations are recognised.
-
-    An operand is a node of the graph, whose key is its number, or a constant, whose key is its type
-    and its bytes.
-    """
     if isinstance(operand, Node):
         return operand.number
-    array = np.asarray(operand)
-    return (type(operand), array.tobytes())
+    return (type(operand), np.asarray(operand).tobytes())
 
 
 def _dtype(function: Function, operands: Iterable[Any]) -> np.dtype[Any]:
-    """Return the type of the result of a function, found by running it on one sample.
-
-    `operands` are nodes of the graph, which know their type, or constants. Raises
-    `UntraceableError` if the function refuses these types.
-    """
     samples = (np.ones(1, one.dtype) if isinstance(one, Node) else one for one in operands)
     with np.errstate(all="ignore"):
         try:
@@ -211,12 +188,6 @@ def _dtype(function: Function, operands: Iterable[Any]) -> np.dtype[Any]:
 
 
 def _chosen(operands: tuple[Any, ...]) -> tuple[Any] | None:
-    """Return the operand that a `where` gives if no choice is left, in a tuple; else None.
-
-    `operands` are the condition and the two choices, each a node of the graph or a constant. No
-    choice is left where the condition is a constant or both choices are equal. The node of the
-    `where` is then not needed in the graph. The tuple tells a result that is None from no result.
-    """
     condition, first, second = operands
     if not isinstance(condition, Node):
         return (first if condition else second,)
@@ -224,12 +195,6 @@ def _chosen(operands: tuple[Any, ...]) -> tuple[Any] | None:
 
 
 def _joined(operands: tuple[Any, ...], *, neutral: bool) -> tuple[Any] | None:
-    """Return the operand that a logical operation gives if it needs no step, in a tuple; else None.
-
-    That is if one operand is a constant or both are equal; the graph then has no node for it.
-    `neutral` is the constant that changes nothing: True for `and`, False for `or`. `operands` are
-    two nodes of the graph or constants.
-    """
     for first, second in (operands, operands[::-1]):
         if isinstance(first, bool | np.bool_):
             return (second if bool(first) == neutral else first,)
@@ -237,11 +202,6 @@ def _joined(operands: tuple[Any, ...], *, neutral: bool) -> tuple[Any] | None:
 
 
 def _product(operands: tuple[Any, ...]) -> tuple[Any] | None:
-    """Return the other operand of a multiplication by 1, in a tuple; None for other factors.
-
-    The graph of operations then has no node for it. `operands` are two nodes or constants; only a
-    node of doubles counts, so that the result keeps its type.
-    """
     for first, second in (operands, operands[::-1]):
         if _is(first, 1.0) and isinstance(second, Node) and second.dtype == np.float64:
             return (second,)
@@ -249,10 +209,6 @@ def _product(operands: tuple[Any, ...]) -> tuple[Any] | None:
 
 
 def _unchanged(operands: tuple[Any, ...], *, by: float) -> tuple[Any] | None:
-    """Return the first operand, in a tuple, if the second is the number `by`; else None.
-
-    `by` is the number that leaves it unchanged: 1 for a quotient, 0 for a difference.
-    """
     return (operands[0],) if _is(operands[1], by) and operands[0].dtype == np.float64 else None
 
 
@@ -270,7 +226,6 @@ the step, to the last bit, else None."""
 
 
 def _is(operand: Any, value: float) -> bool:
-    """True if an operand is a number of this value; zero must not be negative."""
     return not isinstance(operand, Node) and bool(operand == value) and not np.signbit(operand)
 
 
@@ -286,14 +241,8 @@ class Traced:
 class TracedPlan:
     """The graph of a plan, to which steps may be added.
 
-    Attributes
-    ----------
-    graph : Graph
-        Its graph.
-    known : mapping of str to Node or number
-        Every quantity of the plan.
-    holds : tuple of Node or bool
-        Whether each condition of its verdicts holds.
+    `known` has every quantity of the plan, `holds` whether each condition of its verdicts holds:
+    nodes, or numbers and truth values.
     """
 
     graph: Graph
@@ -302,11 +251,9 @@ class TracedPlan:
 
 
 def traced_plan(plan: Plan, axes: Iterable[str]) -> TracedPlan | None:
-    """Return the graph of operations behind a plan, with every quantity and condition, or None.
+    """Return the graph behind a plan, with every quantity and condition; None if it has none.
 
-    The plan's equations are run once with symbols in place of arrays; None if one of them cannot
-    be. `axes` are the names of the parameters that have several values. The graph is new for each
-    call: the caller may add operations to it before a loop is compiled.
+    `axes` are the parameters with several values. The graph is new: steps may be added to it.
     """
     graph = Graph()
     ranged = {name for name in axes if name in plan.parameters}
@@ -323,20 +270,14 @@ def traced_plan(plan: Plan, axes: Iterable[str]) -> TracedPlan | None:
 
 
 def traced(plan: Plan, axes: Iterable[str]) -> Traced | None:
-    """Return the graph behind a plan's outputs and verdicts, to compile loops from it.
+    """Return the graph behind a plan's outputs and verdicts; None if an equation has none.
 
-    `axes` are the names of the parameters with several values. The graph does not depend on values,
-    so that equal plans share it: parameters with a single value are nodes too. None if an equation
-    cannot be run with symbols in place of arrays.
+    `axes` are the parameters with several values. Others are nodes too: equal plans share the
+    graph.
     """
+    given = (*plan.parameters, *plan.defaults)
     ranged = tuple(name for name in axes if name in plan.parameters)
-    return _traced(
-        plan.equations,
-        plan.verdicts,
-        plan.outputs,
-        (*plan.parameters, *plan.defaults),
-        ranged,
-    )
+    return _traced(plan.equations, plan.verdicts, plan.outputs, given, ranged)
 
 
 @lru_cache(maxsize=256)
@@ -347,24 +288,10 @@ def _traced(
     parameters: tuple[str, ...],
     ranged: tuple[str, ...],
 ) -> Traced | None:
-    """Return the graph of operations behind equations and verdicts; None if it cannot be traced.
-
-    The equations are run once with symbols in place of arrays. From the graph, loops over all cells
-    are compiled. The result is cached by all arguments.
-
-    Parameters
-    ----------
-    verdicts : tuple of Verdict
-        What decides on the regimes of a cell.
-    outputs, parameters, ranged : tuple of str
-        Names of the results wanted, of all inputs, and of those inputs that are axes of the grid.
-    """
     graph = Graph()
     leaves = {name: graph.leaf(name, {name} & set(ranged)) for name in parameters}
     try:
         known = run(equations, leaves)
-        results = {name: known[name] for name in outputs}
-        results |= regimes_of(verdicts, known)
+        return Traced(graph, {n: known[n] for n in outputs} | regimes_of(verdicts, known))
     except UntraceableError:
         return None
-    return Traced(graph, results)

@@ -1,8 +1,7 @@
 """A loop that takes cells into lanes: what is known of many cells, without an array of them.
 
 A lane is a place in a row. It gathers the cells that stand there, row after row: each step is on
-whole rows, as if they were stored, so that a processor's wide registers are full and no value
-crosses from one lane to another. What the lanes of a tile hold belongs to whoever asked.
+whole rows, so that a processor's wide registers are full and no value crosses lanes.
 """
 
 from __future__ import annotations
@@ -11,25 +10,25 @@ import math
 import threading
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.aligned import aligned
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.loops.fused import (
+from vibrafeed.core.plan.loop_source import LONGEST_ROW
+from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.program import (
+    MAX_VALUES,
     Runner,
     Values,
     bind_stages,
+    edge_of,
     even_length,
     lay_out_operands,
-    mark_compiled,
-    missing,
+    program_of,
 )
-from vibrafeed.core.plan.loops.program import MAX_VALUES, edge_of, program_of
-from vibrafeed.core.plan.loops.source import LONGEST_ROW
-from vibrafeed.core.plan.loops.trace import Traced
-from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.trace import Traced
 
 DEPTH = 240
 """Most cells that a lane gathers: few enough that their sum is accurate, and that counts fit in 8
@@ -47,32 +46,18 @@ FEWEST_TILES = 64
 parts."""
 LONGEST_AXIS = 1 << 20
 """Longest axis that is computed by a loop with lanes, which is given all its values at once."""
+LINE = 64
+"""Bytes of a line of a processor's cache: wide registers are filled from one line."""
 
 
 @dataclass(frozen=True)
 class LaneOrder:
     """The loops over the axes of a field, and the tiles whose cells lanes gather.
 
-    Sums are made over the cells of a tile in this order: it follows from the grid and the equations
-    alone, so that results do not depend on the machine.
-
-    Attributes
-    ----------
-    outer : tuple of str
-        Axes that are loops, outermost first.
-    inner : tuple of str
-        Axes of a row, of which a tile has all values but for the first axis.
-    piece : int
-        Most lanes of a row that gathers; whole periods.
-    period : int
-        Cells of a row for each value of its first axis.
-    gathers : bool
-        Whether the first axis of a row is reduced, so that pieces of it gather in the same lanes.
-    steps : mapping of str to int
-        Values of each axis in a tile; a tile at the end of an axis may have fewer.
-    apart : frozenset of str
-        Outer axes that are reduced, but whose values in a tile have lanes of their own: a lane
-        gathers at most `DEPTH` cells, and a tile would be small.
+    A row along the axes `inner` has `period` cells for each value of its first axis, and at most
+    `piece` lanes; `gathers`: that axis is reduced, and pieces of the row gather in the same lanes.
+    `steps` has the values of each axis in a tile. `apart` are outer axes that are reduced, but
+    whose values have lanes of their own.
     """
 
     outer: tuple[str, ...]
@@ -92,22 +77,9 @@ class LaneOrder:
         over: Iterable[str],
         most: int = TILE_CELLS,
     ) -> LaneOrder:
-        """Return the order in which a loop takes the cells of a grid to gather their totals.
+        """Return the order in which a loop takes the cells of a grid to gather totals over axes.
 
-        Cells are taken in tiles, and within a tile gathered in lanes: places for a total each. Few
-        cells go to a lane, so that sums are accurate, and the order follows from the grid alone, so
-        that results do not depend on the machine.
-
-        Parameters
-        ----------
-        outer, inner : sequence of str
-            Axes that are loops, and axes of a row, the innermost loop.
-        shape : mapping of str to int
-            Lengths of all axes.
-        over : iterable of str
-            The axes that are reduced away.
-        most : int
-            Most cells of a tile; there are at least `FEWEST_TILES`.
+        It follows from the grid alone: results do not depend on the machine.
         """
         goes = set(over)
         depth = DEPTH
@@ -144,11 +116,7 @@ class LaneOrder:
         return cls(tuple(outer), tuple(inner), piece, period, gathers, steps, frozenset(apart))
 
     def lanes(self, shape: Mapping[str, int], over: Iterable[str]) -> dict[str, int]:
-        """Return the number of lanes of a tile on each axis, outermost first; their product is all.
-
-        A lane is a place in which cells of one point of the result are gathered. `shape` is the
-        length of the tile on each axis, `over` are the axes that are reduced away.
-        """
+        """Return the number of lanes of a tile of some shape on each axis, outermost first."""
         goes = set(over)
         lanes = {name: shape[name] for name in self.outer if name not in goes or name in self.apart}
         for name in self.inner:
@@ -158,11 +126,7 @@ class LaneOrder:
         return lanes
 
     def is_in_grid_order(self, axes: Iterable[str], over: Iterable[str]) -> bool:
-        """True if each lane gets its cells in the order of the grid, the last axis fastest.
-
-        `axes` are those of the grid, in order, `over` those that are reduced away. The pieces of a
-        row are the outermost loop.
-        """
+        """True if each lane gets its cells in the order of the grid."""
         goes = set(over) - self.apart
         mixed = [name for name in self.outer if name in goes and self.steps[name] > 1]
         if self.gathers and self.steps[self.inner[0]] * self.period > self.piece:
@@ -170,18 +134,11 @@ class LaneOrder:
         return mixed == [name for name in axes if name in mixed]
 
     def along_loops(self, values: Mapping[str, int]) -> NDArray[np.int64]:
-        """Return a number for each outer loop, then one for the row: shape (loops + 1,).
-
-        `values` has those of outer axes and of the first axis of a row; others are 0.
-        """
+        """Return a number, 0 where none is given, for each outer loop, then one for the row."""
         return np.array([values.get(name, 0) for name in (*self.outer, *self.inner[:1])], np.int64)
 
     def cells_along(self, axes: Sequence[str]) -> tuple[list[int], NDArray[np.int64]]:
-        """Return the axes of the row and of each outer loop among `axes`, and cells for each value.
-
-        These are the cells of a row for a value of its first axis, and 1 for other axes: an array
-        of the shape (loops + 1, 1).
-        """
+        """Return the places of row and outer loops among `axes`, and cells for each value."""
         names = (*self.inner[:1], *self.outer)
         cells = [self.period] * len(self.inner[:1]) + [1] * len(self.outer)
         return [axes.index(name) for name in names], np.array(cells, np.int64).reshape(-1, 1)
@@ -189,17 +146,14 @@ class LaneOrder:
     def ranges(self, axes: Sequence[str], ends: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return tiles as loops take them: start and stop along the row, then on each outer loop.
 
-        `ends` are start and stop of each tile on each of `axes`, int64, shape (tiles, axes, 2); the
-        result has the shape (tiles, loops + 1, 2).
+        `ends` on each of `axes` are int64, shape (tiles, axes, 2); the result (tiles, loops + 1,
+        2).
         """
         loops, cells = self.cells_along(axes)
         return np.ascontiguousarray(ends[:, loops]) * cells
 
     def most_lanes(self, shape: Mapping[str, int], over: Iterable[str]) -> int:
-        """Return the number of lanes of the largest tile of a grid.
-
-        `shape` is the length of the grid on each axis, `over` are the axes that are reduced away.
-        """
+        """Return the number of lanes of the largest tile of a grid."""
         tile = {name: min(step, shape[name]) for name, step in self.steps.items()}
         return math.prod(self.lanes(tile, over).values())
 
@@ -207,21 +161,8 @@ class LaneOrder:
 class LaneLoop:
     """The compiled loop of a plan that gathers its results in lanes.
 
-    Parameters
-    ----------
-    plan : Plan
-        The plan of a field.
-    traced : Traced
-        Its graph; the values that lanes gather are among the results.
-    grid : Grid
-        The grid over the axes of the field alone.
-    updates : sequence of (str, str)
-        Names of results, each with what lanes do with it: a key of
-        `vibrafeed.core.plan.loops.source.UPDATES`.
-    over : collection of str
-        The axes that are reduced.
-    most : int
-        Most cells of a tile; fewer where numpy works between loops.
+    `grid` has the axes of the field alone; `updates` are names of results, each with a key of
+    `vibrafeed.core.plan.loop_source.UPDATES`. A tile has at most `most` cells.
     """
 
     def __init__(
@@ -233,7 +174,6 @@ class LaneLoop:
         over: Iterable[str],
         most: int = TILE_CELLS,
     ):
-        """Prepare the loop that gathers a plan's outputs over some axes."""
         self._grid = grid
         shape = tuple(grid.shape.items())
         names = tuple(name for name, _ in updates)
@@ -255,7 +195,7 @@ class LaneLoop:
     @property
     def missing(self) -> frozenset[str]:
         """The sources of its loops that are not compiled in this process."""
-        return missing(self._program)
+        return self._program.missing
 
     def prepare(self) -> None:
         """Compute by numpy the inputs of the loop; to be called once before any `run`."""
@@ -268,7 +208,6 @@ class LaneLoop:
         self._loops = bind_stages(self._program, operands, self._rows)
 
     def _rows(self, count: int) -> NDArray[np.float64]:
-        """Return this thread's places for the rows that a loop keeps, shape (count, cells)."""
         held: dict[str, NDArray[np.float64]] = self._threads.__dict__
         if "rows" not in held or len(held["rows"]) < count:
             held["rows"] = aligned((count, LONGEST_ROW))
@@ -281,21 +220,24 @@ class LaneLoop:
         numbers: NDArray[np.int64],
         lanes: Sequence[NDArray[np.float64]],
     ) -> None:
-        """Compute the cells of a tile and add them to totals, places of which are called lanes.
+        """Compute the cells of a tile and add them to the flat arrays `lanes`.
 
-        Parameters
-        ----------
-        ranges : ndarray of int64, shape (loops + 1, 2)
-            The tile: one of `LaneOrder.ranges`.
-        strides : ndarray of int64, shape (loops + 1,)
-            Lanes from one value of an axis to the next, for outer axes and the first axis of a row,
-            by `LaneOrder.along_loops`; 0 for an axis that stays in the same lanes.
-        numbers : ndarray of int64, shape (loops + 1,)
-            The same for the numbers of cells, by which `first_largest` and `first_least` name a
-            cell.
-        lanes : sequence of ndarray
-            Flat arrays, as many as the updates take; they are updated.
+        `ranges` is one of `LaneOrder.ranges`. `strides`, int64, shape (loops + 1,), are lanes from
+        one value of an axis to the next, by `LaneOrder.along_loops`, `numbers` the same for the
+        numbers of cells, by which `first_largest` and `first_least` name a cell.
         """
         assert self._loops is not None
         self._loops((ranges, strides, numbers), lanes)
-        mark_compiled(self._program)
+        self._program.mark_compiled()
+
+
+def aligned(shape: Sequence[int], dtype: Any = np.float64) -> NDArray[Any]:
+    """Return a new array, not filled, that begins with a line of the cache.
+
+    numpy's own begin at any multiple of 16 bytes: half of all loads may then touch two lines, and a
+    compiled loop takes up to a tenth longer.
+    """
+    size = math.prod(shape) * np.dtype(dtype).itemsize
+    room = np.empty(size + LINE, np.uint8)
+    start = -room.__array_interface__["data"][0] % LINE
+    return room[start : start + size].view(dtype).reshape(shape)

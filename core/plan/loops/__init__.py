@@ -1,1 +1,0 @@
-"""The compiled way of a plan: its equations traced, and written as one loop."""
