@@ -59,7 +59,7 @@ ALLOWED = {
     "vibrafeed.core.motion.kernels.means.runs_away": "the same",
     "vibrafeed.core.motion.kernels.planar.chaos.FollowedRun.runs_away": "the same",
     "vibrafeed.core.motion.kernels.planar.chaos.ran_away": "the same",
-    "vibrafeed.core.motion.kernels.planar.settle.slides_away": "the same",
+    "vibrafeed.core.motion.kernels.planar.along.slides_away": "the same",
 }
 """Names that stay, by module and name, `*` for all of a module, each with its reason."""
 
@@ -202,7 +202,7 @@ def every_fault() -> tuple[Name, ...]:
 
 
 def test_names_that_leave_a_function():
-    assert len(trees()) > 400
+    assert len(trees()) > 300
     left = [
         name for name in every_fault()
         if not any(pattern.fullmatch(name.where) for pattern in PATTERNS.values())

@@ -11,14 +11,22 @@ from vibrafeed.app.cli import app
 from vibrafeed.core.system import installing
 
 
+@pytest.fixture
+def not_loaded():
+    """Take the rooms of the service out of memory; afterwards they are what they were."""
+    rooms = ("vibrafeed.app.jobs", "vibrafeed.app.settings")
+    before = {name: module for name, module in sys.modules.items() if name.startswith(rooms)}
+    for name in before:
+        del sys.modules[name]
+    yield
+    for name in [name for name in sys.modules if name.startswith(rooms)]:
+        del sys.modules[name]
+    sys.modules.update(before)
+
+
+@pytest.mark.usefixtures("not_loaded")
 @pytest.mark.parametrize("words", [["serve"], ["serve", "--show-settings"], ["key", "list"]])
 def test_commands_of_the_service_name_its_extra(words, monkeypatch):
-    for module in [
-        name
-        for name in sys.modules
-        if name.startswith(("vibrafeed.app.jobs", "vibrafeed.app.settings"))
-    ]:
-        monkeypatch.delitem(sys.modules, module)
     for module in ("orjson", "pydantic_settings", "sqlalchemy", "structlog"):
         monkeypatch.setitem(sys.modules, module, None)
     done = CliRunner().invoke(app, words)
