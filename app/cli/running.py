@@ -31,6 +31,7 @@ from vibrafeed.core.dataset.formats import NETCDF, ZARR, suffix_of
 from vibrafeed.core.dataset.netcdf import is_large
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.plan.pieces import cells_of
+from vibrafeed.core.plan.shares import SHARDS
 from vibrafeed.core.plan.tiles import Tiled
 from vibrafeed.core.watch import Watch
 
@@ -99,7 +100,7 @@ class Running:
                 self.facts.append({"study": str(path), "result": target, "complete_before": True})
                 left.remove(path)
                 continue
-            if prepared.not_lazy is None and _is_streamed(prepared, target):
+            if _is_streamed(prepared, target):
                 left.remove(path)
                 whole, is_verified, facts = run_streamed(
                     path,
@@ -248,6 +249,8 @@ def _say_how_to_go_on(pieces: Pieces, target: str) -> None:
 
 def _is_streamed(sweep: Prepared, target: str) -> bool:
     """True if a sweep is written tile by tile: it is too large for memory, or goes to Zarr."""
+    if sweep.shares_as != SHARDS:
+        return False
     suffix = suffix_of(target)
     return suffix == ZARR or (suffix == NETCDF and is_large(Tiled(sweep).tiles))
 

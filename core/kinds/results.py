@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibrafeed.core import lazy  # whose modules load dask when they are needed
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plan.pieces import carry_out
@@ -40,6 +41,24 @@ def run_study(study: Study, *, watch: Watch | None = None) -> xarray.Dataset:
     >>> dataset = run_study(load_study("configs/figures/fig-5-1.toml"))
     """
     return tabulate(prepare(study), watch).to_xarray()
+
+
+def open_lazily(prepared: Prepared) -> xarray.Dataset:
+    """Return the dataset of a study of any size, whose values dask computes when they are read.
+
+    Raises
+    ------
+    StudyError
+        If its cells cannot be computed one by one.
+    """
+    prepared.check_lazy("Leave it out, or carry out the study")
+    return lazy.dataset.dataset(prepared, outline(prepared))
+
+
+def outline(prepared: Prepared) -> Table:
+    """Return the result of the first cell of a study, with the attributes of the whole."""
+    first = dict.fromkeys(prepared.grid.axes, (0, 1))
+    return tabulate(prepared.within(first).unverified())
 
 
 def share_left_out(table: Table) -> float:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cached_property
 
 from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.lazy.checks import problems_of, problems_of_names
 from vibrafeed.core.motion.drive_units import on_unit, unit_of
 from vibrafeed.core.motion.drives import driven, shape_of, what_is_open
 from vibrafeed.core.motion.groups import Contacts
@@ -26,7 +27,6 @@ from vibrafeed.core.plan.plan import Plan, choose_scene
 from vibrafeed.core.plan.prepared import Chosen, Prepared, broken_constraints, plan_study
 from vibrafeed.core.plan.price import Price, price
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.reduce.checks import problems_of, problems_of_names
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.study.simulate_study import MAX_PERIODS, SimulateStudy
 from vibrafeed.core.study.values import Fixed
@@ -39,6 +39,18 @@ class Simulation(Prepared):
     """A study of motion that can be carried out; `plan.variant` names the method."""
 
     study: SimulateStudy
+
+    @property
+    def not_lazy(self) -> Problem | None:
+        """The problem with computing cells on reading; None for motion without more."""
+        if self.study.trajectory is not None:
+            return Problem(
+                "trajectory", "it is computed as a whole, not where read", "Leave it out"
+            )
+        if self.study.sensitivities:
+            message = "derivatives are computed as a whole, not where read"
+            return Problem("sensitivities", message, "Leave it out")
+        return None
 
     @property
     def method(self) -> Method:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from vibrafeed.core.dataset.table import (
     flag_attributes,
     quantity_attributes,
 )
+from vibrafeed.core.lazy.reduced import Reduced
 from vibrafeed.core.motion.course import TRAJECTORY_FLAGS, TrajectoryRequest, TrajectoryValues
 from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.prepare import Simulation, prepare
@@ -31,7 +32,6 @@ from vibrafeed.core.plan.labels import (
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.sample import Sample, chosen_positions
 from vibrafeed.core.quantities import FLAGS
-from vibrafeed.core.reduce.reduced import Reduced
 from vibrafeed.core.study.simulate_study import SimulateStudy
 from vibrafeed.core.watch import Watch
 
@@ -145,8 +145,11 @@ class ReducedSimulation(Reduced, Simulation):
     """A study of motion of which statistics are reported instead of its cells."""
 
     study: SimulateStudy
-    box_cells: ClassVar[int | None] = 1 << 13  # some tens of milliseconds in the plane, or longer
-    share_cells: ClassVar[int] = 1 << 18
+
+    @property
+    def whole(self) -> Simulation:
+        """The simulation of all cells."""
+        return Simulation(self.study, self.plan, self.grid, known_price=self.price)
 
     def attributes(self) -> dict[str, str]:
         """Return the attributes of the result, known before computing."""

@@ -24,7 +24,7 @@ from vibrafeed.core.study.levels import Level, at_most, read_level, refusal
 from vibrafeed.core.study.units import UnitError
 from vibrafeed.core.suggestions import suggestion
 
-STATISTICS = ("max", "min", "mean", "argmax", "argmin")
+STATISTICS = ("max", "min", "mean", "std", "argmax", "argmin")
 """Statistics of an output over the cells that are reduced."""
 QUANTILE = "quantile"
 """The dimension of quantiles, and the suffix of their variables."""

@@ -7,11 +7,11 @@ from typing import Final
 
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.lazy.checks import problems_of, problems_of_names
 from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.plan import choose_scene
 from vibrafeed.core.plan.prepared import plan_study
-from vibrafeed.core.reduce.checks import problems_of, problems_of_names
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.sweep_study import SweepStudy
 from vibrafeed.core.sweep.plain import DerivedSweep, ReducedSweep, Sweep

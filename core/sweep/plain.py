@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import Problem
+from vibrafeed.core.lazy.reduced import Reduced
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan.derived import Asked, asked_of
 from vibrafeed.core.plan.pieces import Computed
@@ -18,7 +19,6 @@ from vibrafeed.core.plan.price import Price
 from vibrafeed.core.plan.sample import Sample
 from vibrafeed.core.plan.shares import SHARDS
 from vibrafeed.core.plan.tiles import Tiled
-from vibrafeed.core.reduce.reduced import Reduced
 from vibrafeed.core.study.sweep_study import SweepStudy
 from vibrafeed.core.sweep.cells import attributes_of, compute, label
 from vibrafeed.core.sweep.shares import Shards
@@ -113,6 +113,11 @@ class ReducedSweep(Reduced):
 
     study: SweepStudy
 
+    @property
+    def whole(self) -> Sweep:
+        """The sweep of all cells."""
+        return Sweep(self.study, self.plan, self.grid)
+
     def attributes(self) -> dict[str, str]:
         """Return the attributes of the result that are known before computing."""
         return attributes_of(self)
@@ -122,7 +127,7 @@ class ReducedSweep(Reduced):
 
         The result of a reduced sweep does not have its cells. `watch` may stop it.
         """
-        whole = Sweep(self.study, self.plan, self.grid)
+        whole = self.whole
         tiled = Tiled(whole)
 
         def values_at(sample: Sample) -> dict[str, Array]:

@@ -7,8 +7,7 @@ import xarray
 from vibrafeed.core.dataset.netcdf import write_netcdf
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.kinds import tabulate
-from vibrafeed.core.sweep.lazy import open_lazily
+from vibrafeed.core.kinds import open_lazily, tabulate
 from vibrafeed.core.sweep.stream import outline_table, stream
 from vibrafeed.core.sweep.targets import open_target
 

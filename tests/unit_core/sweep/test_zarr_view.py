@@ -15,14 +15,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray
 
-from vibrafeed.core.errors import VibrafeedError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
 from vibrafeed.core.study.values import Points, Span
 from vibrafeed.core.sweep import Sweep
-from vibrafeed.core.sweep.lazy import open_lazily
 from vibrafeed.core.sweep.zarr_view import ZarrView
 
 CONFIGS = Path(__file__).parents[3] / "configs"
@@ -227,49 +224,6 @@ def test_only_what_an_output_needs_is_evaluated(monkeypatch):
     assert ran[0].conditions == ()
     assert [e.gives for e in ran[0].equations][-1] == "throw_number"
     assert not {"alpha", "friction", "radius"} & set(ran[0].parameters)
-
-
-class TestLazyDataset:
-    def test_it_is_the_dataset_of_the_sweep(self):
-        sweep = prepare_content(TRACK)
-        lazy = open_lazily(sweep)
-        whole = tabulate(sweep).with_price({}).to_xarray()
-        assert lazy.regime.dtype == np.int8
-        xarray.testing.assert_equal(lazy.load(), whole)
-        assert lazy.attrs == whole.attrs
-        for name, variable in whole.variables.items():
-            told = dict(lazy.variables[name].attrs)
-            assert told.keys() == variable.attrs.keys()
-            assert all(np.array_equal(told[key], variable.attrs[key]) for key in told)
-            assert "_FillValue" not in lazy.variables[name].encoding
-
-    def test_slices_of_a_huge_one(self):
-        lazy = open_lazily(huge())
-        assert lazy.acceleration_x.size == 10**12
-        piece = lazy.transport_velocity.isel(amplitude=500, alpha=300)
-        piece = piece.sel(frequency=[20, 120]).isel(beta=slice(None, None, 333)).load()
-        parameters = TRACK["parameters"] | {
-            name: piece.coords[name].values.tolist()
-            for name in ("frequency", "amplitude", "alpha", "beta")
-        }
-        expected = tabulate(prepare_content({**TRACK, "parameters": parameters})).variables
-        np.testing.assert_array_equal(piece.values, expected["transport_velocity"].values)
-
-    def test_it_cannot_be_written_or_listed(self):
-        from vibrafeed.core.sweep.zarr_store import ViewStore
-
-        store = ViewStore(ZarrView(prepare_content(TRACK)))
-        assert store.read_only
-        with pytest.raises(ValueError, match="read-only"):
-            store.with_read_only(False)
-        with pytest.raises(NotImplementedError):
-            store.list()
-
-    def test_without_zarr_it_says_what_to_install(self, monkeypatch):
-        monkeypatch.delitem(sys.modules, "vibrafeed.core.sweep.zarr_store", raising=False)
-        monkeypatch.setitem(sys.modules, "zarr.abc.store", None)
-        with pytest.raises(VibrafeedError, match=r"needs zarr.*pip install .*-e \."):
-            open_lazily(prepare_content(TRACK))
 
 
 def test_the_view_itself_loads_neither_zarr_nor_xarray():

@@ -8,8 +8,7 @@ import pytest
 
 from vibrafeed.core.errors import LimitError, StoppedError, StudyError
 from vibrafeed.core.intake import parse_study, prepare_content
-from vibrafeed.core.kinds import tabulate
-from vibrafeed.core.sweep.lazy import open_lazily
+from vibrafeed.core.kinds import open_lazily, tabulate
 from vibrafeed.core.watch import Watch
 
 STUDY = {
