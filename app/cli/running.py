@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from vibrafeed.app.cli import console
+from vibrafeed.app.cli.large import is_stored_in_blocks, run_large
 from vibrafeed.app.cli.nearest import is_infeasible
 from vibrafeed.app.cli.pieces import Pieces
 from vibrafeed.app.cli.plans import more
 from vibrafeed.app.cli.results import facts_of, show_result
-from vibrafeed.app.cli.streamed import run_streamed
 from vibrafeed.app.cli.studies import (
     INTERRUPTED,
     interruptible_compiler,
@@ -27,12 +27,8 @@ from vibrafeed.app.cli.studies import (
 from vibrafeed.app.cli.targets import kept_apart, write_or_exit
 from vibrafeed.core import kinds
 from vibrafeed.core.compiling import stopwatch
-from vibrafeed.core.dataset.formats import NETCDF, ZARR, suffix_of
-from vibrafeed.core.dataset.netcdf import is_large
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.plan.pieces import cells_of
-from vibrafeed.core.plan.shares import SHARDS
-from vibrafeed.core.plan.tiles import Tiled
 from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:
@@ -100,9 +96,9 @@ class Running:
                 self.facts.append({"study": str(path), "result": target, "complete_before": True})
                 left.remove(path)
                 continue
-            if _is_streamed(prepared, target):
+            if is_stored_in_blocks(prepared, target):
                 left.remove(path)
-                whole, is_verified, facts = run_streamed(
+                whole, is_verified, facts = run_large(
                     path,
                     prepared,
                     target,
@@ -245,14 +241,6 @@ def _say_how_to_go_on(pieces: Pieces, target: str) -> None:
         how = f"{options} computes the whole study again."
         pieces.remove()
     console.fail(f"  The same command with {how}")
-
-
-def _is_streamed(sweep: Prepared, target: str) -> bool:
-    """True if a sweep is written tile by tile: it is too large for memory, or goes to Zarr."""
-    if sweep.shares_as != SHARDS:
-        return False
-    suffix = suffix_of(target)
-    return suffix == ZARR or (suffix == NETCDF and is_large(Tiled(sweep).tiles))
 
 
 def history_of(path: Path) -> str:

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import contextlib
-import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibrafeed.core.dataset.files import partial
-from vibrafeed.core.dataset.netcdf import tiles_of
+from vibrafeed.core.dataset.files import partial, settle
 from vibrafeed.core.dataset.read import check_size
-from vibrafeed.core.dataset.shards import GrowingZarr, open_store, plain_errors
+from vibrafeed.core.dataset.stores import (
+    consolidate,
+    keys_in,
+    needed_for,
+    open_group,
+    plain_errors,
+    remove_all,
+)
 from vibrafeed.core.dataset.table import Table, TableVariable
 
 if TYPE_CHECKING:
@@ -41,21 +46,29 @@ def write_zarr(table: Table, where: str, *, history: str | None = None) -> None:
     OSError
         If it cannot be written.
     """
-    identity = {"study": str(table.attributes.get("study_sha256", ""))}
-    growing = GrowingZarr(where, tiles_of(table), table, identity, history=history)
+    needed_for(where)
+    from zarr.codecs import BloscCodec
+
+    under_way = where if "://" in where else str(partial(Path(where)))
+    if keys_in(where):
+        raise FileExistsError(f"{where} exists already")
+    cost = {} if history is None else {"history": history, **table.price}
+    dataset = table.with_price({}).to_xarray().assign_attrs({**table.attributes, **cost})
+    packed = [BloscCodec(cname="lz4", clevel=5)]
+    for variable in dataset.variables.values():
+        is_text = variable.dtype == object
+        variable.encoding = {} if is_text else {"_FillValue": None, "compressors": packed}
     try:
-        for index in growing.missing:
-            tile = growing.tiles[index]
-            place = tuple(slice(*ends) for ends in tile.box)
-            arrays = {name: table.variables[name].values[place] for name in tile.field.names}
-            growing.write(index, arrays, 0.0)
-        growing.finish(table.price)
+        with plain_errors():
+            remove_all(under_way)
+            group = open_group(under_way, create=True)
+            dataset.to_zarr(group.store, mode="a", zarr_format=3, consolidated=False)
+            consolidate(group)
+        if "://" not in where:
+            settle(Path(under_way), Path(where))
     except BaseException:
-        if "://" not in where:  # nobody could go on with it
-            shutil.rmtree(partial(Path(where)), ignore_errors=True)
+        remove_all(under_way)  # nobody could go on with it
         raise
-    finally:
-        growing.close()
 
 
 def read_zarr(where: str, *, most_bytes: int | None = None) -> Table:
@@ -75,13 +88,8 @@ def read_zarr(where: str, *, most_bytes: int | None = None) -> Table:
     OSError
         If the group cannot be read.
     """
-    import zarr
-
-    store = zarr.storage.ObjectStore(
-        open_store(where if "://" in where else Path(where)), read_only=True
-    )
     with plain_errors():
-        group = zarr.open_group(store, mode="r")
+        group = open_group(where, read_only=True)
         arrays = dict(group.arrays())
         check_size(sum(array.nbytes for array in arrays.values()), most_bytes)
         # In the order of the group's document, which is that of the table.

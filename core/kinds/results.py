@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -55,10 +56,16 @@ def open_lazily(prepared: Prepared) -> xarray.Dataset:
     return lazy.dataset.dataset(prepared, outline(prepared))
 
 
-def outline(prepared: Prepared) -> Table:
-    """Return the result of the first cell of a study, with the attributes of the whole."""
+def outline(prepared: Prepared, watch: Watch | None = None) -> Table:
+    """Return the result of the first cell of a study, with the attributes of the whole.
+
+    Some cells are verified if the study asks for it, which `watch` may stop.
+    """
     first = dict.fromkeys(prepared.grid.axes, (0, 1))
-    return tabulate(prepared.within(first).unverified())
+    table = tabulate(prepared.within(first).unverified()).with_price({})
+    verified = KINDS[prepared.study.kind].verified(prepared, watch or Watch())
+    own = {"study": prepared.study.canonical(), "study_sha256": prepared.study.key()}
+    return replace(table, attributes={**table.attributes, **own, **verified})
 
 
 def share_left_out(table: Table) -> float:

@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING
 
 from vibrafeed.core.deferred import lazily
 
-__all__ = ["dataset", "statistics"]
+__all__ = ["dataset", "statistics", "store"]
 
 if TYPE_CHECKING:
-    from vibrafeed.core.lazy import dataset, statistics
+    from vibrafeed.core.lazy import dataset, statistics, store
 else:  # they load dask
-    __getattr__ = lazily(__name__, {}, {"dataset": "dataset", "statistics": "statistics"})
+    __getattr__ = lazily(
+        __name__, {}, {"dataset": "dataset", "statistics": "statistics", "store": "store"}
+    )

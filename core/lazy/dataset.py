@@ -129,21 +129,22 @@ def fields_of(prepared: Prepared, names: Collection[str] | None = None) -> list[
     """Return the fields of a study: variables of motion together, closed forms by their axes.
 
     A motion is followed once for all that is told of it; a closed form costs little, and is not
-    computed along axes that it does not have.
+    computed along axes that neither it nor the verdict on it has.
     """
-    plan, together = prepared.plan, dict[tuple[str, ...], list[str]]()
+    plan, dims, together = prepared.plan, prepared.dims, dict[tuple[str, ...], list[str]]()
     for name in (*plan.outputs, *plan.verdict_names):
         if names is None or name in names:
+            judges = {judge.name} if (judge := plan.verdict_on(name)) else set()
             is_slow = any(equation.takes_long for equation in plan.part((name,)).equations)
-            together.setdefault(("motion",) if is_slow else prepared.dims[name], []).append(name)
-    return [
-        Field(
-            tuple(group),
-            prepared.grid.dims(dim for name in group for dim in prepared.dims[name]),
-            plan.part(group),
-        )
-        for group in together.values()
-    ]
+            own = prepared.grid.dims({*dims[name], *(dim for one in judges for dim in dims[one])})
+            together.setdefault(("motion",) if is_slow else own, []).append(name)
+    fields = []
+    for group in together.values():
+        judges = {judge.name for name in group if (judge := plan.verdict_on(name))}
+        part = plan.part([*group, *sorted(judges - {*group})])
+        axes = {dim for name in (*group, *judges) for dim in dims[name]}
+        fields.append(Field(tuple(group), prepared.grid.dims(axes), part))
+    return fields
 
 
 def block_cells(prepared: Prepared, field: Field) -> int:
@@ -175,7 +176,7 @@ def chunks_of(
 def compute_block(
     prepared: Prepared, field: Field, box: Mapping[str, tuple[int, int]], watch: Watch
 ) -> dict[str, NDArray[Any]]:
-    """Return the variables of a field in a box of cells, in the units of files.
+    """Return the variables of a field, and verdicts on them, in a box of cells, in units of files.
 
     `box` has start and stop on each axis of the field.
 
@@ -192,7 +193,7 @@ def compute_block(
             raise StoppedError(STOPPED)
     else:
         arrays = evaluate(field.plan, grid, threads=watch.threads)
-    return {name: prepared.in_files(name, arrays[name]) for name in field.names}
+    return {name: prepared.in_files(name, values) for name, values in arrays.items()}
 
 
 def _arrays(

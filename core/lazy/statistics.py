@@ -9,10 +9,10 @@ from dataclasses import replace
 from functools import reduce
 from typing import TYPE_CHECKING, Any, Final
 
-import dask
 import dask.array
 import numpy as np
 import xarray
+from dask.base import compute as dask_compute
 from numpy.typing import NDArray
 
 from vibrafeed.core.lazy.dataset import arrays_of, watched
@@ -42,7 +42,7 @@ def compute(prepared: Reduced, watch: Watch) -> dict[str, NDArray[Any]]:
     cells = Cells(prepared)
     lazy = {one.name: cells.answer(one).transpose(*one.dims).data for one in prepared.answers}
     with watched(watch):
-        (found,) = dask.compute(lazy)
+        (found,) = dask_compute(lazy)
     return {name: np.asarray(values) for name, values in found.items()}
 
 
@@ -86,9 +86,9 @@ class Cells:
         compare = COMPARED[condition.comparison]
         if condition.is_regime:
             number = REGIMES[str(condition.value)].value
-            return compare(self._arrays[condition.name], number)  # type: ignore[no-any-return]
+            return compare(self._arrays[condition.name], number)
         values = self.counted(condition.name)
-        return compare(values, condition.value) & values.notnull()  # type: ignore[no-any-return]
+        return compare(values, condition.value) & values.notnull()
 
     def counted(self, name: str) -> xarray.DataArray:
         """Return an output with NaN where its regime describes no real part."""
@@ -191,14 +191,14 @@ def _reduced(values: xarray.DataArray, gone: tuple[str, ...], what: str) -> xarr
 
 
 def _fold(ufunc: np.ufunc) -> Callable[..., Any]:
-    def fold(values: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> Any:
+    def fold(values: Any, axis: tuple[int, ...], keepdims: bool) -> Any:
         with np.errstate(invalid="ignore"):
             return ufunc.reduce(values, axis=axis, keepdims=keepdims)
 
     return fold
 
 
-def _sum(values: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> Any:
+def _sum(values: Any, axis: tuple[int, ...], keepdims: bool) -> Any:
     with np.errstate(invalid="ignore"):
         return np.add.reduce(values, axis=axis, keepdims=keepdims, where=~np.isnan(values))
 

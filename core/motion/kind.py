@@ -9,6 +9,7 @@ from typing import Any, Final
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.run import compute, label, prepare_reduced
 from vibrafeed.core.motion.systems import SYSTEMS
+from vibrafeed.core.motion.verify import verified_alone
 from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.study.simulate_study import SimulateStudy
 
@@ -84,6 +85,7 @@ KIND: Final = Kind(
     choose=lambda sketch: choose_system(sketch.scene, sketch.method, sketch.names),
     compute=compute,
     label=label,
+    verified=verified_alone,
     is_measured=True,
     compiles=MappingProxyType(
         {

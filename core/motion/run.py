@@ -19,7 +19,7 @@ from vibrafeed.core.motion.course import TRAJECTORY_FLAGS, TrajectoryRequest, Tr
 from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.prepare import Simulation, prepare
 from vibrafeed.core.motion.systems import CONTACTS
-from vibrafeed.core.motion.verify import accuracy, verified, verified_at
+from vibrafeed.core.motion.verify import accuracy, verified, verified_alone
 from vibrafeed.core.plan.derived import cells_of
 from vibrafeed.core.plan.differences import derivatives
 from vibrafeed.core.plan.equations import regimes, run_equations
@@ -30,7 +30,6 @@ from vibrafeed.core.plan.labels import (
     verdict_variables,
 )
 from vibrafeed.core.plan.pieces import Computed
-from vibrafeed.core.plan.sample import Sample, chosen_positions
 from vibrafeed.core.quantities import FLAGS
 from vibrafeed.core.study.simulate_study import SimulateStudy
 from vibrafeed.core.watch import Watch
@@ -158,15 +157,8 @@ class ReducedSimulation(Reduced, Simulation):
         return {**told, "accuracy": accuracy(plan)}
 
     def verified(self, watch: Watch) -> dict[str, str | int]:
-        """Return attributes of the result on random cells that another method followed again.
-
-        The attributes, by name, count the verified cells and report the largest difference; empty
-        if the study does not ask to `verify`. `watch` may stop the work.
-        """
-        if self.study.verify is None:
-            return {}
-        places, count = chosen_positions(self)
-        return verified_at(self, Sample(self.grid, places, count, count), None, watch)
+        """Return the verification of random cells as attributes; they are followed anew."""
+        return verified_alone(self, watch)
 
 
 def prepare_reduced(study: SimulateStudy) -> Simulation:

@@ -17,7 +17,7 @@ from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.grid import from_si
 from vibrafeed.core.plan.plan import Plan, plan_scene, scene_parameters
-from vibrafeed.core.plan.sample import Sample, sample_of
+from vibrafeed.core.plan.sample import Sample, chosen_positions, sample_of
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.watch import Watch
@@ -322,6 +322,14 @@ def verified(
         return {}
     sample = sample_of(prepared, arrays, ("motion_status", STATUS["not_computed"]))
     return verified_at(prepared, sample, arrays, watch)
+
+
+def verified_alone(prepared: Simulation, watch: Watch) -> dict[str, str | int]:
+    """Return the outcome of following some cells by two methods; empty if not asked for."""
+    if prepared.study.verify is None:
+        return {}
+    places, count = chosen_positions(prepared)
+    return verified_at(prepared, Sample(prepared.grid, places, count, count), None, watch)
 
 
 def verified_at(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan.derived import cells_of
@@ -50,6 +52,21 @@ def label(prepared: Prepared, computed: Computed, watch: Watch) -> Table:
         variables |= prepared.derived.variables(prepared.dims, arrays)
     attributes = {**attributes_of(prepared), **verified(prepared, values_at, watch)}
     return Table(coordinates_of(plan, prepared.grid), variables, attributes)
+
+
+def verified_alone(prepared: Prepared, watch: Watch) -> dict[str, str | int]:
+    """Return the verification of random cells as attributes; the cells are computed alone."""
+
+    def values_at(sample: Sample) -> dict[str, Array]:
+        boxes = [
+            {dim: (int(at[k]), int(at[k]) + 1) for dim, at in sample.positions.items()}
+            for k in range(sample.count)
+        ]
+        plan = prepared.plan
+        cells = [evaluate(plan, prepared.grid.piece(box, plan.parameters)) for box in boxes]
+        return {name: np.array([cell[name].item() for cell in cells]) for name in plan.outputs}
+
+    return verified(prepared, values_at, watch)
 
 
 def attributes_of(prepared: Prepared) -> dict[str, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from types import MappingProxyType
 from typing import Final
 
 from vibrafeed.core.dataset.table import Table
@@ -14,15 +13,9 @@ from vibrafeed.core.plan.plan import choose_scene
 from vibrafeed.core.plan.prepared import plan_study
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.sweep_study import SweepStudy
+from vibrafeed.core.sweep.cells import verified_alone
 from vibrafeed.core.sweep.plain import DerivedSweep, ReducedSweep, Sweep
 from vibrafeed.core.watch import Watch
-
-_DRIVE: Final = {
-    "frequency": [40, 50],
-    "amplitude": "0.2 mm",
-    "beta": [10, 20, 30],
-    "friction": 0.4,
-}
 
 AnySweep = Sweep | DerivedSweep | ReducedSweep
 
@@ -98,25 +91,5 @@ KIND: Final = Kind(
     compute=compute,
     label=label,
     is_measured=True,
-    compiles=MappingProxyType(
-        {
-            "reduce": tuple(
-                {
-                    "kind": "sweep",
-                    "scene": "rectangle-on-plane",
-                    "outputs": ["acceleration_x"],
-                    "parameters": _DRIVE,
-                    "reduce": {
-                        "over": [over],
-                        "statistics": ["max", "mean"],
-                        "quantiles": [0.5],
-                        "regimes": True,
-                        "shares": {"slow": ["acceleration_x < 1"]},
-                        "levels": {"one": {"output": "acceleration_x", "level": 1, "along": over}},
-                    },
-                }
-                for over in ("frequency", "beta")
-            )
-        }
-    ),
+    verified=verified_alone,
 )

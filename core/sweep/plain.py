@@ -11,18 +11,12 @@ from numpy.typing import NDArray
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import Problem
 from vibrafeed.core.lazy.reduced import Reduced
-from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan.derived import Asked, asked_of
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.plan.price import Price
-from vibrafeed.core.plan.sample import Sample
-from vibrafeed.core.plan.shares import SHARDS
-from vibrafeed.core.plan.tiles import Tiled
 from vibrafeed.core.study.sweep_study import SweepStudy
-from vibrafeed.core.sweep.cells import attributes_of, compute, label
-from vibrafeed.core.sweep.shares import Shards
-from vibrafeed.core.sweep.verify import verified
+from vibrafeed.core.sweep.cells import attributes_of, compute, label, verified_alone
 from vibrafeed.core.watch import Watch
 
 
@@ -30,7 +24,6 @@ class Sweep(Prepared):
     """A sweep that can be carried out."""
 
     study: SweepStudy
-    shares_as: ClassVar[str] = SHARDS
     can_stop: ClassVar[bool] = False
     keeps_some: ClassVar[bool] = False
 
@@ -67,15 +60,6 @@ class Sweep(Prepared):
     def label(self, computed: Computed, watch: Watch) -> Table:
         """Return the labelled results; `watch` may stop verifying."""
         return label(self, computed, watch)
-
-    def shares(self, where: str, count: int) -> Shards:
-        """Return the shares of the sweep: ranges of tiles, written as shards of a Zarr group."""
-        return Shards(self.study, self.cells, where, count, self.boxes, self)
-
-    @property
-    def boxes(self) -> int:
-        """The number of tiles, the largest number of shares."""
-        return len(Tiled(self).tiles)
 
 
 class DerivedSweep(Prepared):
@@ -123,15 +107,5 @@ class ReducedSweep(Reduced):
         return attributes_of(self)
 
     def verified(self, watch: Watch) -> dict[str, str | int]:
-        """Return the result of verifying some cells as attributes; they are computed one by one.
-
-        The result of a reduced sweep does not have its cells. `watch` may stop it.
-        """
-        whole = self.whole
-        tiled = Tiled(whole)
-
-        def values_at(sample: Sample) -> dict[str, Array]:
-            """Return the outputs at sampled cells."""
-            return tiled.at(sample.positions, sample.count)
-
-        return {**verified(whole, values_at, watch)}
+        """Return the verification of random cells as attributes; the cells are computed alone."""
+        return verified_alone(self, watch)
