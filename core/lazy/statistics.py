@@ -200,7 +200,7 @@ def _fold(ufunc: np.ufunc) -> Callable[..., Any]:
 
 def _sum(values: Any, axis: tuple[int, ...], keepdims: bool) -> Any:
     with np.errstate(invalid="ignore"):
-        return np.add.reduce(values, axis=axis, keepdims=keepdims, where=~np.isnan(values))
+        return np.sum(values, axis=axis, keepdims=keepdims, where=~np.isnan(values))
 
 
 def _count(values: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> Any:

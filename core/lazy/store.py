@@ -182,7 +182,8 @@ def summary(blocks: Blocks, block: Block, arrays: Mapping[str, NDArray[Any]]) ->
         if judge is not None and judge.doubts:
             doubted = [REGIMES[one].value for one in judge.regimes if not REGIMES[one].valid]
             valid, own = ~np.isin(arrays[judge.name], doubted), dims[judge.name]
-            valid = valid.any(tuple(k for k, dim in enumerate(own) if dim not in dims[name]))
+            apart = tuple(k for k, dim in enumerate(own) if dim not in dims[name])
+            valid = np.asarray(valid.any(axis=apart))
             shape = zip(dims[name], counted.shape, strict=True)
             counted = counted & np.reshape(
                 valid, [size if dim in own else 1 for dim, size in shape]
