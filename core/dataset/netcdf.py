@@ -6,10 +6,11 @@ functions take no lock: a process that has threads gives all of them to one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,6 +88,20 @@ def define(
     _define(path, table, history, _Storage(compression, chunks=chunks), empty=True)
 
 
+@contextmanager
+def opened(path: Path, mode: Literal["w", "a"]) -> Iterator[netCDF4.Dataset]:
+    """Open a NetCDF file to write; what the disk does not take is an `OSError`."""
+    import netCDF4  # a process that writes nothing does not load it
+
+    try:
+        with netCDF4.Dataset(path, mode, format="NETCDF4") as file:
+            yield file
+    except RuntimeError as error:
+        if not str(error).startswith("NetCDF:"):
+            raise
+        raise OSError(f"{error} (is the disk full?)") from error
+
+
 @dataclass(frozen=True)
 class _Storage:
     """The storage of a variable: chunks, compression and type."""
@@ -130,9 +145,7 @@ def _define(
     empty : bool
         True to leave out the values of arrays, which are written later.
     """
-    import netCDF4  # a process that writes nothing does not load it
-
-    with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
+    with opened(path, "w") as file:
         _fill(file, table, history, storage, empty=empty)
 
 

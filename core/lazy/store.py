@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from vibrafeed import core
 from vibrafeed.core.dataset.files import partial, settle, whole
-from vibrafeed.core.dataset.netcdf import define
+from vibrafeed.core.dataset.netcdf import define, opened
 from vibrafeed.core.dataset.stores import (
     GROUP,
     UNFINISHED,
@@ -53,6 +53,8 @@ from vibrafeed.core.watch import Watch
 
 STORED_CELLS = 1 << 18
 """Cells of a block that is stored, and of a chunk of its file: 2 MiB a variable."""
+AT_ONCE = 1024
+"""Blocks that dask is told of at once: each takes it 15 KB."""
 UNDER_WAY: Final = "This group is being written: missing values read as NaN, a regime as 0."
 """The comment of a group under way."""
 
@@ -129,10 +131,11 @@ def points_of(prepared: Prepared) -> int:
 
 
 def stored_cells(prepared: Prepared, one: Field) -> int:
-    """Return the number of cells of a block that is stored: a second at most."""
+    """Return the number of cells of a block that is stored: some seconds of motion at most."""
     if not one.takes_long:
         return STORED_CELLS
-    return max(1, min(STORED_CELLS, int(1 / prepared.seconds_a_cell)))
+    # A price that is measured would give other blocks in each process.
+    return max(1, min(STORED_CELLS, int(1 / prepared.stated_seconds_a_cell)))
 
 
 @dataclass
@@ -217,14 +220,12 @@ def store_netcdf(
     OSError
         If it cannot be written.
     """
-    import netCDF4
-
     blocks, written = Blocks(prepared), Written()
     chunks = {name: blocks.chunk(name) for name in outline.variables}
     table, threads = whole_table(prepared, outline), watch.threads or cores()
     with whole(path) as temporary:
         define(temporary, table, history=history, compression=compression, chunks=chunks)
-        with netCDF4.Dataset(temporary, "a") as file, ThreadPoolExecutor(threads) as pool:
+        with opened(temporary, "a") as file, ThreadPoolExecutor(threads) as pool:
             waiting: deque[tuple[Block, Future[dict[str, NDArray[Any]]]]] = deque()
             left = iter(range(len(blocks)))
             while True:
@@ -366,7 +367,7 @@ class ZarrStore:
         blocks = Blocks(self.prepared)
         block = blocks[index]
         arrays = compute_block(self.prepared, block.field, block.box, watch)
-        group = _opened(self.under_way)
+        group = _opened(self.under_way, self.prepared.study.key())
         with plain_errors():
             for name, place in blocks.places(block).items():
                 group[name].with_config({"write_empty_chunks": True})[place] = arrays[name]
@@ -383,23 +384,22 @@ class ZarrStore:
         StoppedError
             If `watch` stops it; the blocks that were written by then stay.
         """
-        missing = self.missing()
-        watch.advance(1 - len(missing) / len(Blocks(self.prepared)))
-        if not missing:
-            return Written()
+        missing, count, written = self.missing(), len(Blocks(self.prepared)), Written()
+        watch.advance(1 - len(missing) / count)
 
         def write(numbers: NDArray[np.int64]) -> NDArray[Any]:
             held = np.empty(1, dtype=object)
             held[0] = self.write(int(numbers[0]), Watch(threads=1))
             return held
 
-        numbers = dask.array.from_array(np.array(missing), chunks=1)
-        stored = numbers.map_blocks(write, dtype=object, meta=np.empty(0, dtype=object))
-        with watched(watch.part(len(missing) / len(Blocks(self.prepared)))):
-            (found,) = compute(stored)
-        written = Written()
-        for one in found:
-            written.add(one)
+        for start in range(0, len(missing), AT_ONCE):
+            some = missing[start : start + AT_ONCE]
+            numbers = dask.array.from_array(np.array(some), chunks=1)
+            stored = numbers.map_blocks(write, dtype=object, meta=np.empty(0, dtype=object))
+            with watched(watch.part(len(some) / count)):
+                (found,) = compute(stored)
+            for one in found:
+                written.add(one)
         return written
 
     def finish(self, more: Mapping[str, Any] = MappingProxyType({})) -> None:
@@ -416,5 +416,5 @@ class ZarrStore:
 
 
 @lru_cache(maxsize=4)
-def _opened(where: str) -> Any:
+def _opened(where: str, study: str) -> Any:  # another study has other arrays
     return open_group(where)

@@ -25,7 +25,7 @@ from vibrafeed.core.plan.derived import Asked, asked_of
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import Plan, choose_scene
 from vibrafeed.core.plan.prepared import Chosen, Prepared, broken_constraints, plan_study
-from vibrafeed.core.plan.price import Price, price
+from vibrafeed.core.plan.price import Price
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.study.simulate_study import MAX_PERIODS, SimulateStudy
@@ -62,8 +62,13 @@ class Simulation(Prepared):
         """The derivatives that the result contains; None without any."""
         return asked_of(self.plan, self.study.values(), self.study.sensitivities, self.cells)
 
+    @property
+    def stated_seconds_a_cell(self) -> float:
+        """The rough time of a cell on one core [s], which no clock decides."""
+        return self.method.seconds_a_cell
+
     def _new_price(self) -> Price:
-        found = price(self.plan, self.grid, self.method.seconds_a_cell)
+        found = super()._new_price()
         passes = 1 if self.derived is None else self.derived.passes
         return found._replace(cell=passes * found.cell)
 

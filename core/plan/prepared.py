@@ -148,7 +148,12 @@ class Prepared:
         return self.known_price or self._new_price()
 
     def _new_price(self) -> Price:
-        return price(self.plan, self.grid)
+        return price(self.plan, self.grid, self.stated_seconds_a_cell)
+
+    @property
+    def stated_seconds_a_cell(self) -> float:
+        """The rough time of a cell on one core [s], which no clock decides."""
+        return self.plan.scene.seconds_a_cell
 
     @property
     def seconds_a_cell(self) -> float:
