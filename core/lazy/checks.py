@@ -121,13 +121,11 @@ MOST_FOR_QUANTILES = 1 << 26
 
 def _quantiles(asked: Reduction, plan: Plan, grid: Grid) -> Iterator[Problem]:
     depends = plan.depends_on(grid.axes)
-    names = set().union(*(depends[name] for name in asked.of or plan.outputs))
-    cells = grid.size(name for name in asked.over if name in names)
+    axes = set().union(*(depends[name] for name in plan.outputs if name in (asked.of or depends)))
+    cells = grid.size(name for name in asked.over if name in axes)
     if asked.quantiles and cells > MOST_FOR_QUANTILES:
-        message = (
-            f"quantiles need the {cells:,} cells of one answer in memory, and {MOST_FOR_QUANTILES:,} "
-            "are possible"
-        )
+        message = f"quantiles need the {cells:,} cells of one answer in memory, and at most "
+        message += f"{MOST_FOR_QUANTILES:,} are taken"
         yield Problem("reduce.quantiles", message, "Reduce fewer axes, or ask for shares instead")
 
 

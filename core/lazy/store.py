@@ -396,7 +396,8 @@ class ZarrStore:
             own.pop(UNFINISHED, None)
             own["comment"] = self.prepared.plan.scene.validity
             group.attrs.put({**own, **more})
-            names = group.metadata.consolidated_metadata.metadata
+            begun = group.metadata.consolidated_metadata
+            names = () if begun is None else begun.metadata
             put_document(self.under_way, document_of(group, names))
         if "://" not in self.where:
             settle(Path(self.under_way), Path(self.where))
