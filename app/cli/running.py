@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from vibrafeed.app.cli import console
+from vibrafeed.app.cli.by_kind import is_infeasible
 from vibrafeed.app.cli.large import is_stored_in_blocks, run_large
-from vibrafeed.app.cli.nearest import is_infeasible
 from vibrafeed.app.cli.plans import more
 from vibrafeed.app.cli.results import facts_of, show_result
 from vibrafeed.app.cli.studies import (
