@@ -38,7 +38,7 @@ from vibrafeed.core.plan.loops.trace import traced
 from vibrafeed.core.reduce.arrays import reduced_arrays
 from vibrafeed.core.reduce.run import Units, cores
 from vibrafeed.core.reduce.state import State, merge_states
-from vibrafeed.core.sweep.plain import ReducedSweep
+from vibrafeed.core.sweep import ReducedSweep
 from vibrafeed.core.watch import Watch
 
 try:

@@ -10,10 +10,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vibrafeed.app.cli.by_kind import (
+    format_value,
+    is_infeasible,
+    is_short,
+    is_uncertain,
+    list_choice,
+    nearest,
+    show_design,
+    show_findings,
+)
 from vibrafeed.app.cli.console import fail, say, table, tell
-from vibrafeed.app.cli.findings import show_findings
-from vibrafeed.app.cli.nearest import format_value, is_infeasible, list_choice, nearest
-from vibrafeed.app.cli.uncertain import is_short, is_uncertain, show_design
 from vibrafeed.app.cli.units import DIGITS, shown_range, units_asked
 from vibrafeed.core.dataset.regimes import judge_of, percent, regime_shares, shares_of
 from vibrafeed.core.intake import parse_json

@@ -64,8 +64,7 @@ def run(
         bool,
         typer.Option(
             "--resume",
-            help="Continue runs that were stopped or killed, from where they ended. "
-            "Complete results are kept.",
+            help="Keep complete results, and continue runs to Zarr that were stopped or killed.",
         ),
     ] = False,
     units: Units = None,
@@ -120,7 +119,7 @@ def run(
     code 2 means that a study file is wrong, that --strict met a warning, or that a result is there
     already, 1 that a result could not be written, that a verification
     failed, or that a study was stopped, by Ctrl-C or the time limit, while it was computed or
-    verified: what was finished is written, of a large sweep where --resume finds it. Exit code 3:
+    verified: what was finished is written; a Zarr group goes on with --resume. Exit code 3:
     all is done, and an optimisation has no solution.
     """
     from vibrafeed.app.cli.running import Running

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,11 +13,11 @@ import numpy as np
 from vibrafeed.core.dataset.files import partial, settle
 from vibrafeed.core.dataset.read import check_size
 from vibrafeed.core.dataset.stores import (
-    consolidate,
+    document_of,
     keys_in,
-    needed_for,
     open_group,
     plain_errors,
+    put_document,
     remove_all,
 )
 from vibrafeed.core.dataset.table import Table, TableVariable
@@ -46,29 +48,92 @@ def write_zarr(table: Table, where: str, *, history: str | None = None) -> None:
     OSError
         If it cannot be written.
     """
-    needed_for(where)
-    from zarr.codecs import BloscCodec
-
     under_way = where if "://" in where else str(partial(Path(where)))
     if keys_in(where):
         raise FileExistsError(f"{where} exists already")
     cost = {} if history is None else {"history": history, **table.price}
-    dataset = table.with_price({}).to_xarray().assign_attrs({**table.attributes, **cost})
-    packed = [BloscCodec(cname="lz4", clevel=5)]
-    for variable in dataset.variables.values():
-        is_text = variable.dtype == object
-        variable.encoding = {} if is_text else {"_FillValue": None, "compressors": packed}
     try:
         with plain_errors():
             remove_all(under_way)
             group = open_group(under_way, create=True)
-            dataset.to_zarr(group.store, mode="a", zarr_format=3, consolidated=False)
-            consolidate(group)
+            create_arrays(group, table)
+            for name, one in {**table.coordinates, **table.variables}.items():
+                put(group, name, ..., one.values)
+            group.attrs.update(cost)
+            names = (*table.coordinates, *table.variables)
+            put_document(under_way, document_of(group, names))
         if "://" not in where:
             settle(Path(under_way), Path(where))
     except BaseException:
         remove_all(under_way)  # nobody could go on with it
         raise
+
+
+def create_arrays(
+    group: zarr.Group,
+    table: Table,
+    *,
+    sizes: Mapping[str, int] = MappingProxyType({}),
+    chunks: Mapping[str, tuple[int, ...]] = MappingProxyType({}),
+    compressed: bool = True,
+) -> None:
+    """Create the arrays of a table in a group, with the attributes of the whole, without values.
+
+    Parameters
+    ----------
+    group : zarr.Group
+        The group.
+    table : Table
+        The table.
+    sizes : mapping of str to int, optional
+        The length of each dimension, if not that of the values.
+    chunks : mapping of str to tuple of int, optional
+        The chunk lengths of arrays; one chunk by default.
+    compressed : bool
+        Whether chunks are packed.
+    """
+    from zarr.codecs import BloscCodec
+
+    # lz4 is the fastest that every reader of version 3 has; a shuffle helps floats.
+    packed = [BloscCodec(cname="lz4", clevel=5)] if compressed else None
+    scalars = " ".join(name for name, one in table.coordinates.items() if not one.dims)
+    links = {_LINK: scalars} if scalars else {}
+    for name, one in {**table.coordinates, **table.variables}.items():
+        shape = tuple(
+            sizes.get(dim, size) for dim, size in zip(one.dims, one.values.shape, strict=True)
+        )
+        is_text = one.values.dtype == object
+        # Readers of version 3 take a fill value for no mask: only an attribute would be one.
+        fill = "" if is_text else np.nan if one.values.dtype.kind == "f" else 0
+        group.create_array(
+            name,
+            shape=shape,
+            dtype=str if is_text else one.values.dtype,
+            chunks=chunks.get(name) or tuple(max(1, size) for size in shape),
+            compressors=packed if one.dims and not is_text else None,
+            fill_value=fill,
+            dimension_names=one.dims,
+            attributes={**_plain(one.attributes), **(links if name in table.variables else {})},
+        )
+    group.attrs.update(_plain(table.attributes))
+
+
+def put(group: zarr.Group, name: str, place: Any, values: np.ndarray[Any, Any]) -> None:
+    """Write values into an array of a group; also chunks of nothing but the fill value are kept."""
+    array: Any = group[name]
+    array.with_config({"write_empty_chunks": True})[place] = values
+
+
+def _plain(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return attributes as values that JSON holds: arrays as lists, all but numbers as texts."""
+    return {
+        name: value.tolist()
+        if isinstance(value, np.ndarray)
+        else value
+        if isinstance(value, int | float)
+        else str(value)
+        for name, value in attributes.items()
+    }
 
 
 def read_zarr(where: str, *, most_bytes: int | None = None) -> Table:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import contextlib
 import json
 import shutil
-import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from vibrafeed.core.dataset.files import whole
 from vibrafeed.core.errors import MissingPackageError
 from vibrafeed.core.extras import installing
 
@@ -53,13 +53,36 @@ def open_group(where: str, *, create: bool = False, read_only: bool = False) -> 
     return zarr.open_group(store, mode="r" if read_only else "r+")
 
 
-def consolidate(group: zarr.Group) -> None:
-    """Put the metadata of all arrays into the document of a group, so that one request opens it."""
-    import zarr
+def document_of(group: zarr.Group, names: Iterable[str]) -> bytes:
+    """Return the document of a group with those of its arrays, so that one request opens it.
 
-    with warnings.catch_warnings():  # version 3 has it in all libraries, and not in its text
-        warnings.filterwarnings("ignore", "Consolidated metadata")
-        zarr.consolidate_metadata(group.store)
+    `names` are its arrays in the order in which readers are to have them; zarr-python's own has an
+    order that varies from run to run.
+    """
+    from zarr.buffer import default_buffer_prototype
+
+    prototype = default_buffer_prototype()
+    arrays = {
+        name: json.loads(group[name].metadata.to_buffer_dict(prototype)[GROUP].to_bytes())
+        for name in names
+    }
+    document = {
+        "zarr_format": 3,
+        "node_type": "group",
+        "attributes": dict(group.attrs),
+        "consolidated_metadata": {"kind": "inline", "must_understand": False, "metadata": arrays},
+    }
+    return json.dumps(document).encode()
+
+
+def put_document(where: str, document: bytes) -> None:
+    """Write the document of a group in a folder or object store."""
+    if "://" in where:
+        with plain_errors():
+            open_store(where).put(GROUP, document)
+        return
+    with whole(Path(where) / GROUP) as temporary:
+        temporary.write_bytes(document)
 
 
 def open_store(where: str) -> ObjectStore:

@@ -112,7 +112,21 @@ def problems_of(asked: Reduction, plan: Plan, grid: Grid) -> list[Problem]:
     They are regimes that no cell can have, and levels along axes that their output does not depend
     on.
     """
-    return [*_regimes(asked, plan), *_levels(asked, plan, grid)]
+    return [*_regimes(asked, plan), *_levels(asked, plan, grid), *_quantiles(asked, plan, grid)]
+
+
+MOST_FOR_QUANTILES = 1 << 26
+"""Cells of one answer of which quantiles are taken: they are in memory together, 512 MiB."""
+
+
+def _quantiles(asked: Reduction, plan: Plan, grid: Grid) -> Iterator[Problem]:
+    depends = plan.depends_on(grid.axes)
+    axes = set().union(*(depends[name] for name in plan.outputs if name in (asked.of or depends)))
+    cells = grid.size(name for name in asked.over if name in axes)
+    if asked.quantiles and cells > MOST_FOR_QUANTILES:
+        message = f"quantiles need the {cells:,} cells of one answer in memory, and at most "
+        message += f"{MOST_FOR_QUANTILES:,} are taken"
+        yield Problem("reduce.quantiles", message, "Reduce fewer axes, or ask for shares instead")
 
 
 def _regimes(asked: Reduction, plan: Plan) -> Iterator[Problem]:

@@ -24,14 +24,16 @@ from numpy.typing import NDArray
 
 from vibrafeed import core
 from vibrafeed.core.dataset.files import partial, settle, whole
+from vibrafeed.core.dataset.group import create_arrays, put
 from vibrafeed.core.dataset.netcdf import define, opened
 from vibrafeed.core.dataset.stores import (
     GROUP,
     UNFINISHED,
-    consolidate,
+    document_of,
     keys_in,
     open_group,
     plain_errors,
+    put_document,
     remove_all,
 )
 from vibrafeed.core.dataset.table import Table
@@ -41,7 +43,6 @@ from vibrafeed.core.lazy.dataset import (
     Field,
     chunks_of,
     compute_block,
-    dataset,
     fields_of,
     watched,
 )
@@ -320,29 +321,14 @@ class ZarrStore:
             self._create(outline)
 
     def _create(self, outline: Table) -> None:
-        from zarr.codecs import BloscCodec
-
-        # lz4 is the fastest that every reader of version 3 has; a shuffle helps floats.
-        packed = BloscCodec(cname="lz4", clevel=5)
-        blocks = Blocks(self.prepared)
-        arrays = dataset(self.prepared, outline, cells=STORED_CELLS)
-        for name in outline.variables:
-            arrays[name].encoding = {
-                "chunks": blocks.chunk(name),
-                "compressors": [packed],
-                "_FillValue": None,
-            }
-        arrays.attrs |= {UNFINISHED: self.identity, "comment": UNDER_WAY}
-        group = open_group(self.under_way, create=True)
-        arrays.to_zarr(
-            group.store,
-            mode="a",
-            compute=False,
-            zarr_format=3,
-            consolidated=False,
-            safe_chunks=False,
-        )
-        consolidate(group)
+        blocks, group = Blocks(self.prepared), open_group(self.under_way, create=True)
+        chunks = {name: blocks.chunk(name) for name in outline.variables}
+        create_arrays(group, outline, sizes=self.prepared.grid.shape, chunks=chunks)
+        for name, one in coordinates_of(self.prepared.plan, self.prepared.grid).items():
+            put(group, name, ..., one.values)
+        group.attrs.update({UNFINISHED: self.identity, "comment": UNDER_WAY})
+        names = (*outline.coordinates, *outline.variables)
+        put_document(self.under_way, document_of(group, names))
 
     def missing(self) -> list[int]:
         """Return the numbers of the blocks that are not stored."""
@@ -370,7 +356,7 @@ class ZarrStore:
         group = _opened(self.under_way, self.prepared.study.key())
         with plain_errors():
             for name, place in blocks.places(block).items():
-                group[name].with_config({"write_empty_chunks": True})[place] = arrays[name]
+                put(group, name, place, arrays[name])
         if "://" not in self.where:
             for key in self._keys(blocks, block):
                 sync(Path(self.under_way) / key)
@@ -410,7 +396,9 @@ class ZarrStore:
             own.pop(UNFINISHED, None)
             own["comment"] = self.prepared.plan.scene.validity
             group.attrs.put({**own, **more})
-            consolidate(group)
+            begun = group.metadata.consolidated_metadata
+            names = () if begun is None else begun.metadata
+            put_document(self.under_way, document_of(group, names))
         if "://" not in self.where:
             settle(Path(self.under_way), Path(self.where))
 

@@ -212,3 +212,12 @@ def test_cells_are_verified_as_those_of_a_sweep() -> None:
     asked = {"over": ["amplitude"], **MAX}
     found = tabulate(prepare_content({**STUDY, "verify": 5, "reduce": asked}))
     assert found.attributes["verified_cells"] == 5
+
+
+def test_quantiles_of_more_cells_than_memory_holds_are_refused() -> None:
+    parameters = {**STUDY["parameters"], "beta": {"start": 0, "stop": 60, "num": 10_000}}
+    parameters["amplitude"] = {"start": 1e-4, "stop": 1e-3, "num": 10_000}
+    asked = {"over": ["amplitude", "beta"], "quantiles": [0.5]}
+    with pytest.raises(StudyError) as refused:
+        prepare_content({**STUDY, "parameters": parameters, "reduce": asked})
+    assert [problem.place for problem in refused.value.problems] == ["reduce.quantiles"]

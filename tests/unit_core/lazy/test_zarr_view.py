@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
-import sys
 import tomllib
 import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
@@ -18,9 +16,10 @@ import pytest
 
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.kinds.results import outline
+from vibrafeed.core.lazy import view as view_module
 from vibrafeed.core.study.values import Points, Span
 from vibrafeed.core.sweep import Sweep
-from vibrafeed.core.sweep.zarr_view import ZarrView
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 SWEEPS = {
@@ -54,7 +53,11 @@ def huge(**sizes: int) -> Sweep:
     return prepare_content({**TRACK, "parameters": {**TRACK["parameters"], **axes}})
 
 
-def decode(view: ZarrView, name: str, index: tuple[int, ...]) -> np.ndarray[Any, Any]:
+def ZarrView(sweep: Sweep, **more: Any) -> view_module.ZarrView:
+    return view_module.ZarrView(sweep, outline(sweep.unverified()), **more)
+
+
+def decode(view: Any, name: str, index: tuple[int, ...]) -> np.ndarray[Any, Any]:
     """Return a chunk as its document describes it, padding included."""
     document = json.loads(view.read(f"{name}/zarr.json"))
     dtype = np.dtype(document["data_type"]).newbyteorder("<")
@@ -72,7 +75,7 @@ def check_every_chunk(sweep: Sweep, chunk_cells: int) -> None:
     for name, variable in whole.items():
         document = json.loads(view.read(f"{name}/zarr.json"))
         assert tuple(document["shape"]) == variable.values.shape
-        assert tuple(document["dimension_names"]) == variable.dims
+        assert tuple(document.get("dimension_names", ())) == variable.dims
         lengths = document["chunk_grid"]["configuration"]["chunk_shape"]
         assert math.prod(lengths) <= chunk_cells
         for index in product(*map(range, view.chunks()[name])):
@@ -141,7 +144,10 @@ def test_the_document_of_the_group_holds_those_of_its_arrays():
     assert regime["attributes"]["flag_values"]
     for document in inside.values():
         assert "_FillValue" not in document["attributes"]
-        assert document["codecs"] == [{"name": "bytes", "configuration": {"endian": "little"}}]
+        (codec,) = document["codecs"]
+        assert codec["name"] == "bytes"
+        if document["data_type"] != "int8":
+            assert codec["configuration"] == {"endian": "little"}
 
 
 def test_a_view_is_not_verified():
@@ -215,7 +221,7 @@ def test_only_what_an_output_needs_is_evaluated(monkeypatch):
     view = ZarrView(prepare_content(TRACK))
     ran = []
     monkeypatch.setattr(
-        "vibrafeed.core.sweep.zarr_view.evaluate",
+        "vibrafeed.core.lazy.view.evaluate",
         lambda plan, grid: (
             ran.append(plan) or {"throw_number": np.zeros(tuple(grid.shape.values()))}
         ),
@@ -224,12 +230,3 @@ def test_only_what_an_output_needs_is_evaluated(monkeypatch):
     assert ran[0].conditions == ()
     assert [e.gives for e in ran[0].equations][-1] == "throw_number"
     assert not {"alpha", "friction", "radius"} & set(ran[0].parameters)
-
-
-def test_the_view_itself_loads_neither_zarr_nor_xarray():
-    code = (
-        "import sys, vibrafeed.core.sweep.zarr_view\n"
-        "print({'zarr', 'xarray', 'netCDF4', 'numba'} & set(sys.modules))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "set()"
