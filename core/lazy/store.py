@@ -400,6 +400,8 @@ class ZarrStore:
             names = () if begun is None else begun.metadata
             put_document(self.under_way, document_of(group, names))
         if "://" not in self.where:
+            for left in Path(self.under_way).rglob("*.partial"):  # of writers that were killed
+                left.unlink(missing_ok=True)
             settle(Path(self.under_way), Path(self.where))
 
 
