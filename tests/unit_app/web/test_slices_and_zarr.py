@@ -20,6 +20,7 @@ from vibrafeed.app.web.calculations import encode_json
 from vibrafeed.app.web.zarr_views import ZarrViews
 from vibrafeed.core.intake import parse_study, prepare_content
 from vibrafeed.core.kinds import run_study
+from vibrafeed.core.kinds.results import outline
 from vibrafeed.core.lazy.view import ZarrView
 
 
