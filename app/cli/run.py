@@ -214,8 +214,11 @@ def cluster(
 
         try:
             client = distributed.Client(address, timeout=20)  # type: ignore[no-untyped-call]
-        except (OSError, ValueError) as error:
-            console.fail(f"{address} cannot be reached: {error}.")
+        except (OSError, ValueError, TypeError) as error:
+            # Dask says of missing certificates that something has another type.
+            why = "it talks TLS, and the settings of Dask name no certificates (docs/scale.md)"
+            told = why if isinstance(error, TypeError) else error
+            console.fail(f"{address} cannot be reached: {told}.")
             raise typer.Exit(FAILED) from None
         with client:
             yield
