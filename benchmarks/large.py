@@ -43,7 +43,7 @@ SPANS = {
 }
 RADIUS, GRAVITY = 0.8, 9.80665
 TWO, FIVE = ("alpha", "beta"), ("alpha", "beta", "gamma", "friction", "distance")
-PEER_CELLS = 3_000_000
+PEER_CELLS = 30_000_000
 """Of xarray, which is slow."""
 
 WORKER = """
