@@ -307,26 +307,28 @@ def calibrate(
 
 
 def open_lazily(scene: SceneName | StudyLike | None = None, /, **keywords: Any) -> xarray.Dataset:
-    """Return the dataset of a sweep of any size, computed where it is read.
+    """Return the dataset of a sweep or simulation of any size, computed where it is read.
+
+    Its variables are dask arrays over their own axes: ``.sel``, ``.max("beta")``, ``.to_zarr`` and
+    all else that xarray does is computed block by block.
 
     Parameters
     ----------
     scene : str, Study, mapping or path
-        Name of the scene; or a study that the keywords change.
+        Name of the scene; or a study that the keywords change. A scene alone is a sweep; give
+        ``kind="simulate"`` for motion.
     **keywords
-        Those of `sweep`.
+        Those of `sweep`, or of `simulate`.
 
     Returns
     -------
     xarray.Dataset
-        What `sweep` returns, without a value yet.
+        What `sweep` or `simulate` returns, without a value yet.
 
     Raises
     ------
     StudyError
         With every problem.
-    VibrafeedError
-        If zarr is not installed.
 
     Examples
     --------
@@ -340,9 +342,9 @@ def open_lazily(scene: SceneName | StudyLike | None = None, /, **keywords: Any) 
     >>> lazy.acceleration_x[99_999, 0].values > lazy.acceleration_x[0, 0].values
     np.True_
     """
-    prepared = _prepared("sweep", locals())
+    prepared = _prepared(None, locals())
     _import_accessor()
-    return import_module("vibrafeed.core.sweep.lazy").open_lazily(prepared)
+    return import_module("vibrafeed.core.kinds").open_lazily(prepared)
 
 
 def drive_error(
@@ -561,8 +563,10 @@ def scenes(
     return catalogue.describe(name, variant, method=method) if one else catalogue.describe_all()
 
 
-def _prepared(kind: str, arguments: dict[str, Any]) -> Any:
+def _prepared(kind: str | None, arguments: dict[str, Any]) -> Any:
     """Return a study of one kind, ready to be computed; warn of unusual values.
+
+    Without a kind it is the one that the study names, or a sweep.
 
     `arguments` are the `locals()` of a public function: `scene`, keywords, and a mapping of more.
     """
@@ -573,7 +577,7 @@ def _prepared(kind: str, arguments: dict[str, Any]) -> Any:
     content = intake.gather(base, given, kind)
     if not isinstance(content, dict):
         return import_module("vibrafeed.core.kinds").prepare(content)
-    prepared = intake.prepare_content(content, files=True)
+    prepared = intake.prepare_content({"kind": "sweep", **content}, files=True)
     for question in prepared.questions:
         warnings.warn(question, stacklevel=CALLER)
     return prepared

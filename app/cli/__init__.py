@@ -45,7 +45,7 @@ GONE: Final = MappingProxyType(
     {
         "atlas": "The notebook docs/notebooks/five-number-chart.ipynb draws the chart of speeds",
         "friction": "vibrafeed materials prints it",
-        "join": "vibrafeed run STUDY -o RESULT joins the shares that lie beside the result",
+        "join": "vibrafeed run --scheduler computes a study on many machines: docs/scale.md",
         "leaves": "vibrafeed materials --leaves prints them",
         "lookup": "vibrafeed run computes the speed; vibrafeed new writes the study",
         "schema": "vibrafeed scenes --schema prints it",
@@ -55,6 +55,9 @@ GONE: Final = MappingProxyType(
     }
 )
 """Commands of former versions, and what does the same."""
+
+GONE_OPTIONS: Final = ("--share", "--shares")
+"""Options of `run` in former versions: a cluster (`--scheduler`) does the same."""
 
 SERVICE: Final = ("serve", "key")
 """The commands that need the extra `serve`."""
@@ -99,6 +102,13 @@ class Commands(Group):
         The module of the command, with its options, is imported only now. `args` are all words that
         were typed.
         """
+        if args[:1] == ["run"] and any(one.startswith(GONE_OPTIONS) for one in args):
+            typer.echo(
+                "There are no shares. --scheduler computes a study on the workers of a Dask "
+                "cluster; a run to Zarr (-o result.zarr) goes on with --resume. See docs/scale.md.",
+                err=True,
+            )
+            raise typer.Exit(INVALID_INPUT)
         if args and args[0] in GONE:
             typer.echo(f"There is no command {args[0]}. {GONE[args[0]]}.", err=True)
             raise typer.Exit(INVALID_INPUT)

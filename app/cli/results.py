@@ -10,10 +10,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vibrafeed.app.cli.by_kind import (
+    format_value,
+    is_infeasible,
+    is_short,
+    is_uncertain,
+    list_choice,
+    nearest,
+    show_design,
+    show_findings,
+)
 from vibrafeed.app.cli.console import fail, say, table, tell
-from vibrafeed.app.cli.findings import show_findings
-from vibrafeed.app.cli.nearest import format_value, is_infeasible, list_choice, nearest
-from vibrafeed.app.cli.uncertain import is_short, is_uncertain, show_design
 from vibrafeed.app.cli.units import DIGITS, shown_range, units_asked
 from vibrafeed.core.dataset.regimes import judge_of, percent, regime_shares, shares_of
 from vibrafeed.core.intake import parse_json
@@ -27,8 +34,8 @@ from vibrafeed.core.study.distributions import nominal
 if TYPE_CHECKING:
     from vibrafeed.core.dataset import Table
     from vibrafeed.core.dataset.table import TableVariable
+    from vibrafeed.core.lazy.store import Written
     from vibrafeed.core.study.shown import ShownUnits
-    from vibrafeed.core.sweep.stream import Passed
 
 Ends = tuple[float, float] | None
 _CHOICE = re.compile(r"\w+ = ")
@@ -54,10 +61,10 @@ def facts_of(path: Path, target: str, result: Table, cells: int) -> dict[str, An
     return _result_document(path, target, result, cells, found, shares)
 
 
-def streamed_facts(
-    path: Path, target: str, result: Table, cells: int, passed: Passed
+def large_facts(
+    path: Path, target: str, result: Table, cells: int, written: Written
 ) -> dict[str, Any]:
-    """Return the result of a sweep that was written tile by tile as a JSON document.
+    """Return the result of a study that was written block by block as a JSON document.
 
     Parameters
     ----------
@@ -67,13 +74,13 @@ def streamed_facts(
         The result; it has the values of arrays without dimensions only.
     cells : int
         Number of cells of the study.
-    passed : Passed
-        Ranges of the outputs and counts of the regimes, collected while tiles were written.
+    written : Written
+        Ranges of the outputs and counts of the regimes, collected while blocks were written.
     """
-    ends: dict[str, Ends] = {**passed.ends}
+    ends: dict[str, Ends] = {**written.ends}
     single = [name for name, one in result.variables.items() if not one.dims]
     ends |= {name: _finite_ends(result, name) for name in _outputs(result) if name in single}
-    shares = {name: shares_of(counts) for name, counts in passed.regimes.items()}
+    shares = {name: shares_of(counts) for name, counts in written.regimes.items()}
     shares |= {n: regime_shares(result.variables[n].values) for n in single if is_regime(n)}
     return _result_document(path, target, result, cells, ends, shares)
 

@@ -6,10 +6,10 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -18,6 +18,9 @@ from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import FAILED, NO_SOLUTION, Json, Units
 from vibrafeed.app.cli.studies import Batch, prepare_all, refuse
 from vibrafeed.core.errors import Problem
+
+if TYPE_CHECKING:
+    from vibrafeed.core.plan.prepared import Prepared
 
 FORM = ".csv"
 """What goes to standard output unless another suffix is named, as in ``-.nc``."""
@@ -61,8 +64,7 @@ def run(
         bool,
         typer.Option(
             "--resume",
-            help="Continue runs that were stopped or killed, from where they ended. "
-            "Complete results are kept.",
+            help="Keep complete results, and continue runs to Zarr that were stopped or killed.",
         ),
     ] = False,
     units: Units = None,
@@ -103,26 +105,11 @@ def run(
             min=0,
         ),
     ] = None,
-    share: Annotated[
-        str | None,
-        typer.Option(
-            help="Compute one share of a sweep: 17/4096 is share 17, counted from 0, of "
-            "4096. Run without --share, the same command joins them."
-        ),
-    ] = None,
     scheduler: Annotated[
         str | None,
         typer.Option(
-            help="Compute the shares of a sweep on the Dask scheduler at this address, as "
-            "in tcp://localhost:8786."
-        ),
-    ] = None,
-    shares: Annotated[
-        int | None,
-        typer.Option(
-            min=1,
-            help="Number of shares into which --scheduler divides the sweep, by default set by "
-            "the size of the sweep; or of those to join in an object store.",
+            help="Compute on the Dask scheduler at this address, as in tls://host:8786: sweeps and "
+            "simulations to Zarr (-o result.zarr), and studies with [reduce]."
         ),
     ] = None,
 ) -> None:
@@ -132,20 +119,15 @@ def run(
     code 2 means that a study file is wrong, that --strict met a warning, or that a result is there
     already, 1 that a result could not be written, that a verification
     failed, or that a study was stopped, by Ctrl-C or the time limit, while it was computed or
-    verified: what was finished is written, of a large sweep where --resume finds it. Exit code 3:
+    verified: what was finished is written; a Zarr group goes on with --resume. Exit code 3:
     all is done, and an optimisation has no solution.
-
-    Shares that lie beside the result are joined: each is checked by its digest. Of shares that are
-    missing or damaged the numbers are printed, as a job queue takes them, with exit code 1.
     """
-    from vibrafeed.app.cli.running import Running, history_of
-    from vibrafeed.app.cli.shares import join_if_there, run_on_scheduler, run_share
-    from vibrafeed.app.cli.targets import complete_already, refuse_others, targets_of
+    from vibrafeed.app.cli.running import Running
+    from vibrafeed.app.cli.targets import complete_already, targets_of
     from vibrafeed.app.cli.units import units_asked
 
-    in_shares = share is not None or scheduler is not None
     to_standard = is_standard(output) and not dry_run
-    _refuse_together(as_json=as_json, to_standard=to_standard, in_shares=in_shares)
+    _refuse_together(as_json=as_json, to_standard=to_standard)
     began = time.perf_counter()
     units_asked(units)
     with console.muted(quiet or as_json or to_standard):
@@ -153,15 +135,6 @@ def run(
         context.call_on_close(lambda: _count_warnings(studies))
         if dry_run:
             _show_plans(studies, units, as_json)
-            return
-        if in_shares:
-            targets = targets_of(studies, output)
-            if share is not None:
-                run_share(studies, targets, share)
-            elif scheduler is not None:
-                refuse_others(studies, targets, force=force)
-                with console.needing("cluster", "distributed"):
-                    run_on_scheduler(studies, targets, scheduler, shares, history_of(files[0]))
             return
         running = Running(
             plain=plain,
@@ -176,13 +149,10 @@ def run(
             else nullcontext(output) as place
         ):
             targets = targets_of(studies, place)
-            if joined := join_if_there(studies, targets, shares, force=force):
-                if as_json:
-                    console.document({"vibrafeed": core.__version__, "results": [joined]})
-                return
             complete = complete_already(studies, targets, resume=resume, force=force)
             try:
-                sound = running.carry_out(studies, targets, complete)
+                with cluster(scheduler, studies, targets):
+                    sound = running.carry_out(studies, targets, complete)
             finally:
                 if as_json:
                     told = [studies.with_warnings(facts) for facts in running.facts]
@@ -217,12 +187,45 @@ def _show_plans(studies: Batch, units: str | None, as_json: bool) -> None:
         plans.show_plan(path, prepared, units)
 
 
-def _refuse_together(*, as_json: bool, to_standard: bool, in_shares: bool) -> None:
-    """Exit if options were given that exclude each other.
+@contextmanager
+def cluster(
+    address: str | None, studies: Mapping[Path, Prepared], targets: Mapping[Path, str]
+) -> Iterator[None]:
+    """Let dask compute on the scheduler at an address while the block runs; here without one.
 
-    `to_standard` is True if the result goes to standard output, `in_shares` for a share of a sweep.
+    Exits if a study is computed as a whole, which only this machine does.
     """
-    problem = None
+    if address is None:
+        yield
+        return
+    from vibrafeed.core.dataset.formats import is_zarr
+
+    problems = {}
+    for path, prepared in studies.items():
+        is_reduced = getattr(prepared.study, "reduce", None) is not None
+        if not is_reduced and not (prepared.not_lazy is None and is_zarr(targets[path])):
+            message = "a cluster computes sweeps and simulations to Zarr, and studies with [reduce]"
+            fix = "Write to Zarr (-o result.zarr), or leave out --scheduler"
+            problems[path] = [Problem("--scheduler", message, fix)]
+    if problems:
+        refuse(problems)
+    with console.needing("cluster", "distributed"):
+        import distributed
+
+        try:
+            client = distributed.Client(address, timeout=20)  # type: ignore[no-untyped-call]
+        except (OSError, ValueError, TypeError) as error:
+            # Dask says of missing certificates that something has another type.
+            why = "it talks TLS, and the settings of Dask name no certificates (docs/scale.md)"
+            told = why if isinstance(error, TypeError) else error
+            console.fail(f"{address} cannot be reached: {told}.")
+            raise typer.Exit(FAILED) from None
+        with client:
+            yield
+
+
+def _refuse_together(*, as_json: bool, to_standard: bool) -> None:
+    """Exit if options were given that exclude each other."""
     if to_standard and as_json:
         message = (
             "standard output cannot take both the JSON document (--json) and the result (-o -)"
@@ -230,14 +233,6 @@ def _refuse_together(*, as_json: bool, to_standard: bool, in_shares: bool) -> No
         problem = Problem(
             "--json", message, "Leave out --json, or write the result to a file: -o result.csv"
         )
-    elif in_shares and (as_json or to_standard):
-        option = "--json" if as_json else "--output"
-        problem = Problem(
-            option,
-            "a share of a sweep (--share, --scheduler) is not written to standard output",
-            f"Leave out {option}",
-        )
-    if problem is not None:
         refuse({Path("options"): [problem]})
 
 

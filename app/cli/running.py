@@ -13,11 +13,10 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.nearest import is_infeasible
-from vibrafeed.app.cli.pieces import Pieces
+from vibrafeed.app.cli.by_kind import is_infeasible
+from vibrafeed.app.cli.large import is_stored_in_blocks, run_large
 from vibrafeed.app.cli.plans import more
 from vibrafeed.app.cli.results import facts_of, show_result
-from vibrafeed.app.cli.streamed import run_streamed
 from vibrafeed.app.cli.studies import (
     INTERRUPTED,
     interruptible_compiler,
@@ -27,11 +26,8 @@ from vibrafeed.app.cli.studies import (
 from vibrafeed.app.cli.targets import kept_apart, write_or_exit
 from vibrafeed.core import kinds
 from vibrafeed.core.compiling import stopwatch
-from vibrafeed.core.dataset.formats import NETCDF, ZARR, suffix_of
-from vibrafeed.core.dataset.netcdf import is_large
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.plan.pieces import cells_of
-from vibrafeed.core.plan.tiles import Tiled
 from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:
@@ -99,9 +95,9 @@ class Running:
                 self.facts.append({"study": str(path), "result": target, "complete_before": True})
                 left.remove(path)
                 continue
-            if prepared.not_lazy is None and _is_streamed(prepared, target):
+            if is_stored_in_blocks(prepared, target):
                 left.remove(path)
-                whole, is_verified, facts = run_streamed(
+                whole, is_verified, facts = run_large(
                     path,
                     prepared,
                     target,
@@ -150,9 +146,6 @@ class Running:
             True if the result is complete and verified; True if Ctrl-C was pressed.
         """
         refuse_beyond_memory(path, prepared)
-        pieces = Pieces(prepared, target, resume=self.resume)
-        if pieces.kept:
-            console.say(f"  continuing: {pieces.kept:,} of {len(pieces):,} pieces were done before")
         compiled = stopwatch.spent
         begun = threading.Event()
         stopped_early = f"{path}: it was stopped before a cell was computed; nothing is written."
@@ -171,15 +164,13 @@ class Running:
                 advance(share)
 
             try:
-                table = pieces.tabulate(Watch(progress, interrupted, self.deadline))
+                table = kinds.tabulate(prepared, Watch(progress, interrupted, self.deadline))
             except StoppedError as stopped:
                 console.fail(f"{path}: {stopped}; nothing is written.")
-                _keep_or_remove(pieces)
                 return None
             except KeyboardInterrupt:
                 at_once = f"{path}: it was stopped at once; nothing is written."
                 console.fail(at_once if begun.is_set() else stopped_early)
-                _keep_or_remove(pieces)
                 raise typer.Exit(INTERRUPTED) from None
         if kinds.share_left_out(table) == 1:
             console.fail(stopped_early)
@@ -193,14 +184,15 @@ class Running:
             "writing": time.perf_counter() - evaluated,
         }
         facts = facts_of(path, target, table, cells_of(prepared, table)) | {"seconds": seconds}
-        if facts["cells_computed"] == facts["cells"]:
-            pieces.remove()
         self.facts.append(facts)
         self.solved &= not is_infeasible(table)
         console.say(f"{path} -> {target}")
         show_result(facts, table, self.units, everything=self.checked is not None)
         if facts["cells_computed"] < facts["cells"]:
-            _say_how_to_go_on(pieces, target)
+            options = "--resume" if target.endswith(".nc") else "--resume --force"
+            console.fail(f"  The same command with {options} computes the whole study again.")
+            if prepared.not_lazy is None:
+                console.fail("  A run to Zarr (-o result.zarr) goes on where it was stopped.")
         done, cells = facts["cells_computed"], facts["cells"]
         of = f"{done:,} of {cells:,}" if done < cells else f"{cells:,}"
         noun = "cell" if cells == 1 else "cells"
@@ -218,38 +210,6 @@ class Running:
         if self.checked is not None:
             for line in more(prepared, self.checked):
                 console.tell(line)
-
-
-def _keep_or_remove(pieces: Pieces) -> None:
-    """Print how to continue a stopped study from its stored pieces; remove their folder if none is.
-
-    `pieces` are the blocks of cells that were finished before the stop.
-    """
-    if pieces.kept:
-        done = f"{pieces.kept:,} of its {len(pieces):,} pieces are done and kept"
-        console.fail(f"  {done}. The same command with --resume goes on with them.")
-    else:
-        pieces.remove()
-
-
-def _say_how_to_go_on(pieces: Pieces, target: str) -> None:
-    """Print the command that completes a result of which some cells are not computed.
-
-    `pieces` are those of its study, which are removed if none is stored; `target` is its path.
-    """
-    options = "--resume" if target.endswith(".nc") else "--resume --force"
-    if pieces.kept:
-        how = f"{options} goes on with the {pieces.kept:,} of {len(pieces):,} pieces that are kept."
-    else:
-        how = f"{options} computes the whole study again."
-        pieces.remove()
-    console.fail(f"  The same command with {how}")
-
-
-def _is_streamed(sweep: Prepared, target: str) -> bool:
-    """True if a sweep is written tile by tile: it is too large for memory, or goes to Zarr."""
-    suffix = suffix_of(target)
-    return suffix == ZARR or (suffix == NETCDF and is_large(Tiled(sweep).tiles))
 
 
 def history_of(path: Path) -> str:

@@ -9,11 +9,14 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from vibrafeed import core
 from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import FAILED
 from vibrafeed.app.cli.studies import REPLACE, refuse, refuse_clashes, stem_of
 from vibrafeed.core.dataset.formats import (
     FORMATS,
+    attributes_there,
+    is_zarr,
     known_suffixes,
     read_result,
     suffix_of,
@@ -172,8 +175,6 @@ def complete_already(
     force : bool
         True to replace any existing file; a Zarr group, which is a folder, is never replaced.
     """
-    from vibrafeed.core.sweep.targets import is_complete, is_zarr
-
     problems: dict[Path, Sequence[Problem]] = {}
     complete = []
     for path, target in targets.items():
@@ -191,18 +192,17 @@ def complete_already(
     return complete
 
 
-def refuse_others(
-    studies: Mapping[Path, Prepared], targets: Mapping[Path, str], *, force: bool
-) -> None:
-    """Exit if shares would be joined into a file that holds the result of another study.
+def is_complete(where: str, prepared: Prepared) -> bool:
+    """Return whether at a path lies the result that this version made of the same study.
 
-    `studies` and `targets` are by the study's file; `force` allows it. The shards of a Zarr group
-    are checked one by one where they are computed.
+    Results appear only when they are complete.
     """
-    from vibrafeed.core.sweep.targets import is_zarr
-
-    files = {path: target for path, target in targets.items() if not is_zarr(target)}
-    complete_already(studies, files, resume=True, force=force)
+    attributes = attributes_there(where)
+    made = str(attributes.get("source")).partition(",")[0]
+    return (
+        attributes.get("study_sha256") == prepared.study.key()
+        and made == f"vibrafeed {core.__version__}"
+    )
 
 
 def _is_whole(prepared: Prepared, target: str) -> bool:
@@ -212,7 +212,6 @@ def _is_whole(prepared: Prepared, target: str) -> bool:
     """
     from vibrafeed.core.kinds import is_whole
     from vibrafeed.core.plan.labels import LEFT_OUT
-    from vibrafeed.core.sweep.targets import attributes_there
 
     if not prepared.keeps_some:  # it may be large, and is written when it is computed
         return LEFT_OUT not in attributes_there(target)

@@ -9,7 +9,6 @@ from pathlib import Path
 
 from vibrafeed.app.jobs.manifest import ZARR
 from vibrafeed.core.dataset.files import whole
-from vibrafeed.core.dataset.shards import UNFINISHED
 
 LIST = f"{ZARR}.sha256"
 KEPT = 8  # lists that are cached in memory; one of 100,000 shards takes some 20 MB
@@ -33,7 +32,7 @@ def complete_list(folder: Path) -> None:
     """
     digests = dict(read_list(folder))
     for key, path in files_of(folder / ZARR):
-        if key not in digests and key != UNFINISHED:
+        if key not in digests:
             with path.open("rb") as file:
                 digests[key] = hashlib.file_digest(file, "sha256").hexdigest()
     write_list(folder, digests)

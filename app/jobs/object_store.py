@@ -18,7 +18,7 @@ from vibrafeed.app.jobs.groups import LIST, read_list
 from vibrafeed.app.jobs.integrity import has_digest
 from vibrafeed.app.jobs.manifest import MANIFEST, ZARR, Manifest
 from vibrafeed.core.dataset.files import PART, whole
-from vibrafeed.core.dataset.shards import open_store, plain_errors
+from vibrafeed.core.dataset.stores import open_store, plain_errors
 from vibrafeed.core.system import replace, sync
 
 if TYPE_CHECKING:

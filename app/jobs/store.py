@@ -16,7 +16,7 @@ import os
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,7 @@ from filelock import FileLock
 
 from vibrafeed import core
 from vibrafeed.app.jobs.blocks import Blocks
-from vibrafeed.app.jobs.groups import LIST, complete_list, files_of, read_list, write_list
+from vibrafeed.app.jobs.groups import LIST, complete_list, files_of, read_list
 from vibrafeed.app.jobs.integrity import Integrity
 from vibrafeed.app.jobs.manifest import (
     JSON,
@@ -42,8 +42,7 @@ from vibrafeed.app.jobs.object_store import RemoteResults
 from vibrafeed.core.dataset.document import to_document
 from vibrafeed.core.dataset.files import PART, partial, whole
 from vibrafeed.core.dataset.netcdf import write_netcdf
-from vibrafeed.core.dataset.records import ENDING
-from vibrafeed.core.dataset.shards import GROUP, GROWING
+from vibrafeed.core.dataset.stores import GROUP
 from vibrafeed.core.dataset.table import Table
 
 logger = logging.getLogger("vibrafeed.store")
@@ -224,33 +223,22 @@ class Store(Blocks):
 
         return self._finish(key, write, Making(process, cells, blocks, seconds))
 
-    def finish_group(
-        self,
-        key: str,
-        join: Callable[[], object],
-        digests: Callable[[], Mapping[str, str]],
-        making: Making,
-    ) -> Manifest:
-        """Join the shares of a Zarr group, then write the manifest of the group and return it.
+    def finish_group(self, key: str, finish: Callable[[], object], making: Making) -> Manifest:
+        """Complete a Zarr group, then write the manifest of the group and return it.
 
         Parameters
         ----------
         key : str
             Identifier of the study.
-        join : callable
-            Joins the shares.
-        digests : callable
-            Returns the SHA-256 of each shard by its path in the group; called first, as joining
-            removes the records of the shares.
+        finish : callable
+            Completes the group.
         making : Making
             Process, cells, blocks and computing time of the result.
         """
 
         def write(folder: Path) -> list[str]:
-            """Write the list of digests and join the group; return its name."""
             if not (folder / ZARR).exists():
-                write_list(folder, digests())
-                join()
+                finish()
             complete_list(folder)
             return [ZARR]
 
@@ -276,7 +264,7 @@ class Store(Blocks):
         folder = self.folder(key) / ZARR
         if folder.exists():
             return folder / path
-        return partial(folder) / (GROWING if path == GROUP else path)
+        return partial(folder) / path
 
     def _finish(self, key: str, write: Callable[[Path], list[str]], making: Making) -> Manifest:
         """Write the files of a result and then its manifest, which makes the result complete.
@@ -340,8 +328,6 @@ class Store(Blocks):
             folder = self.folder(key)
             shutil.rmtree(folder / "blocks", ignore_errors=True)
             shutil.rmtree(partial(folder / ZARR), ignore_errors=True)
-            for result in (NETCDF, ZARR):
-                shutil.rmtree(folder / f"{result}{ENDING}", ignore_errors=True)
 
     def bytes(self, key: str) -> int:
         """Return the bytes of all files of a study."""

@@ -89,7 +89,7 @@ class Studies:
             prepared, is_own = self._get(key)
         except StudyError:  # it was sound when it was posted
             raise _not_own(key, None) from None
-        if prepared.not_lazy is None and is_own:
+        if is_sweep(prepared) and is_own:
             return prepared
         raise _not_own(key, prepared)
 
@@ -174,6 +174,11 @@ class Studies:
                 os.utime(path)
 
 
+def is_sweep(prepared: Prepared) -> bool:
+    """True for a sweep of closed forms whose cells are computed one by one."""
+    return prepared.study.kind == "sweep" and prepared.not_lazy is None
+
+
 def _not_own(key: str, prepared: Prepared | None) -> VibrafeedError:
     """Return the error for a stored study that is not a sweep of this version.
 
@@ -183,7 +188,7 @@ def _not_own(key: str, prepared: Prepared | None) -> VibrafeedError:
     """
     if prepared is not None:
         of_another_process = identifier(prepared.study, "accuracy") == key
-        if prepared.not_lazy is not None or of_another_process:
+        if not is_sweep(prepared) or of_another_process:
             return unknown(key)
     return OtherVersionError(
         f"The sweep '{key[:12]}...' was posted to another version of vibrafeed; this one is "

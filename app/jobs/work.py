@@ -15,31 +15,31 @@ from functools import lru_cache
 from pathlib import Path
 
 from vibrafeed import core
-from vibrafeed.app.jobs import shares
+from vibrafeed.app.jobs import large
 from vibrafeed.app.jobs.errors import BlindWorkerError, NotFoundError, OtherVersionError
 from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.jobs.studies import identifier
 from vibrafeed.app.settings import Settings
+from vibrafeed.core import lazy
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.kinds.results import outline
 from vibrafeed.core.plan.pieces import Cut, cells_of_piece, join
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.report import check, measure
 from vibrafeed.core.watch import Watch
 
-IN_SHARES = (
-    0  # stands for the cells of a block that is a share of a sweep (`vibrafeed.app.jobs.shares`)
-)
+IN_GROUP = 0
+"""Stands for the cells of a block that goes into a Zarr group (`vibrafeed.app.jobs.large`)."""
 UNWANTED = "no client wants the block any more"
 
 _netcdf = threading.Lock()  # the library crashes if two threads of a worker use it
 
 
 def blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, int]:
-    """Return the number of cells of a block, or `IN_SHARES`, and the number of blocks of a job.
+    """Return the number of cells of a block, or `IN_GROUP`, and the number of blocks of a job.
 
-    A block is what a worker computes at a time. A report of accuracy is one block; a
-    study that is computed in parts has one a part, and `IN_PARTS` as cells.
+    A block is what a worker computes at a time. A report of accuracy is one block.
 
     Parameters
     ----------
@@ -54,15 +54,15 @@ def blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, i
     if process not in KINDS:
         check(prepared)
         return cells, 1
-    if shares.is_in_shares(prepared, settings):
-        return IN_SHARES, shares.count_of(prepared)
+    if large.is_large(prepared, settings):
+        return IN_GROUP, len(lazy.store.Blocks(prepared))
     return cells, len(Cut(prepared, cells))
 
 
 def missing_blocks(directory: str, key: str, process: str, cells: int, count: int) -> list[int]:
     """Return the numbers of a study's blocks that are not stored yet, counted from 0.
 
-    A study in shares is made readable for clients that follow its growing Zarr group.
+    A Zarr group is begun, so that clients can read it while it grows.
 
     Parameters
     ----------
@@ -71,18 +71,19 @@ def missing_blocks(directory: str, key: str, process: str, cells: int, count: in
     key, process : str
         The study's identifier, and what is carried out.
     cells : int
-        Number of cells of a block, or `IN_SHARES`.
+        Number of cells of a block, or `IN_GROUP`.
     count : int
         Number of blocks.
     """
     store = Store(Path(directory))
-    if cells != IN_SHARES or process not in KINDS:
+    if cells != IN_GROUP or process not in KINDS:
         return [index for index in range(count) if not store.has_block(key, cells, index)]
     if store.has_group(key):  # joined already, and not yet told so
         return []
-    found = shares.shares_of_job(store, key, _study(directory, key, process))
-    found.begin()
-    return found.missing()
+    prepared = _study(directory, key, process)
+    group = large.group_of_job(store, key, prepared)
+    group.begin(outline(prepared), resume=True)
+    return group.missing()
 
 
 def compute_block(
@@ -97,7 +98,7 @@ def compute_block(
     key, process : str
         The study's identifier, and what is carried out.
     cells : int
-        Number of cells of the blocks that the study is cut into, or `IN_SHARES`.
+        Number of cells of the blocks that the study is cut into, or `IN_GROUP`.
     index : int
         Number of the block, from 0.
     claim : str
@@ -119,9 +120,8 @@ def compute_block(
     watch = Watch(threads=1, stop=lambda: store.is_abandoned(key, claim))
     if watch.stopped():  # before it began
         raise StoppedError(UNWANTED)
-    if process in KINDS and cells == IN_SHARES:
-        ours = shares.shares_of_job(store, key, _study(directory, key, process))
-        ours.keep(index, ours.compute(index, watch))
+    if process in KINDS and cells == IN_GROUP:
+        large.group_of_job(store, key, _study(directory, key, process)).write(index, watch)
     elif not store.has_block(key, cells, index):
         prepared = _study(directory, key, process)
         if process in KINDS:
@@ -168,7 +168,7 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
     key, process : str
         The study's identifier, and what is carried out.
     cells : int
-        Number of cells of a block, or `IN_SHARES`.
+        Number of cells of a block, or `IN_GROUP`.
     seconds : float
         Computing time of all blocks [s], for the manifest.
 
@@ -189,9 +189,9 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
             from vibrafeed.app.jobs.accuracy import write_report
 
             write_report(store, key, process, prepared, cells, seconds)
-        elif cells == IN_SHARES:
-            ours = shares.shares_of_job(store, key, _study(directory, key, process))
-            shares.write_result(store, key, process, ours, seconds)
+        elif cells == IN_GROUP:
+            group = large.group_of_job(store, key, _study(directory, key, process))
+            large.finish(store, key, process, group, seconds)
         else:
             prepared = _study(directory, key, process)
             pieces = Cut(prepared, cells)

@@ -14,8 +14,8 @@ from typing import Any, cast
 import numpy as np
 import orjson
 
+from vibrafeed.app.jobs.large import check_length, is_large
 from vibrafeed.app.jobs.manifest import MAX_JSON_VALUES
-from vibrafeed.app.jobs.shares import check_length, is_in_shares
 from vibrafeed.app.settings import Settings
 from vibrafeed.app.web.execution import ACCURACY, Execution, read_execution
 from vibrafeed.core.dataset.document import to_document
@@ -205,7 +205,7 @@ def read_study(
     prepared = replace(prepare_content(asked.study), known_price=price)
     if name == ACCURACY:  # it takes some cells of a grid
         prepared.check_limits(cells=settings.max_sweep_cells, bytes_=prepared.bytes)
-    elif is_in_shares(prepared, settings):
+    elif is_large(prepared, settings):
         check_length(prepared, settings)
     else:
         prepared.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)

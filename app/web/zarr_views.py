@@ -6,7 +6,8 @@ import threading
 from collections import OrderedDict
 
 from vibrafeed.app.jobs.store import Store
-from vibrafeed.core.sweep.zarr_view import ZarrView
+from vibrafeed.core.kinds.results import outline
+from vibrafeed.core.lazy.view import ZarrView
 
 MAX_VIEWS = 64  # each holds a study and the documents of its arrays: some 100 KB
 
@@ -46,7 +47,8 @@ class ZarrViews:
             if view is not None and is_there:
                 self._views.move_to_end(wish)
                 return view
-        view = ZarrView(self._store.sweep(key), chunks=chunks)
+        sweep = self._store.sweep(key)
+        view = ZarrView(sweep, outline(sweep.unverified()), chunks=chunks)
         with self._lock:
             self._views[wish] = view
             while len(self._views) > MAX_VIEWS:

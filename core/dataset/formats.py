@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -17,7 +18,7 @@ from vibrafeed.core.dataset.frame import Frame, pyarrow
 from vibrafeed.core.dataset.group import read_zarr, write_zarr
 from vibrafeed.core.dataset.netcdf import write_netcdf
 from vibrafeed.core.dataset.read import attributes_of_file, read_netcdf
-from vibrafeed.core.dataset.shards import attributes_at, needed_for_zarr
+from vibrafeed.core.dataset.stores import attributes_at, needed_for
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import VibrafeedError
 
@@ -73,6 +74,18 @@ class Format:
 def suffix_of(where: str) -> str:
     """Return the suffix that selects the format of an output; URLs are Zarr groups."""
     return ZARR if "://" in where else Path(where).suffix.lower()
+
+
+def is_zarr(where: str) -> bool:
+    """Return whether a path or URL names a Zarr group."""
+    return suffix_of(where) == ZARR
+
+
+def attributes_there(where: str) -> Mapping[str, object]:
+    """Return the global attributes of an existing, complete result; none if there is none."""
+    if is_zarr(where):
+        return attributes_at(where)
+    return attributes_of_file(Path(where)) if Path(where).exists() else {}
 
 
 def known_suffixes() -> str:
@@ -187,7 +200,7 @@ def _write_mat(table: Table, where: str, history: str, compression: bool) -> Non
 
 FORMATS: Final[Mapping[str, Format]] = {
     NETCDF: Format("NetCDF", _write_netcdf),
-    ZARR: Format("Zarr", _write_zarr, needs=needed_for_zarr),
+    ZARR: Format("Zarr", _write_zarr, needs=partial(needed_for, ".zarr")),
     ".csv": Format("CSV", _write_csv, Frame.csv, media="text/csv", text=True),
     ".parquet": Format(
         "Parquet", _write_parquet, Frame.parquet, pyarrow,

@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import contextlib
-import shutil
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibrafeed.core.dataset.files import partial
-from vibrafeed.core.dataset.netcdf import tiles_of
+from vibrafeed.core.dataset.files import partial, settle
 from vibrafeed.core.dataset.read import check_size
-from vibrafeed.core.dataset.shards import GrowingZarr, open_store, plain_errors
+from vibrafeed.core.dataset.stores import (
+    document_of,
+    keys_in,
+    open_group,
+    plain_errors,
+    put_document,
+    remove_all,
+)
 from vibrafeed.core.dataset.table import Table, TableVariable
 
 if TYPE_CHECKING:
@@ -41,21 +48,92 @@ def write_zarr(table: Table, where: str, *, history: str | None = None) -> None:
     OSError
         If it cannot be written.
     """
-    identity = {"study": str(table.attributes.get("study_sha256", ""))}
-    growing = GrowingZarr(where, tiles_of(table), table, identity, history=history)
+    under_way = where if "://" in where else str(partial(Path(where)))
+    if keys_in(where):
+        raise FileExistsError(f"{where} exists already")
+    cost = {} if history is None else {"history": history, **table.price}
     try:
-        for index in growing.missing:
-            tile = growing.tiles[index]
-            place = tuple(slice(*ends) for ends in tile.box)
-            arrays = {name: table.variables[name].values[place] for name in tile.field.names}
-            growing.write(index, arrays, 0.0)
-        growing.finish(table.price)
+        with plain_errors():
+            remove_all(under_way)
+            group = open_group(under_way, create=True)
+            create_arrays(group, table)
+            for name, one in {**table.coordinates, **table.variables}.items():
+                put(group, name, ..., one.values)
+            group.attrs.update(cost)
+            names = (*table.coordinates, *table.variables)
+            put_document(under_way, document_of(group, names))
+        if "://" not in where:
+            settle(Path(under_way), Path(where))
     except BaseException:
-        if "://" not in where:  # nobody could go on with it
-            shutil.rmtree(partial(Path(where)), ignore_errors=True)
+        remove_all(under_way)  # nobody could go on with it
         raise
-    finally:
-        growing.close()
+
+
+def create_arrays(
+    group: zarr.Group,
+    table: Table,
+    *,
+    sizes: Mapping[str, int] = MappingProxyType({}),
+    chunks: Mapping[str, tuple[int, ...]] = MappingProxyType({}),
+    compressed: bool = True,
+) -> None:
+    """Create the arrays of a table in a group, with the attributes of the whole, without values.
+
+    Parameters
+    ----------
+    group : zarr.Group
+        The group.
+    table : Table
+        The table.
+    sizes : mapping of str to int, optional
+        The length of each dimension, if not that of the values.
+    chunks : mapping of str to tuple of int, optional
+        The chunk lengths of arrays; one chunk by default.
+    compressed : bool
+        Whether chunks are packed.
+    """
+    from zarr.codecs import BloscCodec
+
+    # lz4 is the fastest that every reader of version 3 has; a shuffle helps floats.
+    packed = [BloscCodec(cname="lz4", clevel=5)] if compressed else None
+    scalars = " ".join(name for name, one in table.coordinates.items() if not one.dims)
+    links = {_LINK: scalars} if scalars else {}
+    for name, one in {**table.coordinates, **table.variables}.items():
+        shape = tuple(
+            sizes.get(dim, size) for dim, size in zip(one.dims, one.values.shape, strict=True)
+        )
+        is_text = one.values.dtype == object
+        # Readers of version 3 take a fill value for no mask: only an attribute would be one.
+        fill = "" if is_text else np.nan if one.values.dtype.kind == "f" else 0
+        group.create_array(
+            name,
+            shape=shape,
+            dtype=str if is_text else one.values.dtype,
+            chunks=chunks.get(name) or tuple(max(1, size) for size in shape),
+            compressors=packed if one.dims and not is_text else None,
+            fill_value=fill,
+            dimension_names=one.dims,
+            attributes={**_plain(one.attributes), **(links if name in table.variables else {})},
+        )
+    group.attrs.update(_plain(table.attributes))
+
+
+def put(group: zarr.Group, name: str, place: Any, values: np.ndarray[Any, Any]) -> None:
+    """Write values into an array of a group; also chunks of nothing but the fill value are kept."""
+    array: Any = group[name]
+    array.with_config({"write_empty_chunks": True})[place] = values
+
+
+def _plain(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return attributes as values that JSON holds: arrays as lists, all but numbers as texts."""
+    return {
+        name: value.tolist()
+        if isinstance(value, np.ndarray)
+        else value
+        if isinstance(value, int | float)
+        else str(value)
+        for name, value in attributes.items()
+    }
 
 
 def read_zarr(where: str, *, most_bytes: int | None = None) -> Table:
@@ -75,13 +153,8 @@ def read_zarr(where: str, *, most_bytes: int | None = None) -> Table:
     OSError
         If the group cannot be read.
     """
-    import zarr
-
-    store = zarr.storage.ObjectStore(
-        open_store(where if "://" in where else Path(where)), read_only=True
-    )
     with plain_errors():
-        group = zarr.open_group(store, mode="r")
+        group = open_group(where, read_only=True)
         arrays = dict(group.arrays())
         check_size(sum(array.nbytes for array in arrays.values()), most_bytes)
         # In the order of the group's document, which is that of the table.

@@ -6,18 +6,16 @@ functions take no lock: a process that has threads gives all of them to one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.dataset import layout
-from vibrafeed.core.dataset.chunks import ChunkFile
 from vibrafeed.core.dataset.files import whole
-from vibrafeed.core.dataset.layout import Layout, Tiles
 from vibrafeed.core.dataset.table import Table, TableVariable
 
 if TYPE_CHECKING:
@@ -60,25 +58,21 @@ def write_netcdf(
     OSError
         If the file cannot be written; nothing is left behind.
     """
-    storage = _Storage(compression, level, significant_bits)
-    tiles = tiles_of(table)
     with whole(path) as temporary:
-        if level != COMPRESSION_LEVEL or significant_bits is not None or not is_large(tiles):
-            _define(temporary, table, history, storage)
-            return
-        _define(temporary, table, history, storage, empty=True)
-        with ChunkFile(temporary) as file:
-            for tile in tiles:
-                place = tuple(slice(*ends) for ends in tile.box)
-                arrays = {name: table.variables[name].values[place] for name in tile.field.names}
-                file.write(tile, arrays)
-            file.close()
+        _define(temporary, table, history, _Storage(compression, level, significant_bits))
 
 
-def define(path: Path, table: Table, *, history: str | None, compression: bool) -> None:
+def define(
+    path: Path,
+    table: Table,
+    *,
+    history: str | None,
+    compression: bool,
+    chunks: Mapping[str, tuple[int, ...]],
+) -> None:
     """Create the NetCDF file of a table without the values of its arrays, which are written later.
 
-    Coordinates, texts and variables without dimension have their values.
+    Coordinates and texts have their values.
 
     Parameters
     ----------
@@ -88,31 +82,24 @@ def define(path: Path, table: Table, *, history: str | None, compression: bool) 
         The CF history attribute; only with it the cost of the run is written.
     compression : bool
         Whether arrays are to be compressed.
+    chunks : mapping of str to tuple of int
+        The chunk lengths of the arrays.
     """
-    _define(path, table, history, _Storage(compression), empty=True)
+    _define(path, table, history, _Storage(compression, chunks=chunks), empty=True)
 
 
-def tiles_of(table: Table) -> Tiles:
-    """Return the tiles of the arrays of a table: the blocks in which they are written.
+@contextmanager
+def opened(path: Path, mode: Literal["w", "a"]) -> Iterator[netCDF4.Dataset]:
+    """Open a NetCDF file to write; what the disk does not take is an `OSError`."""
+    import netCDF4  # a process that writes nothing does not load it
 
-    Arrays of texts and those without dimension have none.
-    """
-    arrays = {n: v for n, v in table.variables.items() if v.values.dtype != object}
-    sizes = {
-        dim: size
-        for array in arrays.values()
-        for dim, size in zip(array.dims, array.values.shape, strict=True)
-    }
-    return Tiles({name: array.dims for name, array in arrays.items()}, sizes)
-
-
-def is_large(tiles: Tiles) -> bool:
-    """True if a result is so large that its chunks are written without the NetCDF library.
-
-    For small results that does not pay. It depends on the study alone, as does every byte of the
-    file.
-    """
-    return tiles.cells > layout.TILE_CELLS
+    try:
+        with netCDF4.Dataset(path, mode, format="NETCDF4") as file:
+            yield file
+    except RuntimeError as error:
+        if not str(error).startswith("NetCDF:"):
+            raise
+        raise OSError(f"{error} (is the disk full?)") from error
 
 
 @dataclass(frozen=True)
@@ -122,15 +109,16 @@ class _Storage:
     compression: bool
     level: int = COMPRESSION_LEVEL
     significant_bits: int | None = None
+    chunks: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
 
-    def of(self, values: NDArray[Any]) -> dict[str, Any]:
+    def of(self, name: str, values: NDArray[Any]) -> dict[str, Any]:
         """Return the keyword arguments of netCDF4's `createVariable` for the storage of an array.
 
         Arrays without dimension are not compressed, and only floats are rounded.
         """
-        settings: dict[str, Any] = {}
+        settings: dict[str, Any] = {"chunksizes": self.chunks.get(name) or None}
         if self.compression and values.ndim:
-            settings = {"compression": "zlib", "complevel": self.level}
+            settings |= {"compression": "zlib", "complevel": self.level}
         if self.significant_bits is not None and values.ndim and values.dtype.kind == "f":
             settings |= {"significant_digits": self.significant_bits, "quantize_mode": "BitRound"}
         return settings
@@ -157,9 +145,7 @@ def _define(
     empty : bool
         True to leave out the values of arrays, which are written later.
     """
-    import netCDF4  # a process that writes nothing does not load it
-
-    with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
+    with opened(path, "w") as file:
         _fill(file, table, history, storage, empty=empty)
 
 
@@ -189,7 +175,7 @@ def _fill(
         _add(file, name, coordinate, {}, PLAIN)[...] = coordinate.values
     for name, variable in table.variables.items():
         created = _add(file, name, variable, _links(table, name), storage)
-        if not empty or not variable.dims or variable.values.dtype == object:
+        if not empty or variable.values.dtype == object:
             created[...] = variable.values
 
 
@@ -234,8 +220,7 @@ def _add(
             variable.dims,
             fill_value=False,
             shuffle=True,
-            chunksizes=Layout.of(variable.values.shape).chunk or None,
-            **storage.of(variable.values),
+            **storage.of(name, variable.values),
         )
     created.setncatts({**_attributes(variable.attributes), **links})
     return created

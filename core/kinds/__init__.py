@@ -6,12 +6,13 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
 from vibrafeed.core import calibrate, motion, optimise, sensitivity, sweep
-from vibrafeed.core.lazy import Exported, lazily
+from vibrafeed.core.deferred import Exported, lazily
 
 if TYPE_CHECKING:
     from vibrafeed.core.kinds.results import (
         is_whole,
         not_verified,
+        open_lazily,
         prepare,
         run_study,
         share_left_out,
@@ -25,6 +26,7 @@ else:
             "results": (
                 "is_whole",
                 "not_verified",
+                "open_lazily",
                 "prepare",
                 "run_study",
                 "share_left_out",
@@ -37,6 +39,7 @@ __all__ = [
     "KINDS",
     "is_whole",
     "not_verified",
+    "open_lazily",
     "prepare",
     "run_study",
     "share_left_out",

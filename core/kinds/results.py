@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibrafeed.core import lazy  # whose modules load dask when they are needed
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plan.labels import FAILED, LEFT_OUT
@@ -40,6 +42,30 @@ def run_study(study: Study, *, watch: Watch | None = None) -> xarray.Dataset:
     >>> dataset = run_study(load_study("configs/figures/fig-5-1.toml"))
     """
     return tabulate(prepare(study), watch).to_xarray()
+
+
+def open_lazily(prepared: Prepared) -> xarray.Dataset:
+    """Return the dataset of a study of any size, whose values dask computes when they are read.
+
+    Raises
+    ------
+    StudyError
+        If its cells cannot be computed one by one.
+    """
+    prepared.check_lazy("Leave it out, or carry out the study")
+    return lazy.dataset.dataset(prepared, outline(prepared))
+
+
+def outline(prepared: Prepared, watch: Watch | None = None) -> Table:
+    """Return the result of the first cell of a study, with the attributes of the whole.
+
+    Some cells are verified if the study asks for it, which `watch` may stop.
+    """
+    first = dict.fromkeys(prepared.grid.axes, (0, 1))
+    table = tabulate(prepared.within(first).unverified()).with_price({})
+    verified = KINDS[prepared.study.kind].verified(prepared, watch or Watch())
+    own = {"study": prepared.study.canonical(), "study_sha256": prepared.study.key()}
+    return replace(table, attributes={**table.attributes, **own, **verified})
 
 
 def share_left_out(table: Table) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from vibrafeed.core.lazy import lazily
+from vibrafeed.core.deferred import lazily
 
 __all__ = [
     "KIND",

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.lazy import lazily
+from vibrafeed.core.deferred import lazily
 from vibrafeed.core.motion.result import COLUMNS, STATUS
 from vibrafeed.core.watch import Watch
 

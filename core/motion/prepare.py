@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cached_property
 
 from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.lazy.checks import problems_of, problems_of_names
 from vibrafeed.core.motion import rolling_scene, row_scene
 from vibrafeed.core.motion.drive_units import on_unit, unit_of
 from vibrafeed.core.motion.drives import driven, shape_of, what_is_open
@@ -23,9 +24,8 @@ from vibrafeed.core.plan.differences import Asked, asked_of
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import Plan, choose_scene
 from vibrafeed.core.plan.prepared import Chosen, Prepared, broken_constraints, plan_study
-from vibrafeed.core.plan.price import Price, price
+from vibrafeed.core.plan.price import Price
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.reduce.checks import problems_of, problems_of_names
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.study.sweep_and_simulate import MAX_PERIODS, SimulateStudy
 from vibrafeed.core.study.values import Fixed
@@ -40,6 +40,18 @@ class Simulation(Prepared):
     study: SimulateStudy
 
     @property
+    def not_lazy(self) -> Problem | None:
+        """The problem with computing cells on reading; None for motion without more."""
+        if self.study.trajectory is not None:
+            return Problem(
+                "trajectory", "it is computed as a whole, not where read", "Leave it out"
+            )
+        if self.study.sensitivities:
+            message = "derivatives are computed as a whole, not where read"
+            return Problem("sensitivities", message, "Leave it out")
+        return None
+
+    @property
     def method(self) -> Method:
         """The method by which the motion is simulated."""
         return methods_of(self.plan.scene.name)[self.plan.variant]
@@ -49,8 +61,13 @@ class Simulation(Prepared):
         """The derivatives that the result contains; None without any."""
         return asked_of(self.plan, self.study.values(), self.study.sensitivities, self.cells)
 
+    @property
+    def stated_seconds_a_cell(self) -> float:
+        """The rough time of a cell on one core [s], which no clock decides."""
+        return self.method.seconds_a_cell
+
     def _new_price(self) -> Price:
-        found = price(self.plan, self.grid, self.method.seconds_a_cell)
+        found = super()._new_price()
         passes = 1 if self.derived is None else self.derived.passes
         return found._replace(cell=passes * found.cell)
 

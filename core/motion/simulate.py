@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any, ClassVar, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,17 +16,16 @@ from vibrafeed.core.dataset.table import (
     flag_attributes,
     quantity_attributes,
 )
+from vibrafeed.core.lazy.reduced import Reduced
 from vibrafeed.core.motion.groups import Contacts
 from vibrafeed.core.motion.method import TIME, TrajectoryRequest
 from vibrafeed.core.motion.prepare import Simulation, choose_system, prepare
 from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS
-from vibrafeed.core.motion.verify import accuracy, verified, verified_at
+from vibrafeed.core.motion.verify import accuracy, verified, verified_alone
 from vibrafeed.core.plan.differences import cells_of, derivatives
 from vibrafeed.core.plan.equations import regimes, run_equations
 from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.plan.labels import (
-    Sample,
-    chosen_positions,
     coordinates_of,
     global_attributes,
     outputs_of,
@@ -34,7 +33,6 @@ from vibrafeed.core.plan.labels import (
 )
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.quantities import FLAGS, MOTION_MODES
-from vibrafeed.core.reduce.reduced import Reduced
 from vibrafeed.core.study.sweep_and_simulate import SimulateStudy
 from vibrafeed.core.watch import Watch
 
@@ -114,8 +112,11 @@ class ReducedSimulation(Reduced, Simulation):
     """A study of motion of which statistics are reported instead of its cells."""
 
     study: SimulateStudy
-    box_cells: ClassVar[int | None] = 1 << 13  # some tens of milliseconds in the plane, or longer
-    share_cells: ClassVar[int] = 1 << 18
+
+    @property
+    def whole(self) -> Simulation:
+        """The simulation of all cells."""
+        return Simulation(self.study, self.plan, self.grid, known_price=self.price)
 
     def attributes(self) -> dict[str, str]:
         """Return the attributes of the result, known before computing."""
@@ -123,11 +124,8 @@ class ReducedSimulation(Reduced, Simulation):
         return {**told, "accuracy": accuracy(self.plan)}
 
     def verified(self, watch: Watch) -> dict[str, str | int]:
-        """Return attributes on random cells that another method followed again, if asked for."""
-        if self.study.verify is None:
-            return {}
-        places, count = chosen_positions(self)
-        return verified_at(self, Sample(self.grid, places, count, count), None, watch)
+        """Return the verification of random cells as attributes; they are followed anew."""
+        return verified_alone(self, watch)
 
 
 def _prepare(study: SimulateStudy) -> Simulation:
@@ -207,6 +205,7 @@ KIND: Final = Kind(
     choose=lambda sketch: choose_system(sketch.scene, sketch.method, sketch.names),
     compute=compute,
     label=label,
+    verified=verified_alone,
     is_measured=True,
     compiles=MappingProxyType(
         {

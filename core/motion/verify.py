@@ -17,7 +17,7 @@ from vibrafeed.core.motion.result import ANSWERED, STATUS
 from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.grid import from_si
-from vibrafeed.core.plan.labels import Sample, sample_of
+from vibrafeed.core.plan.labels import Sample, chosen_positions, sample_of
 from vibrafeed.core.plan.plan import Plan, plan_scene, scene_parameters
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes import Scene
@@ -248,6 +248,14 @@ def verified(
         return {}
     sample = sample_of(prepared, arrays, ("motion_status", STATUS["not_computed"]))
     return verified_at(prepared, sample, arrays, watch)
+
+
+def verified_alone(prepared: Simulation, watch: Watch) -> dict[str, str | int]:
+    """Return the outcome of following some cells by two methods; empty if not asked for."""
+    if prepared.study.verify is None:
+        return {}
+    places, count = chosen_positions(prepared)
+    return verified_at(prepared, Sample(prepared.grid, places, count, count), None, watch)
 
 
 def verified_at(

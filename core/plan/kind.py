@@ -58,6 +58,9 @@ class Kind:
         Values of keys that are no scenes, variants or outputs, and that the model does not list.
     is_measured : bool
         True if error against run time is measured for its studies (`vibrafeed.core.report`).
+    verified : callable
+        Takes what `prepare` returns and a `Watch`; returns the verification of random cells, which
+        are computed alone, as attributes.
     compiles : mapping of str to tuple of mapping
         Studies that need every kernel of the kind; each group has its own.
     """
@@ -74,6 +77,7 @@ class Kind:
     label: Callable[[Any, Computed, Watch], Table]
     choices: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
     is_measured: bool = False
+    verified: Callable[[Any, Watch], Mapping[str, Any]] = lambda _prepared, _watch: {}
     compiles: Mapping[str, tuple[Mapping[str, Any], ...]] = field(
         default_factory=lambda: MappingProxyType({})
     )

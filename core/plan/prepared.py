@@ -14,7 +14,6 @@ from vibrafeed.core.plan.differences import Asked, is_status
 from vibrafeed.core.plan.grid import Grid, from_si
 from vibrafeed.core.plan.plan import Plan, plan_scene
 from vibrafeed.core.plan.price import Price, in_words, price
-from vibrafeed.core.plan.shares import Shares
 from vibrafeed.core.quantities import FLAGS, QUANTITIES
 from vibrafeed.core.scenes import CONSTRAINTS, Scene
 from vibrafeed.core.study.grid_study import PARAMETERS, Study
@@ -40,10 +39,6 @@ class Prepared:
     known_price: Price | None = field(default=None, kw_only=True, compare=False)
     """The price of its cells where it is known, such as from another process."""
 
-    shares_as: ClassVar[str] = ""
-    """The form of its shares: `SHARDS`, or `ARRAYS`; empty if it has no shares."""
-    share_cells: ClassVar[int] = 500_000_000
-    """Cells of a share of a job that holds answers: a second or two."""
     can_stop: ClassVar[bool] = True
     """Whether computing it can be stopped between two cells."""
     keeps_some: ClassVar[bool] = True
@@ -63,15 +58,6 @@ class Prepared:
         if self.not_lazy is not None:
             raise StudyError([replace(self.not_lazy, fix=fix)])
         return self
-
-    def shares(self, where: str, count: int) -> Shares:
-        """Return the shares into which the study can be divided, writing to the result `where`."""
-        raise NotImplementedError
-
-    @property
-    def boxes(self) -> int:
-        """The largest number of shares."""
-        return 0
 
     def facts(self) -> dict[str, Any]:
         """Return further facts for the plan's JSON document."""
@@ -155,7 +141,12 @@ class Prepared:
         return self.known_price or self._new_price()
 
     def _new_price(self) -> Price:
-        return price(self.plan, self.grid)
+        return price(self.plan, self.grid, self.stated_seconds_a_cell)
+
+    @property
+    def stated_seconds_a_cell(self) -> float:
+        """The rough time of a cell on one core [s], which no clock decides."""
+        return self.plan.scene.seconds_a_cell
 
     @property
     def seconds_a_cell(self) -> float:

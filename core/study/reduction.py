@@ -23,7 +23,7 @@ from vibrafeed.core.quantities.flags import is_regime
 from vibrafeed.core.study.grid_study import Level, at_most, read_level, refusal, refusing
 from vibrafeed.core.suggestions import suggestion
 
-STATISTICS = ("max", "min", "mean", "argmax", "argmin")
+STATISTICS = ("max", "min", "mean", "std", "argmax", "argmin")
 """Statistics of an output over the cells that are reduced."""
 QUANTILE = "quantile"
 """The dimension of quantiles, and the suffix of their variables."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from vibrafeed.core.lazy import lazily
+from vibrafeed.core.deferred import lazily
 
 __all__ = [
     "KIND",
@@ -13,13 +13,6 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from vibrafeed.core.sweep.kind import KIND
-    from vibrafeed.core.sweep.plain import ReducedSweep, Sweep
+    from vibrafeed.core.sweep.kind import KIND, ReducedSweep, Sweep
 else:
-    __getattr__ = lazily(
-        __name__,
-        {
-            "kind": ("KIND",),
-            "plain": ("Sweep", "ReducedSweep"),
-        },
-    )
+    __getattr__ = lazily(__name__, {"kind": ("KIND", "ReducedSweep", "Sweep")})

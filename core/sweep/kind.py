@@ -1,33 +1,105 @@
-"""The kind `sweep`: from a study to a sweep that can be carried out, and its results."""
+"""The kind `sweep`: from a study to closed forms over a grid, and their labelled results."""
 
 from __future__ import annotations
 
-from types import MappingProxyType
-from typing import Final
+from functools import cached_property
+from typing import Any, ClassVar, Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.lazy.checks import problems_of, problems_of_names
+from vibrafeed.core.lazy.reduced import Reduced
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.plan.differences import Asked, asked_of, cells_of, derivatives
+from vibrafeed.core.plan.evaluate import evaluate
 from vibrafeed.core.plan.kind import Kind
+from vibrafeed.core.plan.labels import (
+    Sample,
+    coordinates_of,
+    global_attributes,
+    outputs_of,
+    verdict_variables,
+)
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.plan import choose_scene
-from vibrafeed.core.plan.prepared import plan_study
-from vibrafeed.core.reduce.checks import problems_of, problems_of_names
+from vibrafeed.core.plan.prepared import Prepared, plan_study
+from vibrafeed.core.plan.price import Price
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.sweep_and_simulate import SweepStudy
-from vibrafeed.core.sweep.plain import DerivedSweep, ReducedSweep, Sweep
+from vibrafeed.core.sweep.verify import accuracy, verified
 from vibrafeed.core.watch import Watch
 
-_DRIVE: Final = {
-    "frequency": [40, 50],
-    "amplitude": "0.2 mm",
-    "beta": [10, 20, 30],
-    "friction": 0.4,
-}
 
-AnySweep = Sweep | DerivedSweep | ReducedSweep
+class Sweep(Prepared):
+    """A sweep of every cell, with the derivatives of its outputs if the study asks for them."""
+
+    study: SweepStudy
+    can_stop: ClassVar[bool] = False
+    keeps_some: ClassVar[bool] = False
+
+    @property
+    def not_lazy(self) -> Problem | None:
+        """The problem with computing cells on reading: derivatives need the whole grid."""
+        if not self.study.sensitivities:
+            return None
+        message = "derivatives are computed as a whole, not where read"
+        return Problem("sensitivities", message, "Leave it out")
+
+    @cached_property
+    def derived(self) -> Asked | None:
+        """The derivatives in the result; None without any."""
+        asked = self.study.sensitivities
+        return asked_of(self.plan, self.study.values(), asked, self.cells) if asked else None
+
+    def _new_price(self) -> Price:
+        passes = 1 if self.derived is None else self.derived.passes
+        return Price(0.0, passes * super()._new_price().cell)
+
+    @property
+    def is_single(self) -> bool:
+        """True if values are stored in 32 bits."""
+        return self.study.precision == "single"
+
+    def width(self, name: str) -> int:
+        """Return the bytes of a stored value."""
+        return min(super().width(name), 4) if self.is_single else super().width(name)
+
+    def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
+        """Return values of an output in the units of files, in 32 bits if the study asks.
+
+        `name` is the output, `values` are in SI units and radians. What is too large for 32 bits is
+        infinite.
+        """
+        values = super().in_files(name, values)
+        if not self.is_single or values.dtype != np.float64:
+            return values
+        with np.errstate(over="ignore"):  # what is too large for 32 bits is infinite
+            return values.astype(np.float32)
 
 
-def prepare(study: SweepStudy) -> AnySweep:
+class ReducedSweep(Reduced):
+    """A sweep whose result holds statistics over some axes in place of all cells."""
+
+    study: SweepStudy
+
+    @property
+    def whole(self) -> Sweep:
+        """The sweep of all cells."""
+        return Sweep(self.study, self.plan, self.grid)
+
+    def attributes(self) -> dict[str, str]:
+        """Return the attributes of the result that are known before computing."""
+        return attributes_of(self)
+
+    def verified(self, watch: Watch) -> dict[str, str | int]:
+        """Return the verification of random cells as attributes; the cells are computed alone."""
+        return verified_alone(self, watch)
+
+
+def prepare(study: SweepStudy) -> Sweep | ReducedSweep:
     """Return the sweep that a study describes, checked and planned, ready to be computed.
 
     Its result has every cell, with derivatives if the study asks for them, or statistics over some
@@ -56,25 +128,66 @@ def prepare(study: SweepStudy) -> AnySweep:
     if asked is None:
         if problems:
             raise StudyError(problems)
-        if study.sensitivities:
-            derived = DerivedSweep(study, plan, grid)
-            _ = derived.derived  # which raises what is wrong with it
-            return derived.check_verification()
-        return Sweep(study, plan, grid).check_verification()
+        sweep = Sweep(study, plan, grid)
+        _ = sweep.derived  # which raises what is wrong with it
+        return sweep.check_verification()
     problems += problems_of(asked, plan, grid)
     if problems:
         raise StudyError(problems)
     return ReducedSweep(study, plan, grid).check_verification()
 
 
-def compute(prepared: AnySweep, watch: Watch) -> Computed:
-    """Return outputs and verdicts of a sweep in SI units, or its reduction."""
-    return prepared.compute(watch)
+def compute(prepared: Sweep | ReducedSweep, watch: Watch) -> Computed:
+    """Return the outputs and verdicts of a sweep in SI units, and derivatives; or its reduction."""
+    if isinstance(prepared, ReducedSweep):
+        return prepared.compute(watch)
+    plan, grid, asked = prepared.plan, prepared.grid, prepared.derived
+    arrays = evaluate(plan, grid, threads=watch.threads, progress=watch.advance)
+    if asked is not None:
+        part = plan.part(asked.outputs)
+        found = derivatives(part, cells_of(part, grid), asked.parameters)
+        arrays = {**arrays, **asked.arrays(plan, grid, prepared.dims, found)}
+    return Computed(arrays)
 
 
-def label(prepared: AnySweep, computed: Computed, watch: Watch) -> Table:
-    """Return the labelled results of a sweep; `watch` may stop verifying."""
-    return prepared.label(computed, watch)
+def label(prepared: Sweep | ReducedSweep, computed: Computed, watch: Watch) -> Table:
+    """Return the results of a sweep as a table; `watch` may stop its verification."""
+    if isinstance(prepared, ReducedSweep):
+        return prepared.label(computed, watch)
+    plan, arrays, dims = prepared.plan, computed.arrays, prepared.dims
+
+    def values_at(sample: Sample) -> dict[str, Array]:
+        """Return the outputs at sampled cells."""
+        return {name: sample.at(arrays[name], dims[name]) for name in plan.outputs}
+
+    variables = outputs_of(prepared, arrays) | verdict_variables(plan, dims, arrays)
+    if prepared.derived is not None:
+        variables |= prepared.derived.variables(prepared.dims, arrays)
+    attributes = {**attributes_of(prepared), **verified(prepared, values_at, watch)}
+    return Table(coordinates_of(plan, prepared.grid), variables, attributes)
+
+
+def verified_alone(prepared: Prepared, watch: Watch) -> dict[str, str | int]:
+    """Return the verification of random cells as attributes; the cells are computed alone."""
+
+    def values_at(sample: Sample) -> dict[str, Array]:
+        boxes = [
+            {dim: (int(at[k]), int(at[k]) + 1) for dim, at in sample.positions.items()}
+            for k in range(sample.count)
+        ]
+        plan = prepared.plan
+        cells = [evaluate(plan, prepared.grid.piece(box, plan.parameters)) for box in boxes]
+        return {name: np.array([cell[name].item() for cell in cells]) for name in plan.outputs}
+
+    return verified(prepared, values_at, watch)
+
+
+def attributes_of(prepared: Prepared) -> dict[str, str]:
+    """Return attributes of a sweep's result known before computing: study, source and accuracy."""
+    told = accuracy(prepared.plan.scene)
+    if getattr(prepared.study, "precision", None) == "single":
+        told += "; then rounded to 32-bit floats, by at most 6e-8 of each value"
+    return {**global_attributes(prepared, "closed-form equations"), "accuracy": told}
 
 
 KIND: Final = Kind(
@@ -98,25 +211,5 @@ KIND: Final = Kind(
     compute=compute,
     label=label,
     is_measured=True,
-    compiles=MappingProxyType(
-        {
-            "reduce": tuple(
-                {
-                    "kind": "sweep",
-                    "scene": "rectangle-on-plane",
-                    "outputs": ["acceleration_x"],
-                    "parameters": _DRIVE,
-                    "reduce": {
-                        "over": [over],
-                        "statistics": ["max", "mean"],
-                        "quantiles": [0.5],
-                        "regimes": True,
-                        "shares": {"slow": ["acceleration_x < 1"]},
-                        "levels": {"one": {"output": "acceleration_x", "level": 1, "along": over}},
-                    },
-                }
-                for over in ("frequency", "beta")
-            )
-        }
-    ),
+    verified=verified_alone,
 )

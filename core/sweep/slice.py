@@ -25,7 +25,7 @@ from vibrafeed.core.quantities.flags import REGIME
 from vibrafeed.core.study.units import UnitError, problem, read_number
 from vibrafeed.core.study.values import position_on_axis
 from vibrafeed.core.suggestions import Suggestions
-from vibrafeed.core.sweep.cells import attributes_of
+from vibrafeed.core.sweep.kind import attributes_of
 
 MAX_AXES = 2  # free axes: a picture has no more
 

@@ -1,23 +1,25 @@
-"""The files of the page on scale are linted, and run as far as a machine without a queue can."""
+"""What the page on scale shows is carried out or read, as far as a machine without a queue can."""
 
 from __future__ import annotations
 
 import ast
-import os
 import re
-import shutil
+import shlex
 import subprocess
-import sys
 import tomllib
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
+import numpy as np
 import pytest
-import xarray
 import yaml
+from typer.testing import CliRunner
 
+import vibrafeed
 from tools import tool
-from vibrafeed.core.intake import parse_study, prepare_content
+from vibrafeed.app.cli import app
+from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
 
 ROOT = Path(__file__).parents[2]
@@ -29,78 +31,72 @@ def blocks(text: str, language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
 
 
-SHARES, JOIN = blocks(SCALE, "bash")
+SWEEP, QUEUE = blocks(SCALE, "python")
+OPTIONS = set(re.findall(r"-[-a-z]+", CliRunner().invoke(app, ["run", "--help"]).output))
 
 
-@pytest.mark.parametrize("script", [*blocks(SCALE, "bash"), *blocks(SCALE, "sh")])
-def test_scripts_are_shell(script: str) -> None:
-    done = subprocess.run(
-        [tool("bash"), "-n"], input=script, text=True, capture_output=True, check=False
+def check_run(words: list[str]) -> None:
+    """Check that a command is one of `vibrafeed run` with options that there are."""
+    assert words[:2] == ["vibrafeed", "run"]
+    assert {word for word in words if word.startswith("-")} <= OPTIONS
+
+
+def test_ten_lines_of_xarray_on_a_hundredth(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    with mpl.rc_context({"backend": "agg"}):
+        exec(SWEEP.replace('"num": 1000', '"num": 100'), names)
+    assert capsys.readouterr().out == "100,000,000 cells\n"
+    assert (tmp_path / "fastest.png").stat().st_size > 10_000
+    fastest = names["fastest"].isel(frequency=[0, 50, 99], amplitude=[0, 60, 99])
+    some = vibrafeed.sweep(
+        "rectangle-on-plane", outputs=["acceleration_x", "throw_number"],
+        frequency=fastest.frequency.values, amplitude=fastest.amplitude.values,
+        beta={"start": 5, "stop": 60, "num": 100},
+        friction={"start": 0.1, "stop": 0.6, "num": 100},
+    )  # fmt: skip
+    wanted = some.acceleration_x.where(some.throw_number < 1, 0).max(["beta", "friction"])
+    np.testing.assert_array_equal(fastest, wanted)
+
+
+@pytest.mark.parametrize("script", blocks(SCALE, "sh"))
+def test_scripts_are_shell_and_their_options_exist(script: str) -> None:
+    subprocess.run([tool("bash"), "-n"], input=script, text=True, check=True)
+    for line in script.splitlines():
+        words = shlex.split(line, comments=True)
+        if words[0] == "vibrafeed":
+            check_run(words)
+
+
+def test_the_file_for_slurm_starts_a_run() -> None:
+    (words,) = (
+        [one.value for one in node.elts if isinstance(one, ast.Constant)]
+        for node in ast.walk(ast.parse(QUEUE))
+        if isinstance(node, ast.List) and len(node.elts) > 3
     )
-    assert (done.returncode, done.stderr) == (0, "")
-    linter = shutil.which("shellcheck")
-    if linter is not None and script.startswith("#!"):
-        subprocess.run([linter, "-"], input=script, text=True, check=True)
+    check_run(words)
+    assert "--scheduler" in QUEUE
 
 
-def test_the_array_of_the_script_is_all_shares() -> None:
-    first, last = map(int, re.search(r"--array=(\d+)-(\d+)", SHARES).groups())  # type: ignore[union-attr]
-    count = int(re.search(r"SHARES=(\d+)", SHARES)[1])  # type: ignore[index]
-    assert (first, last + 1) == (0, count)
-
-
-@pytest.mark.night
-@pytest.mark.service
-def test_an_array_of_jobs_and_their_joining(tmp_path: Path) -> None:
-    study = tomllib.loads(blocks(REDUCE, "toml")[0])
-    (tmp_path / "study.toml").write_text(blocks(REDUCE, "toml")[0])
-    folder = tmp_path / "bin"
-    folder.mkdir()
-    command = folder / "vibrafeed"
-    command.write_text(f'#!/bin/sh\nexec {sys.executable} -m vibrafeed "$@"\n')
-    command.chmod(0o755)
-    path = f"{folder}{os.pathsep}{os.environ['PATH']}"
-    shares = SHARES.replace("SHARES=4096", "SHARES=3")
-    for task in range(3):
-        environment = {**os.environ, "PATH": path, "SLURM_ARRAY_TASK_ID": str(task)}
-        subprocess.run([tool("bash"), "-c", shares], cwd=tmp_path, env=environment, check=True)
-    environment = {**os.environ, "PATH": path}
-    subprocess.run([tool("bash"), "-c", JOIN], cwd=tmp_path, env=environment, check=True)
-    want = tabulate(prepare_content(study)).to_xarray()
-    with xarray.open_dataset(tmp_path / "result.nc") as found:
-        # In a file bounds are no coordinates but named by them.
-        assert found.reset_coords().drop_attrs().identical(want.reset_coords().drop_attrs())
-
-
-def test_the_job_is_an_indexed_one() -> None:
+def test_the_file_for_kubernetes_is_a_cluster_of_dask() -> None:
     (text,) = blocks(SCALE, "yaml")
-    study, job = yaml.safe_load_all(text)
-    assert (study["apiVersion"], study["kind"]) == ("v1", "ConfigMap")
-    assert (job["apiVersion"], job["kind"]) == ("batch/v1", "Job")
-    parse_study(tomllib.loads(study["data"]["study.toml"]))
-    spec = job["spec"]
-    assert set(spec) <= {
-        "completionMode", "completions", "parallelism", "backoffLimitPerIndex", "template",
+    cluster = yaml.safe_load(text)
+    assert (cluster["apiVersion"], cluster["kind"]) == ("kubernetes.dask.org/v1", "DaskCluster")
+    spec, name = cluster["spec"], cluster["metadata"]["name"]
+    for role in ("worker", "scheduler"):
+        (container,) = spec[role]["spec"]["containers"]
+        assert container["name"] == role
+        assert container["command"][:2] == ["dask", role]
+    service = spec["scheduler"]["service"]
+    assert service["selector"] == {
+        "dask.org/cluster-name": name, "dask.org/component": "scheduler",
     }  # fmt: skip
-    assert spec["completionMode"] == "Indexed"
-    assert spec["parallelism"] <= spec["completions"]
-    pod = spec["template"]["spec"]
-    assert pod["restartPolicy"] == "Never"  # which backoffLimitPerIndex asks for
-    (container,) = pod["containers"]
-    assert container["command"] == ["/bin/sh", "-c"]
-    (script,) = container["args"]
-    assert f'--share "$JOB_COMPLETION_INDEX/{spec["completions"]}"' in script
-    subprocess.run(["sh", "-n"], input=script, text=True, check=True)
-    mounted = {one["name"] for one in container["volumeMounts"]}
-    assert mounted == {one["name"] for one in pod["volumes"]}
-    assert pod["volumes"][0]["configMap"]["name"] == study["metadata"]["name"]
-
-
-def test_the_script_of_the_queue_is_python_and_its_command_is_known() -> None:
-    (script,) = blocks(SCALE, "python")
-    tree = ast.parse(script)
-    words = [one.value for one in ast.walk(tree) if isinstance(one, ast.Constant)]
-    assert {"vibrafeed", "run", "--scheduler"} <= set(words)
+    (port,) = service["ports"]
+    (own,) = spec["scheduler"]["spec"]["containers"][0]["ports"]
+    assert (port["port"], port["targetPort"]) == (own["containerPort"], own["name"])
+    assert f"tcp://{name}-scheduler:{port['port']}" in SCALE
 
 
 def test_what_the_page_on_reductions_shows_gives_what_it_says() -> None:

@@ -18,7 +18,8 @@ import pytest
 
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
-from vibrafeed.core.sweep.zarr_view import ZarrView
+from vibrafeed.core.kinds.results import outline
+from vibrafeed.core.lazy.view import ZarrView
 from waiting import PATIENCE, wait_for
 
 ENDS = {"frequency": (20, 120), "amplitude": (1e-4, 1e-3), "alpha": (0, 90), "beta": (0, 90)}
@@ -45,6 +46,11 @@ TRILLION = sized(
 )  # fmt: skip
 LONG = sized(["transport_velocity"], frequency=10**6, amplitude=10**6)
 LONG["parameters"] |= {"alpha": 10, "beta": 30}
+
+
+def view_of(content: dict[str, Any]) -> ZarrView:
+    sweep = prepare_content(content)
+    return ZarrView(sweep, outline(sweep))
 
 
 def post(server: str, content: dict[str, Any]) -> str:
@@ -113,7 +119,7 @@ def test_xarray_opens_a_trillion_cells_at_once_and_slices_them(server, tmp_path)
 
 
 def test_a_million_values_on_an_axis_are_chunks_too(server):
-    view = ZarrView(prepare_content(LONG))
+    view = view_of(LONG)
     address = post(server, LONG)
     for key in ("frequency/c/15", "transport_velocity/c/3906/3906"):
         with urllib.request.urlopen(f"{address}/zarr/{key}", timeout=PATIENCE) as response:
@@ -131,7 +137,7 @@ def test_sixteen_readers_at_a_time_get_identical_bytes(server):
 
     with ThreadPoolExecutor(16) as pool:
         seen = set(pool.map(read, range(64)))
-    view = ZarrView(prepare_content(TRILLION))
+    view = view_of(TRILLION)
     assert seen == {(key, hashlib.sha256(view.read(key)).hexdigest()) for key in keys}
 
 

@@ -11,7 +11,7 @@ from posted_sweeps import STUDY
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
 from vibrafeed.app.web.shares import Shares, large_slot_of, slot_of
-from vibrafeed.core.sweep.zarr_view import ZarrView
+from vibrafeed.core.lazy.view import ZarrView
 from waiting import PATIENCE, wait_for
 
 

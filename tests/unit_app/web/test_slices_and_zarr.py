@@ -20,7 +20,8 @@ from vibrafeed.app.web.calculations import encode_json
 from vibrafeed.app.web.zarr_views import ZarrViews
 from vibrafeed.core.intake import parse_study, prepare_content
 from vibrafeed.core.kinds import run_study
-from vibrafeed.core.sweep.zarr_view import ZarrView
+from vibrafeed.core.kinds.results import outline
+from vibrafeed.core.lazy.view import ZarrView
 
 
 def unpack(content: bytes) -> tuple[dict, dict[str, np.ndarray]]:
@@ -37,6 +38,11 @@ def unpack(content: bytes) -> tuple[dict, dict[str, np.ndarray]]:
 
     arrays = {axis["name"]: array(axis["values"]) for axis in header["axes"]}
     return header, arrays | {name: array(header[name]["data"]) for name in ("values", "regime")}
+
+
+def view_of(content: dict) -> ZarrView:
+    sweep = prepare_content(content)
+    return ZarrView(sweep, outline(sweep))
 
 
 CUT = {
@@ -223,7 +229,7 @@ def test_a_sweep_of_another_version_is_told_so(tmp_path, monkeypatch):
 
 class TestZarr:
     def test_keys_are_those_of_the_core(self, client, address):
-        view = ZarrView(prepare_content(STUDY))
+        view = view_of(STUDY)
         for key, media_type in (
             ("zarr.json", "application/json"),
             ("regime/zarr.json", "application/json"),
@@ -256,7 +262,7 @@ class TestZarr:
         etag = client.get(path).headers["etag"]
         assert etag == client.get(path).headers["etag"]
         assert etag != client.get(path[:-1] + "5").headers["etag"]
-        monkeypatch.setattr(ZarrView, "_values", None)  # whatever computes would fail
+        monkeypatch.setattr(ZarrView, "_chunk", None)  # whatever computes would fail
         again = client.get(path, headers={"If-None-Match": etag})
         assert (again.status_code, again.content) == (304, b"")
         assert again.headers["etag"] == etag
@@ -294,7 +300,7 @@ class TestZarr:
         paths = [f"/sweeps/{key}/zarr/transport_velocity/c/9/9/9/{i % 2}" for i in range(32)]
         with ThreadPoolExecutor(16) as pool:
             contents = list(pool.map(lambda path: client.get(path).content, paths))
-        view = ZarrView(prepare_content(TRILLION))
+        view = view_of(TRILLION)
         assert set(contents) == {view.read(f"transport_velocity/c/9/9/9/{i}") for i in (0, 1)}
 
 

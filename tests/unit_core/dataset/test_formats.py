@@ -237,7 +237,7 @@ def test_a_group_is_not_replaced(awkward, places):
 )
 def test_what_is_not_installed_is_named(suffix, package, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, package, None)
-    monkeypatch.setattr("vibrafeed.core.dataset.shards.find_spec", lambda name: None)
+    monkeypatch.setattr("vibrafeed.core.dataset.stores.find_spec", lambda name: None)
     with pytest.raises(MissingPackageError, match=r"is not installed: .*pip install .* -e '?\."):
         FORMATS[suffix].needs()
 

@@ -352,7 +352,7 @@ def test_what_a_sweep_cannot_derive_is_told(changes, place):
 
 
 def test_a_sweep_with_derivatives_is_not_read_lazily():
-    from vibrafeed.core.sweep.lazy import open_lazily
+    from vibrafeed.core.kinds import open_lazily
 
     with pytest.raises(StudyError, match="as a whole"):
         open_lazily(prepare_content(SWEEP))

@@ -17,11 +17,11 @@ from vibrafeed.core.intake import (
     prepare_content,
     study_of,
 )
+from vibrafeed.core.lazy.view import read_wishes
 from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.plots.selection import read_fixed
 from vibrafeed.core.quantities import QUANTITIES, WORDS
 from vibrafeed.core.suggestions import suggestion
-from vibrafeed.core.sweep.chunk_wishes import read_wishes
 from vibrafeed.core.sweep.slice import cut
 
 LETTERS = {letter: word for word, letter in WORDS.items()}

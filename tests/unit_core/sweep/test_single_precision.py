@@ -7,10 +7,10 @@ import xarray
 from vibrafeed.core.dataset.netcdf import write_netcdf
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.kinds import tabulate
-from vibrafeed.core.sweep.lazy import open_lazily
-from vibrafeed.core.sweep.stream import outline_table, stream
-from vibrafeed.core.sweep.targets import open_target
+from vibrafeed.core.kinds import open_lazily, tabulate
+from vibrafeed.core.kinds.results import outline
+from vibrafeed.core.lazy import store
+from vibrafeed.core.watch import Watch
 
 STUDY = {
     "kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["acceleration_x", "throw_number"],
@@ -40,16 +40,18 @@ def test_values_are_those_in_double_rounded_once(tmp_path):
     assert prepare_content(SINGLE).bytes < 0.6 * prepare_content(STUDY).bytes
 
 
-@pytest.mark.by_day(1)
-@pytest.mark.parametrize("name", ["tiles.nc", "tiles.zarr"])
-def test_tiles_and_views_have_the_same_values(tmp_path, monkeypatch, name):
-    monkeypatch.setattr("vibrafeed.core.dataset.layout.TILE_CELLS", 500)
-    monkeypatch.setattr("vibrafeed.core.dataset.layout.CHUNK_CELLS", 100)
+@pytest.mark.parametrize("name", ["blocks.nc", "blocks.zarr"])
+def test_blocks_and_lazy_datasets_have_the_same_values(tmp_path, monkeypatch, name):
+    monkeypatch.setattr(store, "STORED_CELLS", 1000)
     sweep = prepare_content(SINGLE, "sweep")
     whole = tabulate(sweep)
-    target = open_target(tmp_path / name, sweep, outline_table(sweep))
-    assert stream(sweep, target)[1]
-    target.close()
+    if name.endswith(".nc"):
+        store.store_netcdf(sweep, outline(sweep), tmp_path / name, Watch())
+    else:
+        group = store.ZarrStore(sweep, str(tmp_path / name))
+        group.begin(outline(sweep))
+        group.store(Watch())
+        group.finish()
     opened = xarray.open_zarr if name.endswith(".zarr") else xarray.open_dataset
     with opened(tmp_path / name) as written:
         for output in STUDY["outputs"]:

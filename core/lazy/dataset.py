@@ -1,0 +1,282 @@
+"""The dataset of a study whose variables are dask arrays over their own axes.
+
+A block is a box of cells; one call computes every variable in it. Everything that is too large for
+memory goes through here: reductions, files, slices of a service, clusters.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import dask
+import dask.array
+import numpy as np
+import xarray
+from dask.callbacks import Callback
+from numpy.typing import NDArray
+
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.plan.evaluate import empty_results, evaluate, evaluate_at_once
+from vibrafeed.core.plan.labels import coordinates_of
+from vibrafeed.core.plan.plan import Plan, Verdict
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.system import cores
+from vibrafeed.core.watch import Watch
+
+if TYPE_CHECKING:
+    from dask.array import Array as DaskArray
+
+BLOCK_CELLS = 1 << 22
+"""Most cells of a block of closed forms: some ten milliseconds, and 32 MiB a variable."""
+STOPPED = "it was stopped before all cells were evaluated, so there is no result"
+BLOCK_SECONDS = 1.0
+"""Time on one core that a block of simulated motion should take."""
+
+
+@dataclass(frozen=True)
+class Field:
+    """Variables that one call computes in a block.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The variables.
+    dims : tuple of str
+        The axes of all of them together, in the order of the grid.
+    plan : Plan
+        The equations that they need.
+    """
+
+    names: tuple[str, ...]
+    dims: tuple[str, ...]
+    plan: Plan
+
+    @property
+    def takes_long(self) -> bool:
+        """True if an equation simulates motion."""
+        return any(equation.takes_long for equation in self.plan.equations)
+
+
+def dataset(
+    prepared: Prepared,
+    outline: Table,
+    *,
+    whole: Collection[str] = (),
+    cells: int | None = None,
+) -> xarray.Dataset:
+    """Return the dataset of a study of any size; nothing of it is computed yet.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        A study whose cells are computed one by one.
+    outline : Table
+        The result of one cell of it: the attributes of the variables and of the whole.
+    whole, cells : optional
+        As for `arrays_of`.
+    """
+    arrays = arrays_of(prepared, whole=whole, cells=cells)
+    variables = {
+        name: xarray.Variable(prepared.dims[name], arrays[name], dict(variable.attributes))
+        for name, variable in outline.variables.items()
+    }
+    coordinates = {
+        name: xarray.Variable(one.dims, one.values, dict(one.attributes))
+        for name, one in coordinates_of(prepared.plan, prepared.grid).items()
+    }
+    return xarray.Dataset(variables, coordinates, dict(outline.attributes))
+
+
+def arrays_of(
+    prepared: Prepared,
+    names: Collection[str] | None = None,
+    *,
+    whole: Collection[str] = (),
+    cells: int | None = None,
+    valid: Mapping[str, Verdict] = MappingProxyType({}),
+) -> dict[str, DaskArray]:
+    """Return the variables of a study as dask arrays in the units of files, by name.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        The study.
+    names : collection of str, optional
+        The variables, each over its `Prepared.dims`; all by default.
+    whole : collection of str, optional
+        Axes along which a block is to hold all cells, as far as it has room.
+    cells : int, optional
+        Most cells of a block; by default `BLOCK_CELLS`, or `BLOCK_SECONDS` of motion.
+    valid : mapping of str to Verdict, optional
+        Outputs that are to be NaN where a verdict on the same axes says that they are not valid.
+    """
+    arrays: dict[str, DaskArray] = {}
+    for field in fields_of(prepared, names):
+        chunks = chunks_of(prepared, field, cells or block_cells(prepared, field), whole)
+        arrays |= _arrays(prepared, field, chunks, valid)
+    return arrays
+
+
+def fields_of(prepared: Prepared, names: Collection[str] | None = None) -> list[Field]:
+    """Return the fields of a study: variables of motion together, closed forms by their axes.
+
+    A motion is followed once for all that is told of it; a closed form costs little, and is not
+    computed along axes that neither it nor the verdict on it has.
+    """
+    plan, dims, together = prepared.plan, prepared.dims, dict[tuple[str, ...], list[str]]()
+    for name in (*plan.outputs, *plan.verdict_names):
+        if names is None or name in names:
+            judges = {judge.name} if (judge := plan.verdict_on(name)) else set()
+            is_slow = any(equation.takes_long for equation in plan.part((name,)).equations)
+            own = prepared.grid.dims({*dims[name], *(dim for one in judges for dim in dims[one])})
+            together.setdefault(("motion",) if is_slow else own, []).append(name)
+    fields = []
+    for group in together.values():
+        judges = {judge.name for name in group if (judge := plan.verdict_on(name))}
+        part = plan.part([*group, *sorted(judges - {*group})])
+        axes = {dim for name in (*group, *judges) for dim in dims[name]}
+        fields.append(Field(tuple(group), prepared.grid.dims(axes), part))
+    return fields
+
+
+def block_cells(prepared: Prepared, field: Field) -> int:
+    """Return the number of cells of a block of a field."""
+    if not field.takes_long:
+        return BLOCK_CELLS
+    return int(min(BLOCK_CELLS, max(1, BLOCK_SECONDS / prepared.seconds_a_cell)))
+
+
+def chunks_of(
+    prepared: Prepared, field: Field, cells: int, whole: Iterable[str] = ()
+) -> dict[str, tuple[int, ...]]:
+    """Return the lengths of the blocks along each axis of a field, equal but for the last.
+
+    The axes of `whole` come first, then the last axis before the one before it, each with as many
+    of its cells as a block has room for.
+    """
+    shape, room, chunks = prepared.grid.shape, cells, dict[str, tuple[int, ...]]()
+    for dim in (*(d for d in reversed(field.dims) if d in set(whole)), *reversed(field.dims)):
+        if dim not in chunks:
+            parts = -(-shape[dim] // max(1, min(shape[dim], room)))
+            step = -(-shape[dim] // parts)
+            starts = range(0, shape[dim], step)
+            chunks[dim] = tuple(min(step, shape[dim] - start) for start in starts)
+            room //= step
+    return {dim: chunks[dim] for dim in field.dims}
+
+
+def compute_block(
+    prepared: Prepared, field: Field, box: Mapping[str, tuple[int, int]], watch: Watch
+) -> dict[str, NDArray[Any]]:
+    """Return the variables of a field, and verdicts on them, in a box of cells, in units of files.
+
+    `box` has start and stop on each axis of the field.
+
+    Raises
+    ------
+    StoppedError
+        If `watch` stops motions before all are followed.
+    """
+    grid = prepared.grid.piece(box, field.plan.parameters)
+    if field.takes_long:
+        arrays = empty_results(field.plan, grid)
+        evaluate_at_once(field.plan, grid, arrays, watch)
+        if watch.stopped():
+            raise StoppedError(STOPPED)
+    else:
+        arrays = evaluate(field.plan, grid, threads=watch.threads)
+    return {name: prepared.in_files(name, values) for name, values in arrays.items()}
+
+
+def _arrays(
+    prepared: Prepared,
+    field: Field,
+    chunks: Mapping[str, tuple[int, ...]],
+    valid: Mapping[str, Verdict],
+) -> dict[str, DaskArray]:
+    ends = [list(itertools.accumulate(chunks[dim], initial=0)) for dim in field.dims]
+
+    def block(block_id: tuple[int, ...] = ()) -> NDArray[Any]:
+        box = {
+            dim: (at[k], at[k + 1]) for dim, at, k in zip(field.dims, ends, block_id, strict=True)
+        }
+        held = np.empty([1] * len(box), dtype=object)
+        arrays = compute_block(prepared, field, box, Watch(threads=1))
+        for name in valid.keys() & arrays.keys():
+            _mask(arrays[name], valid[name], arrays[valid[name].name])
+        held[(0,) * len(box)] = arrays
+        return held
+
+    counts = [len(chunks[dim]) for dim in field.dims]
+    key = f"{prepared.study.key()[:16]}-{'-'.join(map(str, counts))}"
+    blocks = dask.array.map_blocks(
+        block,
+        chunks=tuple((1,) * count for count in counts),
+        dtype=object,
+        meta=np.empty((0,) * len(counts), dtype=object),
+        name=f"block-{field.names[0]}-{key}",
+    )
+    arrays = {}
+    for name in field.names:
+        dims = prepared.dims[name]
+        own = blocks[tuple(slice(None) if dim in dims else 0 for dim in field.dims)]
+        dtype = np.dtype({1: np.int8, 4: np.float32, 8: np.float64}[prepared.width(name)])
+        arrays[name] = own.map_blocks(
+            _variable,
+            variable=name,
+            dtype_=dtype,
+            chunks=tuple(chunks[dim] for dim in dims),
+            dtype=dtype,
+            meta=np.empty((0,) * len(dims), dtype=dtype),
+            name=f"{name}-{key}",
+        )
+    return arrays
+
+
+def _variable(held: NDArray[Any], variable: str, dtype_: np.dtype[Any]) -> NDArray[Any]:
+    # Statuses of motion are computed as doubles.
+    values: NDArray[Any] = held.item()[variable]
+    return values.astype(dtype_, copy=False)
+
+
+def _mask(values: NDArray[Any], verdict: Verdict, regimes: NDArray[Any]) -> None:
+    for name in verdict.regimes:
+        if not REGIMES[name].valid:
+            np.copyto(values, np.nan, where=regimes == REGIMES[name].value)
+
+
+@contextmanager
+def watched(watch: Watch) -> Iterator[None]:
+    """Let dask compute with the threads of a watch, report to it, and stop when it says so.
+
+    Raises
+    ------
+    StoppedError
+        If the watch stops it between two blocks.
+    """
+    left = 1.0
+
+    def check(*_: Any) -> None:
+        if watch.stopped():
+            raise StoppedError(STOPPED)
+
+    def advance(_key: Any, _result: Any, _graph: Any, state: dict[str, Any], _worker: Any) -> None:
+        nonlocal left
+        done = len(state["finished"])
+        now = 1 - done / max(1, done + sum(len(state[k]) for k in ("ready", "waiting", "running")))
+        if now < left:
+            watch.advance(left - now)
+            left = now
+
+    check()
+    callback = Callback(pretask=check, posttask=advance)
+    with callback, dask.config.set(num_workers=watch.threads or cores()):
+        yield
+    watch.advance(left)

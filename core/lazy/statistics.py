@@ -1,0 +1,291 @@
+"""The statistics of a reduction: dask computes them over the blocks of the cells."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import reduce
+from typing import TYPE_CHECKING, Any, Final
+
+import dask.array
+import numpy as np
+import xarray
+from dask.base import compute as dask_compute
+from numpy.typing import NDArray
+
+from vibrafeed.core.lazy.dataset import BLOCK_CELLS, arrays_of, watched
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.study.reduction import QUANTILE, ShareCondition
+from vibrafeed.core.watch import Watch
+
+if TYPE_CHECKING:
+    from vibrafeed.core.lazy.reduced import Answer, Reduced
+
+COMPARED: Final[Mapping[str, Callable[[Any, Any], Any]]] = {
+    "<": operator.lt, "<=": operator.le, "==": operator.eq,
+    "!=": operator.ne, ">=": operator.ge, ">": operator.gt,
+}  # fmt: skip
+NOWHERE = np.iinfo(np.int64).max
+"""The number of the cell of an extreme where no cell counts."""
+
+
+def compute(prepared: Reduced, watch: Watch) -> dict[str, NDArray[Any]]:
+    """Return the variables of a reduced study, in the units of files.
+
+    Raises
+    ------
+    StoppedError
+        If `watch` stops it.
+    """
+    cells = Cells(prepared)
+    lazy = {one.name: cells.answer(one).transpose(*one.dims).data for one in prepared.answers}
+    with watched(watch):
+        (found,) = dask_compute(lazy)
+    return {name: np.asarray(values) for name, values in found.items()}
+
+
+class Cells:
+    """The cells that a reduction asks for, as lazy arrays."""
+
+    def __init__(self, prepared: Reduced):
+        self.asked, self._prepared, names = prepared.asked, prepared, prepared.needed
+        # numpy is ten times as fast over leading axes as over last ones, unless these fill a block.
+        over = prepared.asked.over
+        is_last = prepared.grid.size(over) > BLOCK_CELLS // 64
+        order = sorted(prepared.grid.axes, key=lambda axis: (axis in over) == is_last)
+        axes = {axis: prepared.grid.axes[axis] for axis in order}
+        whole = replace(prepared.whole, grid=replace(prepared.grid, axes=axes))
+        dims = whole.dims
+        judged = {name: judge for name in names if (judge := prepared.judge(name))}
+        self._masked = {n for n, judge in judged.items() if dims[n] == dims[judge.name]}
+        valid = {name: judged[name] for name in self._masked}
+        arrays = arrays_of(whole, names, whole=self.asked.over, valid=valid)
+        self._arrays = {n: xarray.DataArray(array, dims=dims[n]) for n, array in arrays.items()}
+
+    def answer(self, one: Answer) -> xarray.DataArray:
+        """Return a variable of the result."""
+        if one.what == "regime":
+            regimes = self._arrays[one.of]
+            return (regimes == one.value).sum(self.gone(regimes)) * self.times(regimes)
+        if one.what == "share":
+            met = reduce(operator.and_, map(self.meets, one.conditions))
+            gone = self.gone(met)
+            return met.sum(gone) / math.prod(met.sizes[dim] for dim in gone)
+        values = self.counted(one.of)
+        if one.what == "level":
+            return self._crossing(values, one)
+        if one.what == QUANTILE:
+            return self._quantile(values)
+        if one.axis:
+            return self._place(values, one)
+        found = _reduced(values, self.gone(values), one.what)
+        return found * self.times(values) if one.what == "count" else found
+
+    def meets(self, condition: ShareCondition) -> xarray.DataArray:
+        """Return where cells meet the condition of a share."""
+        compare = COMPARED[condition.comparison]
+        if condition.is_regime:
+            number = REGIMES[str(condition.value)].value
+            return compare(self._arrays[condition.name], number)
+        values = self.counted(condition.name)
+        return compare(values, condition.value) & values.notnull()
+
+    def counted(self, name: str) -> xarray.DataArray:
+        """Return an output with NaN where its regime describes no real part."""
+        values, judge = self._arrays[name], self._prepared.judge(name)
+        if judge is None or name in self._masked:
+            return values
+        doubted = [REGIMES[name].value for name in judge.regimes if not REGIMES[name].valid]
+        masked = values.where(~self._arrays[judge.name].isin(doubted))
+        return masked.transpose(*self._prepared.grid.dims(map(str, masked.dims)))
+
+    def gone(self, array: xarray.DataArray) -> tuple[str, ...]:
+        """Return the axes of an array that the reduction takes away, in the order of the grid."""
+        return tuple(str(dim) for dim in array.dims if dim in self.asked.over)
+
+    def times(self, array: xarray.DataArray) -> int:
+        """Return the number of cells of the study that one cell of an array stands for."""
+        shape = self._prepared.grid.shape
+        return math.prod(shape[axis] for axis in self.asked.over if axis not in array.dims)
+
+    def _quantile(self, values: xarray.DataArray) -> xarray.DataArray:
+        gone, shares = self.gone(values), self.asked.quantiles
+        found: xarray.DataArray = xarray.apply_ufunc(
+            _quantiles,
+            values.chunk(dict.fromkeys(gone, -1)),
+            input_core_dims=[gone],
+            output_core_dims=[[QUANTILE]],
+            kwargs={"shares": shares, "axes": len(gone), "times": self.times(values)},
+            dask="parallelized",
+            dask_gufunc_kwargs={"output_sizes": {QUANTILE: len(shares)}},
+            output_dtypes=[np.float64],
+        )
+        return found
+
+    def _crossing(self, values: xarray.DataArray, one: Answer) -> xarray.DataArray:
+        level = one.level
+        assert level is not None
+        largest = level.take == "largest"
+        crossed = xarray.apply_ufunc(
+            _crossings,
+            values.chunk({level.along: -1}),
+            input_core_dims=[[level.along]],
+            kwargs={
+                "axis": self._prepared.grid.coordinate(level.along),
+                "level": level.level,
+                "largest": largest,
+            },
+            dask="parallelized",
+            output_dtypes=[np.float64],
+        )
+        gone = self.gone(crossed)
+        extreme: xarray.DataArray = crossed.max(gone) if largest else crossed.min(gone)
+        return extreme.where(np.isfinite(extreme))
+
+    def _place(self, values: xarray.DataArray, one: Answer) -> xarray.DataArray:
+        """Return the value of an axis in the first cell with the largest or least value."""
+        gone, axis = self.gone(values), self._prepared.grid.coordinate(one.axis)
+        if not gone:
+            return values.where(values.isnull(), axis[0])
+        sizes = [values.sizes[dim] for dim in gone]
+        strides = {dim: math.prod(sizes[k + 1 :]) for k, dim in enumerate(gone)}
+        numbers: Any = np.zeros((), np.int64)
+        for dim, stride in strides.items():
+            chunks = values.chunksizes[dim]
+            along = dask.array.arange(values.sizes[dim], chunks=chunks, dtype=np.int64)
+            shape = [-1 if other == dim else 1 for other in values.dims]
+            numbers = numbers + stride * along.reshape(shape)
+        kept = [dim for dim in values.dims if dim not in gone]
+        number = dask.array.reduction(
+            (values if one.what == "argmax" else -values).data,
+            _largest,
+            _number_of_largest,
+            axis=tuple(values.get_axis_num(dim) for dim in gone),
+            combine=_larger,
+            dtype=np.int64,
+            meta=np.empty((0,) * len(kept), np.int64),
+            weights=numbers,
+        )
+        place = number // strides[one.axis] % len(axis) if one.axis in gone else 0 * number
+        found = place.map_blocks(lambda at: axis[at], dtype=np.float64)
+        return xarray.DataArray(dask.array.where(number == NOWHERE, np.nan, found), dims=kept)
+
+
+def _reduced(values: xarray.DataArray, gone: tuple[str, ...], what: str) -> xarray.DataArray:
+    if what == "std":
+        return values.std(gone)
+    if what == "mean":
+        count = _reduced(values, gone, "count")
+        return _reduced(values, gone, "sum") / count.where(count > 0)
+    of_block, joined, dtype = _FOLDS[what]
+    kept = [dim for dim in values.dims if dim not in gone]
+    found = dask.array.reduction(
+        values.data,
+        of_block,
+        joined,
+        axis=tuple(values.get_axis_num(dim) for dim in gone),
+        dtype=dtype,
+        meta=np.empty((0,) * len(kept), dtype),
+    )
+    return xarray.DataArray(found, dims=kept)
+
+
+def _fold(ufunc: np.ufunc) -> Callable[..., Any]:
+    def fold(values: Any, axis: tuple[int, ...], keepdims: bool) -> Any:
+        with np.errstate(invalid="ignore"):
+            return ufunc.reduce(values, axis=axis, keepdims=keepdims)
+
+    return fold
+
+
+def _sum(values: Any, axis: tuple[int, ...], keepdims: bool) -> Any:
+    with np.errstate(invalid="ignore"):
+        return np.sum(values, axis=axis, keepdims=keepdims, where=~np.isnan(values))
+
+
+def _count(values: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> Any:
+    return np.count_nonzero(values == values, axis=axis, keepdims=keepdims)
+
+
+# xarray's own reductions take two to four times as long and warn where no cell of a block counts.
+_FOLDS: Final = {
+    "max": (_fold(np.fmax), _fold(np.fmax), np.float64),
+    "min": (_fold(np.fmin), _fold(np.fmin), np.float64),
+    "sum": (_sum, _fold(np.add), np.float64),
+    "count": (_count, _fold(np.add), np.int64),
+}
+
+
+_PAIR: Final = np.dtype([("value", np.float64), ("number", np.int64)])
+
+
+def _largest(
+    values: NDArray[Any], numbers: NDArray[Any], axis: tuple[int, ...], keepdims: bool
+) -> NDArray[Any]:
+    """Return the largest value of a block, NaN aside, and the number of the first cell with it."""
+    best = np.fmax.reduce(values, axis=axis, keepdims=True, initial=np.nan)
+    at = np.where(values == best, numbers, NOWHERE).min(axis=axis, keepdims=True)
+    pairs = np.empty(best.shape, _PAIR)
+    pairs["value"], pairs["number"] = best, at
+    return pairs
+
+
+def _larger(pairs: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> NDArray[Any]:
+    return _largest(pairs["value"], pairs["number"], axis, keepdims)
+
+
+def _number_of_largest(pairs: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> NDArray[Any]:
+    best = np.fmax.reduce(pairs["value"], axis=axis, keepdims=True)
+    at = np.where(pairs["value"] == best, pairs["number"], NOWHERE)
+    return at.min(axis=axis, keepdims=keepdims)
+
+
+def _quantiles(
+    values: NDArray[np.float64], shares: tuple[float, ...], axes: int, times: int
+) -> NDArray[np.float64]:
+    """Return quantiles over the last `axes` axes of an array, NaN aside, along a new last axis.
+
+    Each value counts `times`, as it stands for so many cells. Between two cells a quantile lies on
+    the straight line between their values, as in numpy's method `linear`.
+    """
+    # numpy.nanquantile takes one line after another, and warns where a line is empty.
+    kept = values.shape[: values.ndim - axes]
+    lines = np.sort(values.reshape(math.prod(kept), -1), axis=-1)
+    counts = np.count_nonzero(~np.isnan(lines), axis=-1)
+    result = np.full((len(lines), len(shares)), np.nan)
+    some = np.flatnonzero(counts)
+    cells = counts[some] * times
+    for k, share in enumerate(shares):
+        before, part = np.divmod(share * (cells - 1), 1.0)
+        at = before.astype(np.int64)
+        low = lines[some, at // times]
+        high = lines[some, np.minimum(at + 1, cells - 1) // times]
+        with np.errstate(invalid="ignore"):
+            step = np.where(low == high, 0.0, high - low)
+            between = np.where(part < 0.5, low + step * part, high - step * (1 - part))
+        result[some, k] = np.where(part == 0, low, between)  # an infinite step has no part of 0
+    return result.reshape(*kept, len(shares))
+
+
+def _crossings(
+    values: NDArray[np.float64], axis: NDArray[np.float64], level: float, largest: bool
+) -> NDArray[np.float64]:
+    """Return where the last axis of an array crosses a level; infinite if it does not.
+
+    Values are joined by straight lines; where two neighbours are the level, it is the larger or the
+    smaller point.
+    """
+    lower, upper, first, last = values[..., :-1], values[..., 1:], axis[:-1], axis[1:]
+    crossed = ((lower <= level) & (level <= upper)) | ((lower >= level) & (level >= upper))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        places = first + (level - lower) / (upper - lower) * (last - first)
+    places = np.where((upper == level) | np.isinf(lower), last, places)
+    places = np.where((lower == level) | np.isinf(upper), first, places)
+    end = np.maximum(first, last) if largest else np.minimum(first, last)
+    places = np.where((lower == level) & (upper == level), end, places)
+    worst = -np.inf if largest else np.inf
+    places = np.where(crossed, places, worst)
+    extreme: NDArray[np.float64] = (np.max if largest else np.min)(places, axis=-1, initial=worst)
+    return extreme

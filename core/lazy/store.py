@@ -1,0 +1,410 @@
+"""A result of any size into a file: its blocks are computed and written side by side.
+
+A Zarr group takes blocks in any order and from anywhere, so that a run that was stopped goes on and
+the workers of a cluster write it together. A NetCDF file is written in one go, by one thread.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import deque
+from collections.abc import Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Final
+
+import dask.array
+import numpy as np
+from dask.base import compute
+from numpy.typing import NDArray
+
+from vibrafeed import core
+from vibrafeed.core.dataset.files import partial, settle, whole
+from vibrafeed.core.dataset.group import create_arrays, put
+from vibrafeed.core.dataset.netcdf import define, opened
+from vibrafeed.core.dataset.stores import (
+    GROUP,
+    UNFINISHED,
+    document_of,
+    keys_in,
+    open_group,
+    plain_errors,
+    put_document,
+    remove_all,
+)
+from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.lazy.dataset import (
+    STOPPED,
+    Field,
+    chunks_of,
+    compute_block,
+    fields_of,
+    watched,
+)
+from vibrafeed.core.plan.labels import coordinates_of
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.system import cores, sync
+from vibrafeed.core.watch import Watch
+
+STORED_CELLS = 1 << 18
+"""Cells of a block that is stored, and of a chunk of its file: 2 MiB a variable."""
+AT_ONCE = 1024
+"""Blocks that dask is told of at once: each takes it 15 KB."""
+UNDER_WAY: Final = "This group is being written: missing values read as NaN, a regime as 0."
+"""The comment of a group under way."""
+
+Place = tuple[slice, ...]
+
+
+@dataclass(frozen=True)
+class Block:
+    """A box of cells of a field.
+
+    Attributes
+    ----------
+    field : Field
+        The field.
+    box : mapping of str to (int, int)
+        Start and stop on each of its axes.
+    at : mapping of str to int
+        Number of the block on each axis.
+    """
+
+    field: Field
+    box: Mapping[str, tuple[int, int]]
+    at: Mapping[str, int]
+
+    @property
+    def cells(self) -> int:
+        """The number of points."""
+        return math.prod(stop - start for start, stop in self.box.values())
+
+
+class Blocks:
+    """The blocks in which a study is stored; equal studies have equal blocks."""
+
+    def __init__(self, prepared: Prepared):
+        self.prepared, self._fields = prepared, []
+        for one in fields_of(prepared):
+            chunks = chunks_of(prepared, one, stored_cells(prepared, one))
+            ends = {dim: [0, *itertools.accumulate(chunks[dim])] for dim in one.dims}
+            self._fields.append((one, ends, [len(chunks[dim]) for dim in one.dims]))
+        self._starts = [0, *itertools.accumulate(math.prod(n) for _, _, n in self._fields)]
+
+    def __len__(self) -> int:
+        return self._starts[-1]
+
+    def __getitem__(self, index: int) -> Block:
+        at = next(k for k, stop in enumerate(self._starts[1:]) if index < stop)
+        one, ends, counts = self._fields[at]
+        place = np.unravel_index(index - self._starts[at], counts) if counts else ()
+        numbers = dict(zip(one.dims, map(int, place), strict=True))
+        box = {dim: (ends[dim][k], ends[dim][k + 1]) for dim, k in numbers.items()}
+        return Block(one, box, numbers)
+
+    def places(self, block: Block) -> dict[str, Place]:
+        """Return where the variables of a block lie in their arrays.
+
+        A variable without an axis of the field is in the first of its blocks along that axis.
+        """
+        dims = self.prepared.dims
+        return {
+            name: tuple(slice(*block.box[dim]) for dim in dims[name])
+            for name in block.field.names
+            if not any(block.at[dim] for dim in block.at if dim not in dims[name])
+        }
+
+    def chunk(self, name: str) -> tuple[int, ...]:
+        """Return the lengths of the blocks of a variable."""
+        ends = next(ends for one, ends, _ in self._fields if name in one.names)
+        return tuple(ends[dim][1] for dim in self.prepared.dims[name])
+
+
+def points_of(prepared: Prepared) -> int:
+    """Return the number of points of all blocks of a study."""
+    return sum(prepared.grid.size(one.dims) for one in fields_of(prepared))
+
+
+def stored_cells(prepared: Prepared, one: Field) -> int:
+    """Return the number of cells of a block that is stored: some seconds of motion at most."""
+    if not one.takes_long:
+        return STORED_CELLS
+    # A price that is measured would give other blocks in each process.
+    return max(1, min(STORED_CELLS, int(1 / prepared.stated_seconds_a_cell)))
+
+
+@dataclass
+class Written:
+    """The blocks that a run has computed and written.
+
+    Attributes
+    ----------
+    cells : int
+        Their points.
+    ends : dict of str to tuple of float
+        The least and largest finite and valid value of each output.
+    regimes : dict of str to dict of str to int
+        Number of cells in each regime, by the name of the verdict and of the regime.
+    """
+
+    cells: int = 0
+    ends: dict[str, tuple[float, float]] = field(default_factory=dict)
+    regimes: dict[str, dict[str, int]] = field(default_factory=dict)
+
+    def add(self, other: Written) -> None:
+        """Add other blocks."""
+        self.cells += other.cells
+        for name, (least, largest) in other.ends.items():
+            ends = self.ends.get(name, (least, largest))
+            self.ends[name] = min(least, ends[0]), max(largest, ends[1])
+        for name, counts in other.regimes.items():
+            known = self.regimes.setdefault(name, dict.fromkeys(counts, 0))
+            for regime, count in counts.items():
+                known[regime] += count
+
+
+def summary(blocks: Blocks, block: Block, arrays: Mapping[str, NDArray[Any]]) -> Written:
+    """Return extremes and counts of regimes of a block that was computed."""
+    plan, dims, places = blocks.prepared.plan, blocks.prepared.dims, blocks.places(block)
+    found = Written(block.cells)
+    for verdict in plan.verdicts:
+        if verdict.name in places:
+            counts = np.bincount(arrays[verdict.name].reshape(-1), minlength=128)
+            found.regimes[verdict.name] = {
+                name: int(counts[REGIMES[name].value]) for name in verdict.regimes
+            }
+    for name in places:
+        if name in plan.verdict_names:
+            continue
+        judge, counted = plan.verdict_on(name), np.asarray(np.isfinite(arrays[name]))
+        if judge is not None and judge.doubts:
+            doubted = [REGIMES[one].value for one in judge.regimes if not REGIMES[one].valid]
+            valid, own = ~np.isin(arrays[judge.name], doubted), dims[judge.name]
+            apart = tuple(k for k, dim in enumerate(own) if dim not in dims[name])
+            valid = np.asarray(valid.any(axis=apart))
+            shape = zip(dims[name], counted.shape, strict=True)
+            counted = counted & np.reshape(
+                valid, [size if dim in own else 1 for dim, size in shape]
+            )
+        if counted.any():
+            values = arrays[name][counted]
+            found.ends[name] = float(values.min()), float(values.max())
+    return found
+
+
+# --- NetCDF
+
+
+def store_netcdf(
+    prepared: Prepared,
+    outline: Table,
+    path: Path,
+    watch: Watch,
+    *,
+    history: str | None = None,
+    compression: bool = True,
+) -> Written:
+    """Compute a study and write it as NetCDF, which appears when it is complete.
+
+    Equal studies give equal bytes without a history. Memory is that of a few blocks.
+
+    Raises
+    ------
+    StoppedError
+        If `watch` stops it; then nothing is left.
+    OSError
+        If it cannot be written.
+    """
+    blocks, written = Blocks(prepared), Written()
+    chunks = {name: blocks.chunk(name) for name in outline.variables}
+    table, threads = whole_table(prepared, outline), watch.threads or cores()
+    with whole(path) as temporary:
+        define(temporary, table, history=history, compression=compression, chunks=chunks)
+        with opened(temporary, "a") as file, ThreadPoolExecutor(threads) as pool:
+            waiting: deque[tuple[Block, Future[dict[str, NDArray[Any]]]]] = deque()
+            left = iter(range(len(blocks)))
+            while True:
+                for index in itertools.islice(left, 2 * threads - len(waiting)):
+                    block = blocks[index]
+                    task = pool.submit(
+                        compute_block, prepared, block.field, block.box, Watch(threads=1)
+                    )
+                    waiting.append((block, task))
+                if not waiting:
+                    break
+                if watch.stopped():
+                    pool.shutdown(cancel_futures=True)
+                    raise StoppedError(STOPPED)
+                block, task = waiting.popleft()
+                arrays = task.result()
+                for name, place in blocks.places(block).items():
+                    file[name][place] = arrays[name]
+                written.add(summary(blocks, block, arrays))
+                watch.advance(1 / len(blocks))
+    return written
+
+
+def whole_table(prepared: Prepared, outline: Table) -> Table:
+    """Return the table of a study without the values of its arrays, which take no memory."""
+    shape = prepared.grid.shape
+    variables = {
+        name: replace(
+            one,
+            values=np.broadcast_to(
+                one.values.reshape(-1)[:1].reshape([1] * len(one.dims)),
+                [shape[d] for d in one.dims],
+            ),
+        )
+        for name, one in outline.variables.items()
+    }
+    return Table(coordinates_of(prepared.plan, prepared.grid), variables, outline.attributes)
+
+
+# --- Zarr
+
+
+@dataclass(frozen=True)
+class ZarrStore:
+    """The Zarr group of a study under way: any process may write any of its blocks.
+
+    Attributes
+    ----------
+    prepared : Prepared
+        The study.
+    where : str
+        A folder, or the URL of an object store such as ``s3://bucket/key``, whose keys and address
+        come from the environment.
+    """
+
+    prepared: Prepared
+    where: str
+
+    @property
+    def under_way(self) -> str:
+        """The folder or URL while blocks are missing."""
+        return self.where if "://" in self.where else str(partial(Path(self.where)))
+
+    @property
+    def identity(self) -> dict[str, str]:
+        """The text by which a run knows its own group."""
+        return {"study": self.prepared.study.key(), "version": core.__version__}
+
+    def begin(self, outline: Table, *, resume: bool = False) -> None:
+        """Create the group; with `resume` keep one that a run of the same study has begun.
+
+        Raises
+        ------
+        FileExistsError
+            If something else is there.
+        OSError
+            If it cannot be written.
+        """
+        if "://" not in self.where and Path(self.where).exists():
+            raise FileExistsError(f"{self.where} exists already")
+        with plain_errors():
+            there = keys_in(self.under_way)
+            if GROUP in there:
+                begun = open_group(self.under_way).attrs.get(UNFINISHED)
+                if begun is None:
+                    raise FileExistsError(f"{self.where} exists already")
+                if resume and begun == self.identity:
+                    return
+            elif there:
+                raise FileExistsError(f"{self.where} holds other files")
+            remove_all(self.under_way)
+            self._create(outline)
+
+    def _create(self, outline: Table) -> None:
+        blocks, group = Blocks(self.prepared), open_group(self.under_way, create=True)
+        chunks = {name: blocks.chunk(name) for name in outline.variables}
+        create_arrays(group, outline, sizes=self.prepared.grid.shape, chunks=chunks)
+        for name, one in coordinates_of(self.prepared.plan, self.prepared.grid).items():
+            put(group, name, ..., one.values)
+        group.attrs.update({UNFINISHED: self.identity, "comment": UNDER_WAY})
+        names = (*outline.coordinates, *outline.variables)
+        put_document(self.under_way, document_of(group, names))
+
+    def missing(self) -> list[int]:
+        """Return the numbers of the blocks that are not stored."""
+        blocks, there = Blocks(self.prepared), keys_in(self.under_way)
+        return [k for k in range(len(blocks)) if not self._keys(blocks, blocks[k]) <= there]
+
+    def _keys(self, blocks: Blocks, block: Block) -> set[str]:
+        dims = self.prepared.dims
+        return {
+            "/".join([name, "c", *(str(block.at[dim]) for dim in dims[name])])
+            for name in blocks.places(block)
+        }
+
+    def write(self, index: int, watch: Watch) -> Written:
+        """Compute a block and store it.
+
+        Raises
+        ------
+        StoppedError
+            If `watch` stops it.
+        """
+        blocks = Blocks(self.prepared)
+        block = blocks[index]
+        arrays = compute_block(self.prepared, block.field, block.box, watch)
+        group = _opened(self.under_way, self.prepared.study.key())
+        with plain_errors():
+            for name, place in blocks.places(block).items():
+                put(group, name, place, arrays[name])
+        if "://" not in self.where:
+            for key in self._keys(blocks, block):
+                sync(Path(self.under_way) / key)
+        return summary(blocks, block, arrays)
+
+    def store(self, watch: Watch) -> Written:
+        """Compute and store all blocks that are missing, on the threads of dask or its cluster.
+
+        Raises
+        ------
+        StoppedError
+            If `watch` stops it; the blocks that were written by then stay.
+        """
+        missing, count, written = self.missing(), len(Blocks(self.prepared)), Written()
+        watch.advance(1 - len(missing) / count)
+
+        def write(numbers: NDArray[np.int64]) -> NDArray[Any]:
+            held = np.empty(1, dtype=object)
+            held[0] = self.write(int(numbers[0]), Watch(threads=1))
+            return held
+
+        for start in range(0, len(missing), AT_ONCE):
+            some = missing[start : start + AT_ONCE]
+            numbers = dask.array.from_array(np.array(some), chunks=1)
+            stored = numbers.map_blocks(write, dtype=object, meta=np.empty(0, dtype=object))
+            with watched(watch.part(len(some) / count)):
+                (found,) = compute(stored)
+            for one in found:
+                written.add(one)
+        return written
+
+    def finish(self, more: Mapping[str, Any] = MappingProxyType({})) -> None:
+        """Set the attributes and `more`, such as the cost, and make the complete group visible."""
+        with plain_errors():
+            group = open_group(self.under_way)
+            own = dict(group.attrs)
+            own.pop(UNFINISHED, None)
+            own["comment"] = self.prepared.plan.scene.validity
+            group.attrs.put({**own, **more})
+            begun = group.metadata.consolidated_metadata
+            names = () if begun is None else begun.metadata
+            put_document(self.under_way, document_of(group, names))
+        if "://" not in self.where:
+            for left in Path(self.under_way).rglob("*.partial"):  # of writers that were killed
+                left.unlink(missing_ok=True)
+            settle(Path(self.under_way), Path(self.where))
+
+
+@lru_cache(maxsize=4)
+def _opened(where: str, study: str) -> Any:  # another study has other arrays
+    return open_group(where)

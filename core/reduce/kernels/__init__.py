@@ -1,1 +1,0 @@
-"""Loops over the cells of a box."""

@@ -1,0 +1,150 @@
+"""A Dask cluster of two workers, one of them killed, computes what one machine computes."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import distributed
+import pytest
+import xarray
+from distributed.security import Security
+from typer.testing import CliRunner
+
+from large_studies import MOTION, sweep_of
+from vibrafeed.app.cli import app
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import open_lazily, tabulate
+from waiting import PATIENCE, wait_for
+
+STUDIES = {
+    "sweep": {**sweep_of(32), "outputs": ["transport_velocity", "throw_number"], "verify": 2},
+    "motion": {**MOTION, "outputs": ["conveying_velocity", "motion_status"]},
+}
+# Workers compute small blocks slowly, so that there is time to kill one.
+WORKER = """
+import sys, time
+from vibrafeed.core.lazy import store
+store.STORED_CELLS = int(sys.argv[1])
+plain = store.compute_block
+store.compute_block = lambda *given: time.sleep(0.05) or plain(*given)
+from distributed.cli import dask_worker
+dask_worker.main([sys.argv[2], "--nthreads", "1", "--no-nanny", "--no-dashboard"])
+"""
+RUN = """
+import sys
+from vibrafeed.core.lazy import store
+store.STORED_CELLS = int(sys.argv[1])
+from vibrafeed.app.cli import app
+app(["run", *sys.argv[2:]])
+"""
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Start a scheduler that talks TLS; whoever reads the settings of Dask has its certificates."""
+    folder = tmp_path_factory.mktemp("scheduler")
+    given = Security.temporary()
+    (folder / "ca.pem").write_text(given.tls_ca_file)
+    settings = {"CA_FILE": str(folder / "ca.pem")}
+    for role in ("scheduler", "worker", "client"):
+        for what in ("cert", "key"):
+            path = folder / f"{role}-{what}.pem"
+            path.write_text(getattr(given, f"tls_{role}_{what}"))
+            settings[f"{role}__{what}".upper()] = str(path)
+    start = {f"DASK_DISTRIBUTED__COMM__TLS__{name}": value for name, value in settings.items()}
+    start["DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES"] = "20"
+    with pytest.MonkeyPatch.context() as patched:
+        for name, value in start.items():
+            patched.setenv(name, value)
+        process = subprocess.Popen(
+            [sys.executable, "-m", "distributed.cli.dask_scheduler", "--protocol", "tls", "--host",
+             "127.0.0.1", "--port", "0", "--no-dashboard"],
+            stderr=subprocess.PIPE, text=True, cwd=folder,
+        )  # fmt: skip
+        assert process.stderr is not None
+        try:
+            lines = (re.search(r"Scheduler at:\s+(tls://\S+)", line) for line in process.stderr)
+            yield next(found[1] for found in lines if found)
+        finally:
+            process.kill()
+            process.wait()
+            process.stderr.close()
+
+
+@pytest.mark.parametrize(("kind", "cells"), [("sweep", 20_000), ("motion", 12)])
+def test_two_workers_one_of_them_killed(
+    scheduler: str, kind: str, cells: int, tmp_path: Path
+) -> None:
+    study, target = tmp_path / "study.json", tmp_path / "a.zarr"
+    study.write_text(json.dumps(STUDIES[kind]))
+    workers = [
+        subprocess.Popen([sys.executable, "-c", WORKER, str(cells), scheduler], cwd=tmp_path,
+                         stderr=subprocess.DEVNULL)
+        for _ in range(2)
+    ]  # fmt: skip
+    running = subprocess.Popen(
+        [sys.executable, "-c", RUN, str(cells), str(study), "-o", str(target), "--scheduler",
+         scheduler], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+    )  # fmt: skip
+    try:
+        begun = tmp_path / ".a.zarr.partial"
+        wait_for(lambda: len([*begun.glob("*_velocity/c/**/0")]) > 2 or running.poll() is not None)
+        workers[0].send_signal(signal.SIGKILL)
+        output = running.communicate(timeout=PATIENCE)[0]
+    finally:
+        for process in (running, *workers):
+            process.kill()
+            process.wait()
+    assert running.returncode == 0, output
+    prepared = prepare_content(STUDIES[kind])
+    with xarray.open_zarr(target) as found:
+        wanted = tabulate(prepared).with_price({}).to_xarray()
+        xarray.testing.assert_equal(found.load(), wanted)
+        assert found.attrs.get("verified_cells") == STUDIES[kind].get("verify")
+
+
+def test_a_client_in_python_computes_a_lazy_dataset(scheduler: str, tmp_path: Path) -> None:
+    tls = {name: os.environ[f"DASK_DISTRIBUTED__COMM__TLS__{name}"] for name in
+           ("CA_FILE", "CLIENT__CERT", "CLIENT__KEY")}  # fmt: skip
+    security = Security(
+        tls_ca_file=tls["CA_FILE"], tls_client_cert=tls["CLIENT__CERT"],
+        tls_client_key=tls["CLIENT__KEY"],
+    )  # fmt: skip
+    worker = subprocess.Popen(
+        [sys.executable, "-m", "distributed.cli.dask_worker", scheduler, "--nthreads", "1",
+         "--no-nanny", "--no-dashboard"], cwd=tmp_path, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        for content in STUDIES.values():
+            name = content["outputs"][0]
+            lazy: Any = open_lazily(prepare_content(content))[name].max()
+            wanted = float(lazy)
+            with distributed.Client(scheduler, security=security):
+                assert float(lazy) == wanted
+    finally:
+        worker.kill()
+        worker.wait()
+
+
+def test_a_scheduler_that_is_not_reached_is_told(
+    scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    study = tmp_path / "study.json"
+    study.write_text(json.dumps(STUDIES["motion"]))
+    place = [str(study), "-o", str(tmp_path / "a.zarr"), "--scheduler"]
+    refused = CliRunner().invoke(app, ["run", *place, scheduler])  # read no certificates
+    assert refused.exit_code == 1
+    assert f"{scheduler} cannot be reached: it talks TLS" in " ".join(refused.output.split())
+    netcdf = CliRunner().invoke(app, ["run", str(study), "--scheduler", scheduler])
+    assert netcdf.exit_code == 2
+    assert "Write to Zarr (-o result.zarr), or leave out --scheduler" in " ".join(
+        netcdf.output.split()
+    )

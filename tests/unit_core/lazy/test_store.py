@@ -1,0 +1,291 @@
+"""A study that is stored block by block is the study in memory, stopped, killed or not."""
+
+from __future__ import annotations
+
+import itertools
+import tracemalloc
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import cloudpickle
+import numpy as np
+import pytest
+import xarray
+
+from large_studies import MOTION, TRACK, sweep_of
+from vibrafeed.core.dataset.files import partial
+from vibrafeed.core.dataset.stores import attributes_at, keys_in, open_group
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.kinds.results import outline
+from vibrafeed.core.lazy import store
+from vibrafeed.core.lazy.store import Blocks, Written, ZarrStore, store_netcdf
+from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.watch import Watch
+
+FLAT = {**MOTION, "outputs": ["conveying_velocity", "motion_status"]}
+"""Motion of which some parts rest."""
+
+
+@pytest.fixture(autouse=True)
+def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(store, "STORED_CELLS", 300)
+
+
+def stopping(after: int) -> Watch:
+    """Return a watch that stops when it has been asked so many times."""
+    asked = itertools.count()
+    return Watch(threads=1, stop=lambda: next(asked) >= after)
+
+
+def to_zarr(
+    prepared: Prepared, where: Path | str, watch: Watch | None = None, *, resume: bool = False
+) -> Written:
+    group = ZarrStore(prepared, str(where))
+    group.begin(outline(prepared), resume=resume)
+    written = group.store(watch or Watch(threads=2))
+    group.finish()
+    return written
+
+
+def to_netcdf(prepared: Prepared, path: Path, watch: Watch | None = None) -> Written:
+    return store_netcdf(prepared, outline(prepared), path, watch or Watch(threads=2))
+
+
+FORMS: dict[str, tuple[Callable[..., Written], Callable[..., xarray.Dataset]]] = {
+    "nc": (to_netcdf, xarray.open_dataset), "zarr": (to_zarr, xarray.open_zarr),
+}  # fmt: skip
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {key: (folder / key).read_bytes() for key in keys_in(str(folder))}
+
+
+CONTENTS: dict[str, dict[str, Any]] = {
+    "sweep": {**TRACK, "verify": 3},
+    "motion": MOTION,
+    "an output without axes": {
+        **TRACK, "scene": "rectangle-on-plane",
+        "outputs": ["vibration_acceleration", "acceleration_x"],
+        "parameters": {"frequency": 50, "amplitude": 2e-4, "friction": [0.2, 0.4],
+                       "beta": {"start": 0, "stop": 60, "num": 150}},
+    },
+    "a verdict with more axes, values that are NaN": {
+        **TRACK, "scene": "sphere-on-plane", "outputs": ["required_friction"],
+        "parameters": {"frequency": {"start": 30, "stop": 90, "num": 30}, "beta": [10, 40],
+                       "amplitude": ["0.05 mm", "0.2 mm", "0.8 mm"], "friction": [0.1, 0.3, 0.6]},
+    },
+    "regimes that are all 0": {
+        **TRACK, "scene": "rectangle-on-plane", "outputs": ["acceleration_x"],
+        "parameters": {"frequency": 50, "amplitude": 1e-5, "friction": 0.4,
+                       "beta": {"start": 0, "stop": 30, "num": 250}},
+    },
+    "32 bits": {**TRACK, "precision": "single"},
+    "one cell": {**TRACK, "parameters": {**TRACK["parameters"], "frequency": 50, "alpha": 3,
+                                         "amplitude": 2e-4, "beta": 20}},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("content", CONTENTS.values(), ids=list(CONTENTS))
+def test_the_file_holds_what_a_run_in_memory_holds(
+    content: dict[str, Any], form: str, tmp_path: Path
+) -> None:
+    prepared = prepare_content(content)
+    write, opened = FORMS[form]
+    written = write(prepared, tmp_path / f"a.{form}")
+    table = tabulate(prepared)
+    with opened(tmp_path / f"a.{form}") as found:
+        found.load()
+        xarray.testing.assert_equal(found, table.with_price({}).to_xarray())
+        for name, variable in table.variables.items():
+            assert found[name].dtype == variable.values.dtype
+            assert found[name].attrs["long_name"] == variable.attributes["long_name"]
+        assert found.attrs["study_sha256"] == prepared.study.key()
+        assert found.attrs["comment"] == table.attributes["comment"]
+        assert found.attrs.get("verified_cells") == content.get("verify")
+    for name in prepared.plan.outputs:
+        valid = table.variables[name].values[table.valid(name)]
+        valid = valid[np.isfinite(valid)]
+        assert written.ends.get(name) == ((valid.min(), valid.max()) if valid.size else None)
+    for verdict in prepared.plan.verdicts:
+        values = table.variables[verdict.name].values
+        assert sum(written.regimes[verdict.name].values()) == values.size
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize(
+    ("scene", "output", "more"),
+    [("sphere-on-plane", "required_friction", {"friction": [0.1, 0.3, 0.6]}),
+     ("rectangle-on-plane", "floor_force", {"mass": [1, 2]}),
+     ("cylinder-on-plane", "angular_acceleration",
+      {"friction": [0.1, 0.3, 0.6], "diameter": [0.01, 0.02]})],
+)  # fmt: skip
+def test_extremes_are_of_valid_cells_whatever_axes_the_verdict_has(
+    form: str, scene: str, output: str, more: dict[str, Any], monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:  # fmt: skip
+    """Invalid cells were among them where a verdict has other axes than its output."""
+    drive = {"frequency": [30, 60, 90], "amplitude": [5e-5, 2e-4, 8e-4], "beta": [10, 40]}
+    variant = {"variant": "thesis"} if scene == "cylinder-on-plane" else {}
+    content = {"kind": "sweep", "scene": scene, "outputs": [output], **variant}
+    sweep = prepare_content({**content, "parameters": {**drive, **more}})
+    assert set(sweep.dims[output]) != set(sweep.dims["regime"])
+    table = tabulate(sweep)
+    valid = table.variables[output].values[table.valid(output)]
+    assert 0 < valid.size < table.variables[output].values.size
+    for cells in (2, 7, 10_000):
+        monkeypatch.setattr(store, "STORED_CELLS", cells)
+        written = FORMS[form][0](sweep, tmp_path / f"{cells}.{form}")
+        assert written.ends == {output: (valid.min(), valid.max())}
+
+
+@pytest.mark.parametrize("content", [TRACK, MOTION], ids=["sweep", "motion"])
+def test_a_group_that_was_stopped_goes_on_to_the_same_bytes(
+    content: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(store, "STORED_CELLS", 300 if content is TRACK else 30)
+    prepared = prepare_content(content)
+    to_zarr(prepared, tmp_path / "whole.zarr")
+    part, under_way = tmp_path / "a.zarr", partial(tmp_path / "a.zarr")
+    with pytest.raises(StoppedError):
+        to_zarr(prepared, part, stopping(4))
+    begun = files(under_way)
+    assert not part.exists()
+    assert "being written" in open_group(str(under_way)).attrs["comment"]
+    again = prepare_content(content)  # of another process, which has no price yet
+    missing = ZarrStore(again, str(part)).missing()
+    assert 0 < len(missing) < len(Blocks(prepared))
+    with xarray.open_zarr(under_way) as growing:
+        assert any(growing[name].isnull().any() for name in prepared.plan.outputs)
+    written = to_zarr(again, part, resume=True)
+    assert 0 < written.cells < store.points_of(prepared)
+    assert not under_way.exists()
+    assert files(part) == files(tmp_path / "whole.zarr")
+    assert begun.keys() < files(part).keys()
+
+
+def test_what_is_lost_is_made_again(tmp_path: Path) -> None:
+    prepared = prepare_content(TRACK)
+    to_zarr(prepared, tmp_path / "whole.zarr")
+    group = ZarrStore(prepared, str(tmp_path / "a.zarr"))
+    group.begin(outline(prepared))
+    group.store(Watch(threads=1))
+    (partial(tmp_path / "a.zarr") / "transport_velocity" / "c" / "0" / "1" / "0" / "0").rename(
+        tmp_path / ".a.zarr.partial" / "transport_velocity" / "c" / "0.1a2b.partial"
+    )  # as a kill leaves it
+    group.begin(outline(prepared), resume=True)
+    assert len(group.missing()) == 1
+    group.store(Watch(threads=1))
+    group.finish()
+    assert files(tmp_path / "a.zarr") == files(tmp_path / "whole.zarr")
+
+
+def test_what_another_study_or_version_has_begun_is_begun_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    where, first = tmp_path / "a.zarr", prepare_content(TRACK)
+    parameters = {**TRACK["parameters"], "friction": 0.4, "beta": [1, 2]}
+    other = prepare_content({**TRACK, "parameters": parameters})
+    with pytest.raises(StoppedError):
+        to_zarr(first, where, stopping(4))
+    for prepared, version in ((other, None), (first, None), (first, "0.0.1")):
+        if version is not None:
+            monkeypatch.setattr("vibrafeed.core.__version__", version)
+        group = ZarrStore(prepared, str(where))
+        group.begin(outline(prepared), resume=True)
+        assert len(group.missing()) == len(Blocks(prepared))
+        group.write(0, Watch(threads=1))
+    group.begin(outline(first), resume=False)
+    assert len(group.missing()) == len(Blocks(first))
+    group.begin(outline(first), resume=True)
+    group.store(Watch(threads=2))
+    group.finish()
+    xarray.testing.assert_equal(
+        xarray.open_zarr(where).load(), tabulate(first).with_price({}).to_xarray()
+    )
+
+
+@pytest.mark.parametrize("place", ["a.zarr", ".a.zarr.partial"])
+@pytest.mark.parametrize("resume", [False, True])
+def test_other_files_are_left_alone(place: str, resume: bool, tmp_path: Path) -> None:
+    prepared = prepare_content(TRACK)
+    (tmp_path / place).mkdir()
+    (tmp_path / place / "letter.txt").write_text("Dear Sir")
+    with pytest.raises(FileExistsError):
+        ZarrStore(prepared, str(tmp_path / "a.zarr")).begin(outline(prepared), resume=resume)
+    assert (tmp_path / place / "letter.txt").read_text() == "Dear Sir"
+
+
+def test_an_object_store_takes_the_group(tmp_path: Path) -> None:
+    prepared, where = prepare_content(TRACK), (tmp_path / "bucket").as_uri()
+    (tmp_path / "bucket").mkdir()
+    with pytest.raises(StoppedError):
+        to_zarr(prepared, where, stopping(4))
+    assert attributes_at(where) == {}
+    to_zarr(prepared, where, resume=True)
+    assert attributes_at(where)["study_sha256"] == prepared.study.key()
+    to_zarr(prepared, tmp_path / "a.zarr")
+    assert files(tmp_path / "bucket") == files(tmp_path / "a.zarr")
+    with pytest.raises(FileExistsError, match="exists already"):
+        to_zarr(prepared, where)
+
+
+@pytest.mark.parametrize("compression", [True, False])
+def test_equal_studies_give_equal_bytes(compression: bool, tmp_path: Path) -> None:
+    made = []
+    for threads in (1, 3):
+        prepared, path = prepare_content(TRACK), tmp_path / f"{threads}.nc"
+        store_netcdf(
+            prepared, outline(prepared), path, Watch(threads=threads), compression=compression
+        )
+        made.append(path.read_bytes())
+    assert made[0] == made[1]
+
+
+def test_a_netcdf_that_is_stopped_or_fails_leaves_nothing(tmp_path: Path) -> None:
+    resource = pytest.importorskip("resource", reason="Windows has no limit of sizes")
+    prepared = prepare_content(TRACK)
+    with pytest.raises(StoppedError):
+        to_netcdf(prepared, tmp_path / "a.nc", stopping(4))
+
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, before[1]))
+    try:
+        with pytest.raises(OSError, match="is the disk full"):
+            to_netcdf(prepared, tmp_path / "a.nc")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert [*tmp_path.iterdir()] == []
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_10_9_cells_take_the_memory_of_some_blocks(
+    form: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.undo()
+    prepared = prepare_content(sweep_of(650, axes=3))
+    assert prepared.cells > 10**9
+    tracemalloc.start()
+    try:
+        with pytest.raises(StoppedError):
+            FORMS[form][0](prepared, tmp_path / f"a.{form}", stopping(6))
+        assert tracemalloc.get_traced_memory()[1] < 2e8
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize("content", [TRACK, FLAT], ids=["sweep", "motion"])
+def test_a_worker_that_gets_the_group_by_wire_has_the_same_blocks(
+    content: dict[str, Any], tmp_path: Path
+) -> None:
+    group = ZarrStore(prepare_content(content), str(tmp_path / "a.zarr"))
+    group.begin(outline(group.prepared))
+    other: ZarrStore = cloudpickle.loads(cloudpickle.dumps(group))
+    ours, theirs = Blocks(group.prepared), Blocks(other.prepared)
+    assert [one.box for one in ours] == [one.box for one in theirs]
+    written = other.write(len(theirs) - 1, Watch(threads=1))
+    assert written.cells == ours[len(ours) - 1].cells
+    assert len(group.missing()) == len(ours) - 1
