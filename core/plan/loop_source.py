@@ -59,18 +59,13 @@ def order_of(
     axes: Sequence[str],
     shape: Mapping[str, int],
     nodes: Collection[Node],
-    longest: float = math.inf,
 ) -> Order:
-    """Return the order of loops over some axes that makes the work of a graph least.
-
-    A row, the innermost loop, has at most `longest` cells for each value of its first axis.
-    """
+    """Return the order of loops over some axes that makes the work of a graph least."""
     steps = [node for node in nodes if node.function]
     orders = []
     for count in range(len(axes) + 1):
         row = math.prod(shape[name] for name in axes[count:])
-        period = math.prod(shape[name] for name in axes[count + 1 :])
-        if period <= longest and (not count or row >= LEAST_ROW):
+        if not count or row >= LEAST_ROW:
             outer = _outwards(axes[:count], shape, steps)
             orders.append(Order(tuple(axes), outer, tuple(axes[count:])))
     return min(orders, key=lambda order: _work_of(order, shape, nodes))
@@ -112,59 +107,13 @@ def _work_of(order: Order, shape: Mapping[str, int], nodes: Collection[Node]) ->
     return work
 
 
-def _keep_first(better: str) -> tuple[str, ...]:
-    return (
-        f"better = ({{value}} == {{value}}) & ({better})",
-        "{0} = choose(better, {value}, {0})",
-        "{1} = choose(better, {number}, {1})",
-    )
-
-
-LARGER, LESS = "(not ({value} <= {0}))", "(not ({value} >= {0}))"
-"""Comparisons that are true of a lane without a cell, which is NaN."""
-EARLIER = "(({value} == {0}) & ({number} < {1}))"
-
-UPDATES: dict[str, tuple[int, tuple[str, ...], str]] = {
-    "store": (1, ("{0} = {value}",), ""),
-    "sum": (1, ("{0} += {value}",), ""),
-    "largest": (1, ("{0} = choose({value} > {0}, {value}, {0})",), " + 0.0"),
-    "least": (1, ("{0} = choose({value} < {0}, {value}, {0})",), " + 0.0"),
-    "first_largest": (2, _keep_first(f"{LARGER} | {EARLIER}"), " + 0.0"),
-    "first_least": (2, _keep_first(f"{LESS} | {EARLIER}"), " + 0.0"),
-    "next_largest": (2, _keep_first(LARGER), " + 0.0"),
-    "next_least": (2, _keep_first(LESS), " + 0.0"),
-}
-"""What is done with the value of a cell: how many arrays it takes, what happens at its place, and
-what is added when a lane is written back.
-
-What is no number changes no extreme. `next_largest` is `first_largest` for a lane that gets its
-cells in the order of the grid: a look at places is spared. Adding 0 makes one of the two zeros;
-without it the compiler would write only where something changes, which costs a processor several
-times as much.
-"""
-
-
-@dataclass(frozen=True)
-class Lanes:
-    """The settings by which a loop takes cells into lanes: a name of `UPDATES` for each result.
-
-    A row has `period` cells for each value of its first axis, of which whole periods, at most
-    `piece`, are taken at once. `pairs`: rows that gather in the same lanes are taken two at a time.
-    """
-
-    updates: tuple[str, ...]
-    period: int
-    piece: int
-    pairs: bool = False
-
-
 @dataclass(frozen=True)
 class Loop:
     """The source of a compiled loop, and what it is given, in the order of its arguments.
 
-    It is a function ``loop(ends, strides, ...)``; with lanes, ``loop(ends, strides, numbers,
-    ...)``. `arrays` numpy has made, laid out by `Order.kept`, and rows last; `columns` have a value
-    for each cell in turn; `rows` are places of `LONGEST_ROW` cells for rows that are kept.
+    It is a function ``loop(ends, strides, ...)``. `arrays` numpy has made, laid out by
+    `Order.kept`, and rows last; `columns` have a value for each cell in turn; `rows` are places of
+    `LONGEST_ROW` cells for rows that are kept.
     """
 
     source: str
@@ -177,8 +126,7 @@ class LoopWriter:
     """Writes the source of a loop that computes some nodes for each cell.
 
     Numpy has made the values of `leaves` on their own axes, and those of `columns` for each cell.
-    Of the last loop the results are written where the grid has them, else one after another. A lane
-    is found by a stride for each outer loop, then one for the row; the number of a cell likewise.
+    Of the last loop the results are written where the grid has them, else one after another.
     """
 
     def __init__(
@@ -189,11 +137,8 @@ class LoopWriter:
         results: Sequence[Any],
         *,
         is_last: bool,
-        lanes: Lanes | None = None,
     ):
-        self.order, self.results, self.is_last, self.lanes = order, results, is_last, lanes
-        self.updates = lanes.updates if lanes else ("store",) * len(results)
-        self.arrays = [update for update in self.updates for _ in range(UPDATES[update][0])]
+        self.order, self.results, self.is_last = order, results, is_last
         self.leaves = {node.number for node in leaves}
         self.columns = {node.number for node in columns}
         self.deepest = len(order.outer)
@@ -206,8 +151,6 @@ class LoopWriter:
         self.nodes = [self.steps[number] for number in sorted(self.steps)]
         self.kept = self._kept()
         self.here: set[int] = set()
-        self.pairs = bool(lanes and lanes.pairs and is_last and self.deepest)
-        self.second = False
 
     def _need(self, node: Node) -> None:
         if node.number in self.steps or node.number in self.used:
@@ -242,23 +185,16 @@ class LoopWriter:
             return _literal(node)
         number = node.number
         if number in self.columns:
-            return f"c{number}[done + cells + i]" if self.second else f"c{number}[done + i]"
+            return f"c{number}[done + i]"
         if number in self.used:
             if not self.order.is_row(node):
-                return self._input(node)
-            row = f"{self._input(node)}[i]"
+                return f"a{number}_"
+            row = f"a{number}_[i]"
         elif number in self.kept and number not in self.here:
             row = f"r{number}[i]"
         else:
-            return self._value(node)
+            return f"t{number}"
         return f"({row} != 0.0)" if node.dtype == np.bool_ else row
-
-    def _input(self, node: Node) -> str:
-        is_second = self.second and self.order.level(node) == self.deepest
-        return f"a{node.number}_{'b' * is_second}"
-
-    def _value(self, node: Node) -> str:
-        return f"t{node.number}{'b' * (self.second and node.number in self.here)}"
 
     def write(self) -> Loop:
         """Return the loop."""
@@ -267,25 +203,21 @@ class LoopWriter:
         lines: list[str] = []
         for level in range(self.deepest + 1):
             pad = "    " * (level + 2)
-            first = f"ends[{level}, 0]"
-            if level == self.deepest and self.pairs:
-                lines += self._paired(arrays, pad)
-                first = "unpaired"
             if level:
-                lines.append(f"{pad[4:]}for i{level} in range({first}, ends[{level}, 1]):")
+                ends = f"ends[{level}, 0], ends[{level}, 1]"
+                lines.append(f"{pad[4:]}for i{level} in range({ends}):")
             lines += self._at_level(level, arrays, pad)
         names = [
             *(f"a{node.number}" for node in arrays),
             *(f"c{node.number}" for node in columns),
             *(f"r{number}" for number in self.kept),
-            *(f"o{k}" for k in range(len(self.arrays))),
+            *(f"o{k}" for k in range(len(self.results))),
         ]
-        piece = self.lanes.piece if self.lanes else LONGEST_ROW
         head = [
-            f"def loop(ends, strides, {'numbers, ' if self.lanes else ''}{', '.join(names)}):",
+            f"def loop(ends, strides, {', '.join(names)}):",
             "    done = 0",
-            f"    for at in range(ends[0, 0], ends[0, 1], {piece}):",
-            f"        stop = min(at + {piece}, ends[0, 1])",
+            f"    for at in range(ends[0, 0], ends[0, 1], {LONGEST_ROW}):",
+            f"        stop = min(at + {LONGEST_ROW}, ends[0, 1])",
             "        cells = stop - at",
         ]
         source = "\n".join([*head, *lines]) + "\n"
@@ -295,8 +227,8 @@ class LoopWriter:
         plain, rows = self._enter(level)
         lines = self._outside_row(level, arrays, plain)
         if level == self.deepest:
-            row = [*self._steps(rows), *self._in_lanes(self._gathered())]
-            lines += [*self._starts(), *_along(row), "done += cells"]
+            stored = [f"o{k}_[i] = {self._term(one)}" for k, one in enumerate(self.results)]
+            lines += [*self._starts(), *_along([*self._steps(rows), *stored]), "done += cells"]
         elif rows:
             lines += _along(self._steps(rows))
         return [f"{pad}{line}" for line in lines]
@@ -309,90 +241,30 @@ class LoopWriter:
 
     def _outside_row(self, level: int, arrays: Sequence[Node], plain: Sequence[Node]) -> list[str]:
         lines = [self._taken(one) for one in arrays if self.order.level(one) == level]
-        return lines + [f"{self._value(node)} = {self._step(node)}" for node in plain]
-
-    def _paired(self, arrays: Sequence[Node], pad: str) -> list[str]:
-        """Return the lines of the innermost outer loop that take two rows at a time.
-
-        Both are gathered in the same lanes, one after the other, as if taken singly: the bits are
-        the same. Where the rows have lanes of their own, and for an odd last row, single rows
-        follow.
-        """
-        level = self.deepest
-        plain, rows = self._enter(level)
-        outside, steps, updates = [], [], []
-        for self.second in (False, True):
-            outside += self._outside_row(level, arrays, plain)
-            outside += self._numbers() if self.second else self._starts()
-            steps += self._steps(rows)
-            updates += self._gathered()
-        self.second = False
-        row = _along([*steps, *self._in_lanes(updates)])
-        count = f"ends[{level}, 1] - ends[{level}, 0]"
-        pairs = f"({count}) // 2 * 2 if strides[{level - 1}] == 0 else 0"
-        return [
-            f"{pad[4:]}unpaired = ends[{level}, 0] + ({pairs})",
-            f"{pad[4:]}for i{level} in range(ends[{level}, 0], unpaired, 2):",
-            *(f"{pad}{line}" for line in [*outside, *row, "done += 2 * cells"]),
-        ]
+        return lines + [f"t{node.number} = {self._step(node)}" for node in plain]
 
     def _taken(self, node: Node) -> str:
-        turns = dict(zip(self.order.outer, self._turns(), strict=True))
+        turns = {name: f"i{k + 1}" for k, name in enumerate(self.order.outer)}
         index = ", ".join(turns[name] for name in self.order.kept(node))
         taken = f"a{node.number}[{index}]" if index else f"a{node.number}"
-        return f"{self._input(node)} = {taken}{'[at:stop]' if self.order.is_row(node) else ''}"
+        return f"a{node.number}_ = {taken}{'[at:stop]' if self.order.is_row(node) else ''}"
 
     def _starts(self) -> list[str]:
-        lines = []
-        if self.lanes:
-            turns = [f"(i{k + 1} - ends[{k + 1}, 0])" for k in range(self.deepest)]
-            lines += [f"start = {self._lane_index('strides', turns, '(at - ends[0, 0])')}"]
-            lines += self._numbers()
-        elif self.is_last:
-            turns = [f"i{k + 1} * strides[{k}]" for k in range(self.deepest)]
-            lines += [f"start = {' + '.join([*turns, 'at'])}"]
+        turns = [f"i{k + 1} * strides[{k}]" for k in range(self.deepest)]
+        lines = [f"start = {' + '.join([*turns, 'at'])}"] if self.is_last else []
         start = "start" if self.is_last else "done"
-        named = (f"o{k}_ = o{k}[{start}:{start} + cells]" for k in range(len(self.arrays)))
-        return [*lines, *named]
-
-    def _numbers(self) -> list[str]:
-        index = self._lane_index("numbers", self._turns(), "at")
-        return [f"number{'b' * self.second} = 0.0 + ({index})"]
-
-    def _turns(self) -> list[str]:
-        turns = [f"i{k + 1}" for k in range(self.deepest)]
-        return [*turns[:-1], f"({turns[-1]} + 1)"] if self.second else turns
+        count = range(len(self.results))
+        return [*lines, *(f"o{k}_ = o{k}[{start}:{start} + cells]" for k in count)]
 
     def _steps(self, rows: Sequence[Node]) -> list[str]:
         lines = []
         for node in rows:
-            value = self._value(node)
+            value = f"t{node.number}"
             lines.append(f"{value} = {self._step(node)}")
             if node.number in self.kept:
                 if node.dtype == np.bool_:
                     value = f"choose({value}, 1.0, 0.0)"
                 lines.append(f"r{node.number}[i] = {value}")
-        return lines
-
-    def _lane_index(self, strides: str, turns: Sequence[str], cell: str) -> str:
-        assert self.lanes is not None
-        turns = [*turns, f"{cell} // {self.lanes.period}"]
-        return " + ".join(f"{turn} * {strides}[{k}]" for k, turn in enumerate(turns))
-
-    def _in_lanes(self, gathered: Iterable[str]) -> list[str]:
-        """Return lines between those that read what the lanes of a cell hold and write it back."""
-        held = [(k, UPDATES[one][2]) for k, one in enumerate(self.arrays) if one != "store"]
-        read = (f"v{k} = o{k}_[i]" for k, _ in held)
-        return [*read, *gathered, *(f"o{k}_[i] = v{k}{added}" for k, added in held)]
-
-    def _gathered(self) -> list[str]:
-        lines, free, number = [], 0, f"number{'b' * self.second}"
-        for update, result in zip(self.updates, self.results, strict=True):
-            count, texts, _ = UPDATES[update]
-            place = "o{}_[i]" if update == "store" else "v{}"
-            places, term = [*map(place.format, range(free, free + count))], self._term(result)
-            lines += [text.format(*places, value=term, number=number) for text in texts]
-            free += count
         return lines
 
     def _step(self, node: Node) -> str:

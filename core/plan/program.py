@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.loop_source import LONGEST_ROW, Lanes, Loop, LoopWriter, Order, order_of
+from vibrafeed.core.plan.loop_source import LONGEST_ROW, Loop, LoopWriter, Order, order_of
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.plan.trace import IN_LOOPS, Graph, Node, Traced
 
@@ -26,12 +26,6 @@ FEW_CELLS = 4096
 OWN_GRID = 16
 """A function that loops do not have is computed by numpy on the grid of its own axes where that is
 so many times smaller than the whole."""
-PAIRED_CELLS = 1 << 28
-"""Fewest cells of a grid whose rows are gathered in pairs: 0.05 to 0.3 ns are saved a cell, and the
-loop takes a second more to be compiled, once."""
-MAX_VALUES = 1 << 20
-"""Most values of an array that numpy computes before a loop with lanes, whose grid may have any
-size."""
 
 SPECIAL = (0.0, 1.0, math.inf)
 """Values of a node by which other steps become superfluous, as in x * 1."""
@@ -85,7 +79,6 @@ def edge_of(
     names: tuple[str, ...],
     shape: Shape,
     row: tuple[str, ...] = (),
-    most: int | None = None,
 ) -> tuple[Node, ...]:
     """Return the nodes of a graph that numpy computes beforehand, and loops take as inputs.
 
@@ -96,8 +89,6 @@ def edge_of(
     lengths = dict(shape)
     cells = math.prod(lengths.values())
     few, many = max(FEW_CELLS, cells // FEW_CELLS), cells // OWN_GRID
-    if most is not None:
-        few, many = min(few, most), min(many, most)
 
     def by_numpy(node: Node) -> bool:
         size = math.prod(lengths[name] for name in node.axes)
@@ -127,34 +118,24 @@ def program_of(
     names: tuple[str, ...],
     shape: Shape,
     special: tuple[tuple[int, float | bool], ...],
-    updates: tuple[str, ...] = (),
 ) -> Program:
     """Return the compiled loops that compute some results of a graph over axes of given lengths.
 
-    Operations that the values of `special` nodes make superfluous are left out. With `updates`, a
-    name of `UPDATES` for each result, the loops gather cells instead of storing them.
+    Operations that the values of `special` nodes make superfluous are left out.
     """
     lengths = dict(shape)
-    most = MAX_VALUES if updates else None
-    _, nodes = _renewed(traced, names, edge_of(traced, names, shape, (), most), special)
-    order = order_of(tuple(lengths), lengths, nodes, LONGEST_ROW if updates else math.inf)
-    lanes = None
-    if updates:
-        period = math.prod(lengths[name] for name in order.inner[1:])
-        pairs = math.prod(lengths.values()) >= PAIRED_CELLS and "store" not in updates
-        lanes = Lanes(updates, period, LONGEST_ROW // period * period, pairs)
-    edge = edge_of(traced, names, shape, order.inner, most)
+    _, nodes = _renewed(traced, names, edge_of(traced, names, shape, ()), special)
+    order = order_of(tuple(lengths), lengths, nodes)
+    edge = edge_of(traced, names, shape, order.inner)
     results, needed = _renewed(traced, names, edge, special)
-    return Program(order, _stages(order, needed, results, lanes))
+    return Program(order, _stages(order, needed, results))
 
 
 def _is_called(node: Node) -> bool:
     return node.function is not None and node.function not in IN_LOOPS
 
 
-def _stages(
-    order: Order, nodes: Sequence[Node], results: Sequence[Any], lanes: Lanes | None
-) -> tuple[Stage, ...]:
+def _stages(order: Order, nodes: Sequence[Node], results: Sequence[Any]) -> tuple[Stage, ...]:
     ready = _ready(results)
     leaves = [node for node in nodes if node.function is None]
     turns = [(ready[node.number], node) for node in nodes if _is_called(node)]
@@ -168,7 +149,7 @@ def _stages(
             loop = LoopWriter(order, leaves, known.values(), columns, is_last=False).write()
         stages.append(Stage(loop, columns, after))
         known |= {node.number: node for node in after}
-    last = LoopWriter(order, leaves, known.values(), results, is_last=True, lanes=lanes)
+    last = LoopWriter(order, leaves, known.values(), results, is_last=True)
     return (*stages, Stage(last.write(), (), ()))
 
 
@@ -278,8 +259,7 @@ def bind_stages(
 
     `rows` is asked in each call for places for the rows that a loop keeps. The function takes
     arrays of int64: start and stop along the row and along each outer loop, then the strides of the
-    loops in the results, and for loops with lanes those of cell numbers; and the flat arrays that
-    the last loop fills.
+    loops in the results; and the flat arrays that the last loop fills.
     """
     loops = (stage.loop for stage in program.stages)
     calls = [None if loop is None else _bind_loop(loop, operands, rows) for loop in loops]
