@@ -11,7 +11,7 @@ from vibrafeed.app.jobs.manifest import ZARR
 from vibrafeed.core.dataset.files import whole
 
 LIST = f"{ZARR}.sha256"
-KEPT = 8  # lists that are cached in memory; one of 100,000 shards takes some 20 MB
+KEPT = 8  # lists that are cached in memory; one of 100,000 chunks takes some 20 MB
 
 
 def write_list(folder: Path, digests: Mapping[str, str]) -> None:

@@ -170,7 +170,7 @@ def _stored_table(
     response_class=Response,
     responses={
         **cached_replies(
-            "A document, or a shard",
+            "A document, or a chunk",
             {"application/octet-stream": BINARY, "application/json": OBJECT},
             in_ranges=True,
         ),
@@ -182,7 +182,7 @@ def get_group(request: Request, number: Number, path: ZarrKey, admission: Admiss
     """Return a key of the Zarr v3 group of a sweep too large for one file.
 
     Clients open the address without the Zarr key, as in `xarray.open_zarr(".../results/zarr")`. It
-    can be read as soon as the job runs: a shard that is not there yet is 404, which clients read as
+    can be read as soon as the job runs: a chunk that is not there yet is 404, which clients read as
     NaN, or as regime 0.
     """
     job = find_job(admission, number)
@@ -207,7 +207,7 @@ def get_group(request: Request, number: Number, path: ZarrKey, admission: Admiss
     return file_reply(
         request,
         file,
-        # A shard appears whole and never changes; the group's document does when it is complete.
+        # A chunk appears whole and never changes; the group's document does when it is complete.
         etag=etag_of(job.key, path, file.name),
         digest=digest,
         check=check_of(admission, job, file),

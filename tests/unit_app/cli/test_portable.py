@@ -228,28 +228,29 @@ LARGE = (
 import numpy as np
 import xarray
 
-from vibrafeed.core.dataset import growing, layout
+from vibrafeed.app.cli import large
+from vibrafeed.core.lazy import store
 
 vibrafeed("run sweep.toml -o sweep.nc")
-layout.TILE_CELLS, layout.CHUNK_CELLS = 500, 100
+store.STORED_CELLS, large.LARGE_BYTES = 500, 1
 vibrafeed("run sweep.toml -o large.nc")
-plain = growing.GrowingNetcdf.write
+plain = store.ZarrStore.write
 
 
-def stopped(self, index, *more):
+def stopped(self, index, watch):
     if index == 2:
         raise KeyboardInterrupt
-    plain(self, index, *more)
+    return plain(self, index, watch)
 
 
-growing.GrowingNetcdf.write = stopped
-vibrafeed("run sweep.toml -o resumed.nc", code=1)
-growing.GrowingNetcdf.write = plain
-vibrafeed("run sweep.toml -o resumed.nc --resume")
+store.ZarrStore.write = stopped
+vibrafeed("run sweep.toml -o resumed.zarr", code=1)
+store.ZarrStore.write = plain
+vibrafeed("run sweep.toml -o resumed.zarr --resume")
 wanted = xarray.load_dataset("sweep.nc").throw_number
 assert wanted.size == 41 * 56
-for name in ("large.nc", "resumed.nc"):
-    np.testing.assert_array_equal(xarray.load_dataset(name).throw_number, wanted)
+for found in (xarray.load_dataset("large.nc"), xarray.open_zarr("resumed.zarr")):
+    np.testing.assert_array_equal(found.throw_number, wanted)
 assert not list(Path().glob(".*"))
 """
 )
@@ -263,7 +264,7 @@ import io
 from vibrafeed.core import system
 
 system.PATIENCE = 0.2
-layout.TILE_CELLS = 10_000
+large.LARGE_BYTES = 1 << 28
 for name in ("a.xlsx", "a.nc"):
     vibrafeed(f"run sweep.toml -o {name}")
     before = Path(name).read_bytes()

@@ -51,7 +51,7 @@ def test_warnings_are_told_as_such_and_counted(batch, options):
         assert f"warning: {found[1][0]}" == AMPLITUDE
 
 
-@pytest.mark.parametrize("options", [(), ("--dry-run",), ("--json",), ("--share", "0/2")])
+@pytest.mark.parametrize("options", [(), ("--dry-run",), ("--json",)])
 def test_strict_refuses_them_before_anything_is_written(batch, options):
     done = run(*batch, "--strict", *options)
     assert done.exit_code == 2
@@ -68,15 +68,10 @@ def test_strict_runs_what_has_none(batch):
     assert "warning" not in done.output
 
 
-def test_a_sweep_in_tiles_and_one_in_shares_warn_too(batch):
-    folder = batch[0].parent
-    done = run(batch[1], "-o", folder / "tiles.zarr")
-    assert done.stderr.splitlines()[-1] == "2 warnings"
-    joined = folder / "joined.zarr"
-    shared = run(batch[1], "-o", joined, "--share", "0/1")
-    assert shared.stderr.splitlines()[-1] == "2 warnings"
-    done = run(batch[1], "-o", joined)
+def test_a_sweep_in_blocks_warns_too(batch):
+    done = run(batch[1], "-o", batch[0].parent / "blocks.zarr")
     assert f"{batch[1]}: {BETA}" in done.stderr
+    assert done.stderr.splitlines()[-1] == "2 warnings"
 
 
 def test_errors_say_so_beside_warnings(batch):
