@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from vibrafeed.app.jobs.manifest import ZARR, Making
+from vibrafeed.app.jobs.studies import is_sweep
 from vibrafeed.core import lazy
 from vibrafeed.core.errors import LimitError
 from vibrafeed.core.plan.prepared import Prepared
@@ -17,12 +18,12 @@ if TYPE_CHECKING:
 
 
 def is_large(prepared: Prepared, settings: Settings) -> bool:
-    """Return whether a study has more cells or bytes than one file may have, computed one by one.
+    """True if a sweep has more cells or bytes than one file may have.
 
     `settings` are those of the service.
     """
     large = prepared.cells > settings.max_cells or prepared.bytes > settings.max_bytes
-    return prepared.not_lazy is None and large
+    return is_sweep(prepared) and large
 
 
 def check_length(prepared: Prepared, settings: Settings) -> None:
