@@ -15,9 +15,8 @@ import xarray
 
 from vibrafeed.core import intake  # whose names load the plan
 from vibrafeed.core.dataset.formats import suffix_of, write_result
-from vibrafeed.core.dataset.regimes import judge_of, regime_shares
 from vibrafeed.core.dataset.shown import in_shown_units
-from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.dataset.table import Table, judge_of, regime_shares
 from vibrafeed.core.errors import Problem, StudyError, VibrafeedError
 from vibrafeed.core.quantities.flags import REGIME
 from vibrafeed.core.study.shown import Shown, ShownUnits, read_shown

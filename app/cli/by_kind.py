@@ -11,7 +11,7 @@ import numpy as np
 from vibrafeed.app.cli.console import is_muted, say, table, tell
 from vibrafeed.app.cli.units import DIGITS, format_number
 from vibrafeed.core import optimise
-from vibrafeed.core.dataset.regimes import percent_with_error
+from vibrafeed.core.dataset.table import percent_with_error
 from vibrafeed.core.intake import parse_json
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES
 

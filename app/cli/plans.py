@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -78,20 +76,3 @@ def show_plan(path: Path, prepared: Prepared, asked: str | None) -> None:
             value = format_number(shown.factor * fact["value"], DEFAULT_DIGITS)
             names.append(f"{name} = {value} {shown.unit}".rstrip())
         tell(f"  by default: {', '.join(names)}")
-
-
-def more(prepared: Prepared, checked: float) -> Iterator[str]:
-    """Yield the lines that `--verbose` prints about a study in addition to its result.
-
-    Parameters
-    ----------
-    prepared : Prepared
-        The study, once it is carried out.
-    checked : float
-        Seconds that reading and checking all studies took.
-    """
-    plan = prepared.plan
-    yield f"  checked in {checked:.3f} s; {plan.scene.choice} {plan.variant}"
-    yield f"  equations: {', '.join(equation.gives for equation in plan.equations)}"
-    kept = sys.modules.get("vibrafeed.core.kernel_cache")  # who needs no kernel does not load it
-    yield f"  kernels: compiled, kept in {kept.root()}" if kept else "  kernels: none, all in numpy"

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+import sys
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +23,7 @@ from vibrafeed.app.cli.by_kind import (
 )
 from vibrafeed.app.cli.console import fail, say, table, tell
 from vibrafeed.app.cli.units import DIGITS, shown_range, units_asked
-from vibrafeed.core.dataset.regimes import judge_of, percent, regime_shares, shares_of
+from vibrafeed.core.dataset.table import judge_of, percent, regime_shares, shares_of
 from vibrafeed.core.intake import parse_json
 from vibrafeed.core.kinds import is_whole, not_verified, share_left_out
 from vibrafeed.core.motion.feeding import travel_in_words
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from vibrafeed.core.dataset import Table
     from vibrafeed.core.dataset.table import TableVariable
     from vibrafeed.core.lazy.store import Written
+    from vibrafeed.core.plan.prepared import Prepared
     from vibrafeed.core.study.shown import ShownUnits
 
 Ends = tuple[float, float] | None
@@ -443,3 +445,20 @@ def _finite_ends(result: Table, name: str) -> Ends:
             return None
         least, largest = finite.min(), finite.max()
     return float(least), float(largest)
+
+
+def more(prepared: Prepared, checked: float) -> Iterator[str]:
+    """Yield the lines that `--verbose` prints about a study in addition to its result.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        The study, once it is carried out.
+    checked : float
+        Seconds that reading and checking all studies took.
+    """
+    plan = prepared.plan
+    yield f"  checked in {checked:.3f} s; {plan.scene.choice} {plan.variant}"
+    yield f"  equations: {', '.join(equation.gives for equation in plan.equations)}"
+    kept = sys.modules.get("vibrafeed.core.kernel_cache")  # who needs no kernel does not load it
+    yield f"  kernels: compiled, kept in {kept.root()}" if kept else "  kernels: none, all in numpy"

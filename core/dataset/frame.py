@@ -15,8 +15,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.dataset.regimes import regime_counts
-from vibrafeed.core.dataset.table import Table, TableVariable
+from vibrafeed.core.dataset.table import Table, TableVariable, regime_counts
 from vibrafeed.core.errors import LimitError, MissingPackageError
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.quantities.flags import is_regime

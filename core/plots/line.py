@@ -21,7 +21,7 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from vibrafeed.core.dataset.regimes import flags_of
+from vibrafeed.core.dataset.table import flags_of
 from vibrafeed.core.plots.bodies import draw_views
 from vibrafeed.core.plots.looks import (
     HATCH_WIDTH,

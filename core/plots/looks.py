@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from vibrafeed.core.dataset.regimes import flags_of
+from vibrafeed.core.dataset.table import flags_of
 from vibrafeed.core.plots.pictures import unreadable
 from vibrafeed.core.plots.style import LIGHT, RGB, Array, Style, mix, words
 from vibrafeed.core.quantities import QUANTITIES, REGIMES

@@ -20,7 +20,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, uniform_filter
 
-from vibrafeed.core.dataset.regimes import percent
+from vibrafeed.core.dataset.table import percent
 from vibrafeed.core.plots.line import fits, render
 from vibrafeed.core.plots.looks import HATCH_WIDTH, ON_FILL, Look, shade, swatch, veiled_swatch
 from vibrafeed.core.plots.parts import (

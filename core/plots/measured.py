@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from vibrafeed.core.dataset.regimes import flags_of
+from vibrafeed.core.dataset.table import flags_of
 from vibrafeed.core.measured.fit import Fit
 from vibrafeed.core.plots.parts import finish
 from vibrafeed.core.plots.style import LIGHT, Style, words

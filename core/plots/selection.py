@@ -11,7 +11,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from vibrafeed.core.dataset.regimes import judge_of
+from vibrafeed.core.dataset.table import judge_of
 from vibrafeed.core.plots.looks import categories_of, codes_of
 from vibrafeed.core.plots.pictures import PlotError, unreadable
 from vibrafeed.core.plots.style import (

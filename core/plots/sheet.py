@@ -13,8 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 from numpy.typing import NDArray
 
-from vibrafeed.core.dataset.regimes import percent, regime_shares
-from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.dataset.table import Table, percent, regime_shares
 from vibrafeed.core.plots.drawing import check_format, draw, read, save
 from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.plots.selection import units_of

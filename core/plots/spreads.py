@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from scipy.interpolate import PchipInterpolator
 
-from vibrafeed.core.dataset.regimes import percent_with_error
+from vibrafeed.core.dataset.table import percent_with_error
 from vibrafeed.core.plots.parts import finish, source_of
 from vibrafeed.core.plots.pictures import PlotError, is_calibration
 from vibrafeed.core.plots.selection import fixed_positions, held_fixed

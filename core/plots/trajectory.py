@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 
-from vibrafeed.core.dataset.regimes import flags_of
+from vibrafeed.core.dataset.table import flags_of
 from vibrafeed.core.errors import VibrafeedError
 from vibrafeed.core.intake import parse_json
 from vibrafeed.core.kinds.results import prepare, tabulate

@@ -11,8 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.dataset.regimes import is_valid
-from vibrafeed.core.dataset.table import Table, TableVariable
+from vibrafeed.core.dataset.table import Table, TableVariable, is_valid
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.motion.systems import SYSTEMS

@@ -228,11 +228,11 @@ LARGE = (
 import numpy as np
 import xarray
 
-from vibrafeed.app.cli import large
+from vibrafeed.app.cli import running
 from vibrafeed.core.lazy import store
 
 vibrafeed("run sweep.toml -o sweep.nc")
-store.STORED_CELLS, large.LARGE_BYTES = 500, 1
+store.STORED_CELLS, running.LARGE_BYTES = 500, 1
 vibrafeed("run sweep.toml -o large.nc")
 plain = store.ZarrStore.write
 
@@ -264,7 +264,7 @@ import io
 from vibrafeed.core import system
 
 system.PATIENCE = 0.2
-large.LARGE_BYTES = 1 << 28
+running.LARGE_BYTES = 1 << 28
 for name in ("a.xlsx", "a.nc"):
     vibrafeed(f"run sweep.toml -o {name}")
     before = Path(name).read_bytes()

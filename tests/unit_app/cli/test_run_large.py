@@ -40,9 +40,9 @@ CELLS = 20_000
 # The command with small blocks, each taking a while, so that there is time to kill it.
 SLOW = f"""
 import sys, time
-from vibrafeed.app.cli import large
+from vibrafeed.app.cli import running
 from vibrafeed.core.lazy import store
-store.STORED_CELLS, large.LARGE_BYTES = {CELLS}, 1_000_000
+store.STORED_CELLS, running.LARGE_BYTES = {CELLS}, 1_000_000
 plain = store.compute_block
 def slow(*arguments):
     time.sleep(float(sys.argv[1]))
@@ -56,7 +56,7 @@ app(sys.argv[2:])
 @pytest.fixture
 def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr("vibrafeed.core.lazy.store.STORED_CELLS", CELLS)
-    monkeypatch.setattr("vibrafeed.app.cli.large.LARGE_BYTES", 1_000_000)
+    monkeypatch.setattr("vibrafeed.app.cli.running.LARGE_BYTES", 1_000_000)
     path = tmp_path / "study.toml"
     path.write_text(STUDY)
     return path

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vibrafeed.core.dataset.regimes import percent_with_error
+from vibrafeed.core.dataset.table import percent_with_error
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.plan.price import in_words
 

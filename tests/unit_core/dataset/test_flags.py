@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vibrafeed.core.dataset.regimes import flags_of
+from vibrafeed.core.dataset.table import flags_of
 
 
 def test_each_value_of_a_flag_has_its_word():

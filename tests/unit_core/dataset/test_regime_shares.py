@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vibrafeed.core.dataset.regimes import percent, regime_shares, shares_of
+from vibrafeed.core.dataset.table import percent, regime_shares, shares_of
 from vibrafeed.core.quantities import REGIMES
 
 SLIP, HOPPING = REGIMES["slip"].value, REGIMES["hopping"].value

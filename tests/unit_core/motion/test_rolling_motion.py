@@ -7,7 +7,7 @@ import pytest
 
 import vibrafeed
 from night import count
-from vibrafeed.core.dataset.regimes import percent
+from vibrafeed.core.dataset.table import percent
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
 from vibrafeed.core.mechanics.rolling import RollingContact

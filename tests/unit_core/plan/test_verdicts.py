@@ -11,8 +11,7 @@ import pytest
 
 import vibrafeed
 from vibrafeed.core.dataset.formats import read_result, write_result
-from vibrafeed.core.dataset.regimes import is_valid
-from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.dataset.table import Table, is_valid
 from vibrafeed.core.motion import SYSTEMS
 from vibrafeed.core.plan.plan import verdicts_of
 from vibrafeed.core.quantities import REGIMES
