@@ -14,7 +14,6 @@ BEHIND = {
     "core/kernel_cache.py": "tests/unit_core/test_kernel_cache.py",
     "core/linking.py": "tests/unit_core/test_linking.py",
     "core/compiled.py": "tests/unit_core/test_compiling.py",
-    "core/dataset/chunks.py": "tests/unit_core/dataset/test_chunks.py",
     "core/dataset/workbook.py": "tests/unit_core/dataset/test_formats.py",
 }
 """The files that reach into libraries, and their tests."""

@@ -35,7 +35,7 @@ LARGE_BYTES = 1 << 28
 
 
 def is_stored_in_blocks(prepared: Prepared, target: str) -> bool:
-    """Return whether a result is computed and written block by block."""
+    """True if a result is computed and written block by block."""
     if prepared.not_lazy is not None:
         return False
     return is_zarr(target) or (suffix_of(target) == NETCDF and prepared.bytes > LARGE_BYTES)
@@ -87,7 +87,7 @@ def run_large(
         if not is_whole(table):
             console.fail(f"{path}: it was stopped while cells were verified; nothing is written.")
             return False, False, None
-        with console.progress(path.name, prepared.bytes) as advance, _told(path, target):
+        with console.progress(path.name, prepared.bytes) as advance, _explained(path, target):
             watch = Watch(advance, interrupted, deadline)
             try:
                 if is_zarr(target):
@@ -130,7 +130,7 @@ def _to_zarr(
 
 
 @contextmanager
-def _told(path: Path, target: str) -> Iterator[None]:
+def _explained(path: Path, target: str) -> Iterator[None]:
     """Print errors of files and stores that are raised in the block, and exit."""
     try:
         yield

@@ -193,7 +193,7 @@ def complete_already(
 
 
 def is_complete(where: str, prepared: Prepared) -> bool:
-    """Return whether at a path lies the result that this version made of the same study.
+    """True if at a path lies the result that this version made of the same study.
 
     Results appear only when they are complete.
     """

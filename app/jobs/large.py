@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def is_large(prepared: Prepared, settings: Settings) -> bool:
-    """Return whether a study has more cells or bytes than one file may have, computed one by one.
+    """True if a study has more cells or bytes than one file may have, computed one by one.
 
     `settings` are those of the service.
     """

@@ -77,7 +77,7 @@ def suffix_of(where: str) -> str:
 
 
 def is_zarr(where: str) -> bool:
-    """Return whether a path or URL names a Zarr group."""
+    """True if a path or URL names a Zarr group."""
     return suffix_of(where) == ZARR
 
 

@@ -98,30 +98,34 @@ def create_arrays(
     packed = [BloscCodec(cname="lz4", clevel=5)] if compressed else None
     scalars = " ".join(name for name, one in table.coordinates.items() if not one.dims)
     links = {_LINK: scalars} if scalars else {}
-    for name, one in {**table.coordinates, **table.variables}.items():
+    for name, variable in {**table.coordinates, **table.variables}.items():
         shape = tuple(
-            sizes.get(dim, size) for dim, size in zip(one.dims, one.values.shape, strict=True)
+            sizes.get(dim, size)
+            for dim, size in zip(variable.dims, variable.values.shape, strict=True)
         )
-        is_text = one.values.dtype == object
+        is_text = variable.values.dtype == object
         # Readers of version 3 take a fill value for no mask: only an attribute would be one.
-        fill = "" if is_text else np.nan if one.values.dtype.kind == "f" else 0
+        fill = "" if is_text else np.nan if variable.values.dtype.kind == "f" else 0
         group.create_array(
             name,
             shape=shape,
-            dtype=str if is_text else one.values.dtype,
+            dtype=str if is_text else variable.values.dtype,
             chunks=chunks.get(name) or tuple(max(1, size) for size in shape),
-            compressors=packed if one.dims and not is_text else None,
+            compressors=packed if variable.dims and not is_text else None,
             fill_value=fill,
-            dimension_names=one.dims,
-            attributes={**_plain(one.attributes), **(links if name in table.variables else {})},
+            dimension_names=variable.dims,
+            attributes={
+                **_plain(variable.attributes),
+                **(links if name in table.variables else {}),
+            },
         )
     group.attrs.update(_plain(table.attributes))
 
 
-def put(group: zarr.Group, name: str, place: Any, values: np.ndarray[Any, Any]) -> None:
+def put(group: zarr.Group, name: str, region: Any, values: np.ndarray[Any, Any]) -> None:
     """Write values into an array of a group; also chunks of nothing but the fill value are kept."""
     array: Any = group[name]
-    array.with_config({"write_empty_chunks": True})[place] = values
+    array.with_config({"write_empty_chunks": True})[region] = values
 
 
 def _plain(attributes: Mapping[str, Any]) -> dict[str, Any]:

@@ -112,12 +112,12 @@ def attributes_at(where: str) -> dict[str, Any]:
     """
     if "://" not in where:
         path = Path(where) / GROUP
-        found = json.loads(path.read_bytes()) if path.exists() else {}
+        document = json.loads(path.read_bytes()) if path.exists() else {}
     else:
-        found = {}
+        document = {}
         with contextlib.suppress(FileNotFoundError), plain_errors():
-            found = json.loads(bytes(open_store(where).get(GROUP).bytes()))
-    attributes = dict(found.get("attributes", {}))
+            document = json.loads(bytes(open_store(where).get(GROUP).bytes()))
+    attributes = dict(document.get("attributes", {}))
     return {} if UNFINISHED in attributes else attributes
 
 

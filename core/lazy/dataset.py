@@ -32,7 +32,7 @@ from vibrafeed.core.system import cores
 from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:
-    from dask.array import Array as DaskArray
+    from dask.array import Array
 
 BLOCK_CELLS = 1 << 22
 """Most cells of a block of closed forms: some ten milliseconds, and 32 MiB a variable."""
@@ -102,7 +102,7 @@ def arrays_of(
     whole: Collection[str] = (),
     cells: int | None = None,
     valid: Mapping[str, Verdict] = MappingProxyType({}),
-) -> dict[str, DaskArray]:
+) -> dict[str, Array]:
     """Return the variables of a study as dask arrays in the units of files, by name.
 
     Parameters
@@ -118,7 +118,7 @@ def arrays_of(
     valid : mapping of str to Verdict, optional
         Outputs that are to be NaN where a verdict on the same axes says that they are not valid.
     """
-    arrays: dict[str, DaskArray] = {}
+    arrays: dict[str, Array] = {}
     for field in fields_of(prepared, names):
         chunks = chunks_of(prepared, field, cells or block_cells(prepared, field), whole)
         arrays |= _arrays(prepared, field, chunks, valid)
@@ -201,7 +201,7 @@ def _arrays(
     field: Field,
     chunks: Mapping[str, tuple[int, ...]],
     valid: Mapping[str, Verdict],
-) -> dict[str, DaskArray]:
+) -> dict[str, Array]:
     ends = [list(itertools.accumulate(chunks[dim], initial=0)) for dim in field.dims]
 
     def block(block_id: tuple[int, ...] = ()) -> NDArray[Any]:

@@ -33,7 +33,7 @@ STATISTICS: Final = {
 """Words of a statistic in the long name and in the CF attribute `cell_methods`."""
 
 
-class Answer(NamedTuple):
+class Statistic(NamedTuple):
     """A variable of a reduced result, before it is computed.
 
     Attributes
@@ -122,19 +122,19 @@ class Reduced(Prepared):
         return self.grid.dims(dims - {*self.asked.over})
 
     @cached_property
-    def answers(self) -> tuple[Answer, ...]:
+    def statistics(self) -> tuple[Statistic, ...]:
         """The variables of the result."""
-        return tuple(answers(self))
+        return tuple(statistics_of(self))
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
         """The dimensions of each variable."""
-        return {answer.name: answer.dims for answer in self.answers}
+        return {statistic.name: statistic.dims for statistic in self.statistics}
 
     @cached_property
     def units(self) -> dict[str, str]:
         """The unit of each variable."""
-        return {answer.name: answer.attributes["units"] for answer in self.answers}
+        return {statistic.name: statistic.attributes["units"] for statistic in self.statistics}
 
     @property
     def sizes(self) -> dict[str, int]:
@@ -182,8 +182,8 @@ class Reduced(Prepared):
     @property
     def needed(self) -> set[str]:
         """The outputs and verdicts that the answers need."""
-        told = {one.of for one in self.answers if one.of}
-        told |= {one.name for answer in self.answers for one in answer.conditions}
+        told = {one.of for one in self.statistics if one.of}
+        told |= {one.name for statistic in self.statistics for one in statistic.conditions}
         return told | {judge.name for name in told if (judge := self.judge(name))}
 
     def label(self, computed: Computed, watch: Watch) -> Table:
@@ -193,7 +193,7 @@ class Reduced(Prepared):
         """
         variables = {
             one.name: TableVariable(one.dims, computed.arrays[one.name], one.attributes)
-            for one in self.answers
+            for one in self.statistics
         }
         which = (
             "all cells with a value count"
@@ -246,31 +246,33 @@ def _outputs(prepared: Reduced) -> tuple[str, ...]:
     return tuple(name for name in plan.outputs if name in wanted and name not in FLAGS)
 
 
-def answers(prepared: Reduced) -> Iterator[Answer]:
+def statistics_of(prepared: Reduced) -> Iterator[Statistic]:
     """Yield the variables of a reduced result."""
     asked, plan = prepared.asked, prepared.plan
     for output in _outputs(prepared):
         yield from _of_output(prepared, output)
     for verdict in plan.verdicts if asked.regimes else ():
         for regime in verdict.regimes:
-            told = {
+            attributes = {
                 "units": "1",
                 "long_name": f"Cells in the regime {regime}",
                 "comment": REGIMES[regime].description,
             }
             name, dims = f"{verdict.name}_{regime}_count", prepared.kept(verdict.name)
-            yield Answer(name, dims, told, "regime", verdict.name, value=REGIMES[regime].value)
+            yield Statistic(
+                name, dims, attributes, "regime", verdict.name, value=REGIMES[regime].value
+            )
     for name, conditions in asked.shares.items():
-        told = {
+        attributes = {
             "units": "1",
             "long_name": f"Share of cells: {name}",
             "comment": " and ".join(map(str, conditions)),
         }
         dims = prepared.kept(*(one.name for one in conditions))
-        yield Answer(f"share_{name}", dims, told, "share", conditions=conditions)
+        yield Statistic(f"share_{name}", dims, attributes, "share", conditions=conditions)
     for name, level in asked.levels.items():
         along, unit = QUANTITIES[level.along], QUANTITIES[level.output].unit
-        told = {
+        attributes = {
             "units": along.unit,
             "long_name": f"{along.label} of {name}",
             "comment": (
@@ -280,36 +282,41 @@ def answers(prepared: Reduced) -> Iterator[Answer]:
             ),
         }
         dims = prepared.kept(level.output)
-        yield Answer(f"level_{name}", dims, told, "level", level.output, level=level)
+        yield Statistic(f"level_{name}", dims, attributes, "level", level.output, level=level)
 
 
-def _of_output(prepared: Reduced, output: str) -> Iterator[Answer]:
+def _of_output(prepared: Reduced, output: str) -> Iterator[Statistic]:
     """Yield count, statistics and quantiles of an output."""
     asked, quantity, dims = prepared.asked, QUANTITIES[output], prepared.kept(output)
     label, over = quantity.label.lower(), "".join(f"{axis}: " for axis in asked.over)
     counted = {"ancillary_variables": f"{output}_count"}
-    told = {"long_name": f"Cells that count for {label}", "standard_name": "number_of_observations"}
-    yield Answer(f"{output}_count", dims, {"units": "1", **told}, "count", output)
+    attributes = {
+        "long_name": f"Cells that count for {label}",
+        "standard_name": "number_of_observations",
+    }
+    yield Statistic(f"{output}_count", dims, {"units": "1", **attributes}, "count", output)
     for what in asked.statistics:
         if what in STATISTICS:
             word, method = STATISTICS[what]
-            told = {"long_name": f"{word} {label}", "cell_methods": over + method, **counted}
-            yield Answer(f"{output}_{what}", dims, {"units": quantity.unit, **told}, what, output)
+            attributes = {"long_name": f"{word} {label}", "cell_methods": over + method, **counted}
+            yield Statistic(
+                f"{output}_{what}", dims, {"units": quantity.unit, **attributes}, what, output
+            )
             continue
         for axis in asked.over:
             where = "largest" if what == "argmax" else "least"
-            told = {
+            attributes = {
                 "units": QUANTITIES[axis].unit,
                 "long_name": f"{QUANTITIES[axis].label} where {label} is {where}",
                 "comment": "of equal values that of the first cell, the last axis fastest",
                 **counted,
             }
-            yield Answer(f"{output}_{what}_{axis}", dims, told, what, output, axis)
+            yield Statistic(f"{output}_{what}_{axis}", dims, attributes, what, output, axis)
     if asked.quantiles:
-        told = {
+        attributes = {
             "units": quantity.unit,
             "long_name": f"Quantiles of {label}",
             "comment": "exact, of all cells that count; linear between neighbouring values",
             **counted,
         }
-        yield Answer(f"{output}_{QUANTILE}", (QUANTILE, *dims), told, QUANTILE, output)
+        yield Statistic(f"{output}_{QUANTILE}", (QUANTILE, *dims), attributes, QUANTILE, output)

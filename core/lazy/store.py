@@ -59,7 +59,7 @@ AT_ONCE = 1024
 UNDER_WAY: Final = "This group is being written: missing values read as NaN, a regime as 0."
 """The comment of a group under way."""
 
-Place = tuple[slice, ...]
+Region = tuple[slice, ...]
 
 
 @dataclass(frozen=True)
@@ -108,8 +108,8 @@ class Blocks:
         box = {dim: (ends[dim][k], ends[dim][k + 1]) for dim, k in numbers.items()}
         return Block(one, box, numbers)
 
-    def places(self, block: Block) -> dict[str, Place]:
-        """Return where the variables of a block lie in their arrays.
+    def regions(self, block: Block) -> dict[str, Region]:
+        """Return the regions of the arrays that the variables of a block fill.
 
         A variable without an axis of the field is in the first of its blocks along that axis.
         """
@@ -131,9 +131,9 @@ def points_of(prepared: Prepared) -> int:
     return sum(prepared.grid.size(one.dims) for one in fields_of(prepared))
 
 
-def stored_cells(prepared: Prepared, one: Field) -> int:
+def stored_cells(prepared: Prepared, field: Field) -> int:
     """Return the number of cells of a block that is stored: some seconds of motion at most."""
-    if not one.takes_long:
+    if not field.takes_long:
         return STORED_CELLS
     # A price that is measured would give other blocks in each process.
     return max(1, min(STORED_CELLS, int(1 / prepared.stated_seconds_a_cell)))
@@ -171,15 +171,15 @@ class Written:
 
 def summary(blocks: Blocks, block: Block, arrays: Mapping[str, NDArray[Any]]) -> Written:
     """Return extremes and counts of regimes of a block that was computed."""
-    plan, dims, places = blocks.prepared.plan, blocks.prepared.dims, blocks.places(block)
-    found = Written(block.cells)
+    plan, dims, regions = blocks.prepared.plan, blocks.prepared.dims, blocks.regions(block)
+    written = Written(block.cells)
     for verdict in plan.verdicts:
-        if verdict.name in places:
+        if verdict.name in regions:
             counts = np.bincount(arrays[verdict.name].reshape(-1), minlength=128)
-            found.regimes[verdict.name] = {
+            written.regimes[verdict.name] = {
                 name: int(counts[REGIMES[name].value]) for name in verdict.regimes
             }
-    for name in places:
+    for name in regions:
         if name in plan.verdict_names:
             continue
         judge, counted = plan.verdict_on(name), np.asarray(np.isfinite(arrays[name]))
@@ -194,8 +194,8 @@ def summary(blocks: Blocks, block: Block, arrays: Mapping[str, NDArray[Any]]) ->
             )
         if counted.any():
             values = arrays[name][counted]
-            found.ends[name] = float(values.min()), float(values.max())
-    return found
+            written.ends[name] = float(values.min()), float(values.max())
+    return written
 
 
 # --- NetCDF
@@ -243,8 +243,8 @@ def store_netcdf(
                     raise StoppedError(STOPPED)
                 block, task = waiting.popleft()
                 arrays = task.result()
-                for name, place in blocks.places(block).items():
-                    file[name][place] = arrays[name]
+                for name, region in blocks.regions(block).items():
+                    file[name][region] = arrays[name]
                 written.add(summary(blocks, block, arrays))
                 watch.advance(1 / len(blocks))
     return written
@@ -339,7 +339,7 @@ class ZarrStore:
         dims = self.prepared.dims
         return {
             "/".join([name, "c", *(str(block.at[dim]) for dim in dims[name])])
-            for name in blocks.places(block)
+            for name in blocks.regions(block)
         }
 
     def write(self, index: int, watch: Watch) -> Written:
@@ -355,8 +355,8 @@ class ZarrStore:
         arrays = compute_block(self.prepared, block.field, block.box, watch)
         group = _opened(self.under_way, self.prepared.study.key())
         with plain_errors():
-            for name, place in blocks.places(block).items():
-                put(group, name, place, arrays[name])
+            for name, region in blocks.regions(block).items():
+                put(group, name, region, arrays[name])
         if "://" not in self.where:
             for key in self._keys(blocks, block):
                 sync(Path(self.under_way) / key)
