@@ -122,7 +122,9 @@ def create_arrays(
     group.attrs.update(_plain(table.attributes))
 
 
-def put(group: zarr.Group, name: str, region: Any, values: np.ndarray[Any, Any]) -> None:
+def put(
+    group: zarr.Group | Mapping[str, Any], name: str, region: Any, values: np.ndarray[Any, Any]
+) -> None:
     """Write values into an array of a group; also chunks of nothing but the fill value are kept."""
     array: Any = group[name]
     array.with_config({"write_empty_chunks": True})[region] = values
