@@ -176,7 +176,7 @@ def summary(blocks: Blocks, block: Block, arrays: Mapping[str, NDArray[Any]]) ->
     for verdict in plan.verdicts:
         if verdict.name in regions:
             written.regimes[verdict.name] = {
-                name: np.count_nonzero(arrays[verdict.name] == REGIMES[name].value)
+                name: int(np.count_nonzero(arrays[verdict.name] == REGIMES[name].value))
                 for name in verdict.regimes
             }
     for name in regions:
