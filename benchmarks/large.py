@@ -5,7 +5,8 @@
 Seven axes of the narrow track. In turns, each in a process of its own that has compiled before:
 
 - the largest and the mean speed over two axes, and over five;
-- the same with xarray in numpy blocks, over fewer cells;
+- the same with xarray in numpy blocks, over fewer cells and without regimes, which tell the cells
+  that count;
 - a sweep in memory, stored as NetCDF (zlib 1), and stored as Zarr.
 
 Each line has nanoseconds a cell, the least of the runs, by the clock and of the processor, which

@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING
 
 from vibrafeed.app.jobs.manifest import ZARR, Making
-from vibrafeed.app.jobs.studies import is_sweep
 from vibrafeed.core import lazy
 from vibrafeed.core.errors import LimitError
 from vibrafeed.core.plan.prepared import Prepared
@@ -18,12 +17,12 @@ if TYPE_CHECKING:
 
 
 def is_large(prepared: Prepared, settings: Settings) -> bool:
-    """True if a sweep has more cells or bytes than one file may have.
+    """True if a study has more cells or bytes than one file may have, computed one by one.
 
     `settings` are those of the service.
     """
     large = prepared.cells > settings.max_cells or prepared.bytes > settings.max_bytes
-    return is_sweep(prepared) and large
+    return prepared.not_lazy is None and large
 
 
 def check_length(prepared: Prepared, settings: Settings) -> None:

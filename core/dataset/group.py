@@ -57,8 +57,8 @@ def write_zarr(table: Table, where: str, *, history: str | None = None) -> None:
             remove_all(under_way)
             group = open_group(under_way, create=True)
             create_arrays(group, table)
-            for name, variable in {**table.coordinates, **table.variables}.items():
-                put(group, name, ..., variable.values)
+            for name, one in {**table.coordinates, **table.variables}.items():
+                put(group, name, ..., one.values)
             group.attrs.update(cost)
             names = (*table.coordinates, *table.variables)
             put_document(under_way, document_of(group, names))
@@ -96,7 +96,7 @@ def create_arrays(
 
     # lz4 is the fastest that every reader of version 3 has; a shuffle helps floats.
     packed = [BloscCodec(cname="lz4", clevel=5)] if compressed else None
-    scalars = " ".join(name for name, variable in table.coordinates.items() if not variable.dims)
+    scalars = " ".join(name for name, one in table.coordinates.items() if not one.dims)
     links = {_LINK: scalars} if scalars else {}
     for name, variable in {**table.coordinates, **table.variables}.items():
         shape = tuple(
@@ -104,7 +104,7 @@ def create_arrays(
             for dim, size in zip(variable.dims, variable.values.shape, strict=True)
         )
         is_text = variable.values.dtype == object
-        # Readers of version 3 take a fill value for no mask: only an attribute would be variable.
+        # Readers of version 3 take a fill value for no mask: only an attribute would be one.
         fill = "" if is_text else np.nan if variable.values.dtype.kind == "f" else 0
         group.create_array(
             name,
@@ -122,7 +122,9 @@ def create_arrays(
     group.attrs.update(_plain(table.attributes))
 
 
-def put(group: zarr.Group, name: str, region: Any, values: np.ndarray[Any, Any]) -> None:
+def put(
+    group: zarr.Group | Mapping[str, Any], name: str, region: Any, values: np.ndarray[Any, Any]
+) -> None:
     """Write values into an array of a group; also chunks of nothing but the fill value are kept."""
     array: Any = group[name]
     array.with_config({"write_empty_chunks": True})[region] = values

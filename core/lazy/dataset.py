@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import dask
 import dask.array
@@ -29,6 +29,9 @@ from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.system import cores
 from vibrafeed.core.watch import Watch
+
+if TYPE_CHECKING:
+    from dask.array import Array
 
 BLOCK_CELLS = 1 << 22
 """Most cells of a block of closed forms: some ten milliseconds, and 32 MiB a variable."""
@@ -98,7 +101,7 @@ def arrays_of(
     whole: Collection[str] = (),
     cells: int | None = None,
     valid: Mapping[str, Verdict] = MappingProxyType({}),
-) -> dict[str, dask.array.Array]:
+) -> dict[str, Array]:
     """Return the variables of a study as dask arrays in the units of files, by name.
 
     Parameters
@@ -114,7 +117,7 @@ def arrays_of(
     valid : mapping of str to Verdict, optional
         Outputs that are to be NaN where a verdict on the same axes says that they are not valid.
     """
-    arrays: dict[str, dask.array.Array] = {}
+    arrays: dict[str, Array] = {}
     for field in fields_of(prepared, names):
         chunks = chunks_of(prepared, field, cells or block_cells(prepared, field), whole)
         arrays |= _arrays(prepared, field, chunks, valid)
@@ -197,7 +200,7 @@ def _arrays(
     field: Field,
     chunks: Mapping[str, tuple[int, ...]],
     valid: Mapping[str, Verdict],
-) -> dict[str, dask.array.Array]:
+) -> dict[str, Array]:
     ends = [list(itertools.accumulate(chunks[dim], initial=0)) for dim in field.dims]
 
     def block(block_id: tuple[int, ...] = ()) -> NDArray[Any]:

@@ -121,19 +121,19 @@ class Reduced(Prepared):
         return self.grid.dims(dims - {*self.asked.over})
 
     @cached_property
-    def reduced(self) -> tuple[Statistic, ...]:
+    def statistics(self) -> tuple[Statistic, ...]:
         """The variables of the result."""
-        return tuple(reduced_variables(self))
+        return tuple(statistics_of(self))
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
         """The dimensions of each variable."""
-        return {variable.name: variable.dims for variable in self.reduced}
+        return {statistic.name: statistic.dims for statistic in self.statistics}
 
     @cached_property
     def units(self) -> dict[str, str]:
         """The unit of each variable."""
-        return {variable.name: variable.attributes["units"] for variable in self.reduced}
+        return {statistic.name: statistic.attributes["units"] for statistic in self.statistics}
 
     @property
     def sizes(self) -> dict[str, int]:
@@ -181,9 +181,9 @@ class Reduced(Prepared):
     @property
     def needed(self) -> set[str]:
         """The outputs and verdicts that the answers need."""
-        names = {variable.of for variable in self.reduced if variable.of}
-        names |= {one.name for variable in self.reduced for one in variable.conditions}
-        return names | {judge.name for name in names if (judge := self.judge(name))}
+        told = {one.of for one in self.statistics if one.of}
+        told |= {one.name for statistic in self.statistics for one in statistic.conditions}
+        return told | {judge.name for name in told if (judge := self.judge(name))}
 
     def label(self, computed: Computed, watch: Watch) -> Table:
         """Return the results of a reduction as a table: arrays with coordinates and attributes.
@@ -192,7 +192,7 @@ class Reduced(Prepared):
         """
         variables = {
             one.name: TableVariable(one.dims, computed.arrays[one.name], one.attributes)
-            for one in self.reduced
+            for one in self.statistics
         }
         which = (
             "all cells with a value count"
@@ -245,7 +245,7 @@ def _outputs(prepared: Reduced) -> tuple[str, ...]:
     return tuple(name for name in plan.outputs if name in wanted and name not in FLAGS)
 
 
-def reduced_variables(prepared: Reduced) -> Iterator[Statistic]:
+def statistics_of(prepared: Reduced) -> Iterator[Statistic]:
     """Yield the variables of a reduced result."""
     asked, plan = prepared.asked, prepared.plan
     for output in _outputs(prepared):

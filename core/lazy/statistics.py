@@ -40,13 +40,10 @@ def compute(prepared: Reduced, watch: Watch) -> dict[str, NDArray[Any]]:
         If `watch` stops it.
     """
     cells = Cells(prepared)
-    lazy = {
-        wanted.name: cells.variable(wanted).transpose(*wanted.dims).data
-        for wanted in prepared.reduced
-    }
+    lazy = {one.name: cells.variable(one).transpose(*one.dims).data for one in prepared.statistics}
     with watched(watch):
-        (result,) = dask.base.compute(lazy)
-    return {name: np.asarray(values) for name, values in result.items()}
+        (found,) = dask.base.compute(lazy)
+    return {name: np.asarray(values) for name, values in found.items()}
 
 
 class Cells:
@@ -67,24 +64,24 @@ class Cells:
         arrays = arrays_of(whole, names, whole=self.asked.over, valid=valid)
         self._arrays = {n: xarray.DataArray(array, dims=dims[n]) for n, array in arrays.items()}
 
-    def variable(self, wanted: Statistic) -> xarray.DataArray:
+    def variable(self, statistic: Statistic) -> xarray.DataArray:
         """Return a variable of the result."""
-        if wanted.what == "regime":
-            regimes = self._arrays[wanted.of]
-            return (regimes == wanted.value).sum(self.gone(regimes)) * self.times(regimes)
-        if wanted.what == "share":
-            met = reduce(operator.and_, map(self.meets, wanted.conditions))
+        if statistic.what == "regime":
+            regimes = self._arrays[statistic.of]
+            return (regimes == statistic.value).sum(self.gone(regimes)) * self.times(regimes)
+        if statistic.what == "share":
+            met = reduce(operator.and_, map(self.meets, statistic.conditions))
             gone = self.gone(met)
             return met.sum(gone) / math.prod(met.sizes[dim] for dim in gone)
-        values = self.counted(wanted.of)
-        if wanted.what == "level":
-            return self._crossing(values, wanted)
-        if wanted.what == QUANTILE:
+        values = self.counted(statistic.of)
+        if statistic.what == "level":
+            return self._crossing(values, statistic)
+        if statistic.what == QUANTILE:
             return self._quantile(values)
-        if wanted.axis:
-            return self._axis_at_extreme(values, wanted)
-        result = _reduced(values, self.gone(values), wanted.what)
-        return result * self.times(values) if wanted.what == "count" else result
+        if statistic.axis:
+            return self._position(values, statistic)
+        found = _reduced(values, self.gone(values), statistic.what)
+        return found * self.times(values) if statistic.what == "count" else found
 
     def meets(self, condition: ShareCondition) -> xarray.DataArray:
         """Return a mask of the cells that meet the condition of a share."""
@@ -115,7 +112,7 @@ class Cells:
 
     def _quantile(self, values: xarray.DataArray) -> xarray.DataArray:
         gone, shares = self.gone(values), self.asked.quantiles
-        result: xarray.DataArray = xarray.apply_ufunc(
+        quantiles: xarray.DataArray = xarray.apply_ufunc(
             _quantiles,
             values.chunk(dict.fromkeys(gone, -1)),
             input_core_dims=[gone],
@@ -125,10 +122,10 @@ class Cells:
             dask_gufunc_kwargs={"output_sizes": {QUANTILE: len(shares)}},
             output_dtypes=[np.float64],
         )
-        return result
+        return quantiles
 
-    def _crossing(self, values: xarray.DataArray, wanted: Statistic) -> xarray.DataArray:
-        level = wanted.level
+    def _crossing(self, values: xarray.DataArray, statistic: Statistic) -> xarray.DataArray:
+        level = statistic.level
         assert level is not None
         largest = level.take == "largest"
         crossed = xarray.apply_ufunc(
@@ -147,9 +144,9 @@ class Cells:
         extreme: xarray.DataArray = crossed.max(gone) if largest else crossed.min(gone)
         return extreme.where(np.isfinite(extreme))
 
-    def _axis_at_extreme(self, values: xarray.DataArray, wanted: Statistic) -> xarray.DataArray:
+    def _position(self, values: xarray.DataArray, statistic: Statistic) -> xarray.DataArray:
         """Return the value of an axis in the first cell with the largest or least value."""
-        gone, axis = self.gone(values), self._prepared.grid.coordinate(wanted.axis)
+        gone, axis = self.gone(values), self._prepared.grid.coordinate(statistic.axis)
         if not gone:
             return values.where(values.isnull(), axis[0])
         sizes = [values.sizes[dim] for dim in gone]
@@ -162,7 +159,7 @@ class Cells:
             numbers = numbers + stride * along.reshape(shape)
         kept = [dim for dim in values.dims if dim not in gone]
         number = dask.array.reduction(
-            (values if wanted.what == "argmax" else -values).data,
+            (values if statistic.what == "argmax" else -values).data,
             _largest,
             _number_of_largest,
             axis=tuple(values.get_axis_num(dim) for dim in gone),
@@ -171,9 +168,12 @@ class Cells:
             meta=np.empty((0,) * len(kept), np.int64),
             weights=numbers,
         )
-        place = number // strides[wanted.axis] % len(axis) if wanted.axis in gone else 0 * number
-        result = place.map_blocks(lambda at: axis[at], dtype=np.float64)
-        return xarray.DataArray(dask.array.where(number == NOWHERE, np.nan, result), dims=kept)
+        stride, size = strides.get(statistic.axis, 1), len(axis)
+        position = number // stride % size if statistic.axis in gone else 0 * number
+        values_there = position.map_blocks(lambda at: axis[at], dtype=np.float64)
+        return xarray.DataArray(
+            dask.array.where(number == NOWHERE, np.nan, values_there), dims=kept
+        )
 
 
 def _reduced(values: xarray.DataArray, gone: tuple[str, ...], what: str) -> xarray.DataArray:
@@ -184,7 +184,7 @@ def _reduced(values: xarray.DataArray, gone: tuple[str, ...], what: str) -> xarr
         return _reduced(values, gone, "sum") / count.where(count > 0)
     of_block, joined, dtype = _FOLDS[what]
     kept = [dim for dim in values.dims if dim not in gone]
-    result = dask.array.reduction(
+    reduced = dask.array.reduction(
         values.data,
         of_block,
         joined,
@@ -192,7 +192,7 @@ def _reduced(values: xarray.DataArray, gone: tuple[str, ...], what: str) -> xarr
         dtype=dtype,
         meta=np.empty((0,) * len(kept), dtype),
     )
-    return xarray.DataArray(result, dims=kept)
+    return xarray.DataArray(reduced, dims=kept)
 
 
 def _fold(ufunc: np.ufunc) -> Callable[..., Any]:
@@ -275,7 +275,7 @@ def _quantiles(
 def _crossings(
     values: NDArray[np.float64], axis: NDArray[np.float64], level: float, largest: bool
 ) -> NDArray[np.float64]:
-    """Return the positions at which the last axis of an array crosses a level; infinite if none.
+    """Return the values at which the last axis crosses a level; infinite if it does not.
 
     Values are joined by straight lines; where two neighbours are the level, it is the larger or the
     smaller point.
@@ -283,14 +283,14 @@ def _crossings(
     lower, upper, first, last = values[..., :-1], values[..., 1:], axis[:-1], axis[1:]
     crossed = ((lower <= level) & (level <= upper)) | ((lower >= level) & (level >= upper))
     with np.errstate(invalid="ignore", divide="ignore"):
-        positions = first + (level - lower) / (upper - lower) * (last - first)
-    positions = np.where((upper == level) | np.isinf(lower), last, positions)
-    positions = np.where((lower == level) | np.isinf(upper), first, positions)
+        crossings = first + (level - lower) / (upper - lower) * (last - first)
+    crossings = np.where((upper == level) | np.isinf(lower), last, crossings)
+    crossings = np.where((lower == level) | np.isinf(upper), first, crossings)
     end = np.maximum(first, last) if largest else np.minimum(first, last)
-    positions = np.where((lower == level) & (upper == level), end, positions)
+    crossings = np.where((lower == level) & (upper == level), end, crossings)
     worst = -np.inf if largest else np.inf
-    positions = np.where(crossed, positions, worst)
+    crossings = np.where(crossed, crossings, worst)
     extreme: NDArray[np.float64] = (np.max if largest else np.min)(
-        positions, axis=-1, initial=worst
+        crossings, axis=-1, initial=worst
     )
     return extreme

@@ -103,8 +103,8 @@ class Blocks:
     def __getitem__(self, index: int) -> Block:
         at = next(k for k, stop in enumerate(self._starts[1:]) if index < stop)
         one, ends, counts = self._fields[at]
-        region = np.unravel_index(index - self._starts[at], counts) if counts else ()
-        numbers = dict(zip(one.dims, map(int, region), strict=True))
+        place = np.unravel_index(index - self._starts[at], counts) if counts else ()
+        numbers = dict(zip(one.dims, map(int, place), strict=True))
         box = {dim: (ends[dim][k], ends[dim][k + 1]) for dim, k in numbers.items()}
         return Block(one, box, numbers)
 
@@ -172,20 +172,22 @@ class Written:
 def summary(blocks: Blocks, block: Block, arrays: Mapping[str, NDArray[Any]]) -> Written:
     """Return extremes and counts of regimes of a block that was computed."""
     plan, dims, regions = blocks.prepared.plan, blocks.prepared.dims, blocks.regions(block)
-    result = Written(block.cells)
+    written = Written(block.cells)
     for verdict in plan.verdicts:
         if verdict.name in regions:
-            counts = np.bincount(arrays[verdict.name].reshape(-1), minlength=128)
-            result.regimes[verdict.name] = {
-                name: int(counts[REGIMES[name].value]) for name in verdict.regimes
+            written.regimes[verdict.name] = {
+                name: int(np.count_nonzero(arrays[verdict.name] == REGIMES[name].value))
+                for name in verdict.regimes
             }
     for name in regions:
         if name in plan.verdict_names:
             continue
         judge, counted = plan.verdict_on(name), np.asarray(np.isfinite(arrays[name]))
         if judge is not None and judge.doubts:
-            doubted = [REGIMES[one].value for one in judge.regimes if not REGIMES[one].valid]
-            valid, own = ~np.isin(arrays[judge.name], doubted), dims[judge.name]
+            valid, own = np.ones(arrays[judge.name].shape, bool), dims[judge.name]
+            for regime in (REGIMES[one] for one in judge.regimes):
+                if not regime.valid:  # several times as fast as numpy.isin
+                    valid &= arrays[judge.name] != regime.value
             apart = tuple(k for k, dim in enumerate(own) if dim not in dims[name])
             valid = np.asarray(valid.any(axis=apart))
             shape = zip(dims[name], counted.shape, strict=True)
@@ -193,9 +195,10 @@ def summary(blocks: Blocks, block: Block, arrays: Mapping[str, NDArray[Any]]) ->
                 valid, [size if dim in own else 1 for dim, size in shape]
             )
         if counted.any():
-            values = arrays[name][counted]
-            result.ends[name] = float(values.min()), float(values.max())
-    return result
+            values = np.where(counted, arrays[name], np.nan)
+            ends = (float(end.reduce(values, axis=None)) for end in (np.fmin, np.fmax))
+            written.ends[name] = next(ends), next(ends)
+    return written
 
 
 # --- NetCDF
@@ -353,10 +356,10 @@ class ZarrStore:
         blocks = Blocks(self.prepared)
         block = blocks[index]
         arrays = compute_block(self.prepared, block.field, block.box, watch)
-        group = _opened(self.under_way, self.prepared.study.key())
+        stored = _opened(self.under_way, self.prepared.study.key())
         with plain_errors():
             for name, region in blocks.regions(block).items():
-                put(group, name, region, arrays[name])
+                put(stored, name, region, arrays[name])
         if "://" not in self.where:
             for key in self._keys(blocks, block):
                 sync(Path(self.under_way) / key)
@@ -383,8 +386,8 @@ class ZarrStore:
             numbers = dask.array.from_array(np.array(some), chunks=1)
             stored = numbers.map_blocks(write, dtype=object, meta=np.empty(0, dtype=object))
             with watched(watch.part(len(some) / count)):
-                (result,) = compute(stored)
-            for one in result:
+                (found,) = compute(stored)
+            for one in found:
                 written.add(one)
         return written
 
@@ -406,5 +409,5 @@ class ZarrStore:
 
 
 @lru_cache(maxsize=4)
-def _opened(where: str, study: str) -> Any:  # another study has other arrays
-    return open_group(where)
+def _opened(where: str, study: str) -> Mapping[str, Any]:  # another study has other arrays
+    return dict(open_group(where).arrays())

@@ -96,7 +96,7 @@ def test_the_file_for_kubernetes_is_a_cluster_of_dask() -> None:
     (port,) = service["ports"]
     (own,) = spec["scheduler"]["spec"]["containers"][0]["ports"]
     assert (port["port"], port["targetPort"]) == (own["containerPort"], own["name"])
-    assert f"tcp://{name}-scheduler:{port['port']}" in SCALE
+    assert f"//{name}-scheduler:{port['port']}" in SCALE
 
 
 def test_what_the_page_on_reductions_shows_gives_what_it_says() -> None:

@@ -211,8 +211,8 @@ class TestCurl:
     def test_a_job_s_file_is_resumed_after_the_server_was_killed(self, curl, serve, tmp_path):
         service = serve(workers=1, max_wait_seconds=PATIENCE)
         content = sized(
-            ["acceleration_x", "transport_velocity"], frequency=25, amplitude=10, alpha=50, beta=80
-        )
+            ["acceleration_x", "transport_velocity"], frequency=25, amplitude=30, alpha=50, beta=80
+        )  # of more bytes than sockets hold
         study = tmp_path / "study.json"
         study.write_text(json.dumps(content))
         execution = f"{service.address}/processes/sweep/execution"

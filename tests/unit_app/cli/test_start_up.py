@@ -13,9 +13,9 @@ from vibrafeed.app.cli import COMMANDS
 
 ROOT = Path(__file__).parents[3]
 HEAVY = {
-    "dask", "distributed", "fastapi", "h5py", "matplotlib", "netCDF4", "numba", "numpy", "openpyxl",
-    "pandas", "pint", "psutil", "pydantic", "rich", "scipy", "sqlalchemy", "tomlkit", "xarray",
-    "zarr",
+    "dask", "distributed", "fastapi", "h5py", "matplotlib", "netCDF4", "numba", "numpy",
+    "openpyxl", "pandas", "pint", "psutil", "pydantic", "rich", "scipy", "sqlalchemy", "tomlkit",
+    "xarray", "zarr",
 }  # fmt: skip
 NEEDED = {"netCDF4", "numpy", "psutil", "pydantic", "scipy"}
 """What a study is read, computed and written with; of scipy the names alone are loaded."""

@@ -334,7 +334,7 @@ class TestSimulation:
             assert problem(client.post(self.PATH, json=body))["errors"][0]["place"] == place
 
     def test_limits(self, settings):
-        small = settings.model_copy(update={"max_cells": 5})
+        small = settings.model_copy(update={"max_cells": 5, "max_sweep_cells": 5})
         with local_client(create_app(small)) as client:
             reply = problem(client.post(self.PATH, json=SIMULATION))
             assert reply["type"].endswith("limit")
