@@ -198,6 +198,7 @@ def cluster(
     if address is None:
         yield
         return
+    from vibrafeed.core import lazy
     from vibrafeed.core.dataset.formats import is_zarr
 
     problems = {}
@@ -213,15 +214,21 @@ def cluster(
         import distributed
 
         try:
-            client = distributed.Client(address, timeout=20)  # type: ignore[no-untyped-call]
+            client = distributed.Client(  # type: ignore[no-untyped-call]
+                address, timeout=20, set_as_default=False
+            )
         except (OSError, ValueError, TypeError) as error:
             # Dask says of missing certificates that something has another type.
             why = "it talks TLS, and the settings of Dask name no certificates (docs/scale.md)"
             told = why if isinstance(error, TypeError) else error
             console.fail(f"{address} cannot be reached: {told}.")
             raise typer.Exit(FAILED) from None
-        with client:
-            yield
+        before = lazy.dataset.SCHEDULER.set(client)
+        try:
+            with client:
+                yield
+        finally:
+            lazy.dataset.SCHEDULER.reset(before)
 
 
 def _refuse_together(*, as_json: bool, to_standard: bool) -> None:

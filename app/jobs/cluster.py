@@ -132,7 +132,9 @@ class Cluster:
                 made.push_async_exit(local)
                 await local
                 made.push_async_callback(_end_workers, local)
-            client = Client(local or self._address, asynchronous=True, timeout=20)  # type: ignore[no-untyped-call]
+            client = Client(
+                local or self._address, asynchronous=True, set_as_default=False, timeout=20
+            )  # type: ignore[no-untyped-call]
             made.push_async_callback(client.close)
             await client
             client.subscribe_topic(BEGUN, self._heard)  # type: ignore[no-untyped-call]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -38,6 +39,10 @@ BLOCK_CELLS = 1 << 22
 STOPPED = "it was stopped before all cells were evaluated, so there is no result"
 BLOCK_SECONDS = 1.0
 """Time on one core that a block of simulated motion should take."""
+SCHEDULER: ContextVar[Any] = ContextVar("SCHEDULER", default="threads")
+"""Dask's scheduler: threads, or the client of a cluster that somebody has named.
+
+Not dask's own default: that is the client made last in the process, such as that of a service."""
 
 
 @dataclass(frozen=True)
@@ -277,6 +282,7 @@ def watched(watch: Watch) -> Iterator[None]:
 
     check()
     callback = Callback(pretask=check, posttask=advance)
-    with callback, dask.config.set(num_workers=watch.threads or cores()):
+    threads = watch.threads or cores()
+    with callback, dask.config.set(scheduler=SCHEDULER.get(), num_workers=threads):
         yield
     watch.advance(left)

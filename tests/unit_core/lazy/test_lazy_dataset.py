@@ -113,3 +113,14 @@ def test_what_is_computed_as_a_whole_is_refused(change: dict[str, Any], place: s
     with pytest.raises(StudyError) as refused:
         open_lazily(prepared)
     assert [problem.place for problem in refused.value.problems] == [place]
+
+
+def test_a_reduction_takes_no_cluster_that_nobody_has_named() -> None:
+    """A service makes a client of Dask in its process; a reduction there once waited for it."""
+
+    def never(*_: Any, **__: Any) -> None:
+        raise AssertionError
+
+    prepared = prepare_content({**MOTION, "reduce": {"over": ["beta"], "statistics": ["max"]}})
+    with dask.config.set(scheduler=never):
+        assert tabulate(prepared).variables["conveying_velocity_max"].values.shape == (2, 9, 2)
