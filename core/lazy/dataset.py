@@ -152,10 +152,11 @@ def fields_of(prepared: Prepared, names: Collection[str] | None = None) -> list[
 
 
 def block_cells(prepared: Prepared, field: Field) -> int:
-    """Return the number of cells of a block of a field."""
+    """Return the number of cells of a block of a field; equal studies have equal blocks."""
     if not field.takes_long:
         return BLOCK_CELLS
-    return int(min(BLOCK_CELLS, max(1, BLOCK_SECONDS / prepared.seconds_a_cell)))
+    # A price that is measured would give other blocks, and last digits of means, in each run.
+    return int(min(BLOCK_CELLS, max(1, BLOCK_SECONDS / prepared.stated_seconds_a_cell)))
 
 
 def chunks_of(

@@ -116,7 +116,7 @@ class ReducedSimulation(Reduced, Simulation):
     @property
     def whole(self) -> Simulation:
         """The simulation of all cells."""
-        return Simulation(self.study, self.plan, self.grid, known_price=self.price)
+        return Simulation(self.study, self.plan, self.grid)
 
     def attributes(self) -> dict[str, str]:
         """Return the attributes of the result, known before computing."""
