@@ -36,12 +36,13 @@ def pytest_collection() -> Generator[None, object, object]:
 
     To look through it again and again takes a third of the time of collecting, in each process.
     """
-    gc.disable()
+    thresholds = gc.get_threshold()
+    gc.set_threshold(0)  # not gc.disable(), which dask takes for good if it is imported meanwhile
     try:
         return (yield)
     finally:
         gc.freeze()
-        gc.enable()
+        gc.set_threshold(*thresholds)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
