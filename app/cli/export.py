@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.options import FAILED, INVALID_INPUT
+from vibrafeed.app.cli.options import FAILED, INVALID_INPUT, CsvStyle
 from vibrafeed.app.cli.studies import refuse, refuse_existing
 from vibrafeed.core.errors import LimitError, Problem, VibrafeedError
 
@@ -43,6 +43,7 @@ def export(
             "result."
         ),
     ] = None,
+    csv_style: CsvStyle = "plain",
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
     """Convert a result to another format, given by the suffix of the output.
@@ -50,14 +51,15 @@ def export(
     Nothing is computed again. Exit code 2 means that the file is no result, or that the format
     cannot hold it, 1 that it could not be read or written.
     """
-    from vibrafeed.app.cli.targets import check_suffix, make_folder_of, write_or_exit
+    from vibrafeed.app.cli.targets import check_suffix, make_folder_of, refuse_style, write_or_exit
     from vibrafeed.app.cli.units import units_asked
-    from vibrafeed.core.dataset.formats import read_result, suffix_of
+    from vibrafeed.core.dataset.formats import Storage, read_result, suffix_of
     from vibrafeed.core.dataset.shown import in_shown_units
     from vibrafeed.core.dataset.table import Table
     from vibrafeed.core.system import memory
 
     check_suffix(output)
+    refuse_style(csv_style, [output])
     refuse_existing(file, output, force=force)
     shown = None if units is None else units_asked(units)
     if shown is not None and suffix_of(output) not in FOR_PEOPLE:
@@ -81,6 +83,7 @@ def export(
     before = str(table.attributes.get("history", ""))
     attributes = {name: value for name, value in table.attributes.items() if name != "history"}
     stamp = datetime.now(UTC).isoformat(timespec="seconds")
+    storage = Storage(csv_style=csv_style)
     history = f"{stamp} vibrafeed export {Path(file).name}\n{before}".rstrip()
-    write_or_exit(Path(file), replace(table, attributes=attributes), output, history)
+    write_or_exit(Path(file), replace(table, attributes=attributes), output, history, storage)
     console.say(f"{file} -> {output}")

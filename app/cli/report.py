@@ -95,7 +95,7 @@ def _write(
         with console.progress(path.name) as advance:
             watch = Watch(advance, stopped, time.monotonic() + seconds)
             measured = measure(prepared, watch)
-        write_netcdf(measured.table(prepared), target, history=f"vibrafeed report {path}")
+        write_netcdf(measured.table(prepared).with_history(f"vibrafeed report {path}"), target)
         picture = draw(target, target.with_suffix(".png"), console.fail)
         written += [target, *([picture] if picture else [])]
         title = prepared.study.title or prepared.plan.scene.title

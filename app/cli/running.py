@@ -29,7 +29,7 @@ from vibrafeed.app.cli.targets import REMOVE, is_complete, kept_apart, write_or_
 from vibrafeed.core import kinds, lazy
 from vibrafeed.core.compiling import stopwatch
 from vibrafeed.core.dataset.files import partial
-from vibrafeed.core.dataset.formats import NETCDF, is_zarr, suffix_of
+from vibrafeed.core.dataset.formats import NETCDF, Storage, is_zarr, suffix_of
 from vibrafeed.core.errors import Problem, StoppedError, VibrafeedError
 from vibrafeed.core.kinds.results import outline
 from vibrafeed.core.plan.pieces import cells_of, run_cost
@@ -47,8 +47,10 @@ class Running:
 
     Attributes
     ----------
-    plain, resume : bool
-        As for `run`: write NetCDF without compression; go on with stopped runs.
+    resume : bool
+        True to go on with stopped runs.
+    storage : Storage
+        The choices that the formats of results leave.
     units : str or None
         Units for printing.
     checked : float or None
@@ -61,8 +63,8 @@ class Running:
         True if every optimisation so far has a solution for some design.
     """
 
-    plain: bool
     resume: bool
+    storage: Storage
     units: str | None
     checked: float | None
     deadline: float | None
@@ -108,7 +110,7 @@ class Running:
                     path,
                     prepared,
                     target,
-                    compression=not self.plain,
+                    compression=self.storage.compression,
                     resume=self.resume,
                     history=history_of(path),
                     deadline=self.deadline,
@@ -184,7 +186,7 @@ class Running:
             return None
         target = kept_apart(target) if not kinds.is_whole(table) else target
         evaluated = time.perf_counter()
-        write_or_exit(path, table, target, history_of(path), compression=not self.plain)
+        write_or_exit(path, table, target, history_of(path), self.storage)
         seconds = {
             "computing": float(table.price["elapsed_seconds"]),
             "compiling": stopwatch.spent - compiled,

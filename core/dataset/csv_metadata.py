@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from vibrafeed.core.dataset.frame import Frame, FrameColumn, heading
+from vibrafeed.core.dataset.frame import EXCEL, CsvStyle, Frame, heading
+from vibrafeed.core.dataset.table import TableVariable
 
 
 def metadata_path(path: Path) -> Path:
@@ -20,10 +21,11 @@ def metadata_path(path: Path) -> Path:
     return path.with_name(f"{path.name}-metadata.json")
 
 
-def csv_metadata(frame: Frame, name: str) -> bytes:
+def csv_metadata(frame: Frame, name: str, style: CsvStyle = "plain") -> bytes:
     """Return the JSON metadata (CSV on the Web) of a CSV file with a result.
 
-    `frame` has columns and attributes, `name` is the file's name without folder. The study is among
+    `frame` has columns and attributes, `name` is the file's name without folder, `style` that of
+    `csv`. The study is among
     the notes as an object; `study_sha256` is the hash of its canonical text.
     """
     about = {key: _plain(value) for key, value in frame.about.items()}
@@ -33,29 +35,36 @@ def csv_metadata(frame: Frame, name: str) -> bytes:
         "@context": "http://www.w3.org/ns/csvw",
         "url": name,
         **({"dc:title": about["title"]} if "title" in about else {}),
-        "tableSchema": {"columns": [_column(one) for one in frame.columns]},
+        **({"dialect": {"delimiter": ";"}} if style == EXCEL else {}),
+        "tableSchema": {"columns": [_column(*one, style) for one in frame.columns.items()]},
         "notes": [about],
     }
     return (json.dumps(document, indent=2, ensure_ascii=False) + "\n").encode()
 
 
-def _column(column: FrameColumn) -> dict[str, Any]:
+def _column(name: str, column: TableVariable, style: CsvStyle) -> dict[str, Any]:
     """Return the metadata of one column of a CSV file: name, heading, type, label, unit.
 
-    Keys are those of CSV on the Web; what the column does not have is left out.
+    Keys are those of CSV on the Web; a key without a value is left out.
     """
-    attributes = column.variable.attributes
-    kind = column.variable.values.dtype.kind
+    attributes = column.attributes
     description = {
-        "name": column.name,
-        "titles": heading(column),
-        "datatype": "string" if column.words or kind == "O" else "integer" if kind in "iu" else
-        "number",
+        "name": name,
+        "titles": heading(name, column),
+        "datatype": _datatype(column, style),
         "dc:title": attributes.get("long_name"),
         "dc:description": attributes.get("comment"),
         "schema:unitText": attributes.get("units"),
-    }  # fmt: skip
+    }
     return {key: value for key, value in description.items() if value is not None}
+
+
+def _datatype(column: TableVariable, style: CsvStyle) -> Any:
+    if "flag_values" in column.attributes or column.values.dtype.kind == "O":
+        return "string"
+    if column.values.dtype.kind in "iu":
+        return "integer"
+    return {"base": "number", "format": {"decimalChar": ","}} if style == EXCEL else "number"
 
 
 def _plain(value: Any) -> Any:

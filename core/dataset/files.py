@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -47,33 +46,6 @@ def settle(temporary: Path, path: Path) -> None:
     sync(temporary)
     replace(temporary, path)
     sync(path.parent)
-
-
-class Behind:
-    """Waits for the disk in a thread, so that the writer need not; for one call at a time."""
-
-    def __init__(self) -> None:
-        """Start a thread for waiting; nothing is under way."""
-        self._thread = ThreadPoolExecutor(1, thread_name_prefix="sync")
-        self._last: Future[None] | None = None
-
-    def start(self, wait: Callable[..., None], *arguments: object) -> None:
-        """Start a wait in the background, once the previous one has ended; raise that one's error.
-
-        `wait` is the function to run, with its arguments.
-        """
-        self.end()
-        self._last = self._thread.submit(wait, *arguments)
-
-    def end(self) -> None:
-        """Wait until the background wait has ended."""
-        last, self._last = self._last, None
-        if last is not None:
-            last.result()
-
-    def close(self) -> None:
-        """Wait until the background wait has ended, and accept no more."""
-        self._thread.shutdown()
 
 
 def partial(path: Path) -> Path:

@@ -1,4 +1,4 @@
-"""The formats of results, by the suffix of a file: what writes each, and what it can hold.
+"""The formats of results, by the suffix of a file: its writer, and its limits.
 
 NetCDF and Zarr can be read back as well, and written in any other format.
 """
@@ -6,33 +6,63 @@ NetCDF and Zarr can be read back as well, and written in any other format.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Final
 
 from vibrafeed.core.dataset import matlab, workbook
 from vibrafeed.core.dataset.csv_metadata import csv_metadata, metadata_path
 from vibrafeed.core.dataset.files import whole
-from vibrafeed.core.dataset.frame import Frame, pyarrow
+from vibrafeed.core.dataset.frame import CsvStyle, Frame, csv, parquet
 from vibrafeed.core.dataset.group import read_zarr, write_zarr
 from vibrafeed.core.dataset.netcdf import write_netcdf
 from vibrafeed.core.dataset.read import attributes_of_file, read_netcdf
-from vibrafeed.core.dataset.stores import attributes_at, needed_for
+from vibrafeed.core.dataset.stores import attributes_at
 from vibrafeed.core.dataset.table import Table
-from vibrafeed.core.errors import VibrafeedError
+from vibrafeed.core.errors import MissingPackageError, VibrafeedError
+from vibrafeed.core.system import installing
 
 NETCDF: Final = ".nc"
 ZARR: Final = ".zarr"
 MAKER: Final = "vibrafeed "  # begins the attribute `source` of every result of vibrafeed
 
 
-def _nothing() -> None:
-    """Do nothing: the format needs no package."""
+@dataclass(frozen=True)
+class Storage:
+    """The choices that a format leaves.
+
+    Attributes
+    ----------
+    compression : bool
+        True to compress NetCDF and MAT files; the other formats always do, or never.
+    csv_style : str
+        The style of CSV files.
+    """
+
+    compression: bool = True
+    csv_style: CsvStyle = "plain"
 
 
-def _everything(rows: int, size: int) -> None:
-    """Accept any number of rows and bytes."""
+@dataclass(frozen=True)
+class Size:
+    """The size of a result.
+
+    Attributes
+    ----------
+    rows, columns : int
+        Number of cells, and of variables with coordinates.
+    doubles : int
+        Bytes of all values, those of flags as doubles.
+    """
+
+    rows: int
+    columns: int
+    doubles: int
+
+
+def _everything(size: Size) -> None:
+    """Accept any size."""
 
 
 @dataclass(frozen=True)
@@ -42,33 +72,34 @@ class Format:
     Attributes
     ----------
     name : str
-        What people call it.
+        The name that people know.
     write : callable
-        Writes a table at a place, all of it or nothing. Takes besides the CF history attribute, and
-        whether to compress, which counts where a format lets one choose.
+        Writes a table at a place, all of it or nothing.
     pieces : callable, optional
         Yields the bytes of the rows of a table, if it is a format of rows.
-    needs : callable
-        Raises `MissingPackageError` if a package is missing.
+    check : callable
+        Raises `LimitError` if the format cannot hold a result of a size.
     media : str, optional
         Media type of a format of rows, which is sent over HTTP under the suffix without its dot.
     package : tuple of str and str or None, optional
-        What has to be installed besides, on whose version the bytes depend, and the extra that it
-        belongs to.
+        The package that writes it, on whose version the bytes depend, and the extra that it belongs
+        to.
     text : bool
         Whether compressing it on its way is worth while.
-    check : callable
-        Takes a number of rows and of bytes; raises `LimitError` if the format cannot hold them.
     """
 
     name: str
-    write: Callable[[Table, str, str, bool], None]
+    write: Callable[[Table, str, Storage], None]
     pieces: Callable[[Frame], Iterator[bytes]] | None = None
-    needs: Callable[[], object] = _nothing
-    check: Callable[[int, int], None] = _everything
+    check: Callable[[Size], None] = _everything
     media: str | None = None
     package: tuple[str, str | None] | None = None
     text: bool = False
+
+    def needs(self) -> None:
+        """Raise `MissingPackageError` if its package is not installed."""
+        if self.package is not None and find_spec(self.package[0]) is None:
+            raise MissingPackageError(self.name, self.package[0], installing(*self.package))
 
 
 def suffix_of(where: str) -> str:
@@ -94,7 +125,7 @@ def known_suffixes() -> str:
     return f"{', '.join(first)} or {last}"
 
 
-def write_result(table: Table, where: str, *, history: str, compression: bool = True) -> None:
+def write_result(table: Table, where: str, *, history: str, storage: Storage = Storage()) -> None:
     """Write a table in the format of the output's suffix; the file appears only when complete.
 
     Parameters
@@ -105,8 +136,8 @@ def write_result(table: Table, where: str, *, history: str, compression: bool = 
         A path with a known suffix, or the URL of a Zarr group.
     history : str
         The CF history attribute: a date and a command.
-    compression : bool
-        True to compress NetCDF and MAT files; the other formats always do, or never.
+    storage : Storage
+        The choices that the format leaves.
 
     Raises
     ------
@@ -117,7 +148,9 @@ def write_result(table: Table, where: str, *, history: str, compression: bool = 
     OSError
         If the file cannot be written.
     """
-    FORMATS[suffix_of(where)].write(table, where, history, compression)
+    form = FORMATS[suffix_of(where)]
+    form.needs()
+    form.write(table.with_history(history), where, storage)
 
 
 def read_result(where: str, *, most_bytes: int | None = None) -> Table:
@@ -149,42 +182,32 @@ def read_result(where: str, *, most_bytes: int | None = None) -> Table:
     return read_netcdf(Path(where), most_bytes=most_bytes)
 
 
-def _with_history(table: Table, history: str) -> Table:
-    """Return the table with a `history` attribute."""
-    return replace(table, attributes={**table.attributes, "history": history})
+def _write_netcdf(table: Table, where: str, storage: Storage) -> None:
+    write_netcdf(table, Path(where), compression=storage.compression)
 
 
-def _write_netcdf(table: Table, where: str, history: str, compression: bool) -> None:
-    """Write a table as NetCDF."""
-    write_netcdf(table, Path(where), history=history, compression=compression)
+def _write_zarr(table: Table, where: str, storage: Storage) -> None:
+    write_zarr(table, where)
 
 
-def _write_zarr(table: Table, where: str, history: str, compression: bool) -> None:
-    """Write a table as a Zarr group."""
-    write_zarr(table, where, history=history)
+def _write_mat(table: Table, where: str, storage: Storage) -> None:
+    matlab.write_mat(table, Path(where), compression=storage.compression)
 
 
-def _write_csv(table: Table, where: str, history: str, compression: bool) -> None:
-    """Write a table as CSV, and its metadata as JSON in a file beside it.
-
-    `where` is the path of the CSV file, `history` the CF history attribute (a date and a command).
-    `compression`, which all writers of formats take, is not used.
-    """
-    frame, path = Frame.of(_with_history(table, history)), Path(where)
-    with whole(metadata_path(path)) as beside, whole(path) as temporary:
-        beside.write_bytes(csv_metadata(frame, path.name))
-        with temporary.open("wb") as file:
-            file.writelines(frame.csv())
+def _write_csv(table: Table, where: str, storage: Storage) -> None:
+    """Write a table as CSV, and its metadata as JSON in a file beside it."""
+    frame, path = Frame.of(table), Path(where)
+    with whole(metadata_path(path)) as beside:
+        beside.write_bytes(csv_metadata(frame, path.name, storage.csv_style))
+        _write_pieces(csv(frame, storage.csv_style), path)
 
 
-def _write_parquet(table: Table, where: str, history: str, compression: bool) -> None:
-    """Write a table as Parquet."""
-    _write_pieces(Frame.of(_with_history(table, history)).parquet(), Path(where))
+def _write_parquet(table: Table, where: str, storage: Storage) -> None:
+    _write_pieces(parquet(Frame.of(table)), Path(where))
 
 
-def _write_xlsx(table: Table, where: str, history: str, compression: bool) -> None:
-    """Write a table as an Excel workbook."""
-    _write_pieces(workbook.xlsx(Frame.of(_with_history(table, history))), Path(where))
+def _write_xlsx(table: Table, where: str, storage: Storage) -> None:
+    _write_pieces(workbook.xlsx(Frame.of(table)), Path(where))
 
 
 def _write_pieces(pieces: Iterator[bytes], path: Path) -> None:
@@ -193,25 +216,20 @@ def _write_pieces(pieces: Iterator[bytes], path: Path) -> None:
         file.writelines(pieces)
 
 
-def _write_mat(table: Table, where: str, history: str, compression: bool) -> None:
-    """Write a table as a MAT file."""
-    matlab.write_mat(_with_history(table, history), Path(where), compression=compression)
-
-
 FORMATS: Final[Mapping[str, Format]] = {
-    NETCDF: Format("NetCDF", _write_netcdf),
-    ZARR: Format("Zarr", _write_zarr, needs=partial(needed_for, ".zarr")),
-    ".csv": Format("CSV", _write_csv, Frame.csv, media="text/csv", text=True),
+    NETCDF: Format("NetCDF", _write_netcdf, package=("netCDF4", None)),
+    ZARR: Format("Zarr", _write_zarr, package=("zarr", None)),
+    ".csv": Format("CSV", _write_csv, csv, media="text/csv", text=True),
     ".parquet": Format(
-        "Parquet", _write_parquet, Frame.parquet, pyarrow,
+        "Parquet", _write_parquet, parquet,
         media="application/vnd.apache.parquet", package=("pyarrow", "tables"),
     ),
     ".xlsx": Format(
-        "Excel", _write_xlsx, workbook.xlsx, workbook.openpyxl,
-        lambda rows, size: workbook.check_rows_of_sheet(rows),
+        "Excel", _write_xlsx, workbook.xlsx,
+        lambda size: workbook.check_sheet(size.rows, size.columns),
         media="application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
-        package=("openpyxl", None),
+        package=("xlsxwriter", None),
     ),
-    ".mat": Format("MATLAB", _write_mat, check=lambda rows, size: matlab.check_bytes(size)),
+    ".mat": Format("MATLAB", _write_mat, check=lambda size: matlab.check_bytes(size.doubles)),
 }  # fmt: skip
 """Every format, by the suffix of a file."""

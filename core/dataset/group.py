@@ -29,7 +29,7 @@ _LINK = "coordinates"
 """The attribute that links variables to coordinates; it follows from dimensions."""
 
 
-def write_zarr(table: Table, where: str, *, history: str | None = None) -> None:
+def write_zarr(table: Table, where: str) -> None:
     """Write a table as a Zarr group, in a folder or at a URL; it can be opened once complete.
 
     Parameters
@@ -38,8 +38,6 @@ def write_zarr(table: Table, where: str, *, history: str | None = None) -> None:
         The result to write.
     where : str
         A path, or the URL of an object store.
-    history : str, optional
-        The CF history attribute; with it the cost of the run is written, too.
 
     Raises
     ------
@@ -51,7 +49,6 @@ def write_zarr(table: Table, where: str, *, history: str | None = None) -> None:
     under_way = where if "://" in where else str(partial(Path(where)))
     if keys_in(where):
         raise FileExistsError(f"{where} exists already")
-    cost = {} if history is None else {"history": history, **table.price}
     try:
         with plain_errors():
             remove_all(under_way)
@@ -59,7 +56,6 @@ def write_zarr(table: Table, where: str, *, history: str | None = None) -> None:
             create_arrays(group, table)
             for name, one in {**table.coordinates, **table.variables}.items():
                 put(group, name, ..., one.values)
-            group.attrs.update(cost)
             names = (*table.coordinates, *table.variables)
             put_document(under_way, document_of(group, names))
         if "://" not in where:

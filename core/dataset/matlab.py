@@ -50,10 +50,11 @@ def write_mat(table: Table, path: Path, *, compression: bool = True) -> None:
     from scipy.io import savemat
 
     variables = {**table.coordinates, **table.variables}
-    check_bytes(sum(one.values.nbytes for one in variables.values()))
     named = names_in_matlab(variables)
+    data = {named[n]: _array(v) for n, v in variables.items()}
+    check_bytes(sum(one.nbytes for one in data.values()))
     result = {
-        "data": {named[n]: _array(v) for n, v in variables.items()},
+        "data": data,
         "dimensions": {named[n]: _list(map(named.__getitem__, v.dims)) for n, v in
                        variables.items()},
         "units": _text_attributes(variables, named, "units"),

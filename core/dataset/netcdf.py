@@ -28,14 +28,14 @@ def write_netcdf(
     table: Table,
     path: Path,
     *,
-    history: str | None = None,
     compression: bool = True,
     level: int = COMPRESSION_LEVEL,
     significant_bits: int | None = None,
 ) -> None:
     """Write a table as a CF NetCDF-4 file, which appears only when complete and on the disk.
 
-    Without `history`, equal results give equal bytes: the cost of the run is left out, too.
+    Equal results give equal bytes: the cost of the run is left out, unless `Table.with_history` has
+    put it among the attributes.
 
     Parameters
     ----------
@@ -43,8 +43,6 @@ def write_netcdf(
         The result to write.
     path : Path
         The file; an existing one is replaced.
-    history : str, optional
-        The CF history attribute, such as a date and a command; with it the cost is written, too.
     compression : bool
         True for deflate with shuffle, which every reader opens.
     level : int
@@ -59,14 +57,13 @@ def write_netcdf(
         If the file cannot be written; nothing is left behind.
     """
     with whole(path) as temporary:
-        _define(temporary, table, history, _Storage(compression, level, significant_bits))
+        _define(temporary, table, _Storage(compression, level, significant_bits))
 
 
 def define(
     path: Path,
     table: Table,
     *,
-    history: str | None,
     compression: bool,
     chunks: Mapping[str, tuple[int, ...]],
 ) -> None:
@@ -78,14 +75,12 @@ def define(
     ----------
     path, table : Path, Table
         The file, and the result whose names, shapes, types and attributes count.
-    history : str or None
-        The CF history attribute; only with it the cost of the run is written.
     compression : bool
         Whether arrays are to be compressed.
     chunks : mapping of str to tuple of int
         The chunk lengths of the arrays.
     """
-    _define(path, table, history, _Storage(compression, chunks=chunks), empty=True)
+    _define(path, table, _Storage(compression, chunks=chunks), empty=True)
 
 
 @contextmanager
@@ -127,9 +122,7 @@ class _Storage:
 PLAIN = _Storage(compression=False)
 
 
-def _define(
-    path: Path, table: Table, history: str | None, storage: _Storage, *, empty: bool = False
-) -> None:
+def _define(path: Path, table: Table, storage: _Storage, *, empty: bool = False) -> None:
     """Create a NetCDF file and its dimensions, attributes and variables with the netCDF4 library.
 
     Parameters
@@ -138,36 +131,30 @@ def _define(
         The file, which is overwritten.
     table : Table
         The result.
-    history : str or None
-        The attribute `history`: time and command; None for none.
     storage : _Storage
         Chunks and compression of the arrays.
     empty : bool
         True to leave out the values of arrays, which are written later.
     """
     with opened(path, "w") as file:
-        _fill(file, table, history, storage, empty=empty)
+        _fill(file, table, storage, empty=empty)
 
 
-def _fill(
-    file: netCDF4.Dataset, table: Table, history: str | None, storage: _Storage, *, empty: bool
-) -> None:
+def _fill(file: netCDF4.Dataset, table: Table, storage: _Storage, *, empty: bool) -> None:
     """Write attributes, dimensions, coordinates and variables of a table into an open NetCDF file.
 
     Parameters
     ----------
     file : netCDF4.Dataset
         The new file.
-    table, history : Table, str or None
-        The result; the CF history attribute, only with which the cost of the run is written.
+    table : Table
+        The result.
     storage : _Storage
         Compression and rounding of the variables.
     empty : bool
         Whether arrays are only created, for their values to be written later.
     """
     file.setncatts(_attributes(table.attributes))
-    if history is not None:
-        file.setncatts({"history": history, **_attributes(table.price)})
     axes = [name for name, one in table.coordinates.items() if one.dims == (name,)]
     for name in axes:
         file.createDimension(name, table.coordinates[name].values.size)

@@ -67,6 +67,12 @@ class Table:
         """Return the table with other attributes for the cost of computing it, such as seconds."""
         return replace(self, price=price)
 
+    def with_history(self, history: str) -> Table:
+        """Return the table with the CF attribute `history`, and the cost, among its attributes."""
+        return replace(
+            self, attributes={**self.attributes, "history": history, **self.price}, price={}
+        )
+
     def valid(self, name: str) -> NDArray[np.bool_] | None:
         """Return a mask of the cells in which an output is valid; None if no regime judges it.
 

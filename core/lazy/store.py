@@ -227,8 +227,10 @@ def store_netcdf(
     blocks, written = Blocks(prepared), Written()
     chunks = {name: blocks.chunk(name) for name in outline.variables}
     table, threads = whole_table(prepared, outline), watch.threads or cores()
+    if history is not None:
+        table = table.with_history(history)
     with whole(path) as temporary:
-        define(temporary, table, history=history, compression=compression, chunks=chunks)
+        define(temporary, table, compression=compression, chunks=chunks)
         with opened(temporary, "a") as file, ThreadPoolExecutor(threads) as pool:
             waiting: deque[tuple[Block, Future[dict[str, NDArray[Any]]]]] = deque()
             left = iter(range(len(blocks)))

@@ -94,7 +94,7 @@ def test_every_package_that_is_declared_has_its_version():
 
 
 def test_workbooks_and_zarr_come_with_the_program():
-    assert {"openpyxl", "zarr", "dask"} <= DEPENDENCIES
+    assert {"openpyxl", "xlsxwriter", "zarr", "dask"} <= DEPENDENCIES
     assert EXTRAS["tables"] == {"pyarrow"}
 
 

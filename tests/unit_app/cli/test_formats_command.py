@@ -158,11 +158,11 @@ def test_what_a_format_cannot_hold_is_told_before_it_is_computed(tmp_path, monke
 
 
 def test_a_package_that_is_missing_is_told_before_anything_is_computed(tmp_path, monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
+    monkeypatch.setitem(__import__("sys").modules, "xlsxwriter", None)
     study = saved(tmp_path, {"kind": "sweep", **STUDIES["sweep"]})
     result = run("run", study, "-o", tmp_path / "x.xlsx")
     assert result.exit_code == 2
-    assert installing("openpyxl") in result.output
+    assert installing("xlsxwriter") in result.output
     assert "Or give the output a name that ends in .nc or .csv" in result.output
 
 

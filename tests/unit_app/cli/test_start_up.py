@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[3]
 HEAVY = {
     "dask", "distributed", "fastapi", "h5py", "matplotlib", "netCDF4", "numba", "numpy",
     "openpyxl", "pandas", "pint", "psutil", "pydantic", "rich", "scipy", "sqlalchemy", "tomlkit",
-    "xarray", "zarr",
+    "xarray", "xlsxwriter", "zarr",
 }  # fmt: skip
 NEEDED = {"netCDF4", "numpy", "psutil", "pydantic", "scipy"}
 """What a study is read, computed and written with; of scipy the names alone are loaded."""

@@ -105,8 +105,8 @@ class TestSlices:
         assert reply.headers["content-type"].startswith("text/csv")
         reply = client.get(f"{address}/slice", params=CUT, headers={"Accept": PARQUET})
         assert installing("pyarrow", "tables") in problem(reply, 406)["detail"]
-        monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
-        how = {"parquet": installing("pyarrow", "tables"), "xlsx": installing("openpyxl")}
+        monkeypatch.setitem(__import__("sys").modules, "xlsxwriter", None)
+        how = {"parquet": installing("pyarrow", "tables"), "xlsx": installing("xlsxwriter")}
         for form, told in how.items():
             reply = client.get(f"{address}/slice", params={**CUT, "format": form})
             assert told in problem(reply, 406)["detail"]
