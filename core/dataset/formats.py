@@ -15,9 +15,9 @@ from vibrafeed.core.dataset import matlab, workbook
 from vibrafeed.core.dataset.csv_metadata import csv_metadata, metadata_path
 from vibrafeed.core.dataset.files import whole
 from vibrafeed.core.dataset.frame import CsvStyle, Frame, csv, parquet
-from vibrafeed.core.dataset.group import read_zarr, write_zarr
+from vibrafeed.core.dataset.group import write_zarr
 from vibrafeed.core.dataset.netcdf import write_netcdf
-from vibrafeed.core.dataset.read import attributes_of_file, read_netcdf
+from vibrafeed.core.dataset.read import attributes_of_file, read_netcdf, read_zarr
 from vibrafeed.core.dataset.stores import attributes_at
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import MissingPackageError, VibrafeedError

@@ -1,8 +1,7 @@
-"""A whole table as a Zarr group, and a group of ours read back as a table."""
+"""A whole table as a Zarr group."""
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -11,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibrafeed.core.dataset.files import partial, settle
-from vibrafeed.core.dataset.read import check_size
 from vibrafeed.core.dataset.stores import (
     document_of,
     keys_in,
@@ -20,7 +18,7 @@ from vibrafeed.core.dataset.stores import (
     put_document,
     remove_all,
 )
-from vibrafeed.core.dataset.table import Table, TableVariable
+from vibrafeed.core.dataset.table import Table
 
 if TYPE_CHECKING:
     import zarr
@@ -136,66 +134,3 @@ def _plain(attributes: Mapping[str, Any]) -> dict[str, Any]:
         else str(value)
         for name, value in attributes.items()
     }
-
-
-def read_zarr(where: str, *, most_bytes: int | None = None) -> Table:
-    """Return the table in a Zarr group that vibrafeed has written.
-
-    Parameters
-    ----------
-    where : str
-        A folder, or the URL of an object store.
-    most_bytes : int, optional
-        Largest size of all arrays; of a larger result none is read.
-
-    Raises
-    ------
-    LimitError
-        If the arrays are larger.
-    OSError
-        If the group cannot be read.
-    """
-    with plain_errors():
-        group = open_group(where, read_only=True)
-        arrays = dict(group.arrays())
-        check_size(sum(array.nbytes for array in arrays.values()), most_bytes)
-        # In the order of the group's document, which is that of the table.
-        known = group.metadata.consolidated_metadata
-        listed = list(arrays if known is None else known.metadata)
-        dims = {name: _dims(array) for name, array in arrays.items()}
-        named = {
-            name
-            for array in arrays.values()
-            for name in str(array.attrs.get("coordinates", "")).split()
-        } | {dim for own in dims.values() for dim in own}
-        coordinates: dict[str, TableVariable] = {}
-        variables: dict[str, TableVariable] = {}
-        for name in listed:
-            one = TableVariable(dims[name], _values(arrays[name]), _attributes(arrays[name].attrs))
-            (coordinates if name in named else variables)[name] = one
-        return Table(coordinates, variables, dict(group.attrs))
-
-
-def _dims(array: zarr.Array[Any]) -> tuple[str, ...]:
-    """Return the names of an array's dimensions."""
-    names = getattr(array.metadata, "dimension_names", None) or ()
-    return tuple(str(name) for name in names)
-
-
-def _values(array: zarr.Array[Any]) -> np.ndarray[Any, Any]:
-    """Return the values of a Zarr array in the machine's byte order; texts as Python objects."""
-    values = np.asarray(array[...])
-    if values.dtype.kind in "UT":
-        return values.astype(object)
-    return values.astype(values.dtype.newbyteorder("="))  # netCDF4 minds a stated order of bytes
-
-
-def _attributes(raw: Any) -> dict[str, Any]:
-    """Return the attributes of a Zarr array without those that link it to coordinates.
-
-    `raw` are those read from the group. `flag_values` becomes an array of int8, as in a table.
-    """
-    attributes = {name: value for name, value in dict(raw).items() if name != _LINK}
-    with contextlib.suppress(KeyError):
-        attributes["flag_values"] = np.array(attributes["flag_values"], dtype=np.int8)
-    return attributes

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from vibrafeed import core
 from vibrafeed.core.dataset.files import partial, settle, whole
 from vibrafeed.core.dataset.group import create_arrays, put
-from vibrafeed.core.dataset.netcdf import define, opened
+from vibrafeed.core.dataset.netcdf import created
 from vibrafeed.core.dataset.stores import (
     GROUP,
     UNFINISHED,
@@ -230,8 +230,8 @@ def store_netcdf(
     if history is not None:
         table = table.with_history(history)
     with whole(path) as temporary:
-        define(temporary, table, compression=compression, chunks=chunks)
-        with opened(temporary, "a") as file, ThreadPoolExecutor(threads) as pool:
+        writer = created(temporary, table, compression=compression, chunks=chunks)
+        with writer as file, ThreadPoolExecutor(threads) as pool:
             waiting: deque[tuple[Block, Future[dict[str, NDArray[Any]]]]] = deque()
             left = iter(range(len(blocks)))
             while True:

@@ -13,7 +13,7 @@ from vibrafeed.app.cli import COMMANDS
 
 ROOT = Path(__file__).parents[3]
 HEAVY = {
-    "dask", "distributed", "fastapi", "h5py", "matplotlib", "netCDF4", "numba", "numpy",
+    "dask", "distributed", "fastapi", "h5netcdf", "h5py", "matplotlib", "netCDF4", "numba", "numpy",
     "openpyxl", "pandas", "pint", "psutil", "pydantic", "rich", "scipy", "sqlalchemy", "tomlkit",
     "xarray", "xlsxwriter", "zarr",
 }  # fmt: skip
