@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -44,6 +44,10 @@ def export(
         ),
     ] = None,
     csv_style: CsvStyle = "plain",
+    zarr_version: Annotated[
+        Literal["2", "3"],
+        typer.Option(help="Version of a Zarr group; some programs read only version 2."),
+    ] = "3",
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
     """Convert a result to another format, given by the suffix of the output.
@@ -51,7 +55,12 @@ def export(
     Nothing is computed again. Exit code 2 means that the file is no result, or that the format
     cannot hold it, 1 that it could not be read or written.
     """
-    from vibrafeed.app.cli.targets import check_suffix, make_folder_of, refuse_style, write_or_exit
+    from vibrafeed.app.cli.targets import (
+        check_suffix,
+        make_folder_of,
+        refuse_choices,
+        write_or_exit,
+    )
     from vibrafeed.app.cli.units import units_asked
     from vibrafeed.core.dataset.formats import Storage, read_result, suffix_of
     from vibrafeed.core.dataset.shown import in_shown_units
@@ -59,7 +68,8 @@ def export(
     from vibrafeed.core.system import memory
 
     check_suffix(output)
-    refuse_style(csv_style, [output])
+    storage = Storage(csv_style=csv_style, zarr_version=3 if zarr_version == "3" else 2)
+    refuse_choices(storage, [output])
     refuse_existing(file, output, force=force)
     shown = None if units is None else units_asked(units)
     if shown is not None and suffix_of(output) not in FOR_PEOPLE:
@@ -83,7 +93,6 @@ def export(
     before = str(table.attributes.get("history", ""))
     attributes = {name: value for name, value in table.attributes.items() if name != "history"}
     stamp = datetime.now(UTC).isoformat(timespec="seconds")
-    storage = Storage(csv_style=csv_style)
     history = f"{stamp} vibrafeed export {Path(file).name}\n{before}".rstrip()
     write_or_exit(Path(file), replace(table, attributes=attributes), output, history, storage)
     console.say(f"{file} -> {output}")

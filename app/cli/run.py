@@ -124,7 +124,7 @@ def run(
     all is done, and an optimisation has no solution.
     """
     from vibrafeed.app.cli.running import Running
-    from vibrafeed.app.cli.targets import complete_already, refuse_style, targets_of
+    from vibrafeed.app.cli.targets import complete_already, refuse_choices, targets_of
     from vibrafeed.app.cli.units import units_asked
     from vibrafeed.core.dataset.formats import Storage
 
@@ -151,7 +151,7 @@ def run(
             else nullcontext(output) as place
         ):
             targets = targets_of(studies, place)
-            refuse_style(csv_style, targets.values())
+            refuse_choices(running.storage, targets.values())
             complete = complete_already(studies, targets, resume=resume, force=force)
             try:
                 with cluster(scheduler, studies, targets):

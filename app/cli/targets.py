@@ -15,6 +15,7 @@ from vibrafeed.app.cli.options import FAILED
 from vibrafeed.app.cli.studies import REPLACE, refuse, refuse_clashes, stem_of
 from vibrafeed.core.dataset.formats import (
     FORMATS,
+    ZARR,
     Size,
     Storage,
     attributes_there,
@@ -85,12 +86,18 @@ def check_suffix(output: str) -> None:
         refuse({Path(output): [problem]})
 
 
-def refuse_style(style: str, targets: Iterable[str]) -> None:
-    """Exit if a style of CSV is given, and a target is no CSV file."""
-    problem = Problem("--csv-style", "the output is no CSV file", "Leave it out, or write to .csv")
-    invalid = {Path(one): [problem] for one in targets if suffix_of(one) != ".csv"}
-    if style != "plain" and invalid:
-        refuse(invalid)
+def refuse_choices(storage: Storage, targets: Iterable[str]) -> None:
+    """Exit if a choice is given that the format of a target does not leave."""
+    given = {
+        "--csv-style": (storage.csv_style != "plain", ".csv"),
+        "--zarr-version": (storage.zarr_version != 3, ZARR),
+    }
+    for option, (is_given, suffix) in given.items():
+        fix = f"Leave it out, or give the output a name that ends in {suffix}"
+        problem = Problem(option, f"it is for {FORMATS[suffix].name} only", fix)
+        invalid = {Path(one): [problem] for one in targets if suffix_of(one) != suffix}
+        if is_given and invalid:
+            refuse(invalid)
 
 
 def make_folder_of(target: str) -> None:

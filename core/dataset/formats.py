@@ -18,7 +18,7 @@ from vibrafeed.core.dataset.frame import CsvStyle, Frame, csv, parquet
 from vibrafeed.core.dataset.group import write_zarr
 from vibrafeed.core.dataset.netcdf import write_netcdf
 from vibrafeed.core.dataset.read import attributes_of_file, read_netcdf, read_zarr
-from vibrafeed.core.dataset.stores import attributes_at
+from vibrafeed.core.dataset.stores import ZarrVersion, attributes_at
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import MissingPackageError, VibrafeedError
 from vibrafeed.core.system import installing
@@ -38,10 +38,13 @@ class Storage:
         True to compress NetCDF and MAT files; the other formats always do, or never.
     csv_style : str
         The style of CSV files.
+    zarr_version : int
+        The version of Zarr groups.
     """
 
     compression: bool = True
     csv_style: CsvStyle = "plain"
+    zarr_version: ZarrVersion = 3
 
 
 @dataclass(frozen=True)
@@ -187,7 +190,7 @@ def _write_netcdf(table: Table, where: str, storage: Storage) -> None:
 
 
 def _write_zarr(table: Table, where: str, storage: Storage) -> None:
-    write_zarr(table, where)
+    write_zarr(table, where, version=storage.zarr_version)
 
 
 def _write_mat(table: Table, where: str, storage: Storage) -> None:

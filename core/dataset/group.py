@@ -11,6 +11,7 @@ import numpy as np
 
 from vibrafeed.core.dataset.files import partial, settle
 from vibrafeed.core.dataset.stores import (
+    ZarrVersion,
     document_of,
     keys_in,
     open_group,
@@ -27,7 +28,7 @@ _LINK = "coordinates"
 """The attribute that links variables to coordinates; it follows from dimensions."""
 
 
-def write_zarr(table: Table, where: str) -> None:
+def write_zarr(table: Table, where: str, *, version: ZarrVersion = 3) -> None:
     """Write a table as a Zarr group, in a folder or at a URL; it can be opened once complete.
 
     Parameters
@@ -36,6 +37,8 @@ def write_zarr(table: Table, where: str) -> None:
         The result to write.
     where : str
         A path, or the URL of an object store.
+    version : int
+        The version of the format, 2 for programs that do not read 3.
 
     Raises
     ------
@@ -50,17 +53,35 @@ def write_zarr(table: Table, where: str) -> None:
     try:
         with plain_errors():
             remove_all(under_way)
-            group = open_group(under_way, create=True)
-            create_arrays(group, table)
-            for name, one in {**table.coordinates, **table.variables}.items():
-                put(group, name, ..., one.values)
-            names = (*table.coordinates, *table.variables)
-            put_document(under_way, document_of(group, names))
+            group = open_group(under_way, create=True, version=version)
+            if version == 2:
+                _write_version_2(table, group)
+            else:
+                _write_version_3(table, group, under_way)
         if "://" not in where:
             settle(Path(under_way), Path(where))
     except BaseException:
         remove_all(under_way)  # nobody could go on with it
         raise
+
+
+def _write_version_2(table: Table, group: zarr.Group) -> None:
+    unmasked: dict[str, Any] = {
+        name: {"_FillValue": None}
+        for name, one in table.variables.items()
+        if one.values.dtype.kind != "O"
+    }
+    table.to_xarray().to_zarr(
+        group.store, mode="a", zarr_format=2, consolidated=True, encoding=unmasked
+    )
+
+
+def _write_version_3(table: Table, group: zarr.Group, where: str) -> None:
+    create_arrays(group, table)
+    everything = {**table.coordinates, **table.variables}
+    for name, one in everything.items():
+        put(group, name, ..., one.values)
+    put_document(where, document_of(group, everything))
 
 
 def create_arrays(

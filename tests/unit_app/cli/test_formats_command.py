@@ -166,6 +166,46 @@ def test_a_package_that_is_missing_is_told_before_anything_is_computed(tmp_path,
     assert "Or give the output a name that ends in .nc or .csv" in result.output
 
 
+def test_csv_for_excel_in_europe(tmp_path):
+    study = saved(tmp_path, {"kind": "sweep", **STUDIES["sweep"]})
+    plain = tmp_path / "plain.csv"
+    assert run("run", study, "-o", plain).exit_code == 0
+    run("run", study, "-o", tmp_path / "x.nc")
+    for command in (("run", study), ("export", tmp_path / "x.nc")):
+        result = run(*command, "-o", tmp_path / "x.csv", "--csv-style", "excel", "--force")
+        assert result.exit_code == 0, result.output
+        found = pandas.read_csv(tmp_path / "x.csv", sep=";", decimal=",")
+        pandas.testing.assert_frame_equal(found, pandas.read_csv(plain), check_exact=True)
+        result = run(*command, "-o", tmp_path / "y.nc", "--csv-style", "excel")
+        assert result.exit_code == 2
+        assert "--csv-style: it is for CSV only. Leave it out" in result.output
+        assert not (tmp_path / "y.nc").exists()
+
+
+def test_zarr_of_version_2(tmp_path):
+    study = saved(tmp_path, {"kind": "sweep", **STUDIES["sweep"]})
+    run("run", study, "-o", tmp_path / "x.nc")
+    for name in ("x.zarr", "y.zarr"):
+        command = ("export", tmp_path / "x.nc", "-o", tmp_path / name, "--zarr-version", 2)
+        assert run(*command).exit_code == 0
+    with (
+        xarray.open_dataset(tmp_path / "x.nc") as whole,
+        xarray.open_zarr(tmp_path / "x.zarr", zarr_format=2, mask_and_scale=False) as found,
+    ):
+        xarray.testing.assert_equal(found.load(), whole.load())
+        assert found.throw_number.long_name == whole.throw_number.long_name
+        assert found.attrs["study"] == whole.attrs["study"]
+    run("export", tmp_path / "x.zarr", "-o", tmp_path / "back.nc")
+    with (
+        xarray.open_dataset(tmp_path / "x.nc") as whole,
+        xarray.open_dataset(tmp_path / "back.nc") as back,
+    ):
+        xarray.testing.assert_equal(back.load(), whole.load())
+    result = run("export", tmp_path / "x.nc", "-o", tmp_path / "x.csv", "--zarr-version", 2)
+    assert result.exit_code == 2
+    assert "--zarr-version: it is for Zarr only" in result.output
+
+
 def test_export_refuses_what_is_no_result(tmp_path):
     (tmp_path / "x.csv").write_text("a\n1\n")
     result = run("export", tmp_path / "x.csv", "-o", tmp_path / "y.xlsx")
