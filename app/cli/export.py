@@ -62,7 +62,8 @@ def export(
         write_or_exit,
     )
     from vibrafeed.app.cli.units import units_asked
-    from vibrafeed.core.dataset.formats import Storage, read_result, suffix_of
+    from vibrafeed.core.dataset.files import Storage
+    from vibrafeed.core.dataset.formats import read_result, suffix_of
     from vibrafeed.core.dataset.shown import in_shown_units
     from vibrafeed.core.dataset.table import Table
     from vibrafeed.core.system import memory

@@ -126,7 +126,7 @@ def run(
     from vibrafeed.app.cli.running import Running
     from vibrafeed.app.cli.targets import complete_already, refuse_choices, targets_of
     from vibrafeed.app.cli.units import units_asked
-    from vibrafeed.core.dataset.formats import Storage
+    from vibrafeed.core.dataset.files import Storage
 
     to_standard = is_standard(output) and not dry_run
     _refuse_together(as_json=as_json, to_standard=to_standard)

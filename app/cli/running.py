@@ -28,8 +28,8 @@ from vibrafeed.app.cli.studies import (
 from vibrafeed.app.cli.targets import REMOVE, is_complete, kept_apart, write_or_exit
 from vibrafeed.core import kinds, lazy
 from vibrafeed.core.compiling import stopwatch
-from vibrafeed.core.dataset.files import partial
-from vibrafeed.core.dataset.formats import NETCDF, Storage, is_zarr, suffix_of
+from vibrafeed.core.dataset.files import Storage, partial
+from vibrafeed.core.dataset.formats import NETCDF, is_zarr, suffix_of
 from vibrafeed.core.errors import Problem, StoppedError, VibrafeedError
 from vibrafeed.core.kinds.results import outline
 from vibrafeed.core.plan.pieces import cells_of, run_cost

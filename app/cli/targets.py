@@ -13,11 +13,11 @@ from vibrafeed import core
 from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import FAILED
 from vibrafeed.app.cli.studies import REPLACE, refuse, refuse_clashes, stem_of
+from vibrafeed.core.dataset.files import Storage
 from vibrafeed.core.dataset.formats import (
     FORMATS,
     ZARR,
     Size,
-    Storage,
     attributes_there,
     is_zarr,
     known_suffixes,

@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from vibrafeed.core.dataset.frame import EXCEL, CsvStyle, Frame, heading
+from vibrafeed.core.dataset.files import CsvStyle
+from vibrafeed.core.dataset.frame import Frame, heading
 from vibrafeed.core.dataset.table import TableVariable
 
 
@@ -35,7 +36,7 @@ def csv_metadata(frame: Frame, name: str, style: CsvStyle = "plain") -> bytes:
         "@context": "http://www.w3.org/ns/csvw",
         "url": name,
         **({"dc:title": about["title"]} if "title" in about else {}),
-        **({"dialect": {"delimiter": ";"}} if style == EXCEL else {}),
+        **({"dialect": {"delimiter": ";"}} if style == "excel" else {}),
         "tableSchema": {"columns": [_column(*one, style) for one in frame.columns.items()]},
         "notes": [about],
     }
@@ -64,7 +65,7 @@ def _datatype(column: TableVariable, style: CsvStyle) -> Any:
         return "string"
     if column.values.dtype.kind in "iu":
         return "integer"
-    return {"base": "number", "format": {"decimalChar": ","}} if style == EXCEL else "number"
+    return {"base": "number", "format": {"decimalChar": ","}} if style == "excel" else "number"
 
 
 def _plain(value: Any) -> Any:

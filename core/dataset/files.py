@@ -1,4 +1,4 @@
-"""Files that appear complete or not at all."""
+"""Files that appear complete or not at all, and the choices in which they are stored."""
 
 from __future__ import annotations
 
@@ -6,12 +6,41 @@ import contextlib
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Final, Literal, TypeAlias
 
 from vibrafeed.core.system import replace, sync
 
 PART = ".part"  # ends the names of files that are being written
 PARTIAL = ".partial"  # ends the names of folders with which a stopped run can go on
+
+
+CsvStyle: TypeAlias = Literal["plain", "excel"]
+"""The style of CSV files: that for Excel in Europe has semicolons and decimal commas."""
+ZarrVersion: TypeAlias = Literal[2, 3]
+
+
+@dataclass(frozen=True)
+class Storage:
+    """The choices that formats of results leave.
+
+    Attributes
+    ----------
+    compression : bool
+        True to compress NetCDF and MAT files; the other formats always do, or never.
+    csv_style : str
+        The style of CSV files.
+    zarr_version : int
+        The version of Zarr groups; 2 is for programs that do not read 3.
+    """
+
+    compression: bool = True
+    csv_style: CsvStyle = "plain"
+    zarr_version: ZarrVersion = 3
+
+
+USUAL: Final = Storage()
 
 
 @contextmanager

@@ -13,12 +13,12 @@ from typing import Final
 
 from vibrafeed.core.dataset import matlab, workbook
 from vibrafeed.core.dataset.csv_metadata import csv_metadata, metadata_path
-from vibrafeed.core.dataset.files import whole
-from vibrafeed.core.dataset.frame import CsvStyle, Frame, csv, parquet
+from vibrafeed.core.dataset.files import USUAL, Storage, whole
+from vibrafeed.core.dataset.frame import Frame, csv, parquet, write_rows
 from vibrafeed.core.dataset.group import write_zarr
 from vibrafeed.core.dataset.netcdf import write_netcdf
 from vibrafeed.core.dataset.read import attributes_of_file, read_netcdf, read_zarr
-from vibrafeed.core.dataset.stores import ZarrVersion, attributes_at
+from vibrafeed.core.dataset.stores import attributes_at
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import MissingPackageError, VibrafeedError
 from vibrafeed.core.system import installing
@@ -26,25 +26,6 @@ from vibrafeed.core.system import installing
 NETCDF: Final = ".nc"
 ZARR: Final = ".zarr"
 MAKER: Final = "vibrafeed "  # begins the attribute `source` of every result of vibrafeed
-
-
-@dataclass(frozen=True)
-class Storage:
-    """The choices that a format leaves.
-
-    Attributes
-    ----------
-    compression : bool
-        True to compress NetCDF and MAT files; the other formats always do, or never.
-    csv_style : str
-        The style of CSV files.
-    zarr_version : int
-        The version of Zarr groups.
-    """
-
-    compression: bool = True
-    csv_style: CsvStyle = "plain"
-    zarr_version: ZarrVersion = 3
 
 
 @dataclass(frozen=True)
@@ -128,7 +109,7 @@ def known_suffixes() -> str:
     return f"{', '.join(first)} or {last}"
 
 
-def write_result(table: Table, where: str, *, history: str, storage: Storage = Storage()) -> None:
+def write_result(table: Table, where: str, *, history: str, storage: Storage = USUAL) -> None:
     """Write a table in the format of the output's suffix; the file appears only when complete.
 
     Parameters
@@ -185,43 +166,25 @@ def read_result(where: str, *, most_bytes: int | None = None) -> Table:
     return read_netcdf(Path(where), most_bytes=most_bytes)
 
 
-def _write_netcdf(table: Table, where: str, storage: Storage) -> None:
-    write_netcdf(table, Path(where), compression=storage.compression)
-
-
-def _write_zarr(table: Table, where: str, storage: Storage) -> None:
-    write_zarr(table, where, version=storage.zarr_version)
-
-
-def _write_mat(table: Table, where: str, storage: Storage) -> None:
-    matlab.write_mat(table, Path(where), compression=storage.compression)
-
-
 def _write_csv(table: Table, where: str, storage: Storage) -> None:
     """Write a table as CSV, and its metadata as JSON in a file beside it."""
     frame, path = Frame.of(table), Path(where)
     with whole(metadata_path(path)) as beside:
         beside.write_bytes(csv_metadata(frame, path.name, storage.csv_style))
-        _write_pieces(csv(frame, storage.csv_style), path)
+        write_rows(csv(frame, storage.csv_style), path)
 
 
-def _write_parquet(table: Table, where: str, storage: Storage) -> None:
-    _write_pieces(parquet(Frame.of(table)), Path(where))
+def _write_parquet(table: Table, where: str, _: Storage) -> None:
+    write_rows(parquet(Frame.of(table)), Path(where))
 
 
-def _write_xlsx(table: Table, where: str, storage: Storage) -> None:
-    _write_pieces(workbook.xlsx(Frame.of(table)), Path(where))
-
-
-def _write_pieces(pieces: Iterator[bytes], path: Path) -> None:
-    """Write pieces of bytes to a file that appears when complete."""
-    with whole(path) as temporary, temporary.open("wb") as file:
-        file.writelines(pieces)
+def _write_xlsx(table: Table, where: str, _: Storage) -> None:
+    write_rows(workbook.xlsx(Frame.of(table)), Path(where))
 
 
 FORMATS: Final[Mapping[str, Format]] = {
-    NETCDF: Format("NetCDF", _write_netcdf, package=("netCDF4", None)),
-    ZARR: Format("Zarr", _write_zarr, package=("zarr", None)),
+    NETCDF: Format("NetCDF", write_netcdf, package=("netCDF4", None)),
+    ZARR: Format("Zarr", write_zarr, package=("zarr", None)),
     ".csv": Format("CSV", _write_csv, csv, media="text/csv", text=True),
     ".parquet": Format(
         "Parquet", _write_parquet, parquet,
@@ -233,6 +196,6 @@ FORMATS: Final[Mapping[str, Format]] = {
         media="application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
         package=("xlsxwriter", None),
     ),
-    ".mat": Format("MATLAB", _write_mat, check=lambda size: matlab.check_bytes(size.doubles)),
+    ".mat": Format("MATLAB", matlab.write_mat, check=lambda size: matlab.check_bytes(size.doubles)),
 }  # fmt: skip
 """Every format, by the suffix of a file."""

@@ -11,10 +11,12 @@ import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import IO, TYPE_CHECKING, Any, Final, Literal, TypeAlias
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from vibrafeed.core.dataset.files import CsvStyle, whole
 from vibrafeed.core.dataset.table import Table, TableVariable, regime_counts
 from vibrafeed.core.errors import LimitError
 from vibrafeed.core.quantities import REGIMES
@@ -26,10 +28,6 @@ if TYPE_CHECKING:
 CSV_ROWS: Final = 8192  # rows of a piece; other threads wait while the interpreter writes one
 PARQUET_ROWS: Final = 131_072  # rows of a group in the file
 PIECE: Final = 2**20  # bytes of a finished file that are handed on at a time
-EXCEL: Final = "excel"
-"""The style of CSV for Excel in Europe: semicolons, decimal commas, a byte order mark."""
-
-CsvStyle: TypeAlias = Literal["plain", "excel"]
 
 
 @dataclass(frozen=True)
@@ -149,7 +147,7 @@ def csv(frame: Frame, style: CsvStyle = "plain") -> Iterator[bytes]:
     The first row has the column names with units, the others one cell of the result each. Numbers
     have all their digits; NaN gives an empty field.
     """
-    in_europe = style == EXCEL
+    in_europe = style == "excel"
     for number, piece in enumerate(frame.pieces(CSV_ROWS)):
         piece.columns = frame.headings
         text = piece.to_csv(
@@ -190,3 +188,9 @@ def finished(file: IO[bytes]) -> Iterator[bytes]:
     """Yield the bytes of a file from its beginning on."""
     file.seek(0)
     yield from iter(partial(file.read, PIECE), b"")
+
+
+def write_rows(pieces: Iterator[bytes], path: Path) -> None:
+    """Write the bytes of rows to a file, which appears when complete."""
+    with whole(path) as temporary, temporary.open("wb") as file:
+        file.writelines(pieces)

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibrafeed.core.dataset.files import partial, settle
+from vibrafeed.core.dataset.files import Storage, partial, settle
 from vibrafeed.core.dataset.stores import (
-    ZarrVersion,
     document_of,
     keys_in,
     open_group,
@@ -28,7 +27,7 @@ _LINK = "coordinates"
 """The attribute that links variables to coordinates; it follows from dimensions."""
 
 
-def write_zarr(table: Table, where: str, *, version: ZarrVersion = 3) -> None:
+def write_zarr(table: Table, where: str, storage: Storage) -> None:
     """Write a table as a Zarr group, in a folder or at a URL; it can be opened once complete.
 
     Parameters
@@ -37,8 +36,8 @@ def write_zarr(table: Table, where: str, *, version: ZarrVersion = 3) -> None:
         The result to write.
     where : str
         A path, or the URL of an object store.
-    version : int
-        The version of the format, 2 for programs that do not read 3.
+    storage : Storage
+        The version of the format counts.
 
     Raises
     ------
@@ -53,8 +52,8 @@ def write_zarr(table: Table, where: str, *, version: ZarrVersion = 3) -> None:
     try:
         with plain_errors():
             remove_all(under_way)
-            group = open_group(under_way, create=True, version=version)
-            if version == 2:
+            group = open_group(under_way, create=True, version=storage.zarr_version)
+            if storage.zarr_version == 2:
                 _write_version_2(table, group)
             else:
                 _write_version_3(table, group, under_way)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibrafeed.core.dataset.files import whole
+from vibrafeed.core.dataset.files import USUAL, Storage, whole
 from vibrafeed.core.dataset.table import Table, TableVariable
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 LEVEL: Final = 1  # higher levels take up to three times as long to save a few per cent
 
 
-def write_netcdf(table: Table, path: Path, *, compression: bool = True) -> None:
+def write_netcdf(table: Table, where: str | Path, storage: Storage = USUAL) -> None:
     """Write a table as a CF NetCDF-4 file, which appears only when complete and on the disk.
 
     Equal results give equal bytes: the cost of the run is left out, unless `Table.with_history` has
@@ -33,17 +33,20 @@ def write_netcdf(table: Table, path: Path, *, compression: bool = True) -> None:
     ----------
     table : Table
         The result to write.
-    path : Path
+    where : str or Path
         The file; an existing one is replaced.
-    compression : bool
-        True for deflate with shuffle, which every reader opens.
+    storage : Storage
+        With compression: deflate with shuffle, which every reader opens.
 
     Raises
     ------
     OSError
         If the file cannot be written; nothing is left behind.
     """
-    with whole(path) as temporary, created(temporary, table, compression=compression) as file:
+    with (
+        whole(Path(where)) as temporary,
+        created(temporary, table, compression=storage.compression) as file,
+    ):
         for name, variable in table.variables.items():
             file[name][...] = variable.values
 
@@ -128,11 +131,11 @@ def _add(
 
 def _attributes(attributes: Mapping[str, Any]) -> dict[str, Any]:
     """Return attributes in the types that netCDF4 takes: arrays, floats, 32-bit integers, texts."""
-
-    def taken(value: Any) -> Any:
-        """Return one attribute in a type that the library takes."""
-        if isinstance(value, np.ndarray | float):
-            return value
-        return np.int32(value) if isinstance(value, int) else str(value)
-
-    return {name: taken(value) for name, value in attributes.items()}
+    return {
+        name: value
+        if isinstance(value, np.ndarray | float)
+        else np.int32(value)
+        if isinstance(value, int)
+        else str(value)
+        for name, value in attributes.items()
+    }

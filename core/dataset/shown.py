@@ -25,6 +25,4 @@ def in_shown_units(dataset: xarray.Dataset, units: ShownUnits) -> xarray.Dataset
         shown = units.of(str(array.attrs["units"]), float(sizes[np.isfinite(sizes)].max(initial=0)))
         values = array.values if shown.factor == 1 else array.values * shown.factor
         changed[name] = (array.dims, values, {**array.attrs, "units": shown.unit})
-    coordinates = {name: value for name, value in changed.items() if name in dataset.coords}
-    others = {name: value for name, value in changed.items() if name not in dataset.coords}
-    return dataset.assign_coords(coordinates).assign(others)
+    return dataset.assign(changed)

@@ -8,9 +8,9 @@ import shutil
 from collections.abc import Iterable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Final
 
-from vibrafeed.core.dataset.files import whole
+from vibrafeed.core.dataset.files import ZarrVersion, whole
 from vibrafeed.core.errors import MissingPackageError
 from vibrafeed.core.system import installing
 
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 GROUP: Final = "zarr.json"
 """The document of a group."""
-ZarrVersion: TypeAlias = Literal[2, 3]
 UNFINISHED: Final = "unfinished"
 """The attribute of a group that says whose it is while blocks are missing."""
 

@@ -24,12 +24,14 @@ Row = Iterable[Any]
 
 def check_sheet(rows: int, columns: int) -> None:
     """Raise `LimitError` if an Excel sheet cannot hold this many rows, or columns."""
-    if rows > MAX_ROWS:
-        fix = "Write CSV, Parquet or NetCDF, or fewer values on an axis"
-        raise LimitError("rows in a sheet of Excel", rows, MAX_ROWS, fix)
-    if columns > MAX_COLUMNS:
-        fix = "Write CSV, Parquet or NetCDF, or fewer outputs"
-        raise LimitError("columns in a sheet of Excel", columns, MAX_COLUMNS, fix)
+    limits = {
+        "rows": (rows, MAX_ROWS, "values on an axis"),
+        "columns": (columns, MAX_COLUMNS, "outputs"),
+    }
+    for name, (number, most, others) in limits.items():
+        if number > most:
+            fix = f"Write CSV, Parquet or NetCDF, or fewer {others}"
+            raise LimitError(f"{name} in a sheet of Excel", number, most, fix)
 
 
 def xlsx(frame: Frame) -> Iterator[bytes]:

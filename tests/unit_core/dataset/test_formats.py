@@ -16,10 +16,10 @@ import xarray
 
 from results import check_same, rows, table_of_motion, written
 from vibrafeed.core.dataset import matlab, workbook
+from vibrafeed.core.dataset.files import Storage
 from vibrafeed.core.dataset.formats import (
     FORMATS,
     Size,
-    Storage,
     read_result,
     suffix_of,
     write_result,
