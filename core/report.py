@@ -13,7 +13,7 @@ import os
 import platform
 import statistics
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -24,7 +24,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed import core
-from vibrafeed.core.dataset.markdown import markdown_table
 from vibrafeed.core.dataset.table import Table, TableVariable
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.mechanics.arrays import Array
@@ -391,3 +390,13 @@ def _flags(name: str, words: Sequence[str]) -> TableVariable:
 
 def _number(value: float) -> str:
     return f"{float(f'{value:.2g}'):g}" if np.isfinite(value) else "-"
+
+
+def markdown_table(columns: Sequence[str], rows: Iterable[Iterable[str]]) -> list[str]:
+    """Return the lines of a Markdown table: headings, a rule, and the cells of each row.
+
+    `columns` are the headings; `|` within cells is escaped, and line breaks become spaces.
+    """
+    cells = [[" ".join(cell.split()).replace("|", "\\|") for cell in row] for row in rows]
+    lines = [columns, ["---"] * len(columns), *cells]
+    return [f"| {' | '.join(line)} |" for line in lines]

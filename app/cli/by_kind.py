@@ -16,7 +16,7 @@ from vibrafeed.core.intake import parse_json
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES
 
 if TYPE_CHECKING:
-    from vibrafeed.core.dataset import Table
+    from vibrafeed.core.dataset.table import Table
     from vibrafeed.core.mechanics.arrays import Array
     from vibrafeed.core.study.shown import Shown, ShownUnits
 

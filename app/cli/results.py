@@ -33,8 +33,7 @@ from vibrafeed.core.quantities.motion import OF_THE_SEARCH
 from vibrafeed.core.study.distributions import nominal
 
 if TYPE_CHECKING:
-    from vibrafeed.core.dataset import Table
-    from vibrafeed.core.dataset.table import TableVariable
+    from vibrafeed.core.dataset.table import Table, TableVariable
     from vibrafeed.core.lazy.store import Written
     from vibrafeed.core.plan.prepared import Prepared
     from vibrafeed.core.study.shown import ShownUnits

@@ -17,7 +17,6 @@ from vibrafeed.core.dataset.files import Storage
 from vibrafeed.core.dataset.formats import (
     FORMATS,
     ZARR,
-    Size,
     attributes_there,
     is_zarr,
     known_suffixes,
@@ -25,6 +24,7 @@ from vibrafeed.core.dataset.formats import (
     suffix_of,
     write_result,
 )
+from vibrafeed.core.dataset.limits import Size
 from vibrafeed.core.errors import LimitError, MissingPackageError, Problem
 from vibrafeed.core.suggestions import nearest
 

@@ -20,7 +20,7 @@ from vibrafeed.core.system import installing
 NOTE: Final = "Vibrafeed-Note"
 TABLES: Final = {suffix[1:]: one.media for suffix, one in FORMATS.items() if one.media}
 PACKAGES: Final = {form: one.package for form in TABLES if (one := FORMATS[f".{form}"]).package}
-PACKED: Final = tuple(media for form, media in TABLES.items() if not FORMATS[f".{form}"].text)
+PACKED: Final = tuple(media for media in TABLES.values() if not media.startswith("text/"))
 if TYPE_CHECKING:
     ResultForm: TypeAlias = str
     SliceForm: TypeAlias = str

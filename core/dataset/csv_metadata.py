@@ -10,8 +10,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from vibrafeed.core.dataset.files import CsvStyle
 from vibrafeed.core.dataset.frame import Frame, heading
 from vibrafeed.core.dataset.table import TableVariable
@@ -22,14 +20,14 @@ def metadata_path(path: Path) -> Path:
     return path.with_name(f"{path.name}-metadata.json")
 
 
-def csv_metadata(frame: Frame, name: str, style: CsvStyle = "plain") -> bytes:
+def csv_metadata(frame: Frame, name: str, style: CsvStyle) -> bytes:
     """Return the JSON metadata (CSV on the Web) of a CSV file with a result.
 
     `frame` has columns and attributes, `name` is the file's name without folder, `style` that of
-    `csv`. The study is among
-    the notes as an object; `study_sha256` is the hash of its canonical text.
+    the file. The study is among the notes as an object; `study_sha256` is the hash of its canonical
+    text.
     """
-    about = {key: _plain(value) for key, value in frame.about.items()}
+    about = frame.about
     if "study" in about:
         about["study"] = json.loads(about["study"])
     document = {
@@ -40,7 +38,8 @@ def csv_metadata(frame: Frame, name: str, style: CsvStyle = "plain") -> bytes:
         "tableSchema": {"columns": [_column(*one, style) for one in frame.columns.items()]},
         "notes": [about],
     }
-    return (json.dumps(document, indent=2, ensure_ascii=False) + "\n").encode()
+    text = json.dumps(document, indent=2, ensure_ascii=False, default=lambda value: value.tolist())
+    return f"{text}\n".encode()
 
 
 def _column(name: str, column: TableVariable, style: CsvStyle) -> dict[str, Any]:
@@ -66,8 +65,3 @@ def _datatype(column: TableVariable, style: CsvStyle) -> Any:
     if column.values.dtype.kind in "iu":
         return "integer"
     return {"base": "number", "format": {"decimalChar": ","}} if style == "excel" else "number"
-
-
-def _plain(value: Any) -> Any:
-    """Return a numpy value as a plain Python value."""
-    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Final
@@ -14,8 +15,9 @@ from typing import Final
 from vibrafeed.core.dataset import matlab, workbook
 from vibrafeed.core.dataset.csv_metadata import csv_metadata, metadata_path
 from vibrafeed.core.dataset.files import USUAL, Storage, whole
-from vibrafeed.core.dataset.frame import Frame, csv, parquet, write_rows
+from vibrafeed.core.dataset.frame import Frame, csv, parquet
 from vibrafeed.core.dataset.group import write_zarr
+from vibrafeed.core.dataset.limits import Size
 from vibrafeed.core.dataset.netcdf import write_netcdf
 from vibrafeed.core.dataset.read import attributes_of_file, read_netcdf, read_zarr
 from vibrafeed.core.dataset.stores import attributes_at
@@ -26,23 +28,6 @@ from vibrafeed.core.system import installing
 NETCDF: Final = ".nc"
 ZARR: Final = ".zarr"
 MAKER: Final = "vibrafeed "  # begins the attribute `source` of every result of vibrafeed
-
-
-@dataclass(frozen=True)
-class Size:
-    """The size of a result.
-
-    Attributes
-    ----------
-    rows, columns : int
-        Number of cells, and of variables with coordinates.
-    doubles : int
-        Bytes of all values, those of flags as doubles.
-    """
-
-    rows: int
-    columns: int
-    doubles: int
 
 
 def _everything(size: Size) -> None:
@@ -68,8 +53,6 @@ class Format:
     package : tuple of str and str or None, optional
         The package that writes it, on whose version the bytes depend, and the extra that it belongs
         to.
-    text : bool
-        Whether compressing it on its way is worth while.
     """
 
     name: str
@@ -78,7 +61,6 @@ class Format:
     check: Callable[[Size], None] = _everything
     media: str | None = None
     package: tuple[str, str | None] | None = None
-    text: bool = False
 
     def needs(self) -> None:
         """Raise `MissingPackageError` if its package is not installed."""
@@ -166,36 +148,35 @@ def read_result(where: str, *, most_bytes: int | None = None) -> Table:
     return read_netcdf(Path(where), most_bytes=most_bytes)
 
 
+def _write_rows(
+    pieces: Callable[[Frame], Iterator[bytes]], table: Table, where: str, _: Storage
+) -> None:
+    with whole(Path(where)) as temporary, temporary.open("wb") as file:
+        file.writelines(pieces(Frame.of(table)))
+
+
 def _write_csv(table: Table, where: str, storage: Storage) -> None:
     """Write a table as CSV, and its metadata as JSON in a file beside it."""
-    frame, path = Frame.of(table), Path(where)
+    path, style = Path(where), storage.csv_style
     with whole(metadata_path(path)) as beside:
-        beside.write_bytes(csv_metadata(frame, path.name, storage.csv_style))
-        write_rows(csv(frame, storage.csv_style), path)
-
-
-def _write_parquet(table: Table, where: str, _: Storage) -> None:
-    write_rows(parquet(Frame.of(table)), Path(where))
-
-
-def _write_xlsx(table: Table, where: str, _: Storage) -> None:
-    write_rows(workbook.xlsx(Frame.of(table)), Path(where))
+        beside.write_bytes(csv_metadata(Frame.of(table), path.name, style))
+        _write_rows(partial(csv, style=style), table, where, storage)
 
 
 FORMATS: Final[Mapping[str, Format]] = {
     NETCDF: Format("NetCDF", write_netcdf, package=("netCDF4", None)),
     ZARR: Format("Zarr", write_zarr, package=("zarr", None)),
-    ".csv": Format("CSV", _write_csv, csv, media="text/csv", text=True),
+    ".csv": Format("CSV", _write_csv, csv, media="text/csv"),
     ".parquet": Format(
-        "Parquet", _write_parquet, parquet,
+        "Parquet", partial(_write_rows, parquet), parquet,
         media="application/vnd.apache.parquet", package=("pyarrow", "tables"),
     ),
     ".xlsx": Format(
-        "Excel", _write_xlsx, workbook.xlsx,
-        lambda size: workbook.check_sheet(size.rows, size.columns),
+        "Excel", partial(_write_rows, workbook.xlsx), workbook.xlsx,
+        workbook.check,
         media="application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
         package=("xlsxwriter", None),
     ),
-    ".mat": Format("MATLAB", matlab.write_mat, check=lambda size: matlab.check_bytes(size.doubles)),
+    ".mat": Format("MATLAB", matlab.write_mat, check=matlab.check),
 }  # fmt: skip
 """Every format, by the suffix of a file."""

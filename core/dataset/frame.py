@@ -11,14 +11,13 @@ import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
-from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibrafeed.core.dataset.files import CsvStyle, whole
+from vibrafeed.core.dataset.files import CsvStyle
+from vibrafeed.core.dataset.limits import check_limit
 from vibrafeed.core.dataset.table import Table, TableVariable, regime_counts
-from vibrafeed.core.errors import LimitError
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.quantities.flags import is_regime
 
@@ -54,10 +53,11 @@ class Frame:
 
         Raises `LimitError` if there are more than `most` rows; None allows any number.
         """
-        columns = (*table.coordinates.values(), *table.variables.values())
-        sizes: dict[str, int] = {}
-        for column in columns:
-            sizes |= dict(zip(column.dims, column.values.shape, strict=True))
+        sizes = {
+            dim: size
+            for column in (*table.coordinates.values(), *table.variables.values())
+            for dim, size in zip(column.dims, column.values.shape, strict=True)
+        }
         check_rows(sizes, most)
         # In the order of the axes, whatever the order within a variable.
         order = [name for name in (*table.coordinates, *sizes) if name in sizes]
@@ -125,14 +125,9 @@ class Frame:
 
 
 def check_rows(sizes: Mapping[str, int], most: int | None) -> None:
-    """Raise `LimitError` if a table has more than `most` rows; None allows any number.
-
-    `sizes` are the lengths of its dimensions, whose product is the number of rows.
-    """
-    rows = math.prod(sizes.values())
-    if most is not None and rows > most:
-        fix = "Take the NetCDF file, or Zarr, or slices over fewer axes"
-        raise LimitError("rows", rows, most, fix)
+    """Raise `LimitError` if a table of some dimensions has more rows; None allows any number."""
+    fix = "Take the NetCDF file, or Zarr, or slices over fewer axes"
+    check_limit("rows", math.prod(sizes.values()), most, fix)
 
 
 def heading(name: str, column: TableVariable) -> str:
@@ -188,9 +183,3 @@ def finished(file: IO[bytes]) -> Iterator[bytes]:
     """Yield the bytes of a file from its beginning on."""
     file.seek(0)
     yield from iter(partial(file.read, PIECE), b"")
-
-
-def write_rows(pieces: Iterator[bytes], path: Path) -> None:
-    """Write the bytes of rows to a file, which appears when complete."""
-    with whole(path) as temporary, temporary.open("wb") as file:
-        file.writelines(pieces)

@@ -15,18 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.files import Storage, whole
+from vibrafeed.core.dataset.limits import Size, check_limit
 from vibrafeed.core.dataset.table import Table, TableVariable, flags_of
-from vibrafeed.core.errors import LimitError
 
 MAX_BYTES: Final = 2**31 - 2**20  # bytes that a variable of a MAT file of version 5 may have
 LONGEST: Final = 63  # characters of a name in MATLAB
 FIELDS: Final = {"units": "units", "labels": "long_name", "descriptions": "comment"}
 
 
-def check_bytes(size: int) -> None:
-    """Raise `LimitError` if a MAT file cannot hold this many bytes."""
-    if size > MAX_BYTES:
-        raise LimitError("bytes in a MAT file", size, MAX_BYTES, "Write NetCDF: MATLAB reads it")
+def check(size: Size) -> None:
+    """Raise `LimitError` if a MAT file cannot hold a result of a size."""
+    check_limit("bytes in a MAT file", size.doubles, MAX_BYTES, "Write NetCDF: MATLAB reads it")
 
 
 def write_mat(table: Table, where: str, storage: Storage) -> None:
@@ -53,7 +52,7 @@ def write_mat(table: Table, where: str, storage: Storage) -> None:
     variables = {**table.coordinates, **table.variables}
     named = names_in_matlab(variables)
     data = {named[n]: _array(v) for n, v in variables.items()}
-    check_bytes(sum(one.nbytes for one in data.values()))
+    check(Size(doubles=sum(one.nbytes for one in data.values())))
     result = {
         "data": data,
         "dimensions": {named[n]: _list(named[dim] for dim in v.dims) for n, v in variables.items()},

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.frame import check_rows
+from vibrafeed.core.dataset.limits import check_limit
 from vibrafeed.core.dataset.stores import open_group, plain_errors
 from vibrafeed.core.dataset.table import Table, TableVariable
-from vibrafeed.core.errors import LimitError
 
 
 def attributes_of_file(path: Path) -> dict[str, Any]:
@@ -88,16 +88,10 @@ def _table(source: Any, engine: str, most_rows: int | None, most_bytes: int | No
         source, engine=engine, mask_and_scale=False, decode_times=False
     ) as dataset:
         check_rows({str(dim): size for dim, size in dataset.sizes.items()}, most_rows)
-        check_size(dataset.nbytes, most_bytes)
+        fix = "Read slices of it with xarray, in Python"
+        check_limit("bytes of memory", dataset.nbytes, most_bytes, fix)
         table = Table.of_xarray(dataset.load())
     return Table(_plain(table.coordinates), _plain(table.variables), _attributes(table.attributes))
-
-
-def check_size(size: int, most: int | None) -> None:
-    """Raise `LimitError` if arrays have more bytes than `most`; None allows any size."""
-    if most is not None and size > most:
-        fix = "Read slices of it with xarray, in Python"
-        raise LimitError("bytes of memory", size, most, fix)
 
 
 def _plain(variables: Mapping[str, TableVariable]) -> dict[str, TableVariable]:

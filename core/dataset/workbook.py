@@ -9,8 +9,8 @@ from datetime import datetime
 from typing import Any, Final
 
 from vibrafeed.core.dataset.frame import Frame, finished, heading
+from vibrafeed.core.dataset.limits import Size, check_limit
 from vibrafeed.core.dataset.table import TableVariable
-from vibrafeed.core.errors import LimitError
 
 MAX_ROWS: Final = 2**20 - 1  # that a sheet of Excel has under its headings
 MAX_COLUMNS: Final = 2**14
@@ -22,16 +22,11 @@ CREATED: Final = datetime(1980, 1, 1)
 Row = Iterable[Any]
 
 
-def check_sheet(rows: int, columns: int) -> None:
-    """Raise `LimitError` if an Excel sheet cannot hold this many rows, or columns."""
-    limits = {
-        "rows": (rows, MAX_ROWS, "values on an axis"),
-        "columns": (columns, MAX_COLUMNS, "outputs"),
-    }
-    for name, (number, most, others) in limits.items():
-        if number > most:
-            fix = f"Write CSV, Parquet or NetCDF, or fewer {others}"
-            raise LimitError(f"{name} in a sheet of Excel", number, most, fix)
+def check(size: Size) -> None:
+    """Raise `LimitError` if an Excel sheet cannot hold the rows or columns of a result."""
+    others = "Write CSV, Parquet or NetCDF, or fewer"
+    check_limit("rows in a sheet of Excel", size.rows, MAX_ROWS, f"{others} values on an axis")
+    check_limit("columns in a sheet of Excel", size.columns, MAX_COLUMNS, f"{others} outputs")
 
 
 def xlsx(frame: Frame) -> Iterator[bytes]:
@@ -46,7 +41,7 @@ def xlsx(frame: Frame) -> Iterator[bytes]:
     LimitError
         If there are more rows or columns than a sheet has; before the first piece.
     """
-    check_sheet(frame.rows, len(frame.columns))
+    check(Size(frame.rows, len(frame.columns)))
     return _pieces(frame)
 
 

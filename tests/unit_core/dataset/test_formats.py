@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import zipfile
 from dataclasses import replace
 
 import numpy as np
@@ -19,12 +20,12 @@ from vibrafeed.core.dataset import matlab, workbook
 from vibrafeed.core.dataset.files import Storage
 from vibrafeed.core.dataset.formats import (
     FORMATS,
-    Size,
     read_result,
     suffix_of,
     write_result,
 )
 from vibrafeed.core.dataset.frame import Frame
+from vibrafeed.core.dataset.limits import Size
 from vibrafeed.core.dataset.matlab import names_in_matlab
 from vibrafeed.core.dataset.table import Table, TableVariable
 from vibrafeed.core.errors import LimitError, MissingPackageError, VibrafeedError
@@ -202,9 +203,25 @@ def test_what_is_awkward(awkward, tmp_path):
     assert "1 of 3 cells" in about["note"]
 
 
-def test_equal_results_are_equal_workbooks(awkward):
-    one, other = (b"".join(workbook.xlsx(Frame.of(awkward))) for _ in range(2))
-    assert one == other
+@pytest.mark.parametrize("suffix", [".nc", ".zarr", ".csv", ".xlsx", ".parquet"])
+def test_equal_results_have_equal_bytes(suffix, awkward, tmp_path):
+    storages = [Storage(), Storage(csv_style="excel")][: 1 + (suffix == ".csv")]
+    storages += [Storage(zarr_version=2)] * (suffix == ".zarr")
+    for number, storage in enumerate(storages):
+        found = []
+        for name in ("one", "other"):
+            place = tmp_path / f"{name}-{number}" / f"x{suffix}"
+            place.parent.mkdir()
+            write_result(awkward, str(place), history="2026-11-23 a test", storage=storage)
+            files = [path for path in place.parent.rglob("*") if path.is_file()]
+            found.append({path.relative_to(place.parent): path.read_bytes() for path in files})
+        assert found[0] == found[1]
+
+
+def test_a_workbook_has_no_date_of_its_own(places):
+    with zipfile.ZipFile(places[".xlsx"]) as book:
+        assert {entry.date_time[0] for entry in book.infolist()} == {1980}
+        assert book.read("docProps/core.xml").count(b"1980-01-01T00:00:00Z") == 2
 
 
 def test_a_workbook_that_nobody_waits_for_leaves_nothing(awkward, tmp_path, monkeypatch):
