@@ -1,1 +1,1 @@
-"""Labelled results: CF attributes, rows, and files in every format."""
+"""Labelled results: CF attributes, the xarray view, the NetCDF writer."""
