@@ -103,8 +103,10 @@ def _plain(variables: Mapping[str, TableVariable]) -> dict[str, TableVariable]:
 
 def _native(values: NDArray[Any]) -> NDArray[Any]:
     """Return numbers without a stated order of bytes, which netCDF4 minds, and texts as objects."""
-    is_text = values.dtype.kind in "UT"
-    return values.astype(object if is_text else values.dtype.newbyteorder("="))
+    if values.dtype.kind in "UT":
+        return values.astype(object)
+    native = values.dtype.newbyteorder("=")
+    return values.view(native) if values.dtype.isnative else values.astype(native)
 
 
 def _attributes(raw: Mapping[str, Any]) -> dict[str, Any]:
