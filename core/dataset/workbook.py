@@ -54,6 +54,7 @@ def _pieces(frame: Frame) -> Iterator[bytes]:
             "tmpdir": folder,
             "strings_to_formulas": False,
             "strings_to_urls": False,
+            "use_zip64": True,
         }
         with xlsxwriter.Workbook(file, options) as book:
             book.set_properties({"created": CREATED})
