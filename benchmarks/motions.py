@@ -12,8 +12,7 @@ from typing import Any
 
 from vibrafeed.core.motion import events, reference
 from vibrafeed.core.motion import tumbling_scene as tumbling
-from vibrafeed.core.motion.groups import Contacts, Groups
-from vibrafeed.core.motion.result import Motion
+from vibrafeed.core.motion.method import Contacts, Groups, Motion
 from vibrafeed.core.motion.systems import METHODS
 
 

@@ -29,11 +29,10 @@ from vibrafeed.core.dataset.table import Table, TableVariable
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan.blocks import BLOCK_CELLS
-from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.grid import random_positions
 from vibrafeed.core.plan.labels import global_attributes
 from vibrafeed.core.plan.pieces import Computed
-from vibrafeed.core.plan.plan import Plan, plan_scene, scene_parameters
+from vibrafeed.core.plan.plan import Plan, plan_scene, run_equations, scene_parameters
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.quantities import MOTION_STATUSES
 from vibrafeed.core.sweep.verify import EXTENDED, outputs_in

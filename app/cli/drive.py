@@ -115,7 +115,7 @@ def drive(
     """
     from vibrafeed.app.cli.drives import document_of, show_fit, toml_of
     from vibrafeed.app.cli.units import units_asked
-    from vibrafeed.core.intake.recorded import channel_questions
+    from vibrafeed.core.intake.section import channel_questions
     from vibrafeed.core.measured import Recording
     from vibrafeed.core.study.unusual import questions_of_drive
 

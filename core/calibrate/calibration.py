@@ -18,8 +18,7 @@ from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.method import Method
 from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.plan.price import MARGIN, Price, price
+from vibrafeed.core.plan.prepared import MARGIN, Prepared, Price, price
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.study.calibrate_study import CalibrateStudy

@@ -37,9 +37,8 @@ from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.plan.differences import jacobian
-from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.plan.labels import global_attributes
-from vibrafeed.core.plan.pieces import FOLLOWED, Computed
+from vibrafeed.core.plan.pieces import FOLLOWED, Computed, Kind
 from vibrafeed.core.study.calibrate_study import CalibrateStudy
 from vibrafeed.core.watch import Watch
 

@@ -14,8 +14,8 @@ from typing import Any, Final
 import numpy as np
 
 from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.intake.recorded import DRIVE
 from vibrafeed.core.intake.section import (
+    DRIVE,
     Content,
     Resolved,
     Section,

@@ -14,11 +14,10 @@ from pydantic import ValidationError
 
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.intake.forms import read_content, read_json, read_toml
-from vibrafeed.core.intake.recorded import channel_questions, tilt_questions
-from vibrafeed.core.intake.section import Stranger, problems_of
+from vibrafeed.core.intake.section import Stranger, channel_questions, problems_of, tilt_questions
 from vibrafeed.core.intake.sections import SECTIONS, in_letters, words_in
 from vibrafeed.core.kinds import KINDS
-from vibrafeed.core.plan.kind import Sketch
+from vibrafeed.core.plan.pieces import Sketch
 from vibrafeed.core.plan.plan import plan_scene, scene_parameters
 from vibrafeed.core.plan.prepared import Prepared, names_intended
 from vibrafeed.core.quantities import WORD_OF
@@ -28,7 +27,7 @@ from vibrafeed.core.suggestions import nearest
 
 if TYPE_CHECKING:
     from vibrafeed.core.measured.fit import Fit
-    from vibrafeed.core.plan.kind import Kind
+    from vibrafeed.core.plan.pieces import Kind
     from vibrafeed.core.study.sweep_and_simulate import SimulateStudy
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
         share_left_out,
         tabulate,
     )
-    from vibrafeed.core.plan.kind import Kind
+    from vibrafeed.core.plan.pieces import Kind
 else:
     __getattr__ = lazily(
         __name__,

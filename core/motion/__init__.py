@@ -14,8 +14,8 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from vibrafeed.core.motion.method import Motion
     from vibrafeed.core.motion.prepare import Simulation
-    from vibrafeed.core.motion.result import Motion
     from vibrafeed.core.motion.simulate import KIND
     from vibrafeed.core.motion.systems import SYSTEMS
 else:

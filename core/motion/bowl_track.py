@@ -27,9 +27,9 @@ from vibrafeed.core.mechanics.drive_unit import (
     total_length,
 )
 from vibrafeed.core.motion.feeding import parts_per_minute
-from vibrafeed.core.motion.result import where
+from vibrafeed.core.motion.method import where
 from vibrafeed.core.motion.scales import product
-from vibrafeed.core.plan.equations import run
+from vibrafeed.core.plan.plan import run
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.drives import OF_STRETCHES
 from vibrafeed.core.scenes.scene import Equation, between, fields

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.measured import Fit
 from vibrafeed.core.motion.prepare import Simulation, prepare
-from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.grid import parameter_to_si
+from vibrafeed.core.plan.plan import run_equations
 from vibrafeed.core.study.sweep_and_simulate import SimulateStudy
 from vibrafeed.core.study.values import Fixed
 

@@ -15,9 +15,8 @@ from vibrafeed.core.mechanics import drive_unit
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion import bowl_track
 from vibrafeed.core.motion.drives import SINE, HalfWave, Shape, under_wave
-from vibrafeed.core.motion.groups import Contacts
+from vibrafeed.core.motion.method import Contacts, where
 from vibrafeed.core.motion.part_load import Load, part_load
-from vibrafeed.core.motion.result import where
 from vibrafeed.core.motion.scales import product
 from vibrafeed.core.quantities.drives import DRIVE, DRIVE_UNIT
 from vibrafeed.core.scenes import SCENES, Condition, Equation, Scene

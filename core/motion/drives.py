@@ -17,8 +17,7 @@ import numpy as np
 from vibrafeed.core.errors import Problem
 from vibrafeed.core.mechanics.arrays import Array, cosine, ratio, sine
 from vibrafeed.core.motion import waves
-from vibrafeed.core.motion.groups import Contacts, Groups, in_plane
-from vibrafeed.core.motion.result import STATUS, Motion
+from vibrafeed.core.motion.method import STATUS, Contacts, Groups, Motion, in_plane
 from vibrafeed.core.quantities.drives import AXES, DRIVE, WHERE
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.scenes.scene import Equation, arguments_of

@@ -24,11 +24,23 @@ from numpy.typing import ArrayLike, NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion import kernel_calls
-from vibrafeed.core.motion.groups import Contacts, Groups, cells_of, groups_of, in_plane
 from vibrafeed.core.motion.kernel_calls import run_cells
 from vibrafeed.core.motion.kernels.constants import RESULTS, UNREPEATED
-from vibrafeed.core.motion.method import Method, Path, Trajectory, TrajectoryRequest
-from vibrafeed.core.motion.result import STATUS, Energy, Motion, motion_of
+from vibrafeed.core.motion.method import (
+    STATUS,
+    Contacts,
+    Energy,
+    Groups,
+    Method,
+    Motion,
+    Path,
+    Trajectory,
+    TrajectoryRequest,
+    cells_of,
+    groups_of,
+    in_plane,
+    motion_of,
+)
 from vibrafeed.core.quantities import MOTION_MODES
 from vibrafeed.core.watch import Watch
 

@@ -11,7 +11,7 @@ from vibrafeed.core.dataset.table import percent
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.mechanics.travel import distance_bound
-from vibrafeed.core.motion.result import ANSWERED, STATUS, Motion
+from vibrafeed.core.motion.method import ANSWERED, STATUS, Motion
 from vibrafeed.core.motion.scales import product
 from vibrafeed.core.quantities import DIRECTIONS, QUANTITIES
 from vibrafeed.core.scenes.scene import Equation

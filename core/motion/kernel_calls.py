@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.deferred import lazily
-from vibrafeed.core.motion.result import COLUMNS, STATUS
+from vibrafeed.core.motion.method import COLUMNS, STATUS
 from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:

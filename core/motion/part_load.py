@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.motion.bowl_track import Track, in_pieces
 from vibrafeed.core.motion.events import EVENTS, energy_by_events, motion_by_events
-from vibrafeed.core.motion.groups import Contacts, Groups
-from vibrafeed.core.plan.equations import run
+from vibrafeed.core.motion.method import Contacts, Groups
+from vibrafeed.core.plan.plan import run
 from vibrafeed.core.scenes.scene import Equation, between
 
 SETTINGS: dict[str, Any] = dict(EVENTS.defaults)

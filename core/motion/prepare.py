@@ -11,8 +11,7 @@ from vibrafeed.core.lazy.checks import problems_of, problems_of_names
 from vibrafeed.core.motion import rolling_scene, row_scene
 from vibrafeed.core.motion.drive_units import on_unit, unit_of
 from vibrafeed.core.motion.drives import driven, shape_of, what_is_open
-from vibrafeed.core.motion.groups import Contacts
-from vibrafeed.core.motion.method import Method
+from vibrafeed.core.motion.method import Contacts, Method
 from vibrafeed.core.motion.systems import (
     CONTACTS,
     FALLING,
@@ -23,8 +22,7 @@ from vibrafeed.core.motion.systems import (
 from vibrafeed.core.plan.differences import Asked, asked_of
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import Plan, choose_scene
-from vibrafeed.core.plan.prepared import Chosen, Prepared, broken_constraints, plan_study
-from vibrafeed.core.plan.price import Price
+from vibrafeed.core.plan.prepared import Chosen, Prepared, Price, broken_constraints, plan_study
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.study.sweep_and_simulate import MAX_PERIODS, SimulateStudy

@@ -19,11 +19,19 @@ from vibrafeed.core.mechanics.rolling import RollingContact
 from vibrafeed.core.motion import feeding, scales
 from vibrafeed.core.motion.drives import limits
 from vibrafeed.core.motion.events import EVENTS, follow, planar_motion
-from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Groups, cells_of
 from vibrafeed.core.motion.kernels.constants import PIECE
-from vibrafeed.core.motion.method import Method
+from vibrafeed.core.motion.method import (
+    ANSWERED,
+    BLOCK_ON_FLOOR,
+    STATUS,
+    Groups,
+    Method,
+    Motion,
+    cells_of,
+    where,
+    with_status,
+)
 from vibrafeed.core.motion.reference import REFERENCE
-from vibrafeed.core.motion.result import ANSWERED, STATUS, Motion, where, with_status
 from vibrafeed.core.quantities import MOTION_MODES
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,

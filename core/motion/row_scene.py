@@ -15,8 +15,7 @@ from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
 from vibrafeed.core.motion import scales
 from vibrafeed.core.motion.drives import limits
 from vibrafeed.core.motion.feeding import DEFAULTS, occupancy, parts_per_minute
-from vibrafeed.core.motion.groups import of_quantities
-from vibrafeed.core.motion.result import STATUS, where
+from vibrafeed.core.motion.method import STATUS, of_quantities, where
 from vibrafeed.core.motion.rows import EVENTS, RowMotion, RowParts
 from vibrafeed.core.quantities.row import MAX_NUMBERED, NUMBERS
 from vibrafeed.core.scenes.scene import (

@@ -14,10 +14,19 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion import events, kernel_calls
-from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, table
 from vibrafeed.core.motion.kernel_calls import run_cells
-from vibrafeed.core.motion.method import TIME, Method, Trajectory, TrajectoryRequest
-from vibrafeed.core.motion.result import ANSWERED, STATUS
+from vibrafeed.core.motion.method import (
+    ANSWERED,
+    BLOCK_ON_FLOOR,
+    STATUS,
+    TIME,
+    Contacts,
+    Groups,
+    Method,
+    Trajectory,
+    TrajectoryRequest,
+    table,
+)
 from vibrafeed.core.motion.waves import NORMAL, of_columns
 from vibrafeed.core.quantities.row import MAX_NUMBERED
 from vibrafeed.core.watch import Watch

@@ -15,7 +15,7 @@ import numpy as np
 from vibrafeed.core.mechanics import floor
 from vibrafeed.core.mechanics.arrays import Array, cosine, ratio, sine
 from vibrafeed.core.mechanics.floor import throw
-from vibrafeed.core.motion.result import Energy, Motion, where
+from vibrafeed.core.motion.method import Energy, Motion, where
 from vibrafeed.core.scenes.scene import Constraint, Equation
 
 

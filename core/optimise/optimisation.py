@@ -18,8 +18,7 @@ from vibrafeed.core.optimise.search import expected_points
 from vibrafeed.core.optimise.uncertain import NODES
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.labels import link_to_verdict
-from vibrafeed.core.plan.prepared import Box, Prepared
-from vibrafeed.core.plan.price import MARGIN, Price, price
+from vibrafeed.core.plan.prepared import MARGIN, Box, Prepared, Price, price
 from vibrafeed.core.plan.statistics import INTERVAL
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES, Flag
 from vibrafeed.core.quantities.quantity import in_sentence

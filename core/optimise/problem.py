@@ -15,10 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.result import Motion
-from vibrafeed.core.plan.equations import regimes, run_equations
+from vibrafeed.core.motion.method import Motion
 from vibrafeed.core.plan.grid import from_si
-from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.plan import Plan, regimes, run_equations
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES
 from vibrafeed.core.study.distributions import Distribution
 from vibrafeed.core.study.optimise_study import Criterion, Limited, Minimise, Pareto, Weighted

@@ -15,9 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.plan.equations import Known, regimes, run
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.plan import Known, Plan, regimes, run
 from vibrafeed.core.scenes import Equation
 
 BLOCK_CELLS = 32_768  # 256 KiB an array: a handful of them stay in a second-level cache

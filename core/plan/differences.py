@@ -24,9 +24,8 @@ from numpy.typing import NDArray
 from vibrafeed.core.dataset.table import TableVariable, flag_attributes
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.plan import Plan, plan_scene
+from vibrafeed.core.plan.plan import Plan, plan_scene, run_equations
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.flags import DERIVATIVE_STATUSES
 from vibrafeed.core.quantities.quantity import in_sentence

@@ -21,10 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.plan.blocks import Progress, Results, evaluate_in_blocks
-from vibrafeed.core.plan.equations import regimes, run_equations
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.loop_source import Order
-from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.plan import Plan, regimes, run_equations
 from vibrafeed.core.plan.program import (
     FEW_CELLS,
     Array,

@@ -17,8 +17,7 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from vibrafeed.core.errors import VibrafeedError
 from vibrafeed.core.mechanics.arrays import Elementwise, binade, exponent
-from vibrafeed.core.plan.equations import regimes_of, run
-from vibrafeed.core.plan.plan import Plan, Verdict
+from vibrafeed.core.plan.plan import Plan, Verdict, regimes_of, run
 from vibrafeed.core.scenes import Equation
 
 Function = Callable[..., Any]

@@ -15,10 +15,9 @@ from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.optimise.prepare import choose_problem_scene, drive_refusal
 from vibrafeed.core.plan.grid import Grid, to_si
-from vibrafeed.core.plan.kind import Sketch
+from vibrafeed.core.plan.pieces import Sketch
 from vibrafeed.core.plan.plan import Plan
-from vibrafeed.core.plan.prepared import Chosen, Prepared, locate_problem, plan_study
-from vibrafeed.core.plan.price import Price, price
+from vibrafeed.core.plan.prepared import Chosen, Prepared, Price, locate_problem, plan_study, price
 from vibrafeed.core.plan.statistics import INTERVAL, LEVELS
 from vibrafeed.core.quantities import FLAGS, QUANTITIES, REGIMES
 from vibrafeed.core.quantities.quantity import in_sentence

@@ -15,7 +15,6 @@ from vibrafeed.core.lazy.reduced import Reduced
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan.differences import Asked, asked_of, cells_of, derivatives
 from vibrafeed.core.plan.evaluate import evaluate
-from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.plan.labels import (
     Sample,
     coordinates_of,
@@ -23,10 +22,9 @@ from vibrafeed.core.plan.labels import (
     outputs_of,
     verdict_variables,
 )
-from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.plan.pieces import Computed, Kind
 from vibrafeed.core.plan.plan import choose_scene
-from vibrafeed.core.plan.prepared import Prepared, plan_study
-from vibrafeed.core.plan.price import Price
+from vibrafeed.core.plan.prepared import Prepared, Price, plan_study
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.sweep_and_simulate import SweepStudy
 from vibrafeed.core.sweep.verify import accuracy, verified

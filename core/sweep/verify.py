@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.labels import Sample, sample_of
-from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.plan import Plan, run_equations
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes import Scene

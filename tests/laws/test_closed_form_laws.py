@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from vibrafeed.core.mechanics import travel
-from vibrafeed.core.plan.equations import regimes_of
-from vibrafeed.core.plan.plan import Verdict, make_plan
+from vibrafeed.core.plan.plan import Verdict, make_plan, regimes_of
 from vibrafeed.core.quantities import REGIMES
 
 RANDOM = np.random.default_rng(20041)

@@ -17,10 +17,9 @@ from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.events import motion_by_events
-from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups
+from vibrafeed.core.motion.method import BLOCK_ON_FLOOR, STATUS, Contacts, Groups, Motion
 from vibrafeed.core.motion.reference import reference_motion, reference_path
 from vibrafeed.core.motion.reference.laws import pieces
-from vibrafeed.core.motion.result import STATUS, Motion
 from vibrafeed.core.motion.waves import ALONG, ENDS, NORMAL, TURN, Wave, bound, push, speed
 
 GRAVITY = 9.81

@@ -18,12 +18,22 @@ from numpy.typing import ArrayLike
 
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, each
-from vibrafeed.core.motion.method import Method, Path
+from vibrafeed.core.motion.method import (
+    BLOCK_ON_FLOOR,
+    COLUMNS,
+    STATUS,
+    Contacts,
+    Groups,
+    Method,
+    Motion,
+    Path,
+    each,
+    motion_of,
+    with_whole_shares,
+)
 from vibrafeed.core.motion.reference.laws import UX, UZ, ReferenceLaws, X, Y, Z
 from vibrafeed.core.motion.reference.part import FailedError, Part
 from vibrafeed.core.motion.reference.repeats import PERIOD, ReferenceRun
-from vibrafeed.core.motion.result import COLUMNS, STATUS, Motion, motion_of, with_whole_shares
 from vibrafeed.core.scenes import Constraint
 from vibrafeed.core.watch import Watch
 

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.groups import Contacts, Groups, Numbers
+from vibrafeed.core.motion.method import Contacts, Groups, Numbers
 from vibrafeed.core.motion.waves import ALONG, ENDS, TURN, step_speeds
 
 SOON = 1e-6

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.polynomial import chebyshev, legendre
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.groups import Numbers
+from vibrafeed.core.motion.method import Numbers
 from vibrafeed.core.motion.reference.laws import SPIN, UX, Mode, ReferenceLaws
 
 # --- polynomials: a stretch is the interval 0 to 1, coefficients belong to T_k(2 s - 1)
