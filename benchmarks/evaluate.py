@@ -32,8 +32,7 @@ from benchmarks.options import options
 from benchmarks.timing import timed
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.plan.blocks import evaluate_in_blocks
-from vibrafeed.core.plan.evaluate import Fused, empty_results
+from vibrafeed.core.plan.evaluate import Fused, empty_results, evaluate_in_blocks
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import Plan, make_plan, scene_parameters
 from vibrafeed.core.plan.prepared import Prepared

@@ -28,7 +28,7 @@ from vibrafeed.core.dataset.markdown import markdown_table
 from vibrafeed.core.dataset.table import Table, TableVariable
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.plan.blocks import BLOCK_CELLS
+from vibrafeed.core.plan.evaluate import BLOCK_CELLS
 from vibrafeed.core.plan.grid import random_positions
 from vibrafeed.core.plan.labels import global_attributes
 from vibrafeed.core.plan.pieces import Computed

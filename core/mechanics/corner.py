@@ -435,21 +435,6 @@ def least_limiting_pitch(*, inertia_ratio: Array, corner_angle: Array) -> Array:
 # --- conditions
 
 
-def another_corner_is_lower(*, pitch: Array) -> Mask:
-    """True where another corner would be in the plane: xi < 0 or xi > 90 degrees."""
-    return (pitch < 0) | (pitch > np.pi / 2)
-
-
 def is_case(known: float, *, contact_case: Array) -> Mask:
     """True where the contact is in a `known` case."""
     return contact_case == known
-
-
-def right_is_unlimited(*, inverse_limiting_friction: Array) -> Mask:
-    """True where slip to the right has one solution at every friction."""
-    return inverse_limiting_friction <= 0
-
-
-def left_is_unlimited(*, inverse_limiting_friction: Array) -> Mask:
-    """True where slip to the left has one solution at every friction."""
-    return inverse_limiting_friction >= 0

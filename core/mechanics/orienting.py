@@ -288,11 +288,6 @@ def _wanted(shares: Sequence[Array], wanted_aspect: Array) -> Array:
     return wanted
 
 
-def lets_none_pass(*, line: PassedShares) -> Mask:
-    """True where no part passes."""
-    return line.total <= 0
-
-
 # --- Shares by a drop test, and how well they are known: Dirichlet's distribution (theory 16.4).
 
 PRIOR = 0.5

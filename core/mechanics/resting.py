@@ -113,11 +113,6 @@ def is_side_unstable(*, side_foot: Array) -> Mask:
     return (side_foot <= 0) | (side_foot >= 1)
 
 
-def has_centre_outside(*, height: Array, mass_height: Array) -> Mask:
-    """True where the centre of mass is not between both ends."""
-    return mass_height >= height
-
-
 def end_share(centre: Array, radius: Array) -> Array:
     """Return the share of parts that come to rest on an end, (1 - z/sqrt(z^2 + r^2))/2 [1].
 
@@ -403,11 +398,6 @@ def rocking_margin(
     begins to rock need not topple.
     """
     return np.minimum(friction_static, push_over_load) - rocking_friction
-
-
-def never_rocks(*, rocking_margin: Array) -> Mask:
-    """True where a part does not even begin to rock."""
-    return rocking_margin <= 0
 
 
 def may_topple(*, topple_margin: Array, amplitude: Array, standing_base: Array) -> Mask:

@@ -271,11 +271,6 @@ def cone_friction(
 # units.
 
 
-def leaves_wall(*, wall_balance: Array) -> Mask:
-    """True where nothing presses the disc onto the wall: its load is below 0."""
-    return wall_balance < 0
-
-
 def net_push(*, in_plane_drive_x: Array, wall_friction: Array, wall_acceleration: Array) -> Array:
     """Return the drive along x less the wall's friction, sgn(D) max(0, |D| - mu_w s) [m s-2].
 

@@ -236,38 +236,6 @@ class Traced:
     results: Mapping[str, Any]
 
 
-@dataclass(frozen=True, eq=False)
-class TracedPlan:
-    """The graph of a plan, to which steps may be added.
-
-    `known` has every quantity of the plan, `holds` whether each condition of its verdicts holds:
-    nodes, or numbers and truth values.
-    """
-
-    graph: Graph
-    known: Mapping[str, Any]
-    holds: tuple[Any, ...]
-
-
-def traced_plan(plan: Plan, axes: Iterable[str]) -> TracedPlan | None:
-    """Return the graph behind a plan, with every quantity and condition; None if it has none.
-
-    `axes` are the parameters with several values. The graph is new: steps may be added to it.
-    """
-    graph = Graph()
-    ranged = {name for name in axes if name in plan.parameters}
-    leaves = {n: graph.leaf(n, {n} & ranged) for n in (*plan.parameters, *plan.defaults)}
-    try:
-        known = run(plan.equations, leaves)
-        holds = tuple(
-            condition.function(**{name: known[name] for name in condition.inputs})
-            for condition in plan.conditions
-        )
-    except UntraceableError:
-        return None
-    return TracedPlan(graph, known, holds)
-
-
 def traced(plan: Plan, axes: Iterable[str]) -> Traced | None:
     """Return the graph behind a plan's outputs and verdicts; None if an equation has none.
 

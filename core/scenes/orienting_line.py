@@ -362,7 +362,10 @@ SCENE = Scene(
     variants={shape: any_line(shape) for shape in SHAPES},
     default_variant="box",
     conditions={
-        shape: (Condition("no_pass", orienting.lets_none_pass, OF_LINE, otherwise="passes"),)
+        shape: (
+            Condition("no_pass", lambda *, line: line.total <= 0, OF_LINE, "passes",
+                      says="True where no part passes."),
+        )
         for shape in SHAPES
     },
     defaults={"delta": 0.0, "devices": 0.0, **{f"turn_{place}": 21.0 for place in POSITIONS}},

@@ -189,8 +189,7 @@ def test_an_output_keeps_only_the_dimensions_that_it_depends_on():
 
 
 def test_results_do_not_depend_on_blocks_or_on_the_presence_of_other_axes():
-    from vibrafeed.core.plan.blocks import evaluate_in_blocks
-    from vibrafeed.core.plan.evaluate import empty_results
+    from vibrafeed.core.plan.evaluate import empty_results, evaluate_in_blocks
 
     study = parse_study(
         content(
