@@ -112,20 +112,20 @@ def evaluate_in_blocks(
     steps = dict.fromkeys(sliced, 1)
     if sliced:
         steps[sliced[-1]] = max(1, block_cells // grid.size(used[len(sliced) :]))
-    given = {name: value for name, value in grid.si().items() if name in plan.parameters}
+    values = {name: one for name, one in grid.si().items() if name in plan.parameters}
     # What depends on none of the sliced axes is computed once.
     inner = [one for one in plan.equations if depends[one.gives] & steps.keys()]
     outer = [one for one in plan.equations if not depends[one.gives] & steps.keys()]
-    start = run(outer, given | {name: np.asarray(one) for name, one in plan.defaults.items()})
+    start = run(outer, values | {name: np.asarray(one) for name, one in plan.defaults.items()})
     for begin in product(*(range(0, grid.shape[axis], step) for axis, step in steps.items())):
         where = {
             axis: slice(at, min(at + steps[axis], grid.shape[axis]))
             for axis, at in zip(sliced, begin, strict=True)
         }
         here = {
-            axis: given[axis].take(range(part.start, part.stop), axis=[*grid.axes].index(axis))
+            axis: values[axis].take(range(part.start, part.stop), axis=[*grid.axes].index(axis))
             for axis, part in where.items()
-            if axis in given
+            if axis in values
         }
         _write(plan, grid, run(inner, start | here), where, results)
         if progress is not None:
