@@ -7,8 +7,6 @@ no code with it. Cells are drawn at random from the grid of the study; equal stu
 cells.
 """
 
-from __future__ import annotations
-
 import os
 import platform
 import statistics
@@ -86,7 +84,7 @@ class Report:
         return Computed(arrays, {**self.notes, **names})
 
     @classmethod
-    def of(cls, computed: Computed) -> Report:
+    def of(cls, computed: Computed) -> "Report":
         """Return the report that `computed` was made of."""
         notes = dict(computed.notes)
         curves, settings = (tuple(notes.pop(name).split()) for name in ("curves", "settings"))

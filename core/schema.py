@@ -1,7 +1,5 @@
 """The JSON Schema of studies, for editors and for programs that write them."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from collections.abc import Mapping, Sequence

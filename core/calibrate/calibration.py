@@ -1,7 +1,5 @@
 """A calibration that can be carried out."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Carrying out a calibration: explore, sum up, polish."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import combinations
 from typing import Any, Final

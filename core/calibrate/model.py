@@ -4,8 +4,6 @@ Points of the unknowns have shape (points, unknowns), in the units of studies. A
 runs at points has shape (points, runs).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """From a study of calibration to what can be carried out: plan, unknowns, runs, likelihood."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 

@@ -4,8 +4,6 @@ A request and a call in Python are written alone. Each writer takes the content 
 it was typed, so that units and ranges stay as they are.
 """
 
-from __future__ import annotations
-
 import codecs
 import json
 import os

@@ -1,7 +1,5 @@
 """Studies as programs write them: a study, the path of a file, a mapping, or keywords."""
 
-from __future__ import annotations
-
 import difflib
 import os
 from collections.abc import Iterable, Iterator, Mapping

@@ -1,7 +1,5 @@
 """A section of a study, a key that holds more than a value; and the section `drive` of one."""
 
-from __future__ import annotations
-
 import hashlib
 import math
 import os

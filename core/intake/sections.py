@@ -1,7 +1,5 @@
 """The sections that studies have; a kind has those that are keys of its model."""
 
-from __future__ import annotations
-
 import csv
 import io
 import itertools

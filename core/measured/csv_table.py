@@ -4,8 +4,6 @@ What is wrong in a column is kept with it and told only if the column is used: a
 of remarks does not spoil its accelerations.
 """
 
-from __future__ import annotations
-
 import codecs
 import csv
 import re

@@ -1,7 +1,5 @@
 """The description of a recording by its user, and the track accelerations that it then holds."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """The times of samples: a rate, or a column that ascends in steps of which most are equal."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Checks of a recording before a drive is fitted: long and fast enough, periodic, steady."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from itertools import islice

@@ -9,8 +9,6 @@ All functions take and return broadcastable float64 arrays, SI units, angles in 
 (`corner_direction`, `diagonal_direction`) hold the sine and cosine of an angle.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, ratio, sine

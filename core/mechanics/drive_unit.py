@@ -6,8 +6,6 @@ or bowl by itself. The relative stroke s runs along the line that the leaves gui
 from zero to peak. Arrays broadcast; SI units, angles in radians.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

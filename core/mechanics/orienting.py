@@ -5,8 +5,6 @@ What a row lacks of 1 falls back into the bowl and comes again, in any orientati
 tuples of rows of arrays that broadcast, 0.0 and 1.0 where nothing else can stand there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

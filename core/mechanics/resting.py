@@ -7,8 +7,6 @@ more of it. The truth lies between, by drop height and rebound: the distance of 
 error.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, hypot, sine

@@ -5,8 +5,6 @@ a force of friction F with (1 + kap) F/m: it slips as a block does under (1 + ka
 friction. All functions take and return broadcastable float64 arrays, SI units, angles in radians.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from vibrafeed.core.mechanics import rolling

@@ -11,8 +11,6 @@ centre's velocity r phi' eta. SI units, angles in radians; wrenches are about th
 axes n, eta, sigma.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

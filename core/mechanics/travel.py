@@ -7,8 +7,6 @@ divided by either. What never happens takes an infinite time; regimes say so.
 All functions take and return broadcastable float64 arrays, SI units.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import (

@@ -8,8 +8,6 @@ the friction cone. The other forms let the points of action be unknowns instead.
 All functions take and return broadcastable float64 arrays, SI units, angles in radians.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array, Mask, compensated_sum, ratio

@@ -5,8 +5,6 @@ Equations then give radius, climb and friction at a share of the track's length,
 whole track from the motion at nodes along it.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -172,7 +170,7 @@ def load_radius(*, load_fraction: Array, stretches: Stretches) -> Array:
     return radius_at(load_fraction, stretches)
 
 
-def track_feed_rate(*, passage: Passage, length: Array, occupancy: Array) -> Array:
+def track_feed_rate(*, passage: "Passage", length: Array, occupancy: Array) -> Array:
     """Return the number of parts per minute at the bottleneck, 60 v occupancy/length [min-1]."""
     return parts_per_minute(velocity=passage.slowest, length=length / occupancy)
 

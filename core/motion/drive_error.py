@@ -1,7 +1,5 @@
 """The error of a part's velocity that follows from the errors of a measured drive."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ Which unit a study means, its parameters tell, as they tell the kind of drive. T
 then stand before those of the part; what the parts do to the unit stands in `part_load`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable
 from dataclasses import replace
 from typing import NamedTuple

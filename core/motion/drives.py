@@ -4,8 +4,6 @@ A study that gives numbers of no other drive has the plain sine of `amplitude`, 
 and its system carries nothing of what stands here.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, replace

@@ -12,8 +12,6 @@ they take half a minute: cells under a sine do not wait for what other waves nee
 repeat for those that do not. What a sine earns: see `kernels.planar`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial

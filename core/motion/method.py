@@ -5,8 +5,6 @@ w is the circular frequency of the drive (theory 13.8). Equal groups move alike,
 size.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -233,12 +231,12 @@ class Groups(NamedTuple):
         """The drive numbers along, across and normal."""
         return self.drive_number_along, self.drive_number_across, self.drive_number_normal
 
-    def flat(self) -> Groups:
+    def flat(self) -> "Groups":
         """Return the groups with the numbers set to 0 that planar motion does not use."""
         nothing: dict[str, Any] = dict.fromkeys(ACROSS, 0.0)
         return self._replace(**nothing)
 
-    def single(self) -> Groups:
+    def single(self) -> "Groups":
         """Return the groups of one part as plain numbers; raise if there are several cells."""
         (part,), _ = each(self)
         return part

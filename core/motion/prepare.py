@@ -1,7 +1,5 @@
 """From a study of motion to what can be carried out: system, method, plan, grid."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable
 from dataclasses import replace
 from functools import cached_property

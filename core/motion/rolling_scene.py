@@ -5,8 +5,6 @@ rolling resistance, kap/(1 + kap) times as fast; where it cannot roll all the ti
 resists its rolling, the mean is known without following it, or is none. Its slip is a block, too.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from typing import Any

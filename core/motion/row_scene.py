@@ -1,7 +1,5 @@
 """The system of a row of parts; the names of a study say which of them have their own numbers."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -5,8 +5,6 @@ only and the normal motion does not know of the row: all parts hop and land toge
 parts have one friction moves as one part does, and is followed as one, to the bit.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

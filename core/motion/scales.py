@@ -4,8 +4,6 @@ With length g/w^2 and velocity g/w only the drive's share of gravity, angles, fr
 and the curvature are left. All functions take and return broadcastable float64 arrays.
 """
 
-from __future__ import annotations
-
 from functools import partial, reduce
 from operator import mul
 from typing import Any

@@ -1,7 +1,5 @@
 """The kind `simulate`: its record, carrying it out, labelled results, and their verification."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

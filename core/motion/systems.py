@@ -5,8 +5,6 @@ calls a variant is a method here: every method of `METHODS` that follows the con
 one of its variants. Nothing that computes is loaded before it is called.
 """
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace

@@ -15,8 +15,6 @@ takes seconds, not periods. Its own scale is the time sqrt(half diagonal/gravity
 the step and of the tolerances.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

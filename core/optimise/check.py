@@ -5,8 +5,6 @@ goes further for some random optima: it computes the outputs there in extended p
 motion by another method), and the optimum by another method.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Carrying out an optimisation: solve every design, check the answers."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType

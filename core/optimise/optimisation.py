@@ -1,7 +1,5 @@
 """An optimisation that can be carried out."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -53,7 +51,7 @@ class Optimisation(Prepared):
     problem: OptimisationProblem
     method: str
 
-    def with_nodes(self, values: Mapping[str, Array]) -> Optimisation:
+    def with_nodes(self, values: Mapping[str, Array]) -> "Optimisation":
         """Return the study with further nodes of the uncertain parameters, SI units."""
         uncertain = self.problem.uncertain
         assert uncertain is not None
@@ -136,7 +134,7 @@ class Optimisation(Prepared):
         """The axes along which the study can be cut into pieces; a front stays whole."""
         return tuple(self.designs.axes)
 
-    def within(self, box: Box) -> Optimisation:
+    def within(self, box: Box) -> "Optimisation":
         """Return the study restricted to a part of its designs."""
         return replace(self, grid=self.grid.within(box), designs=self.designs.within(box))
 

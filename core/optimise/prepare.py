@@ -1,7 +1,5 @@
 """From a study of optimisation to what can be carried out: scene, variables, problem, method."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace

@@ -3,8 +3,6 @@
 Candidates are arrays. The outputs come from the scene's own plan, as in a sweep.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -103,7 +101,7 @@ class Uncertain:
         """The number of nodes."""
         return next(iter(self.values.values())).size
 
-    def with_nodes(self, values: Mapping[str, Array]) -> Uncertain:
+    def with_nodes(self, values: Mapping[str, Array]) -> "Uncertain":
         """Return the same with further nodes after the others; `values` are theirs, SI units."""
         longer = {name: np.append(one, values[name]) for name, one in self.values.items()}
         return replace(self, values=longer)
@@ -312,7 +310,7 @@ class OptimisationProblem:
         """True if the output is a mean over a motion with a known error."""
         return self.is_motion and self.criterion.output == "conveying_velocity"
 
-    def longer(self, times: float = LONGEST) -> OptimisationProblem:
+    def longer(self, times: float = LONGEST) -> "OptimisationProblem":
         """Return the problem with motions that do not repeat followed `times` as long.
 
         It is the problem itself if its outputs are closed forms, or if the method of motion has no
@@ -408,7 +406,7 @@ class OptimisationProblem:
                 snapped[kept.output] = np.where(near, np.finfo(np.float64).tiny, value)
         return regimes(self.plan, snapped)
 
-    def limited(self) -> OptimisationProblem:
+    def limited(self) -> "OptimisationProblem":
         """Return the problem of a point of a front: an output with a limit of the other one."""
         criterion = self.criterion
         assert isinstance(criterion, Pareto | Limited | Weighted)
@@ -474,7 +472,7 @@ class Optima:
     evaluations: NDArray[np.int64] | int = 1
     says: str = ""
 
-    def chosen(self, cells: NDArray[np.intp]) -> Optima:
+    def chosen(self, cells: NDArray[np.intp]) -> "Optima":
         """Return the optima at some positions."""
         value = None if self.value is None else self.value[cells]
         evaluations = np.broadcast_to(self.evaluations, self.status.shape)[cells]

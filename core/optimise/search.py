@@ -9,8 +9,6 @@ Each design has a population of its own; all share the same random numbers, so t
 not depend on the other designs of a batch.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -75,12 +73,12 @@ class Candidates(NamedTuple):
         """Return the index of the best point of each design, shape (cells,)."""
         return np.lexsort((-self.value, self.beyond), axis=-1)[:, 0]
 
-    def at(self, indices: NDArray[np.intp]) -> Candidates:
+    def at(self, indices: NDArray[np.intp]) -> "Candidates":
         """Return the points at indices, shape (cells, k)."""
         rows = (np.take_along_axis(one, indices, axis=1) for one in self[1:])
         return Candidates(np.take_along_axis(self.unit, indices[None], axis=2), *rows)
 
-    def of(self, cells: Any) -> Candidates:
+    def of(self, cells: Any) -> "Candidates":
         """Return the points of some designs."""
         return Candidates(self.unit[:, cells], *(one[cells] for one in self[1:]))
 
@@ -99,7 +97,7 @@ class SearchResult(NamedTuple):
     evaluations: NDArray[np.int64]
     done: NDArray[np.bool_]
 
-    def put(self, cells: Any, other: SearchResult) -> None:
+    def put(self, cells: Any, other: "SearchResult") -> None:
         """Take over another search of some designs, with the numbers `cells`."""
         self.best.unit[:, cells] = other.best.unit
         for mine, theirs in zip(self.best[1:], other.best[1:], strict=True):

@@ -8,8 +8,6 @@ The first step is 2^-16 of the scale of a parameter: near eps^(1/3), where trunc
 of D are equal, and not larger, since kinks of motion lie close. Other steps serve where it fails.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, replace

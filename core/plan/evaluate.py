@@ -4,8 +4,6 @@ There is one door and two ways behind it. numpy runs the equations block by bloc
 comes often, goes through a loop that is compiled from them. Both give the same bits.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import sys

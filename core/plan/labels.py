@@ -1,7 +1,5 @@
 """The labels of a result of any kind: coordinates, outputs, attributes; and its verified cells."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any

@@ -6,8 +6,6 @@ A piece is a part of the grid. What is computed of it does not depend on the oth
 they may be computed anywhere, in any order, and again.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping

@@ -4,8 +4,6 @@ With it go running them on arrays and its verdicts: the flag variables of a resu
 outputs that share a validity.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -109,7 +107,7 @@ class Plan:
         """Return the verdict that judges an output; None for one that holds in every regime."""
         return next((one for one in self.verdicts if output in one.outputs), None)
 
-    def only(self, output: str) -> Plan:
+    def only(self, output: str) -> "Plan":
         """Return the plan of one output alone, with the equations and parameters that it needs.
 
         Plans are kept for the next call, since every slice asks for one.
@@ -119,7 +117,7 @@ class Plan:
             self._known[output] = walk.plan()
         return self._known[output]
 
-    def part(self, names: Collection[str]) -> Plan:
+    def part(self, names: Collection[str]) -> "Plan":
         """Return a smaller plan: the equations that some outputs and verdicts of this plan need."""
         verdicts = tuple(verdict for verdict in self.verdicts if verdict.name in names)
         outputs = tuple(name for name in names if name not in self.verdict_names)

@@ -5,8 +5,6 @@ whether a motion repeats, so the samples are followed for more and more periods 
 time lasts. What has not repeated by then counts as if it never did.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Iterable, Mapping
@@ -46,7 +44,7 @@ class Prepared:
     grid: Grid
     questions: tuple[str, ...] = field(default=(), kw_only=True)
     """Questions about values that are allowed and unusual, wherever they come from."""
-    known_price: Price | None = field(default=None, kw_only=True, compare=False)
+    known_price: "Price | None" = field(default=None, kw_only=True, compare=False)
     """The price of its cells where it is known, such as from another process."""
 
     can_stop: ClassVar[bool] = True
@@ -146,11 +144,11 @@ class Prepared:
         return replace(self, grid=self.grid.within(box))
 
     @cached_property
-    def price(self) -> Price:
+    def price(self) -> "Price":
         """The price of the cells on one core, without verification; motions are sampled for it."""
         return self.known_price or self._new_price()
 
-    def _new_price(self) -> Price:
+    def _new_price(self) -> "Price":
         return price(self.plan, self.grid, self.stated_seconds_a_cell)
 
     @property

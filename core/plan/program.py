@@ -5,8 +5,6 @@ without an array in between. A function that a loop cannot repeat to the last bi
 sine) splits it: numpy takes it between two loops, some thousand cells at a time.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass

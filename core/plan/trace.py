@@ -5,8 +5,6 @@ graph instead, numpy's own protocols tell which steps they take. What a step can
 loop over values, an index, a shape) makes the plan untraceable, and numpy runs it as it stands.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial
@@ -82,7 +80,7 @@ class Node(NDArrayOperatorsMixin):
 
     def __init__(
         self,
-        graph: Graph,
+        graph: "Graph",
         function: Function | None,
         inputs: tuple[Any, ...],
         axes: frozenset[str],
@@ -95,7 +93,7 @@ class Node(NDArrayOperatorsMixin):
         graph.nodes.append(self)
 
     @property
-    def before(self) -> Iterator[Node]:
+    def before(self) -> "Iterator[Node]":
         """The nodes among its inputs."""
         return (one for one in self.inputs if isinstance(one, Node))
 

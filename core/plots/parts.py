@@ -1,7 +1,5 @@
 """Parts that pictures share: heading, legend and foot, axes, and the scale of colours."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal

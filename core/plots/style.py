@@ -1,7 +1,5 @@
 """One style for all pictures, and numbers, units and names as a person reads them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field

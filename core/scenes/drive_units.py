@@ -4,8 +4,6 @@ A linear unit has trough and base, on a line through both mass centres, on feet;
 tilted from the vertical by the angle of the line above the horizontal.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from vibrafeed.core.mechanics import drive_unit

@@ -1,7 +1,5 @@
 """Isolated parts on one corner: a rectangle, and a cylinder in the plane of its axis."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Parts on the floor of plane or track, at the drive's peak; sections 3.2, 3.3 of the source."""
 
-from __future__ import annotations
-
 from functools import partial
 
 from vibrafeed.core.mechanics import floor, rolling, travel, wall

@@ -4,8 +4,6 @@ Its devices are those whose numbers a study gives: `wiper_height_1` is a wiper a
 The scene is fitted to a study before that is planned: a line of two devices knows no others.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Collection

@@ -1,7 +1,5 @@
 """A part that is let down or thrown: how it comes to rest; and when it topples, standing."""
 
-from __future__ import annotations
-
 from vibrafeed.core.mechanics import resting
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,

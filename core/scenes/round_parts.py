@@ -1,7 +1,5 @@
 """Round parts that roll: rollers, balls, cones, cylinders that turn, discs on their edge."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

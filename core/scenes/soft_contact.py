@@ -3,8 +3,6 @@
 Arrays broadcast; SI units.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array, ratio

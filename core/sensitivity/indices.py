@@ -12,8 +12,6 @@ Computer Physics Communications 181 (2010) 259, table 2 (b) and (f), the latter 
 once, points without a value, and intervals from scramblings.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

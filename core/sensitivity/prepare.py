@@ -1,7 +1,5 @@
 """From a study of uncertain parameters to what can be carried out, and what comes of it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Carrying out a study of uncertain parameters: points, outputs, what is told of them."""
 
-from __future__ import annotations
-
 import json
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping

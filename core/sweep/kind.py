@@ -1,7 +1,5 @@
 """The kind `sweep`: from a study to closed forms over a grid, and their labelled results."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Any, ClassVar, Final
 

@@ -1,7 +1,5 @@
 """Cutting a sweep: one output over a few free axes, all others fixed at one of their values."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

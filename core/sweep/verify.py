@@ -4,8 +4,6 @@ It tells what rounding, grids and files do to the equations. Equations that are 
 give the same with any number of digits; that is for the tests of each scene.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

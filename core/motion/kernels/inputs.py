@@ -1,7 +1,5 @@
 """Input of kernels: types of arrays, a flag that stops them, a cell as a named tuple."""
 
-from __future__ import annotations
-
 from collections import namedtuple
 
 import numpy as np

@@ -6,8 +6,6 @@ to 13.5). Single parts, at the speed of plain Python: some milliseconds for a pe
 nothing with the kernels.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 from collections.abc import Iterable, Sequence

@@ -8,8 +8,6 @@ the rates depend on is found by Newton's iteration: of a slip its size and its a
 which has one smooth solution through a start at size 0, too: there the slip follows the push.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
