@@ -71,6 +71,13 @@ class StudyError(VibrafeedError):
         return type(self), (self.problems,)  # it may come from another process
 
 
+def raise_any(problems: Iterable[Problem]) -> None:
+    """Raise a `StudyError` with problems, if there are any."""
+    error = StudyError(problems)
+    if error.problems:
+        raise error
+
+
 class LimitError(VibrafeedError):
     """A request is larger than a limit.
 

@@ -7,7 +7,7 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, raise_any
 from vibrafeed.core.intake.forms import LARGEST, TOO_LARGE, keys_of_studies, read_content
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.measured.csv_table import name_and_unit
@@ -85,16 +85,15 @@ def spread(written: Mapping[str, Any]) -> dict[str, Any]:
         content["outputs"] = [content["outputs"]]
     inner = content.get("parameters", {})
     if loose and isinstance(inner, Mapping):
-        twice = [name for name in loose if name in inner]
-        if twice:
-            raise StudyError(
-                Problem(
-                    f"parameters.{n}",
-                    "it is given twice",
-                    "Give it once: by itself, or among the parameters",
-                )
-                for n in twice
+        raise_any(
+            Problem(
+                f"parameters.{name}",
+                "it is given twice",
+                "Give it once: by itself, or among the parameters",
             )
+            for name in loose
+            if name in inner
+        )
         content["parameters"] = {**inner, **loose}
     return content
 
@@ -130,8 +129,7 @@ def check_not_paired(written: Mapping[str, Any]) -> None:
             if dim != name and dim in PARAMETERS
         ),
     ]
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
 
 
 def plain(value: object, path: str) -> Any:

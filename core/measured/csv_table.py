@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, raise_any
 from vibrafeed.core.study.units import UnitError, problem
 from vibrafeed.core.suggestions import suggestion
 
@@ -113,8 +113,7 @@ class RecordingTable:
                     name,
                 )
             )
-        if problems:
-            raise StudyError(problems)
+        raise_any(problems)
         return column
 
 
@@ -377,8 +376,7 @@ def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str])
                 "semicolons",
             )
         )
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
 
 
 def _column(

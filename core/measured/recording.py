@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, raise_any
 from vibrafeed.core.measured.csv_table import (
     RecordingTable,
     gathered,
@@ -137,8 +137,7 @@ def _rotation_of_angles(parts: list[object]) -> NDArray[np.float64]:
             angles.append(
                 read_number(name, quantity, raw.item() if isinstance(raw, np.generic) else raw)
             )
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     return Rotation.from_euler("ZYX", angles, degrees=True).as_matrix()
 
 
@@ -289,8 +288,7 @@ def read_signal(source: str | Path | RecordingTable, recording: Recording) -> Si
                 f"Record at least {LEAST_SAMPLES} samples over ten periods or more",
             )
         )
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     accelerations = np.array([values for values, _ in channels])
     resolution = np.array([step for _, step in channels])
     axes = tuple(path for path, _ in names)
@@ -362,8 +360,7 @@ def _channel(
     with gathered(problems):
         factor = _factor(path, name, headed, unit)
     problems += clipping_problems(path, name, column.values, table.lines)
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     gaps = np.diff(np.unique(column.values))
     step = float(gaps.min()) if gaps.size else 0.0
     return sign * factor * column.values, factor * step

@@ -7,7 +7,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, raise_any
 from vibrafeed.core.measured.csv_table import refused
 from vibrafeed.core.measured.harmonics import (
     LEAST_PERIODS,
@@ -108,8 +108,7 @@ def check_before(signal: Signal) -> None:
                     * bool(signal.assumed),
                 )
             )
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
 
 
 def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:
@@ -155,8 +154,7 @@ def check_fit(
         problems += gravity_problems(
             signal.axes, solution.drift[:, 0], float(periodic), signal.slopes
         )
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
 
 
 def _too_short(key: str, frequency: float, duration: float) -> Problem:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, raise_any
 from vibrafeed.core.measured import Fit
 from vibrafeed.core.motion.prepare import Simulation, prepare
 from vibrafeed.core.plan.grid import parameter_to_si
@@ -107,5 +107,4 @@ def _check(prepared: Simulation, names: Sequence[str], draws: int) -> None:
     if not LEAST_DRAWS <= draws <= MAX_DRAWS:
         fix = f"Give {LEAST_DRAWS} to {MAX_DRAWS:,} draws"
         problems.append(Problem("draws", f"draws is {draws:,}, which is outside the limits", fix))
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)

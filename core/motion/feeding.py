@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.table import percent
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, raise_any
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.mechanics.travel import distance_bound
 from vibrafeed.core.motion.method import ANSWERED, STATUS, Motion
@@ -111,8 +111,7 @@ def _in_own_units(**values: Any) -> list[Any]:
             read.append(in_own_unit(name, QUANTITIES[_MEASURED.get(name, name)], value))
         except UnitError as error:
             problems.append(problem(name, error))
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     return read
 
 

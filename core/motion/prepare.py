@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterable
 from dataclasses import replace
 from functools import cached_property
 
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, raise_any
 from vibrafeed.core.lazy.checks import problems_of, problems_of_names
 from vibrafeed.core.motion import rolling_scene, row_scene
 from vibrafeed.core.motion.drive_units import on_unit, unit_of
@@ -162,8 +162,7 @@ def prepare(study: SimulateStudy) -> Simulation:
         problems += what_is_open(shape, grid.si())
     problems += _shows_too_much(study, grid)
     problems += problems_of(study.reduce, plan, grid) if study.reduce is not None else []
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     plan = replace(plan, defaults={**plan.defaults, **settings})
     prepared = Simulation(study, plan, grid)
     if prepared.derived is not None and "period_multiple" not in scene.outputs(method):

@@ -80,9 +80,6 @@ def _has(motion: RowMotion, *names: str) -> Mask:
 STOP_GAPS = {"track_stop_gap": "track", "fixed_stop_gap": "space"}
 """Parameters that put a stop in front of a row, and which; at most one of them is given."""
 
-CHOOSING = ("friction_spread", "friction_seed", *STOP_GAPS)
-"""Parameters without a number that a row has only where a study gives them."""
-
 MAX_DEVIATIONS = 3.0
 """Standard deviations at which sampled frictions are cut off."""
 DRAWN = 256

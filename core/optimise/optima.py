@@ -23,10 +23,9 @@ from vibrafeed.core.optimise.problem import (
     cells_of,
     chosen_cells,
 )
-from vibrafeed.core.optimise.search import spread
 from vibrafeed.core.optimise.uncertain import OBJECTIVE, Afresh, judged_afresh
 from vibrafeed.core.plan.differences import STEPS, derivatives, scale_of
-from vibrafeed.core.plan.grid import Grid, from_si
+from vibrafeed.core.plan.grid import Grid, from_si, spread
 from vibrafeed.core.plan.pieces import Computed, Kind
 from vibrafeed.core.plan.plan import plan_scene
 from vibrafeed.core.quantities import REGIMES

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, raise_any
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS
 from vibrafeed.core.optimise.exact import is_closed
@@ -102,9 +102,7 @@ def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
         chosen = choose_problem_scene(study.scene, study.variant, named, given)
     except StudyError as error:
         raise StudyError(locate_problem(each, study) for each in error.problems) from None
-    refused = [*drive_refusal(study, chosen[0])]
-    if refused:
-        raise StudyError(refused)
+    raise_any(drive_refusal(study, chosen[0]))
     return chosen
 
 

@@ -366,7 +366,7 @@ class OptimisationProblem:
         depends = margins.ndim == over[next(iter(self.uncertain.values))].ndim
         return np.asarray(margins.min(axis=0) if depends else margins)
 
-    def scales(self, design: Mapping[str, Array], watch: Watch | None = None) -> dict[str, Array]:
+    def scales(self, design: Mapping[str, Array]) -> dict[str, Array]:
         """Return the size of each output that takes part, in each design, shape (cells,), by name.
 
         It is the largest size over the corners and middles of the variables' bounds, or 1 where an
@@ -376,7 +376,7 @@ class OptimisationProblem:
         ways = np.array(list(product((0.0, 0.5, 1.0), repeat=len(self.names)))).T[:, None, :]
         x = self.lower[:, None, None] + (self.upper - self.lower)[:, None, None] * ways
         cells = cells_of(design)
-        known = self.known(x, columns(design), watch, self.bare)
+        known = self.known(x, columns(design), plan=self.bare)
         scales = {}
         for name in self.concerned:
             sizes = np.abs(self.output(name, known))

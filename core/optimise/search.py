@@ -29,6 +29,7 @@ from vibrafeed.core.optimise.problem import (
     statuses_of,
 )
 from vibrafeed.core.optimise.uncertain import NODES
+from vibrafeed.core.plan.grid import spread
 from vibrafeed.core.watch import Watch
 
 MAX_VARIABLES = 8
@@ -330,19 +331,6 @@ def _trial(points: Candidates, random: np.random.Generator) -> Array:
 
 
 # --- points that fill a box
-
-
-def spread(points: int, variables: int) -> Array:
-    """Return evenly spread points of the unit box, shape (variables, points).
-
-    The k-th point has the coordinates (1/2 + k r^-j) mod 1, j = 1 ... d, where d is the number of
-    variables and r the root of r^(d + 1) = r + 1 (Roberts 2018).
-    """
-    root = 2.0
-    for _ in range(40):
-        root = (1 + root) ** (1 / (variables + 1))
-    steps = root ** -np.arange(1.0, variables + 1)
-    return (0.5 + steps[:, None] * np.arange(1, points + 1)) % 1.0
 
 
 def filled(variables: int, cells: int, points: int) -> Array:

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.table import TableVariable, flag_attributes
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, raise_any
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import Plan, plan_scene, run_equations
@@ -418,8 +418,7 @@ def asked_of(
     if values > MAX_DERIVED:
         message = f"it asks for {values:,} derivatives and allows {MAX_DERIVED:,}"
         faults.append((message, "Give fewer cells, outputs or names of parameters"))
-    if faults:
-        raise StudyError([Problem(SECTION, *one) for one in faults])
+    raise_any(Problem(SECTION, *one) for one in faults)
     return Asked(outputs, names)
 
 

@@ -105,12 +105,8 @@ def evaluate_in_blocks(
     """
     depends = plan.depends_on(grid.axes)
     used = grid.dims(set().union(*(depends[name] for name in results)))
-    fits = (count for count in range(len(used)) if grid.size(used[count:]) <= block_cells)
-    sliced = used[: next(fits, len(used))]
-    steps = dict.fromkeys(sliced, 1)
-    if sliced:
-        steps[sliced[-1]] = max(1, block_cells // grid.size(used[len(sliced) :]))
-    values = {name: one for name, one in grid.si().items() if name in plan.parameters}
+    steps = _steps(grid, used, block_cells)
+    values = grid.si()
     # What depends on none of the sliced axes is computed once.
     inner = [one for one in plan.equations if depends[one.gives] & steps.keys()]
     outer = [one for one in plan.equations if not depends[one.gives] & steps.keys()]
@@ -118,17 +114,23 @@ def evaluate_in_blocks(
     for begin in product(*(range(0, grid.shape[axis], step) for axis, step in steps.items())):
         where = {
             axis: slice(at, min(at + steps[axis], grid.shape[axis]))
-            for axis, at in zip(sliced, begin, strict=True)
+            for axis, at in zip(steps, begin, strict=True)
         }
         here = {
             axis: values[axis].take(range(part.start, part.stop), axis=[*grid.axes].index(axis))
             for axis, part in where.items()
-            if axis in values
         }
         _write(plan, grid, run(inner, start | here), where, results)
         if progress is not None:
             sizes = (part.stop - part.start for part in where.values())
-            progress(math.prod(sizes) / grid.size(sliced))
+            progress(math.prod(sizes) / grid.size(steps))
+
+
+def _steps(grid: Grid, used: tuple[str, ...], block_cells: int) -> dict[str, int]:
+    fits = (count for count in range(len(used)) if grid.size(used[count:]) <= block_cells)
+    sliced = used[: next(fits, len(used))]
+    last = {axis: max(1, block_cells // grid.size(used[len(sliced) :])) for axis in sliced[-1:]}
+    return dict.fromkeys(sliced, 1) | last
 
 
 def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> None:

@@ -139,3 +139,16 @@ def positions_of(shape: dict[str, int], numbers: NDArray[np.int64]) -> dict[str,
     for name, size in reversed(shape.items()):
         left, positions[name] = np.divmod(left, size)
     return positions
+
+
+def spread(points: int, variables: int) -> NDArray[np.float64]:
+    """Return evenly spread points of the unit box, shape (variables, points).
+
+    The k-th point has the coordinates (1/2 + k r^-j) mod 1, j = 1 ... d, where d is the number of
+    variables and r the root of r^(d + 1) = r + 1 (Roberts 2018).
+    """
+    root = 2.0
+    for _ in range(40):
+        root = (1 + root) ** (1 / (variables + 1))
+    steps = root ** -np.arange(1.0, variables + 1)
+    return (0.5 + steps[:, None] * np.arange(1, points + 1)) % 1.0

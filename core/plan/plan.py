@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, raise_any
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.quantities.drives import DRIVE
 from vibrafeed.core.quantities.flags import REGIME
@@ -189,8 +189,7 @@ def find_scene(
 ) -> tuple[Scene, str]:
     """Return the named scene and variant, the default one for None; raise `StudyError` without."""
     scene, variant, problems = choose_scene(name, variant, scenes)
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     return scene, variant
 
 
@@ -214,13 +213,6 @@ def choose_scene(
     return scene, scene.default_variant, [problem]
 
 
-def make_plan(
-    scene_name: str, variant: str | None, outputs: Collection[str], parameters: Collection[str]
-) -> Plan:
-    """Return the plan for outputs of a named scene; raise `StudyError` with every problem."""
-    return plan_scene(*find_scene(scene_name, variant), outputs, parameters)
-
-
 def plan_scene(
     scene: Scene, variant: str, outputs: Collection[str], parameters: Collection[str]
 ) -> Plan:
@@ -240,8 +232,7 @@ def plan_scene(
         blamed = {problem.place.removeprefix("parameters.") for problem in problems}
         unused = (name for name in parameters if name not in walk.used | blamed)
         problems += [_unused(scene, variant, name, known_outputs) for name in unused]
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     return walk.plan()
 
 

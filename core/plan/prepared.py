@@ -15,10 +15,10 @@ from typing import Any, ClassVar, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import LimitError, Problem, StoppedError, StudyError
+from vibrafeed.core.errors import LimitError, Problem, StoppedError, StudyError, raise_any
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan.differences import Asked, is_status
-from vibrafeed.core.plan.grid import Grid, from_si, positions_of
+from vibrafeed.core.plan.grid import Grid, from_si, positions_of, spread
 from vibrafeed.core.plan.plan import Plan, plan_scene, run_equations
 from vibrafeed.core.quantities import FLAGS, MOTION_STATUSES, QUANTITIES
 from vibrafeed.core.scenes import CONSTRAINTS, Scene
@@ -110,8 +110,7 @@ class Prepared:
     @property
     def computed_bytes(self) -> int:
         """The bytes of the outputs as computed."""
-        width = Prepared.width
-        return sum(self.grid.size(dims) * width(self, name) for name, dims in self.dims.items())
+        return self.bytes
 
     def width(self, name: str) -> int:
         """Return the bytes of one stored value of an output."""
@@ -267,8 +266,7 @@ def plan_study(
         plan = plan_scene(scene, variant, tuple(outputs), values)
     except StudyError as error:
         raise StudyError([*error.problems, *problems]) from None
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     return plan, grid
 
 
@@ -376,7 +374,7 @@ def _spread_cells(
     dims = {name: grid.shape[name] for name in grid.dims(moved)}
     cells = math.prod(dims.values())
     count = SAMPLED if free else min(SAMPLED, cells)
-    points = _evenly(count, len(dims) + len(free))
+    points = spread(count, len(dims) + len(free)).T
     if cells <= count and not free:
         order = np.concatenate([np.arange(0, count, 2), np.arange(1, count, 2)])
         positions = positions_of(dims, order)
@@ -388,14 +386,6 @@ def _spread_cells(
     for k, (name, (low, high)) in enumerate(free.items(), start=len(dims)):
         known[name] = low + (high - low) * points[:, k]
     return known, count, cells / grid.cells
-
-
-def _evenly(count: int, axes: int) -> Array:
-    g = 2.0
-    for _ in range(64):
-        g = (1.0 + g) ** (1.0 / (axes + 1))
-    steps = g ** -np.arange(1.0, axes + 1)
-    return np.asarray((0.5 + np.arange(count)[:, np.newaxis] * steps) % 1.0)
 
 
 def _timed(plan: Plan, known: Mapping[str, Any], count: int) -> tuple[float, float]:

@@ -49,10 +49,6 @@ def _is_single(dataset: xarray.Dataset) -> bool:
     return all(values.size == 1 for values in dataset.data_vars.values())
 
 
-def _is_motion(dataset: xarray.Dataset) -> bool:
-    return "cycle_time" in dataset.dims or ("motion_status" in dataset and _is_single(dataset))
-
-
 @dataclass(frozen=True)
 class Picture:
     """A picture of a dataset.
@@ -123,7 +119,9 @@ PICTURES = {
                 lambda dataset: "knee" in dataset),
         Picture("positions", "where the parts of a row are over time", "film", (),
                 lambda dataset: dataset.attrs.get("scene") == "row-on-plane"),
-        Picture("trajectory", "the motion of one part", "trajectory", (), _is_motion),
+        Picture("trajectory", "the motion of one part", "trajectory", (),
+                lambda dataset: "cycle_time" in dataset.dims
+                or ("motion_status" in dataset and _is_single(dataset))),
         Picture("animation", "the same, moving; a GIF file", "animation", (),
                 lambda _: False),
         Picture(

@@ -83,11 +83,6 @@ class Style:
         colours = matplotlib.colormaps["YlGnBu"](linspace(0.0, 0.8, 256))
         return ListedColormap(colours[::-1] if self.dark else colours, "one sign")
 
-    @property
-    def two_signs(self) -> Colormap:
-        """The colour map for values of both signs, with zero in the middle."""
-        return matplotlib.colormaps["berlin" if self.dark else "RdYlBu_r"]
-
     def on(self, colour: RGB) -> str:
         """Return a readable text colour on a colour: light or dark."""
         red, green, blue = colour

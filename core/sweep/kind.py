@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.table import Table
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, raise_any
 from vibrafeed.core.lazy.checks import problems_of, problems_of_names
 from vibrafeed.core.lazy.reduced import Reduced
 from vibrafeed.core.mechanics.arrays import Array
@@ -62,6 +62,11 @@ class Sweep(Prepared):
     def width(self, name: str) -> int:
         """Return the bytes of a stored value."""
         return min(super().width(name), 4) if self.is_single else super().width(name)
+
+    @property
+    def computed_bytes(self) -> int:
+        """The bytes of the outputs as computed, in 64 bits."""
+        return sum(self.grid.size(at) * super(Sweep, self).width(n) for n, at in self.dims.items())
 
     def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
         """Return values of an output in the units of files, in 32 bits if the study asks.
@@ -122,14 +127,12 @@ def prepare(study: SweepStudy) -> Sweep | ReducedSweep:
     except StudyError as error:
         raise StudyError([*error.problems, *problems]) from None
     if asked is None:
-        if problems:
-            raise StudyError(problems)
+        raise_any(problems)
         sweep = Sweep(study, plan, grid)
         _ = sweep.derived  # which raises what is wrong with it
         return sweep.check_verification()
     problems += problems_of(asked, plan, grid)
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     return ReducedSweep(study, plan, grid).check_verification()
 
 

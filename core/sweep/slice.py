@@ -12,7 +12,7 @@ from vibrafeed.core.dataset.table import (
     quantity_attributes,
     regime_attributes,
 )
-from vibrafeed.core.errors import LimitError, Problem, StudyError
+from vibrafeed.core.errors import LimitError, Problem, raise_any
 from vibrafeed.core.plan.evaluate import evaluate
 from vibrafeed.core.plan.grid import Grid, from_si
 from vibrafeed.core.plan.labels import link_to_verdict
@@ -47,43 +47,6 @@ class SliceCut:
     grid: Grid
 
 
-def cut(
-    sweep: Prepared, *, output: str, axes: Sequence[str], at: Mapping[str, str], most: int
-) -> dict[str, Any]:
-    """Return an output and its regime over one or two axes of a sweep.
-
-    Only the slice is computed, by the equations that this output needs.
-
-    Parameters
-    ----------
-    sweep : Prepared
-        The sweep to cut.
-    output : str
-        One of its outputs or verdicts.
-    axes : sequence of str
-        The free axes, outermost first; axes that the output does not depend on are left out.
-    at : mapping of str to str
-        A value, with or without unit, for every other axis that the output or its regime needs.
-    most : int
-        Largest number of values.
-
-    Returns
-    -------
-    dict
-        Plain values and arrays: ``output``, ``unit``, ``judged`` (whether the regime judges the
-        output, or it always holds), ``axes``, ``values``, ``regime`` (each with its ``dims``),
-        ``regimes``, ``fixed``.
-
-    Raises
-    ------
-    StudyError
-        With every problem of the request.
-    LimitError
-        If it has more than `most` values.
-    """
-    return compute_slice(prepare_cut(sweep, output=output, axes=axes, at=at, most=most))
-
-
 def prepare_cut(
     sweep: Prepared, *, output: str, axes: Sequence[str], at: Mapping[str, str], most: int
 ) -> SliceCut:
@@ -108,8 +71,7 @@ def prepare_cut(
     axes = [*map(letter_of, axes)]
     at, twice = by_letters(at)
     problems = [*twice, *_problems(sweep, output, axes, at)]
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     whole = sweep.grid
     plan = _plan_of(sweep, output)
     free = [name for name in dict.fromkeys(axes) if name in plan.parameters]
@@ -120,8 +82,7 @@ def prepare_cut(
                 fixed[name] = _value_on_axis(whole, name, at)
             except UnitError as error:
                 problems.append(problem(name, error))
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     grid = Grid(
         {name: whole.axes[name] for name in free},
         {**{n: v for n, v in whole.fixed.items() if n in plan.parameters}, **fixed},

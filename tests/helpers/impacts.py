@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from night import count
-from vibrafeed.core.plan.plan import Verdict, make_plan, regimes_of
+from plans import make_plan
+from vibrafeed.core.plan.plan import Verdict, regimes_of
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import SCENES
 
