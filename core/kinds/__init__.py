@@ -1,7 +1,5 @@
 """The kinds of study, each the record of its own package, and what holds for the results of all."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
@@ -46,7 +44,7 @@ __all__ = [
     "tabulate",
 ]
 
-KINDS: Final[Mapping[str, Kind]] = Exported(
+KINDS: "Final[Mapping[str, Kind]]" = Exported(
     "KIND",
     {
         "sweep": sweep,

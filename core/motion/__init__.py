@@ -1,7 +1,5 @@
 """Motion in time: stick, slide, hop, and the true mean velocity over whole grids."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 from vibrafeed.core.deferred import lazily

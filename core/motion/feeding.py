@@ -1,7 +1,5 @@
 """Results for who feeds parts: parts a minute, and the direction in which they travel."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -184,7 +182,7 @@ RESULTS = (
 DEFAULTS = {"part_gap": 0.0}
 
 
-def travel_in_words(table: Table) -> str:
+def travel_in_words(table: "Table") -> str:
     """Return a sentence on how many cells of a result travel backwards; empty if none do.
 
     It goes by `direction` if the result has that, else by its mean velocity or its feed rate;
@@ -215,7 +213,7 @@ def travel_in_words(table: Table) -> str:
     return f"{which} backwards, against x."
 
 
-def _rolling_in_words(table: Table) -> str:
+def _rolling_in_words(table: "Table") -> str:
     # Of cells in which a round part is not conveyed: it runs down, or nothing moves it.
     down = np.abs(table.variables["mean_acceleration"].values)
     status = table.variables["motion_status"].values

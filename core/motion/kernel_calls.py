@@ -4,8 +4,6 @@ It stands outside of `kernels`: what is compiled there is kept for as long as wh
 the same, and it imports none of this.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor

@@ -6,8 +6,6 @@ module is asked whether its picture fits where a look at the dataset does not te
 table loads nothing, so that the command line can tell of pictures at no cost.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
@@ -35,17 +33,17 @@ def unreadable(message: str) -> PlotError:
     return PlotError("dataset", message, "Draw a result file that `vibrafeed run` wrote")
 
 
-def is_calibration(dataset: xarray.Dataset) -> bool:
+def is_calibration(dataset: "xarray.Dataset") -> bool:
     """True if a dataset is a calibration."""
     return "log_density" in dataset.data_vars and "unknowns" in dataset.attrs
 
 
-def is_pair(dataset: xarray.Dataset) -> bool:
+def is_pair(dataset: "xarray.Dataset") -> bool:
     """True if a dataset is the result of an impact of two bodies."""
     return {"position_x_1", "position_x_2"} <= {*dataset.coords}
 
 
-def _is_single(dataset: xarray.Dataset) -> bool:
+def _is_single(dataset: "xarray.Dataset") -> bool:
     return all(values.size == 1 for values in dataset.data_vars.values())
 
 
@@ -69,15 +67,15 @@ class Picture:
     says: str
     home: str
     takes: tuple[str, ...] = ("variable", "axes", "at")
-    may_fit: Callable[[xarray.Dataset], bool] = lambda _: True
+    may_fit: "Callable[[xarray.Dataset], bool]" = lambda _: True
 
-    def fits(self, dataset: xarray.Dataset, options: Options) -> bool:
+    def fits(self, dataset: "xarray.Dataset", options: "Options") -> bool:
         """True if this picture is the default for a dataset."""
         return self.may_fit(dataset) and bool(
             import_module(f"{__package__}.{self.home}").fits(dataset, options)
         )
 
-    def draw(self, dataset: xarray.Dataset, options: Options) -> Figure:
+    def draw(self, dataset: "xarray.Dataset", options: "Options") -> "Figure":
         """Return the picture; raise `PlotError` if the dataset lacks what it needs.
 
         So does an option that this kind of picture does not take.
