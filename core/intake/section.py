@@ -37,7 +37,7 @@ class Resolved(NamedTuple):
 
     content: Content
     problems: Iterable[Problem] = ()
-    fit: measured.Fit | None = None
+    fit: "measured.Fit | None" = None
 
 
 @dataclass(frozen=True)
@@ -327,7 +327,7 @@ def _with_drive(content: Content, files: bool) -> Resolved:
     )
 
 
-def tilt_questions(fit: measured.Fit | None, content: Mapping[str, Any]) -> list[str]:
+def tilt_questions(fit: "measured.Fit | None", content: Mapping[str, Any]) -> list[str]:
     """Return a question if a recording shows another climb of the track than its study has."""
     if fit is None or fit.tilt is None:
         return []
@@ -342,7 +342,7 @@ def tilt_questions(fit: measured.Fit | None, content: Mapping[str, Any]) -> list
     ]
 
 
-def channel_questions(fit: measured.Fit | None) -> list[str]:
+def channel_questions(fit: "measured.Fit | None") -> list[str]:
     """Return questions about channels of a recording that move as those of no feeder."""
     if fit is None:
         return []
@@ -386,7 +386,7 @@ def _slopes(content: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
 
 def _measured_drive(
     drive: Mapping[str, Any], slopes: Mapping[str, tuple[float, float]], files: bool
-) -> tuple[MeasuredDrive, measured.Fit]:
+) -> "tuple[MeasuredDrive, measured.Fit]":
     try:
         fields = RecordedDrive.model_validate(drive)
     except ValidationError as error:
@@ -441,7 +441,7 @@ def _source(drive: RecordedDrive, files: bool) -> str | Path:
     return drive.file
 
 
-def _table(source: str | Path, path: str, files: bool) -> measured.RecordingTable:
+def _table(source: str | Path, path: str, files: bool) -> "measured.RecordingTable":
     # Most lines are rows: what has far too many is not read.
     lines = source.count("\n") if isinstance(source, str) else 0
     limit = f"the limit over HTTP is {MAX_ROWS_SENT:,}"

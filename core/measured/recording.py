@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -39,8 +39,8 @@ STEPS = 4.0  # steps of the sensor: crests whose heights differ by less may be e
 
 def clipping_problems(
     path: str, name: str, values: NDArray[np.float64], lines: NDArray[np.int64]
-) -> list[Problem]:
-    """Return a problem for each end of its range at which a channel of a recording is clipped.
+) -> Iterator[Problem]:
+    """Yield a problem for each end of its range at which a channel of a recording is clipped.
 
     `path` is the column's place in the study and `name` its name, `values` are its samples and
     `lines` their lines in the file.
@@ -52,8 +52,7 @@ def clipping_problems(
     period, where the rate is a multiple of the frequency: then the crests between them are alike.
     """
     if np.ptp(values) == 0.0:  # a channel that never moves has no range
-        return []
-    problems = []
+        return
     for word, toward in (("highest", values), ("lowest", -values)):
         extreme = toward.max()
         held = toward == extreme
@@ -64,15 +63,12 @@ def clipping_problems(
         runs = stops - starts >= RUN
         if runs.any() or _crests_differ(toward, held):
             first = lines[starts[runs][0] if runs.any() else starts[0]]
-            problems.append(
-                Problem(
-                    path,
-                    f"column '{name}' is clipped: {held.sum()} samples hold its {word} value "
-                    f"{values[starts[0]]:g}, first in line {first}",
-                    "Record again with a wider range of the sensor",
-                )
+            yield Problem(
+                path,
+                f"column '{name}' is clipped: {held.sum()} samples hold its {word} value "
+                f"{values[starts[0]]:g}, first in line {first}",
+                "Record again with a wider range of the sensor",
             )
-    return problems
 
 
 def _crests_differ(values: NDArray[np.float64], held: NDArray[np.bool_]) -> bool:

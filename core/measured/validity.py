@@ -278,8 +278,8 @@ def gravity_problems(
     constant: NDArray[np.float64],
     rms: float,
     slopes: Mapping[str, tuple[float, float]],
-) -> list[Problem]:
-    """Return the problem of a recording whose constants contradict gravity; empty without one.
+) -> Iterator[Problem]:
+    """Yield the problem of a recording whose constants contradict gravity, if they do.
 
     `constant` is the mean acceleration of each axis, shape (axes,), and `rms` that of the harmonics
     of all axes [m s-2]; `slopes` are the angles of the track that the study states [rad], by axis:
@@ -291,13 +291,11 @@ def gravity_problems(
         axis: (min(-STEEPEST, least - MARGIN), max(STEEPEST, most + MARGIN))
         for axis, (least, most) in stated.items()
     }
-    problems = []
     for axis, means, fix in islice(_against_gravity(shown, rms, limits), 1):
         others = ", ".join(f"{value:.2f} g {name}" for name, value in shown.items() if name != axis)
         beside = f" (and {others})" if others else ""
         size = f"the mean of the recording's {axis} channel is {shown[axis]:.3g} g{beside}"
-        problems.append(Problem(axis, f"{size}: {means}", fix))
-    return problems
+        yield Problem(axis, f"{size}: {means}", fix)
 
 
 def _without_gravity(

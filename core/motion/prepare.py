@@ -179,36 +179,37 @@ def fix_for_unused_setting(scene: Scene, setting: str) -> str:
     return f"Remove it, or set method to {' or '.join(users)}" if users else "Remove it"
 
 
-def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> list[Problem]:
+def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> Iterable[Problem]:
     if study.trajectory is None:
-        return []
+        return
     axes = [name for name, values in study.values().items() if not isinstance(values, Fixed)]
-    problems = []
     if axes:
         ranged = ", ".join(QUANTITIES[name].label.lower() for name in axes)
-        message = f"trajectory shows one point, but {ranged} has a range of values"
-        fix = f"Give one value of {', '.join(axes)}, or leave trajectory out"
-        problems.append(Problem("trajectory", message, fix))
+        yield Problem(
+            "trajectory",
+            f"trajectory shows one point, but {ranged} has a range of values",
+            f"Give one value of {', '.join(axes)}, or leave trajectory out",
+        )
     methods = methods_of(scene.name)
     followed = [name for name in scene.variants if methods[name].course is not None]
     if method not in followed:
-        fix = f"Set method to {' or '.join(followed)}" if followed else "Leave trajectory out"
-        message = f"the method {method} of {scene.name} gives means only"
-        problems.append(Problem("trajectory", message, fix))
-    return problems
+        yield Problem(
+            "trajectory",
+            f"the method {method} of {scene.name} gives means only",
+            f"Set method to {' or '.join(followed)}" if followed else "Leave trajectory out",
+        )
 
 
-def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
+def _problems_of_reduction(study: SimulateStudy) -> Iterable[Problem]:
     if study.reduce is None:
-        return []
-    problems = problems_of_names(study.reduce, study.outputs, study.values())
+        return
+    yield from problems_of_names(study.reduce, study.outputs, study.values())
     for key, message in (
         ("sensitivities", "derivatives are given with all cells; the study has reduce too"),
         ("trajectory", "it shows one point; the study has reduce too"),
     ):
         if getattr(study, key):
-            problems.append(Problem(key, message, f"Remove either {key} or reduce"))
-    return problems
+            yield Problem(key, message, f"Remove either {key} or reduce")
 
 
 def _shows_too_much(study: SimulateStudy, grid: Grid) -> Iterable[Problem]:

@@ -1,7 +1,7 @@
 """The system of a row of parts; the names of a study say which of them have their own numbers."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -178,30 +178,32 @@ def numbered(names: tuple[str, ...]) -> NumberedParts:
     return NumberedParts(numbers, behind, "parts" in names, stop, "friction_spread" in names)
 
 
-def problems_of_row(names: tuple[str, ...]) -> list[Problem]:
-    """Return the problems of a row's parameters that exclude each other."""
-    problems = []
+def problems_of_row(names: tuple[str, ...]) -> Iterator[Problem]:
+    """Yield the problems of a row's parameters that exclude each other."""
     if all(name in names for name in STOP_GAPS):
-        message = "a row has one stop, and the study gives two"
-        problems.append(Problem("parameters.track_stop_gap", message, "Remove one of them"))
+        yield Problem(
+            "parameters.track_stop_gap",
+            "a row has one stop, and the study gives two",
+            "Remove one of them",
+        )
     own = [name for name in names if name.startswith("part_friction_")]
     if "friction_spread" in names and own:
-        message = f"the frictions are drawn, and {own[0]} is given"
-        fix = "Give either friction_spread or the frictions of single parts"
-        problems.append(Problem("parameters.friction_spread", message, fix))
-    return problems
+        yield Problem(
+            "parameters.friction_spread",
+            f"the frictions are drawn, and {own[0]} is given",
+            "Give either friction_spread or the frictions of single parts",
+        )
 
 
-def problems_of_load(names: tuple[str, ...]) -> list[Problem]:
-    """Return the problem of a row whose load on its drive unit is not modelled, if it is not."""
+def problems_of_load(names: tuple[str, ...]) -> Iterator[Problem]:
+    """Yield the problem of a row whose load on its drive unit is not modelled, if it is not."""
     parts = numbered(names)
-    if not (parts.drawn or parts.stop_gap or parts.numbers["part_friction"]):
-        return []
-    message = (
-        "the effect of a row on its drive unit is modelled only for free parts of one friction"
-    )
-    fix = "Give load_mass in its place, or one friction and no stop"
-    return [Problem("parameters.conveyed_mass", message, fix)]
+    if parts.drawn or parts.stop_gap or parts.numbers["part_friction"]:
+        yield Problem(
+            "parameters.conveyed_mass",
+            "the effect of a row on its drive unit is modelled only for free parts of one friction",
+            "Give load_mass in its place, or one friction and no stop",
+        )
 
 
 def _platoon_size(number: int, *, motion: RowMotion) -> Array:

@@ -4,7 +4,7 @@ With it go running them on arrays and its verdicts: the flag variables of a resu
 outputs that share a validity.
 """
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -329,18 +329,18 @@ def _other_way(scene: Scene, variant: str, name: str) -> tuple[str, str] | None:
     return message, f'Ask for {other} in outputs, or set kind = "{kind}"'
 
 
-def _doubled(parameters: Collection[str], missing: Collection[str]) -> list[Problem]:
-    problems = []
+def _doubled(parameters: Collection[str], missing: Collection[str]) -> Iterator[Problem]:
     for name, others in ALTERNATIVES:
         doubled = [other for other in others if name in parameters and other in parameters]
         if doubled:
-            message = f"{name} and {' and '.join(doubled)} set the same quantity"
-            fix = f"Give either {name} or {' and '.join(others)}"
-            problems.append(Problem(f"parameters.{name}", message, fix))
+            yield Problem(
+                f"parameters.{name}",
+                f"{name} and {' and '.join(doubled)} set the same quantity",
+                f"Give either {name} or {' and '.join(others)}",
+            )
     for name, (needed, message, example) in NEEDS.items():
         if name in parameters and needed not in {*parameters, *missing}:
-            problems.append(Problem(f"parameters.{name}", message, f"Add {needed} = {example}"))
-    return problems
+            yield Problem(f"parameters.{name}", message, f"Add {needed} = {example}")
 
 
 def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
@@ -358,21 +358,21 @@ def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
 
 
 def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> Problem:
+    place = f"parameters.{name}"
     if name in DRIVE and "wave" not in scene.producers(variant):
-        fix = "Give amplitude, alpha and beta instead, or ask for the conveying_velocity of a part"
-        message = (
-            f"{scene.name} supports only the plain sine here, and {name} belongs to another drive"
+        return Problem(
+            place,
+            f"{scene.name} supports only the plain sine here, and {name} belongs to another drive",
+            "Give amplitude, alpha and beta instead, or ask for the conveying_velocity of a part",
         )
-        return Problem(f"parameters.{name}", message, fix)
     if (variant, name) in NOT_OF_SHAPE:
-        message, fix = NOT_OF_SHAPE[variant, name]
-        return Problem(f"parameters.{name}", message, fix)
-    takes_part = name in scene_parameters(scene, variant)
-    what = f"{', '.join(outputs)} of {scene.name}" if takes_part else scene.name
+        return Problem(place, *NOT_OF_SHAPE[variant, name])
+    if name in scene_parameters(scene, variant):
+        message = f"{name} is not used by {', '.join(outputs)} of {scene.name}"
+        return Problem(place, message, "Remove it")
     users = [one for one in scene.variants if name in scene_parameters(scene, one)]
     elsewhere = f", or set {scene.choice} to {' or '.join(users)}" if users else ""
-    fix = "Remove it" + (elsewhere if not takes_part else "")
-    return Problem(f"parameters.{name}", f"{name} is not used by {what}", fix)
+    return Problem(place, f"{name} is not used by {scene.name}", f"Remove it{elsewhere}")
 
 
 def scene_parameters(scene: Scene, variant: str) -> tuple[str, ...]:

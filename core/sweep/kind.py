@@ -1,5 +1,6 @@
 """The kind `sweep`: from a study to closed forms over a grid, and their labelled results."""
 
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Any, ClassVar, Final
 
@@ -112,16 +113,7 @@ def prepare(study: SweepStudy) -> Sweep | ReducedSweep:
         With every problem of scene, outputs, parameters, and of what is asked of them.
     """
     asked = study.reduce
-    problems = [] if asked is None else problems_of_names(asked, study.outputs, study.values())
-    if asked is not None and study.precision is not None:
-        message = "it says how cells are stored, and reduce stores none"
-        problems.append(Problem("precision", message, "Leave it out"))
-    if study.sensitivities and (asked is not None or study.precision is not None):
-        other = "reduce" if asked is not None else "precision"
-        message = f"derivatives are given with all cells, in 64 bits; the study has {other} too"
-        problems.append(
-            Problem("sensitivities", message, f"Remove either sensitivities or {other}")
-        )
+    problems = [*_problems_of_form(study)]
     try:
         plan, grid = plan_study(study, study.outputs, choose_scene(study.scene, study.variant))
     except StudyError as error:
@@ -134,6 +126,25 @@ def prepare(study: SweepStudy) -> Sweep | ReducedSweep:
     problems += problems_of(asked, plan, grid)
     raise_any(problems)
     return ReducedSweep(study, plan, grid).check_verification()
+
+
+def _problems_of_form(study: SweepStudy) -> Iterable[Problem]:
+    asked = study.reduce
+    if asked is not None:
+        yield from problems_of_names(asked, study.outputs, study.values())
+    if asked is not None and study.precision is not None:
+        yield Problem(
+            "precision",
+            "it says how cells are stored, and reduce stores none",
+            "Leave it out",
+        )
+    if study.sensitivities and (asked is not None or study.precision is not None):
+        other = "reduce" if asked is not None else "precision"
+        yield Problem(
+            "sensitivities",
+            f"derivatives are given with all cells, in 64 bits; the study has {other} too",
+            f"Remove either sensitivities or {other}",
+        )
 
 
 def compute(prepared: Sweep | ReducedSweep, watch: Watch) -> Computed:
