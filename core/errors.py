@@ -71,6 +71,11 @@ class StudyError(VibrafeedError):
         return type(self), (self.problems,)  # it may come from another process
 
 
+def refused(path: str, message: str, fix: str, about: str = "") -> StudyError:
+    """Return the error of a study with one problem."""
+    return StudyError([Problem(path, message, fix, about)])
+
+
 def raise_any(problems: Iterable[Problem]) -> None:
     """Raise a `StudyError` with problems, if there are any."""
     error = StudyError(problems)

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from vibrafeed import core
 from vibrafeed.core.dataset.markdown import markdown_table
 from vibrafeed.core.dataset.table import Table, TableVariable
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import refused
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan.evaluate import BLOCK_CELLS
 from vibrafeed.core.plan.grid import random_positions
@@ -172,14 +172,18 @@ def check(prepared: Prepared) -> None:
     """Raise `StudyError` if there is nothing to compare a study with."""
     kind, scene = prepared.study.kind, prepared.plan.scene
     if kind not in ("sweep", "simulate"):
-        message = f"the error of a study of kind '{kind}' is not measured over its run time"
-        fix = "Measure a study of kind sweep or simulate; `verify` checks the results of others"
-        raise StudyError([Problem("kind", message, fix)])
+        raise refused(
+            "kind",
+            f"the error of a study of kind '{kind}' is not measured over its run time",
+            "Measure a study of kind sweep or simulate; `verify` checks the results of others",
+        )
     is_point = "conveying_velocity" in scene.outputs(scene.default_variant)
     if kind == "simulate" and not (is_point and WITNESS in scene.variants):
-        message = f"no method of {scene.name} is a witness of its mean velocity"
-        fix = "Measure one part on a plane or a track; `verify` compares others"
-        raise StudyError([Problem("scene", message, fix)])
+        raise refused(
+            "scene",
+            f"no method of {scene.name} is a witness of its mean velocity",
+            "Measure one part on a plane or a track; `verify` compares others",
+        )
 
 
 def _closed_forms(prepared: Prepared, watch: Watch) -> Report:

@@ -11,8 +11,7 @@ from typing import Any, Final, NamedTuple
 from pydantic import BaseModel, ValidationError
 
 from vibrafeed.core import measured
-from vibrafeed.core.errors import MAX_PROBLEMS, Problem, StudyError
-from vibrafeed.core.measured.csv_table import refused
+from vibrafeed.core.errors import MAX_PROBLEMS, Problem, StudyError, refused
 from vibrafeed.core.quantities import QUANTITIES, letter_of
 from vibrafeed.core.study.grid_study import (
     PARAMETERS,

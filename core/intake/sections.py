@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, refused
 from vibrafeed.core.intake.section import (
     DRIVE,
     Content,
@@ -29,7 +29,6 @@ from vibrafeed.core.measured.csv_table import (
     contradictions,
     decoded,
     name_and_unit,
-    refused,
 )
 from vibrafeed.core.quantities import QUANTITIES, WORDS, by_letters, letter_of
 from vibrafeed.core.study.distributions import CALIBRATION

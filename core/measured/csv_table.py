@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import Problem, StudyError, raise_any
+from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.study.units import UnitError, problem
 from vibrafeed.core.suggestions import suggestion
 
@@ -83,18 +83,14 @@ class RecordingTable:
         """
         column = self.columns.get(name)
         if column is None:
-            raise StudyError(
-                [
-                    Problem(
-                        path,
-                        f"the recording has no column '{name[:60]}'",
-                        suggestion(name, self.columns),
-                        name,
-                    )
-                ]
+            raise refused(
+                path,
+                f"the recording has no column '{name[:60]}'",
+                suggestion(name, self.columns),
+                name,
             )
         if column.contradiction:
-            raise StudyError([Problem(path, column.contradiction, ONE_MARK, name)])
+            raise refused(path, column.contradiction, ONE_MARK, name)
         problems = [
             Problem(
                 path,
@@ -129,11 +125,6 @@ def gathered(problems: list[Problem], path: str = "") -> Iterator[None]:
         problems.append(problem(path, error))
     except StudyError as error:
         problems += error.problems
-
-
-def refused(path: str, message: str, fix: str) -> StudyError:
-    """Return the error of a recording with one problem."""
-    return StudyError([Problem(path, message, fix)])
 
 
 _refused = partial(refused, "recording")

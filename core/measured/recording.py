@@ -12,13 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from vibrafeed.core.errors import Problem, raise_any
-from vibrafeed.core.measured.csv_table import (
-    RecordingTable,
-    gathered,
-    read_table,
-    refused,
-)
+from vibrafeed.core.errors import Problem, raise_any, refused
+from vibrafeed.core.measured.csv_table import RecordingTable, gathered, read_table
 from vibrafeed.core.measured.times import read_times
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.quantities.quantity import angle

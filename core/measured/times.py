@@ -5,8 +5,8 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import StudyError
-from vibrafeed.core.measured.csv_table import RecordingTable, refused
+from vibrafeed.core.errors import StudyError, refused
+from vibrafeed.core.measured.csv_table import RecordingTable
 from vibrafeed.core.quantities import Quantity
 from vibrafeed.core.study.units import UnitError, problem, read_number, unit_factor
 

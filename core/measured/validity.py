@@ -7,8 +7,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import Problem, StudyError, raise_any
-from vibrafeed.core.measured.csv_table import refused
+from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.measured.harmonics import (
     LEAST_PERIODS,
     MAX_LEFT,
@@ -240,17 +239,15 @@ def _off(line: float | None, frequency: float) -> list[Problem]:
     if line is None or abs(frequency / line - 1.0) <= MAX_CLOCK:
         return []
     ratio = max(frequency / line, line / frequency)
-    fix = (
-        "Give as line_frequency what the drive runs at, such as 100 Hz on mains of 50 Hz"
-        if abs(ratio - round(ratio)) < TWICE
-        else f"Clocks are trusted within {100 * MAX_CLOCK:.0f} %: correct the sampling rate (rate) "
-        "or line_frequency"
-    )
     return [
         Problem(
             "line_frequency",
             f"the recording repeats with {frequency:.4g} Hz, the line has {line:g} Hz",
-            fix,
+            "Give as line_frequency what the drive runs at, such as 100 Hz on mains of 50 Hz"
+            if abs(ratio - round(ratio)) < TWICE
+            else f"Clocks are trusted within {100 * MAX_CLOCK:.0f} %: correct the "
+            f"sampling rate (rate) "
+            "or line_frequency",
         )
     ]
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.table import percent
-from vibrafeed.core.errors import Problem, StudyError, raise_any
+from vibrafeed.core.errors import raise_any, refused
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.mechanics.travel import distance_bound
 from vibrafeed.core.motion.method import ANSWERED, STATUS, Motion
@@ -116,8 +116,11 @@ def _in_own_units(**values: Any) -> list[Any]:
 def _spacing(length: Array, gap: Array | float) -> Array:
     spacing = length + gap
     if np.any(spacing <= 0.0):
-        message = "length plus gap, the track that one part takes, is not above 0"
-        raise StudyError([Problem("length", message, "Give length or gap above 0")])
+        raise refused(
+            "length",
+            "length plus gap, the track that one part takes, is not above 0",
+            "Give length or gap above 0",
+        )
     return spacing
 
 

@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterable
 from dataclasses import replace
 from functools import cached_property
 
-from vibrafeed.core.errors import Problem, StudyError, raise_any
+from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.lazy.checks import problems_of, problems_of_names
 from vibrafeed.core.motion import rolling_scene, row_scene
 from vibrafeed.core.motion.drive_units import on_unit, unit_of
@@ -43,8 +43,11 @@ class Simulation(Prepared):
                 "trajectory", "it is computed as a whole, not where read", "Leave it out"
             )
         if self.study.sensitivities:
-            message = "derivatives are computed as a whole, not where read"
-            return Problem("sensitivities", message, "Leave it out")
+            return Problem(
+                "sensitivities",
+                "derivatives are computed as a whole, not where read",
+                "Leave it out",
+            )
         return None
 
     @property
@@ -128,8 +131,9 @@ def _problems_of_settings(study: SimulateStudy, scene: Scene, method: str) -> It
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
     for name in study.settings():
         if name not in needed:
-            message = f"the method {method} does not use it"
-            yield Problem(name, message, fix_for_unused_setting(scene, name))
+            yield Problem(
+                name, f"the method {method} does not use it", fix_for_unused_setting(scene, name)
+            )
 
 
 def prepare(study: SimulateStudy) -> Simulation:
@@ -140,8 +144,11 @@ def prepare(study: SimulateStudy) -> Simulation:
     chosen = choose_system(study.scene, study.method, study.values())
     scene, method, _ = chosen
     if study.drive is not None and scene.name not in CONTACTS:
-        message = f"{scene.name} takes only a sine drive, not a section drive"
-        raise StudyError([Problem("drive", message, f"Choose among {', '.join(CONTACTS)}")])
+        raise refused(
+            "drive",
+            f"{scene.name} takes only a sine drive, not a section drive",
+            f"Choose among {', '.join(CONTACTS)}",
+        )
     settings = study.settings()
     never_left_out = ("motion_status", "mean_acceleration") if study.reduce is None else ()
     more = [name for name in never_left_out if name in scene.outputs(method)]
@@ -168,8 +175,9 @@ def prepare(study: SimulateStudy) -> Simulation:
     if prepared.derived is not None and "period_multiple" not in scene.outputs(method):
         message = f"the motion of {scene.name} is followed for a time, not a cycle"
         cyclic = (*CONTACTS, *rolling_scene.SCENES, row_scene.ROW)
-        fix = f"Leave it out, or choose among {', '.join(cyclic)}"
-        raise StudyError([Problem("sensitivities", message, fix)])
+        raise refused(
+            "sensitivities", message, f"Leave it out, or choose among {', '.join(cyclic)}"
+        )
     return prepared.check_verification()
 
 
@@ -217,5 +225,8 @@ def _shows_too_much(study: SimulateStudy, grid: Grid) -> Iterable[Problem]:
     shown = last * grid.fixed.get("frequency", 0.0)
     if shown > MAX_PERIODS:
         latest = MAX_PERIODS / grid.fixed["frequency"]
-        message = f"its latest time is {shown:,.0f} periods of the drive from the first"
-        yield Problem("trajectory", message, f"End it by {latest:.3g} s, {MAX_PERIODS:,} periods")
+        yield Problem(
+            "trajectory",
+            f"its latest time is {shown:,.0f} periods of the drive from the first",
+            f"End it by {latest:.3g} s, {MAX_PERIODS:,} periods",
+        )

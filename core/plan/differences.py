@@ -412,12 +412,20 @@ def asked_of(
         if name not in known
     ]  # fmt: skip
     if not outputs:
-        message = "none of the requested outputs is a number with a derivative"
-        faults.append((message, "Leave out sensitivities, or request another output"))
+        faults.append(
+            (
+                "none of the requested outputs is a number with a derivative",
+                "Leave out sensitivities, or request another output",
+            )
+        )
     values = cells * len(outputs) * len(names)
     if values > MAX_DERIVED:
-        message = f"it asks for {values:,} derivatives and allows {MAX_DERIVED:,}"
-        faults.append((message, "Give fewer cells, outputs or names of parameters"))
+        faults.append(
+            (
+                f"it asks for {values:,} derivatives and allows {MAX_DERIVED:,}",
+                "Give fewer cells, outputs or names of parameters",
+            )
+        )
     raise_any(Problem(SECTION, *one) for one in faults)
     return Asked(outputs, names)
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import Problem, StudyError, raise_any
+from vibrafeed.core.errors import Problem, raise_any, refused
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.quantities.drives import DRIVE
 from vibrafeed.core.quantities.flags import REGIME
@@ -203,13 +203,18 @@ def choose_scene(
     scene = scenes.get(name)
     if scene is None:
         is_scene = name in SCENES
-        message = f"'{name[:60]}' {'cannot be simulated' if is_scene else 'is not a scene'}"
-        fix = f"Known: {', '.join(scenes)}" if is_scene else suggestion(name, scenes)
-        raise StudyError([Problem("scene", message, fix)])
+        raise refused(
+            "scene",
+            f"'{name[:60]}' {'cannot be simulated' if is_scene else 'is not a scene'}",
+            f"Known: {', '.join(scenes)}" if is_scene else suggestion(name, scenes),
+        )
     if variant is None or variant in scene.variants:
         return scene, variant or scene.default_variant, []
-    message = f"{scene.name} has no {scene.choice} '{variant[:60]}'"
-    problem = Problem(scene.choice, message, suggestion(variant, scene.variants))
+    problem = Problem(
+        scene.choice,
+        f"{scene.name} has no {scene.choice} '{variant[:60]}'",
+        suggestion(variant, scene.variants),
+    )
     return scene, scene.default_variant, [problem]
 
 
@@ -303,16 +308,17 @@ class _Walk:
 def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions) -> Problem:
     told = _other_way(scene, variant, name)
     if told is None:
-        message = f"{scene.name} has no output '{name[:60]}'"
-        told = message, suggest(name, scene.outputs(variant))
+        told = f"{scene.name} has no output '{name[:60]}'", suggest(name, scene.outputs(variant))
     return Problem("outputs", *told, about=name)
 
 
 def _other_way(scene: Scene, variant: str, name: str) -> tuple[str, str] | None:
     others = [v for v in scene.variants if name in scene.outputs(v)]
     if others:
-        message = f"the {scene.choice} '{variant}' of {scene.name} does not give '{name}'"
-        return message, f"Set {scene.choice} to {' or '.join(others)}"
+        return (
+            f"the {scene.choice} '{variant}' of {scene.name} does not give '{name}'",
+            f"Set {scene.choice} to {' or '.join(others)}",
+        )
     closed = SCENES.get(scene.name)
     if scene.choice == "method" and closed is not None:
         here, there, kind = "simulation", "sweep", "sweep"
@@ -325,8 +331,10 @@ def _other_way(scene: Scene, variant: str, name: str) -> tuple[str, str] | None:
     other = by_synonym(name, scene.outputs(variant))
     if other is None:
         return f"a {there} gives {name}, a {here} does not", f'Set kind = "{kind}"'
-    message = f"a {there} gives {name}; a {here} gives {other}"
-    return message, f'Ask for {other} in outputs, or set kind = "{kind}"'
+    return (
+        f"a {there} gives {name}; a {here} gives {other}",
+        f'Ask for {other} in outputs, or set kind = "{kind}"',
+    )
 
 
 def _doubled(parameters: Collection[str], missing: Collection[str]) -> Iterator[Problem]:
@@ -358,21 +366,22 @@ def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
 
 
 def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> Problem:
-    place = f"parameters.{name}"
+    path = f"parameters.{name}"
     if name in DRIVE and "wave" not in scene.producers(variant):
         return Problem(
-            place,
+            path,
             f"{scene.name} supports only the plain sine here, and {name} belongs to another drive",
             "Give amplitude, alpha and beta instead, or ask for the conveying_velocity of a part",
         )
     if (variant, name) in NOT_OF_SHAPE:
-        return Problem(place, *NOT_OF_SHAPE[variant, name])
+        return Problem(path, *NOT_OF_SHAPE[variant, name])
     if name in scene_parameters(scene, variant):
-        message = f"{name} is not used by {', '.join(outputs)} of {scene.name}"
-        return Problem(place, message, "Remove it")
+        return Problem(
+            path, f"{name} is not used by {', '.join(outputs)} of {scene.name}", "Remove it"
+        )
     users = [one for one in scene.variants if name in scene_parameters(scene, one)]
     elsewhere = f", or set {scene.choice} to {' or '.join(users)}" if users else ""
-    return Problem(place, f"{name} is not used by {scene.name}", f"Remove it{elsewhere}")
+    return Problem(path, f"{name} is not used by {scene.name}", f"Remove it{elsewhere}")
 
 
 def scene_parameters(scene: Scene, variant: str) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from typing import Any, ClassVar, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import LimitError, Problem, StoppedError, StudyError, raise_any
+from vibrafeed.core.errors import LimitError, Problem, StoppedError, StudyError, raise_any, refused
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan.differences import Asked, is_status
 from vibrafeed.core.plan.grid import Grid, from_si, positions_of, spread
@@ -214,13 +214,14 @@ class Prepared:
         if self.study.verify is None:
             return self
         if not self.verified_by:
-            message = "no other method follows this motion"
-            raise StudyError([Problem("verify", message, "Leave it out")])
+            raise refused("verify", "no other method follows this motion", "Leave it out")
         if self.seconds_to_verify > MAX_SECONDS_TO_VERIFY:
             each, by = self.seconds_a_verified_cell, self.verified_by
-            message = f"{by} take{'s' * by.startswith('the')} some {each:.2g} s a cell"
-            fix = f"Give at most {int(MAX_SECONDS_TO_VERIFY / each):,}"
-            raise StudyError([Problem("verify", message, fix)])
+            raise refused(
+                "verify",
+                f"{by} take{'s' * by.startswith('the')} some {each:.2g} s a cell",
+                f"Give at most {int(MAX_SECONDS_TO_VERIFY / each):,}",
+            )
         return self
 
     def check_limits(self, *, cells: int | None, bytes_: int | None) -> None:

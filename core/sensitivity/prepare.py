@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import Problem, StudyError, raise_any
+from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.optimise.prepare import choose_problem_scene, drive_refusal
@@ -230,14 +230,10 @@ def prepare(study: SensitivityStudy) -> Sensitivity:
     """Return a study with uncertain parameters as checked and planned, ready to be computed."""
     uncertain, asked = study.distributions(), study.asked()
     if not uncertain:
-        raise StudyError(
-            [
-                Problem(
-                    "uncertain",
-                    "no parameter is uncertain",
-                    "Add a parameter, for example friction = { mean = 0.3, deviation = 0.03 }",
-                )
-            ]
+        raise refused(
+            "uncertain",
+            "no parameter is uncertain",
+            "Add a parameter, for example friction = { mean = 0.3, deviation = 0.03 }",
         )
     problems = [*_problems_of(study)]
     given = (*study.values(), *uncertain)

@@ -42,8 +42,9 @@ class Sweep(Prepared):
         """The problem with computing cells on reading: derivatives need the whole grid."""
         if not self.study.sensitivities:
             return None
-        message = "derivatives are computed as a whole, not where read"
-        return Problem("sensitivities", message, "Leave it out")
+        return Problem(
+            "sensitivities", "derivatives are computed as a whole, not where read", "Leave it out"
+        )
 
     @cached_property
     def derived(self) -> Asked | None:

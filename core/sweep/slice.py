@@ -172,8 +172,9 @@ def _problems(
     known, suggest = sweep.grid.axes, Suggestions()
     outputs = (*sweep.plan.outputs, *sweep.plan.verdict_names)
     if output not in outputs:
-        fix = suggest(output, outputs)
-        yield Problem("output", f"'{output}' is not an output of this sweep", fix)
+        yield Problem(
+            "output", f"'{output}' is not an output of this sweep", suggest(output, outputs)
+        )
     if not 1 <= len(axes) <= MAX_AXES:
         yield Problem(
             "axes",
@@ -182,17 +183,18 @@ def _problems(
         )
     for name in axes:
         if name not in known:
-            fix = suggest(name, known)
-            yield Problem("axes", f"'{name}' is not an axis of this sweep", fix)
+            yield Problem("axes", f"'{name}' is not an axis of this sweep", suggest(name, known))
     if len(set(axes)) < len(axes):
         yield Problem("axes", "axes names an axis twice", "Name each axis once")
     for name in at:
         if name not in known:
-            fix = suggest(name, known)
-            yield Problem(name, f"'{name}' is not an axis of this sweep", fix)
+            yield Problem(name, f"'{name}' is not an axis of this sweep", suggest(name, known))
         elif name in axes:
-            fix = f"Leave out {name}=, or take {name} out of axes"
-            yield Problem(name, f"{name} is a free axis, and has a value besides", fix)
+            yield Problem(
+                name,
+                f"{name} is a free axis, and has a value besides",
+                f"Leave out {name}=, or take {name} out of axes",
+            )
 
 
 def _value_on_axis(grid: Grid, name: str, at: Mapping[str, str]) -> float:
