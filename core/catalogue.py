@@ -1,7 +1,5 @@
 """The catalogue: what every scene takes and gives, for programs, and as a card for people."""
 
-from __future__ import annotations
-
 import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence

@@ -4,8 +4,6 @@ Windows opens no folder, flushes no file that is open for reading only, and neit
 removes a file that any program holds open.
 """
 
-from __future__ import annotations
-
 import io
 import os
 import re

@@ -6,8 +6,6 @@ Each package of kernels has studies that need all of it, first what the first st
 caches.
 """
 
-from __future__ import annotations
-
 import argparse
 import multiprocessing
 import os

@@ -4,8 +4,6 @@ A command's file is loaded when the command runs: `vibrafeed scenes` loads no Ne
 `vibrafeed --help` none of them.
 """
 
-from __future__ import annotations
-
 import gc
 import os
 from importlib import import_module

@@ -1,7 +1,5 @@
 """`vibrafeed export`: a result in another format."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path

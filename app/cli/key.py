@@ -3,8 +3,6 @@
 They work on the ledger that `vibrafeed serve` has with the same settings.
 """
 
-from __future__ import annotations
-
 import os
 import sqlite3
 import time
@@ -201,7 +199,7 @@ def print_hash() -> None:
 
 
 @contextmanager
-def _database() -> Iterator[Database]:
+def _database() -> "Iterator[Database]":
     """Yield the database of API keys, that of the ledger; if it cannot be used, print why and exit.
 
     It is closed at the end. Errors of the database that the block raises are treated alike.

@@ -1,7 +1,5 @@
 """Options that several commands have, and exit codes; imports nothing that takes long."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 import typer

@@ -1,7 +1,5 @@
 """`vibrafeed report`: error against run time of studies, as a page, pictures and datasets."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -73,7 +71,7 @@ def report(
 
 
 def _write(
-    studies: Mapping[Path, Prepared],
+    studies: "Mapping[Path, Prepared]",
     targets: Mapping[Path, Path],
     seconds: float,
     stopped: Callable[[], bool],

@@ -1,7 +1,5 @@
 """`vibrafeed run`: studies in, results out, in the format that a suffix names."""
 
-from __future__ import annotations
-
 import shutil
 import sys
 import tempfile
@@ -192,7 +190,7 @@ def _show_plans(studies: Batch, units: str | None, as_json: bool) -> None:
 
 @contextmanager
 def cluster(
-    address: str | None, studies: Mapping[Path, Prepared], targets: Mapping[Path, str]
+    address: str | None, studies: "Mapping[Path, Prepared]", targets: Mapping[Path, str]
 ) -> Iterator[None]:
     """Let dask compute on the scheduler at an address while the block runs; here without one.
 

@@ -23,8 +23,7 @@ from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.intake import prepare_content, read_json
 from vibrafeed.core.intake.forms import write_as
 from vibrafeed.core.kinds import is_whole, tabulate
-from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.plan.price import Price
+from vibrafeed.core.plan.prepared import Prepared, Price
 from vibrafeed.core.sweep.slice import SliceCut, compute_slice, prepare_cut
 from vibrafeed.core.watch import Watch
 

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, RootModel
 
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.kinds import KINDS
-from vibrafeed.core.plan.kind import Kind
+from vibrafeed.core.plan.pieces import Kind
 from vibrafeed.core.study import Study
 
 ACCURACY = "accuracy"

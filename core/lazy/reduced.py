@@ -15,8 +15,7 @@ from vibrafeed.core.errors import Problem
 from vibrafeed.core.plan.labels import coordinates_of
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.plan import Verdict
-from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.plan.price import in_words
+from vibrafeed.core.plan.prepared import Prepared, in_words
 from vibrafeed.core.quantities import FLAGS, QUANTITIES, REGIMES
 from vibrafeed.core.study.reduction import QUANTILE, LevelSet, Reduction, ShareCondition
 from vibrafeed.core.study.sweep_and_simulate import SimulateStudy, SweepStudy

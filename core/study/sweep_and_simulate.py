@@ -1,7 +1,5 @@
 """The study of motion in time over a grid."""
 
-from __future__ import annotations
-
 import reprlib
 from collections.abc import Sequence
 from itertools import pairwise

@@ -43,7 +43,7 @@ from vibrafeed.app.web.replies import component, execution_name, json_reply, pro
 from vibrafeed.app.web.routes import page
 from vibrafeed.app.web.shares import calculate_in_process, slot_of, threads_of
 from vibrafeed.core.errors import StoppedError
-from vibrafeed.core.plan.price import Price
+from vibrafeed.core.plan.prepared import Price
 
 router = APIRouter(tags=["processes"])
 
