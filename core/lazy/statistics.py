@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import partial, reduce
+from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
 
 import dask.array
@@ -99,6 +100,8 @@ class Cells:
             name.removeprefix(COUNTED): xarray.DataArray(array, dims=whole.dims[name])
             for name, array in arrays.items()
         }
+        counted = [one.of for one in prepared.statistics if one.what == "count"]
+        self._of = {name: self._moments(self._arrays[name]) for name in counted}
 
     def variable(self, statistic: Statistic) -> xarray.DataArray:
         """Return a variable of the result."""
@@ -116,8 +119,11 @@ class Cells:
             return self._quantile(values)
         if statistic.axis:
             return self._position(values, statistic)
-        found = _reduced(values, self.gone(values), statistic.what)
-        return found * self.times(values) if statistic.what == "count" else found
+        moments = self._of[statistic.of]
+        found = moments.copy(data=moments.data.map_blocks(_statistic, statistic.what, dtype=float))
+        if statistic.what == "count":
+            return found.astype(np.int64) * self.times(values)
+        return found
 
     def meets(self, condition: ShareCondition) -> xarray.DataArray:
         """Return a mask of the cells that meet the condition of a share."""
@@ -136,6 +142,22 @@ class Cells:
         """Return the number of cells of the study that one cell of an array stands for."""
         shape = self._prepared.grid.shape
         return math.prod(shape[axis] for axis in self.asked.over if axis not in array.dims)
+
+    def _moments(self, values: xarray.DataArray) -> xarray.DataArray:
+        asked = self.asked.statistics
+        wanted = (_MOMENTS.get(what, (what,)) for what in asked if not what.startswith("arg"))
+        names = tuple(dict.fromkeys(["count", *chain.from_iterable(wanted)]))
+        gone = self.gone(values)
+        kept = [dim for dim in values.dims if dim not in gone]
+        moments = dask.array.reduction(
+            values.data,
+            partial(_moments, names=names),
+            _joined,
+            axis=tuple(values.get_axis_num(dim) for dim in gone),
+            dtype=[(name, np.float64) for name in names],
+            meta=np.empty((0,) * len(kept), [(name, np.float64) for name in names]),
+        )
+        return xarray.DataArray(moments, dims=kept)
 
     def _quantile(self, values: xarray.DataArray) -> xarray.DataArray:
         gone, shares = self.gone(values), self.asked.quantiles
@@ -203,49 +225,59 @@ class Cells:
         )
 
 
-def _reduced(values: xarray.DataArray, gone: tuple[str, ...], what: str) -> xarray.DataArray:
-    if what == "std":
-        return values.std(gone)
-    if what == "mean":
-        count = _reduced(values, gone, "count")
-        return _reduced(values, gone, "sum") / count.where(count > 0)
-    of_block, joined, dtype = _FOLDS[what]
-    kept = [dim for dim in values.dims if dim not in gone]
-    reduced = dask.array.reduction(
-        values.data,
-        of_block,
-        joined,
-        axis=tuple(values.get_axis_num(dim) for dim in gone),
-        dtype=dtype,
-        meta=np.empty((0,) * len(kept), dtype),
-    )
-    return xarray.DataArray(reduced, dims=kept)
+# xarray's own reductions pass over the cells for each statistic, and warn where none counts.
+_MOMENTS: Final = {"mean": ("sum",), "std": ("sum", "squares")}
+"""What is summed up for a statistic that is none of itself."""
+_JOINED: Final = {"count": np.add, "sum": np.add, "squares": np.add, "max": np.fmax, "min": np.fmin}
 
 
-def _fold(ufunc: np.ufunc) -> Callable[..., Any]:
-    def fold(values: Any, axis: tuple[int, ...], keepdims: bool) -> Any:
-        with np.errstate(invalid="ignore"):
-            return ufunc.reduce(values, axis=axis, keepdims=keepdims)
-
-    return fold
+def _mean(moments: Any) -> Any:
+    return moments["sum"] / moments["count"]
 
 
-def _sum(values: Any, axis: tuple[int, ...], keepdims: bool) -> Any:
-    with np.errstate(invalid="ignore"):
-        return np.sum(values, axis=axis, keepdims=keepdims, where=~np.isnan(values))
+def _moments(
+    values: NDArray[Any], axis: tuple[int, ...], keepdims: bool, names: Sequence[str]
+) -> NDArray[Any]:
+    """Return moments of a block, NaN aside, as a record; the squares are those of deviations."""
+    along: Any = {"axis": axis, "keepdims": keepdims}
+    counted = values == values
+    # A block has fewer than 2^31 cells; numpy.count_nonzero takes twice as long.
+    moments: dict[str, Any] = {"count": np.sum(counted, dtype=np.int32, **along)}
+    with np.errstate(invalid="ignore", divide="ignore"):
+        for name in names:
+            if name in ("max", "min"):
+                moments[name] = _JOINED[name].reduce(values, **along)
+            elif name != "count":
+                summed = values if name == "sum" else np.square(values - _mean(moments))
+                moments[name] = np.sum(summed, where=counted, **along)
+    return _record(moments)
 
 
-def _count(values: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> Any:
-    return np.count_nonzero(values == values, axis=axis, keepdims=keepdims)
+def _joined(parts: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> NDArray[Any]:
+    """Return the moments of several blocks together."""
+    along: Any = {"axis": axis, "keepdims": True}
+    names = parts.dtype.names or ()
+    with np.errstate(invalid="ignore", divide="ignore"):
+        moments = {name: _JOINED[name].reduce(parts[name], **along) for name in names}
+        if "squares" in moments:
+            apart = np.square(_mean(parts) - _mean(moments))
+            moments["squares"] += np.nansum(parts["count"] * apart, **along)
+    record = _record(moments)
+    return record if keepdims else record.squeeze(axis)
 
 
-# xarray's own reductions take two to four times as long and warn where no cell of a block counts.
-_FOLDS: Final = {
-    "max": (_fold(np.fmax), _fold(np.fmax), np.float64),
-    "min": (_fold(np.fmin), _fold(np.fmin), np.float64),
-    "sum": (_sum, _fold(np.add), np.float64),
-    "count": (_count, _fold(np.add), np.int64),
-}
+def _record(moments: Mapping[str, Any]) -> NDArray[Any]:
+    record = np.empty(moments["count"].shape, [(name, np.float64) for name in moments])
+    for name, values in moments.items():
+        record[name] = values
+    return record
+
+
+def _statistic(moments: NDArray[Any], what: str) -> Any:
+    with np.errstate(invalid="ignore", divide="ignore"):
+        if what == "mean":
+            return _mean(moments)
+        return np.sqrt(moments["squares"] / moments["count"]) if what == "std" else moments[what]
 
 
 _PAIR: Final = np.dtype([("value", np.float64), ("number", np.int64)])
