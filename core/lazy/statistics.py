@@ -30,8 +30,6 @@ COMPARED: Final[Mapping[str, Callable[[Any, Any], Any]]] = {
     "<": operator.lt, "<=": operator.le, "==": operator.eq,
     "!=": operator.ne, ">=": operator.ge, ">": operator.gt,
 }  # fmt: skip
-NOWHERE = np.iinfo(np.int64).max
-"""The number of the cell of an extreme where no cell counts."""
 
 
 def compute(prepared: Reduced, watch: Watch) -> dict[str, NDArray[Any]]:
@@ -117,10 +115,12 @@ class Cells:
             return self._crossing(values, statistic)
         if statistic.what == QUANTILE:
             return self._quantile(values)
-        if statistic.axis:
-            return self._position(values, statistic)
         moments = self._of[statistic.of]
-        found = moments.copy(data=moments.data.map_blocks(_statistic, statistic.what, dtype=float))
+        known: dict[str, Any] = {"what": statistic.what}
+        if statistic.axis:
+            known["axis"] = self._prepared.grid.coordinate(statistic.axis)
+            known["stride"] = self._strides(values).get(statistic.axis, math.inf)
+        found = moments.copy(data=moments.data.map_blocks(_statistic, **known, dtype=np.float64))
         if statistic.what == "count":
             return found.astype(np.int64) * self.times(values)
         return found
@@ -143,19 +143,33 @@ class Cells:
         shape = self._prepared.grid.shape
         return math.prod(shape[axis] for axis in self.asked.over if axis not in array.dims)
 
+    def _strides(self, values: xarray.DataArray) -> dict[str, int]:
+        # of the numbers of the cells that become one, the last axis fastest
+        gone = self.gone(values)
+        sizes = [values.sizes[dim] for dim in gone]
+        return {dim: math.prod(sizes[k + 1 :]) for k, dim in enumerate(gone)}
+
     def _moments(self, values: xarray.DataArray) -> xarray.DataArray:
-        asked = self.asked.statistics
-        wanted = (_MOMENTS.get(what, (what,)) for what in asked if not what.startswith("arg"))
+        wanted = (_MOMENTS.get(what, (what,)) for what in self.asked.statistics)
         names = tuple(dict.fromkeys(["count", *chain.from_iterable(wanted)]))
+        numbers: Any = None
+        if {"argmax", "argmin"} & {*names}:
+            numbers = np.zeros(())
+            for dim, stride in self._strides(values).items():
+                along = dask.array.arange(values.sizes[dim], chunks=values.chunksizes[dim])
+                shape = [-1 if other == dim else 1 for other in values.dims]
+                numbers = numbers + stride * along.reshape(shape)
         gone = self.gone(values)
         kept = [dim for dim in values.dims if dim not in gone]
+        dtype = [(name, np.float64) for name in names]
         moments = dask.array.reduction(
             values.data,
             partial(_moments, names=names),
             _joined,
             axis=tuple(values.get_axis_num(dim) for dim in gone),
-            dtype=[(name, np.float64) for name in names],
-            meta=np.empty((0,) * len(kept), [(name, np.float64) for name in names]),
+            dtype=dtype,
+            meta=np.empty((0,) * len(kept), dtype),
+            weights=numbers,
         )
         return xarray.DataArray(moments, dims=kept)
 
@@ -193,42 +207,14 @@ class Cells:
         extreme: xarray.DataArray = crossed.max(gone) if largest else crossed.min(gone)
         return extreme.where(np.isfinite(extreme))
 
-    def _position(self, values: xarray.DataArray, statistic: Statistic) -> xarray.DataArray:
-        """Return the value of an axis in the first cell with the largest or least value."""
-        gone, axis = self.gone(values), self._prepared.grid.coordinate(statistic.axis)
-        if not gone:
-            return values.where(values.isnull(), axis[0])
-        sizes = [values.sizes[dim] for dim in gone]
-        strides = {dim: math.prod(sizes[k + 1 :]) for k, dim in enumerate(gone)}
-        numbers: Any = np.zeros((), np.int64)
-        for dim, stride in strides.items():
-            chunks = values.chunksizes[dim]
-            along = dask.array.arange(values.sizes[dim], chunks=chunks, dtype=np.int64)
-            shape = [-1 if other == dim else 1 for other in values.dims]
-            numbers = numbers + stride * along.reshape(shape)
-        kept = [dim for dim in values.dims if dim not in gone]
-        number = dask.array.reduction(
-            (values if statistic.what == "argmax" else -values).data,
-            _largest,
-            _number_of_largest,
-            axis=tuple(values.get_axis_num(dim) for dim in gone),
-            combine=_larger,
-            dtype=np.int64,
-            meta=np.empty((0,) * len(kept), np.int64),
-            weights=numbers,
-        )
-        stride, size = strides.get(statistic.axis, 1), len(axis)
-        position = number // stride % size if statistic.axis in gone else 0 * number
-        values_there = position.map_blocks(lambda at: axis[at], dtype=np.float64)
-        return xarray.DataArray(
-            dask.array.where(number == NOWHERE, np.nan, values_there), dims=kept
-        )
-
 
 # xarray's own reductions pass over the cells for each statistic, and warn where none counts.
-_MOMENTS: Final = {"mean": ("sum",), "std": ("sum", "squares")}
-"""What is summed up for a statistic that is none of itself."""
-_JOINED: Final = {"count": np.add, "sum": np.add, "squares": np.add, "max": np.fmax, "min": np.fmin}
+_MOMENTS: Final = {
+    "mean": ("sum",), "std": ("sum", "squares"), "argmax": ("max", "argmax"),
+    "argmin": ("min", "argmin"),
+}  # fmt: skip
+"""What is kept of a block for a statistic; by default itself."""
+_EXTREMES: Final = {"max": np.fmax, "min": np.fmin}
 
 
 def _mean(moments: Any) -> Any:
@@ -236,29 +222,49 @@ def _mean(moments: Any) -> Any:
 
 
 def _moments(
-    values: NDArray[Any], axis: tuple[int, ...], keepdims: bool, names: Sequence[str]
+    values: NDArray[Any],
+    numbers: Any = None,
+    *,
+    axis: tuple[int, ...],
+    keepdims: bool,
+    names: Sequence[str],
 ) -> NDArray[Any]:
-    """Return moments of a block, NaN aside, as a record; the squares are those of deviations."""
+    """Return moments of a block, NaN aside, as a record.
+
+    The squares are those of deviations from the mean; of extremes there are the `numbers` of the
+    first cells that have them.
+    """
     along: Any = {"axis": axis, "keepdims": keepdims}
     counted = values == values
     # A block has fewer than 2^31 cells; numpy.count_nonzero takes twice as long.
     moments: dict[str, Any] = {"count": np.sum(counted, dtype=np.int32, **along)}
     with np.errstate(invalid="ignore", divide="ignore"):
-        for name in names:
-            if name in ("max", "min"):
-                moments[name] = _JOINED[name].reduce(values, **along)
-            elif name != "count":
+        for name in names[1:]:
+            if name in _EXTREMES:
+                moments[name] = _EXTREMES[name].reduce(values, **along)
+            elif name.startswith("arg"):
+                moments[name] = _first(values, numbers, moments[name[3:]], along)
+            else:
                 summed = values if name == "sum" else np.square(values - _mean(moments))
                 moments[name] = np.sum(summed, where=counted, **along)
     return _record(moments)
 
 
+def _first(values: Any, numbers: Any, extreme: Any, along: Any) -> Any:
+    return np.where(values == extreme, numbers, np.inf).min(**along)
+
+
 def _joined(parts: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> NDArray[Any]:
     """Return the moments of several blocks together."""
     along: Any = {"axis": axis, "keepdims": True}
-    names = parts.dtype.names or ()
+    moments: dict[str, Any] = {}
     with np.errstate(invalid="ignore", divide="ignore"):
-        moments = {name: _JOINED[name].reduce(parts[name], **along) for name in names}
+        for name in parts.dtype.names or ():
+            if name.startswith("arg"):
+                of = name[3:]
+                moments[name] = _first(parts[of], parts[name], moments[of], along)
+            else:
+                moments[name] = _EXTREMES.get(name, np.add).reduce(parts[name], **along)
         if "squares" in moments:
             apart = np.square(_mean(parts) - _mean(moments))
             moments["squares"] += np.nansum(parts["count"] * apart, **along)
@@ -273,35 +279,17 @@ def _record(moments: Mapping[str, Any]) -> NDArray[Any]:
     return record
 
 
-def _statistic(moments: NDArray[Any], what: str) -> Any:
+def _statistic(moments: Any, what: str, axis: Any = None, stride: float = 1) -> Any:
     with np.errstate(invalid="ignore", divide="ignore"):
         if what == "mean":
             return _mean(moments)
-        return np.sqrt(moments["squares"] / moments["count"]) if what == "std" else moments[what]
-
-
-_PAIR: Final = np.dtype([("value", np.float64), ("number", np.int64)])
-
-
-def _largest(
-    values: NDArray[Any], numbers: NDArray[Any], axis: tuple[int, ...], keepdims: bool
-) -> NDArray[Any]:
-    """Return the largest value of a block, NaN aside, and the number of the first cell with it."""
-    best = np.fmax.reduce(values, axis=axis, keepdims=True, initial=np.nan)
-    at = np.where(values == best, numbers, NOWHERE).min(axis=axis, keepdims=True)
-    pairs = np.empty(best.shape, _PAIR)
-    pairs["value"], pairs["number"] = best, at
-    return pairs
-
-
-def _larger(pairs: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> NDArray[Any]:
-    return _largest(pairs["value"], pairs["number"], axis, keepdims)
-
-
-def _number_of_largest(pairs: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> NDArray[Any]:
-    best = np.fmax.reduce(pairs["value"], axis=axis, keepdims=True)
-    at = np.where(pairs["value"] == best, pairs["number"], NOWHERE)
-    return at.min(axis=axis, keepdims=keepdims)
+        if what == "std":
+            return np.sqrt(moments["squares"] / moments["count"])
+        if axis is None:
+            return moments[what]
+        is_some = np.isfinite(moments[what])
+        at = np.where(is_some, moments[what] // stride % len(axis), 0).astype(np.int64)
+        return np.where(is_some, axis[at], np.nan)
 
 
 def _quantiles(
