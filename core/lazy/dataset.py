@@ -6,8 +6,7 @@ memory goes through here: reductions, files, slices of a service, clusters.
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -144,12 +143,12 @@ def fields_of(prepared: Prepared) -> list[Field]:
     return fields
 
 
-def block_cells(prepared: Prepared, field: Field) -> int:
+def block_cells(prepared: Prepared, field: Field, most: int = BLOCK_CELLS) -> int:
     """Return the number of cells of a block of a field; equal studies have equal blocks."""
     if not field.takes_long:
-        return BLOCK_CELLS
+        return most
     # A price that is measured would give other blocks, and last digits of means, in each run.
-    return int(min(BLOCK_CELLS, max(1, BLOCK_SECONDS / prepared.stated_seconds_a_cell)))
+    return max(1, min(most, int(BLOCK_SECONDS / prepared.stated_seconds_a_cell)))
 
 
 def chunks_of(
@@ -169,6 +168,16 @@ def chunks_of(
             chunks[dim] = tuple(min(step, shape[dim] - start) for start in starts)
             room //= step
     return {dim: chunks[dim] for dim in field.dims}
+
+
+def box_of(
+    chunks: Mapping[str, Sequence[int]], numbers: Iterable[int]
+) -> dict[str, tuple[int, int]]:
+    """Return start and stop on each axis of the block with some numbers on them."""
+    return {
+        dim: (k * lengths[0], k * lengths[0] + lengths[k])
+        for (dim, lengths), k in zip(chunks.items(), numbers, strict=True)
+    }
 
 
 def compute_block(
@@ -202,15 +211,10 @@ def _arrays(
     field: Field,
     chunks: Mapping[str, tuple[int, ...]],
 ) -> dict[str, Array]:
-    ends = [list(itertools.accumulate(chunks[dim], initial=0)) for dim in field.dims]
-
     def block(block_id: tuple[int, ...] = ()) -> NDArray[Any]:
-        box = {
-            dim: (at[k], at[k + 1]) for dim, at, k in zip(field.dims, ends, block_id, strict=True)
-        }
-        held = np.empty([1] * len(box), dtype=object)
-        arrays = compute_block(prepared, field, box, Watch(threads=1))
-        held[(0,) * len(box)] = arrays
+        held = np.empty([1] * len(block_id), dtype=object)
+        box = box_of(chunks, block_id)
+        held[(0,) * len(block_id)] = compute_block(prepared, field, box, Watch(threads=1))
         return held
 
     counts = [len(chunks[dim]) for dim in field.dims]
