@@ -120,10 +120,10 @@ class Cells:
         if statistic.axis:
             known["axis"] = self._prepared.grid.coordinate(statistic.axis)
             known["stride"] = self._strides(values).get(statistic.axis, math.inf)
-        found = moments.copy(data=moments.data.map_blocks(_statistic, **known, dtype=np.float64))
-        if statistic.what == "count":
-            return found.astype(np.int64) * self.times(values)
-        return found
+        data = moments.data.map_blocks(_statistic, **known, dtype=np.float64)
+        result = moments.copy(data=data)
+        is_count = statistic.what == "count"
+        return result.astype(np.int64) * self.times(values) if is_count else result
 
     def meets(self, condition: ShareCondition) -> xarray.DataArray:
         """Return a mask of the cells that meet the condition of a share."""
