@@ -111,20 +111,37 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
+SERVE = """
+try:
+    from vibrafeed.app.cli import main
+except ModuleNotFoundError:  # of an older tree
+    from app.cli import main
+main()
+"""
+
+
 @contextmanager
-def served(open_files: int | None = None, **settings: object) -> Iterator[Served]:
-    """Yield a running server with some settings, and stop it afterwards."""
+def served(
+    open_files: int | None = None, tree: Path | None = None, **settings: object
+) -> Iterator[Served]:
+    """Yield a running server with some settings, and stop it afterwards.
+
+    Its code is that of `tree`, if that is given.
+    """
     port = free_port()
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder) / "data"
         given = {"data_directory": data, **settings}
         environment = {f"VIBRAFEED_{name.upper()}": str(value) for name, value in given.items()}
-        command = [sys.executable, "-c", "from vibrafeed.app.cli import main; main()", "serve"]
+        if tree is not None:
+            environment["PYTHONPATH"] = str(tree)
+        command = [sys.executable, "-c", SERVE, "serve"]
         path = Path(folder) / "log"
         limit = None if open_files is None else partial(_limit_files, open_files)
         with path.open("wb") as log:
             process = subprocess.Popen(
                 [*command, "--port", str(port)],
+                cwd=tree,
                 stderr=log,
                 env={**os.environ, **environment},
                 preexec_fn=limit,

@@ -180,9 +180,8 @@ class Reduced(Prepared):
     @property
     def needed(self) -> set[str]:
         """The outputs and verdicts that the answers need."""
-        told = {one.of for one in self.statistics if one.of}
-        told |= {one.name for statistic in self.statistics for one in statistic.conditions}
-        return told | {judge.name for name in told if (judge := self.judge(name))}
+        names = {one.of for one in self.statistics if one.of}
+        return names | {one.name for statistic in self.statistics for one in statistic.conditions}
 
     def label(self, computed: Computed, watch: Watch) -> Table:
         """Return the results of a reduction as a table: arrays with coordinates and attributes.

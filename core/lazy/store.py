@@ -36,11 +36,13 @@ from vibrafeed.core.dataset.stores import (
     put_document,
     remove_all,
 )
-from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.dataset.table import Table, TableVariable
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.lazy.dataset import (
     STOPPED,
     Field,
+    block_cells,
+    box_of,
     chunks_of,
     compute_block,
     fields_of,
@@ -92,9 +94,8 @@ class Blocks:
     def __init__(self, prepared: Prepared):
         self.prepared, self._fields = prepared, []
         for one in fields_of(prepared):
-            chunks = chunks_of(prepared, one, stored_cells(prepared, one))
-            ends = {dim: [0, *itertools.accumulate(chunks[dim])] for dim in one.dims}
-            self._fields.append((one, ends, [len(chunks[dim]) for dim in one.dims]))
+            chunks = chunks_of(prepared, one, block_cells(prepared, one, STORED_CELLS))
+            self._fields.append((one, chunks, [len(lengths) for lengths in chunks.values()]))
         self._starts = [0, *itertools.accumulate(math.prod(n) for _, _, n in self._fields)]
 
     def __len__(self) -> int:
@@ -102,11 +103,10 @@ class Blocks:
 
     def __getitem__(self, index: int) -> Block:
         at = next(k for k, stop in enumerate(self._starts[1:]) if index < stop)
-        one, ends, counts = self._fields[at]
+        one, chunks, counts = self._fields[at]
         place = np.unravel_index(index - self._starts[at], counts) if counts else ()
-        numbers = dict(zip(one.dims, map(int, place), strict=True))
-        box = {dim: (ends[dim][k], ends[dim][k + 1]) for dim, k in numbers.items()}
-        return Block(one, box, numbers)
+        numbers = [int(k) for k in place]
+        return Block(one, box_of(chunks, numbers), dict(zip(one.dims, numbers, strict=True)))
 
     def regions(self, block: Block) -> dict[str, Region]:
         """Return the regions of the arrays that the variables of a block fill.
@@ -122,21 +122,13 @@ class Blocks:
 
     def chunk(self, name: str) -> tuple[int, ...]:
         """Return the lengths of the blocks of a variable."""
-        ends = next(ends for one, ends, _ in self._fields if name in one.names)
-        return tuple(ends[dim][1] for dim in self.prepared.dims[name])
+        chunks = next(chunks for one, chunks, _ in self._fields if name in one.names)
+        return tuple(chunks[dim][0] for dim in self.prepared.dims[name])
 
 
 def points_of(prepared: Prepared) -> int:
     """Return the number of points of all blocks of a study."""
     return sum(prepared.grid.size(one.dims) for one in fields_of(prepared))
-
-
-def stored_cells(prepared: Prepared, field: Field) -> int:
-    """Return the number of cells of a block that is stored: some seconds of motion at most."""
-    if not field.takes_long:
-        return STORED_CELLS
-    # A price that is measured would give other blocks in each process.
-    return max(1, min(STORED_CELLS, int(1 / prepared.stated_seconds_a_cell)))
 
 
 @dataclass
@@ -171,33 +163,23 @@ class Written:
 
 def summary(blocks: Blocks, block: Block, arrays: Mapping[str, NDArray[Any]]) -> Written:
     """Return extremes and counts of regimes of a block that was computed."""
-    plan, dims, regions = blocks.prepared.plan, blocks.prepared.dims, blocks.regions(block)
-    written = Written(block.cells)
+    plan, written, variables = blocks.prepared.plan, Written(block.cells), {}
+    for name, values in arrays.items():
+        judge = plan.verdict_on(name)
+        attributes = {} if judge is None else {"ancillary_variables": judge.name}
+        variables[name] = TableVariable(blocks.prepared.dims[name], values, attributes)
+    table = Table({}, variables, {})
+    for name in (name for name in blocks.regions(block) if name in plan.outputs):
+        valid, counted = table.valid(name), np.isfinite(arrays[name])
+        values = arrays[name][counted if valid is None else counted & valid]
+        if values.size:
+            written.ends[name] = float(values.min()), float(values.max())
     for verdict in plan.verdicts:
-        if verdict.name in regions:
+        if verdict.name in blocks.regions(block):
             written.regimes[verdict.name] = {
                 name: int(np.count_nonzero(arrays[verdict.name] == REGIMES[name].value))
                 for name in verdict.regimes
             }
-    for name in regions:
-        if name in plan.verdict_names:
-            continue
-        judge, counted = plan.verdict_on(name), np.asarray(np.isfinite(arrays[name]))
-        if judge is not None and judge.doubts:
-            valid, own = np.ones(arrays[judge.name].shape, bool), dims[judge.name]
-            for regime in (REGIMES[one] for one in judge.regimes):
-                if not regime.valid:  # several times as fast as numpy.isin
-                    valid &= arrays[judge.name] != regime.value
-            apart = tuple(k for k, dim in enumerate(own) if dim not in dims[name])
-            valid = np.asarray(valid.any(axis=apart))
-            shape = zip(dims[name], counted.shape, strict=True)
-            counted = counted & np.reshape(
-                valid, [size if dim in own else 1 for dim, size in shape]
-            )
-        if counted.any():
-            values = np.where(counted, arrays[name], np.nan)
-            ends = (float(end.reduce(values, axis=None)) for end in (np.fmin, np.fmax))
-            written.ends[name] = next(ends), next(ends)
     return written
 
 

@@ -193,3 +193,26 @@ def test_a_million_cells_over_one_two_and_all_axes() -> None:
             within_the_bound(got, line)
         quantiles = np.nanquantile(lines[:500], 0.3, axis=1)
         np.testing.assert_array_equal(found[f"{SPEED}_quantile"].values.ravel()[:500], quantiles)
+
+
+@pytest.mark.parametrize(
+    ("scene", "name", "more"),
+    [("sphere-on-plane", "required_friction", {"friction": [0.1, 0.3, 0.6]}),
+     ("rectangle-on-plane", "floor_force", {"mass": [1, 2]})],
+)  # fmt: skip
+def test_regimes_with_other_axes_than_their_output(
+    scene: str, name: str, more: dict[str, list[float]]
+) -> None:
+    parameters = {"frequency": [30, 60, 90], "amplitude": [5e-5, 2e-4, 8e-4], "beta": [10, 40]}
+    study = {
+        "kind": "sweep", "scene": scene, "outputs": [name], "parameters": {**parameters, **more},
+    }  # fmt: skip
+    whole = tabulate(prepare_content(study)).to_xarray()
+    for over in (("beta",), tuple(more), ("amplitude", *more)):
+        asked = {"over": list(over), "statistics": ["max", "mean", "std"]}
+        found = tabulate(prepare_content({**study, "reduce": asked})).to_xarray()
+        cells = on_all(over, whole, whole[name].where(valid_of(whole, name)))
+        for what in ("max", "mean", "std", "count"):
+            got = found[f"{name}_{what}"]
+            want = getattr(cells, what)(over)
+            np.testing.assert_allclose(got, want.transpose(*got.dims), rtol=1e-12, atol=1e-12)
