@@ -6,11 +6,12 @@ import errno
 import sqlite3
 from typing import Any
 
-from vibrafeed.app.jobs.errors import LostLedgerError, LostStoreError
+from vibrafeed.app.jobs.errors import DamagedLedgerError, LostLedgerError, LostStoreError
 
 FILES = "The service has reached its limit of open files"
 HELD = "Another process holds the ledger"
 LOST = "The database of the ledger cannot be reached"
+DAMAGED = "The ledger is damaged"
 UNAVAILABLE = "The object store of results cannot be used"
 PASSING = (FILES, HELD, LOST, UNAVAILABLE)  # soon, and by themselves
 
@@ -44,8 +45,16 @@ def problem(error: OSError | sqlite3.OperationalError) -> dict[str, Any]:
     """Return the arguments of the problem document for a file that cannot be written.
 
     They are those of `vibrafeed.app.web.replies.problem_document`: status 507, kind, title, and a
-    detail with the cause.
+    detail with the cause; 503 if it is the ledger that is damaged.
     """
+    if isinstance(error, DamagedLedgerError):
+        return {
+            "status": 503,
+            "kind": "ledger",
+            "title": "The service cannot read its ledger",
+            "detail": f"{DAMAGED}. Whoever runs the service has to restore it from a backup; "
+            "results on the disk are not affected.",
+        }
     return {
         "status": 507,
         "kind": "storage",
@@ -59,6 +68,8 @@ def why(error: OSError | sqlite3.Error) -> str:
     """Return the cause of a storage error in a few words for clients, without any path."""
     if isinstance(error, LostLedgerError):
         return LOST
+    if isinstance(error, DamagedLedgerError):
+        return DAMAGED
     if isinstance(error, LostStoreError):
         return UNAVAILABLE
     if isinstance(error, OSError):

@@ -45,6 +45,10 @@ class LostLedgerError(OSError):
     """The database of the ledger cannot be reached; it is not on this machine's disk."""
 
 
+class DamagedLedgerError(OSError):
+    """The database of the ledger does not hold what was written to it."""
+
+
 class LostStoreError(OSError):
     """The object store in which results are kept cannot be used."""
 
