@@ -6,14 +6,13 @@ import errno
 import sqlite3
 from typing import Any
 
-from vibrafeed.app.jobs.errors import DamagedLedgerError, LostLedgerError, LostStoreError
+from vibrafeed.app.jobs.errors import DamagedLedgerError, LostLedgerError
 
 FILES = "The service has reached its limit of open files"
 HELD = "Another process holds the ledger"
 LOST = "The database of the ledger cannot be reached"
 DAMAGED = "The ledger is damaged"
-UNAVAILABLE = "The object store of results cannot be used"
-PASSING = (FILES, HELD, LOST, UNAVAILABLE)  # soon, and by themselves
+PASSING = (FILES, HELD, LOST)  # soon, and by themselves
 
 
 # Why it cannot take more.
@@ -70,8 +69,6 @@ def why(error: OSError | sqlite3.Error) -> str:
         return LOST
     if isinstance(error, DamagedLedgerError):
         return DAMAGED
-    if isinstance(error, LostStoreError):
-        return UNAVAILABLE
     if isinstance(error, OSError):
         return STORAGE.get(error.errno or 0, "A file cannot be written")
     return next(

@@ -49,13 +49,5 @@ class DamagedLedgerError(OSError):
     """The database of the ledger does not hold what was written to it."""
 
 
-class LostStoreError(OSError):
-    """The object store in which results are kept cannot be used."""
-
-
-class FetchingError(VibrafeedError):
-    """A result is on its way from the object store."""
-
-
 class LaterLedgerError(VibrafeedError):
     """The ledger was changed by a later version of vibrafeed."""
