@@ -14,10 +14,7 @@ from vibrafeed.app.jobs.tables import AUDIT
 
 MAX_ENTRIES = 100_000  # the latest; older ones go when the service tidies up
 
-Action = Literal[
-    "post", "dismiss", "share", "unshare", "add key", "withdraw key", "refuse key",
-    "accept empty ledger",
-]  # fmt: skip
+Action = Literal["post", "dismiss", "share", "unshare", "add key", "withdraw key", "refuse key"]
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ FILES = "The service has reached its limit of open files"
 HELD = "Another process holds the ledger"
 LOST = "The database of the ledger cannot be reached"
 DAMAGED = "The ledger is damaged"
-PASSING = (FILES, HELD, LOST)  # soon, and by themselves
+PASSING = (FILES, HELD, LOST, DAMAGED)  # soon and by themselves, or with the backup of the ledger
 
 
 # Why it cannot take more.
@@ -36,7 +36,7 @@ SQLITE = {
 
 
 def passes(error: OSError | sqlite3.OperationalError) -> bool:
-    """True if a storage error is likely to pass by itself, such as a full or busy disk."""
+    """True if a storage error says nothing of a study, which is tried again when it has passed."""
     return why(error) in PASSING
 
 
@@ -44,16 +44,8 @@ def problem(error: OSError | sqlite3.OperationalError) -> dict[str, Any]:
     """Return the arguments of the problem document for a file that cannot be written.
 
     They are those of `vibrafeed.app.web.replies.problem_document`: status 507, kind, title, and a
-    detail with the cause; 503 if it is the ledger that is damaged.
+    detail with the cause.
     """
-    if isinstance(error, DamagedLedgerError):
-        return {
-            "status": 503,
-            "kind": "ledger",
-            "title": "The service cannot read its ledger",
-            "detail": f"{DAMAGED}. Whoever runs the service has to restore it from a backup; "
-            "results on the disk are not affected.",
-        }
     return {
         "status": 507,
         "kind": "storage",

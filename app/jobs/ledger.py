@@ -22,7 +22,6 @@ from typing import Any
 from sqlalchemy import ColumnElement, Connection, Row, exists, func, or_, select, true, tuple_
 from sqlalchemy.sql.expression import Insert, Select
 
-from vibrafeed.app.jobs import audit
 from vibrafeed.app.jobs.database import Database
 from vibrafeed.app.jobs.disk import DAMAGED, why
 from vibrafeed.app.jobs.errors import QueueFullError
@@ -197,13 +196,9 @@ class Ledger:
         return None
 
     def is_empty(self) -> bool:
-        """True if no job, key or study has ever been entered, and no empty ledger was accepted."""
+        """True if it holds no job, key, study or entry of the audit log."""
         entered = or_(*(exists().select_from(one) for one in (JOBS, KEYS, OWNED_STUDIES, AUDIT)))
         return not self._read(select(entered))[0][0]
-
-    def accept_empty(self) -> None:
-        """Record that the ledger is meant to be empty, though there are studies."""
-        audit.note(self.database, "", "accept empty ledger", "")
 
     def _read(self, statement: Select[*tuple[Any, ...]]) -> list[Row[*tuple[Any, ...]]]:
         return self.database.read(statement)
