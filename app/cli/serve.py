@@ -223,8 +223,8 @@ def _check_entries(settings: Settings, ledger: Ledger) -> None:
     if studies.is_dir() and any(studies.iterdir()) and ledger.is_empty():
         console.fail(
             f"The ledger is empty, but {studies.absolute()} holds studies: restore the backup of "
-            f"{_ledger_location(settings)}, or start once with `vibrafeed serve --new-ledger`, which gives "
-            "up the jobs and keys of before."
+            f"{_ledger_location(settings)}, or start once with `vibrafeed serve --new-ledger`, "
+            "which gives up the jobs and keys of before."
         )
         raise typer.Exit(INVALID_INPUT)
 

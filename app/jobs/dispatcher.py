@@ -20,6 +20,7 @@ from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.jobs.thread_pool import ThreadPool
 from vibrafeed.app.jobs.work_progress import WorkProgress
 from vibrafeed.app.settings import Settings
+from vibrafeed.core.code_version import code_version
 from vibrafeed.core.errors import VibrafeedError
 from vibrafeed.core.kinds import KINDS
 
@@ -225,6 +226,7 @@ class Dispatcher:
                     call = self._on_worker(
                         progress, count, work.compute_blocks, item.key, item.process,
                         item.block_cells, indices, item.owner, self._settings.block_seconds,
+                        code_version(),
                     )  # fmt: skip
                     running[asyncio.create_task(call)] = indices
                 if not running:

@@ -24,7 +24,6 @@ from typing import Any
 import orjson
 from filelock import FileLock
 
-from vibrafeed import core
 from vibrafeed.app.jobs.blocks import Blocks
 from vibrafeed.app.jobs.groups import LIST, complete_list, files_of, read_list
 from vibrafeed.app.jobs.integrity import Integrity
@@ -38,6 +37,7 @@ from vibrafeed.app.jobs.manifest import (
     Manifest,
     fingerprint,
 )
+from vibrafeed.core.code_version import code_version
 from vibrafeed.core.dataset.document import to_document
 from vibrafeed.core.dataset.files import PART, partial, whole
 from vibrafeed.core.dataset.netcdf import write_netcdf
@@ -268,7 +268,7 @@ class Store(Blocks):
                 return known
             names = write(folder)
             files = {name: _known(folder, name) for name in names}
-            manifest = Manifest(key=key, version=core.__version__, files=files, **asdict(making))
+            manifest = Manifest(key=key, version=code_version(), files=files, **asdict(making))
             with whole(folder / MANIFEST) as temporary:
                 temporary.write_text(json.dumps(asdict(manifest), indent=1), encoding="utf-8")
             self.drop_blocks(key)
