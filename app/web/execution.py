@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Union
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
 from pydantic import BaseModel, ConfigDict, Field, RootModel
 
@@ -40,6 +40,24 @@ else:
 
         model_config = ConfigDict(defer_build=True)
         root: _any_of(kind for kind in KINDS.values() if kind.is_measured)
+
+
+class Inputs(BaseModel):
+    """The inputs of an execute request."""
+
+    model_config = ConfigDict(defer_build=True)
+
+    study: AnyStudy
+
+
+class ExecuteRequest(BaseModel):
+    """An execute request of OGC API - Processes."""
+
+    model_config = ConfigDict(defer_build=True)
+
+    inputs: Inputs
+    outputs: dict[Literal["dataset"], dict[str, Any]] = {}
+    response: Literal["raw", "document"] = "raw"
 
 
 @dataclass(frozen=True)

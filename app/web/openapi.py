@@ -1,25 +1,77 @@
-"""The OpenAPI document: names that generated clients can live with, and models told once."""
+"""The OpenAPI document: one model of a value, and names that generated clients can live with."""
 
 from __future__ import annotations
 
-import json
 from functools import cache
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import orjson
 from fastapi import FastAPI, Request
 from fastapi.responses import Response
 from fastapi.routing import APIRoute
-from pydantic import BaseModel
-from pydantic.json_schema import models_json_schema
+from pydantic import BaseModel, Field, RootModel, TypeAdapter
+from pydantic.json_schema import GenerateJsonSchema, models_json_schema
+from pydantic_core.core_schema import ModelSchema
 
-from vibrafeed.app.kept_texts import kept_text
-from vibrafeed.app.web.execution import PROCESSES, AnyStudy
+from vibrafeed.app.web.execution import PROCESSES, AnyStudy, ExecuteRequest
 from vibrafeed.app.web.made_once import made_once
-from vibrafeed.app.web.replies import ProblemDocument, component, execution_name
+from vibrafeed.app.web.replies import ProblemDocument, component
 from vibrafeed.app.web.sharing import Sharing
+from vibrafeed.core.study.grid_study import PARAMETERS, Parameters
 
 PATH = "/openapi.json"
+
+Number = float | Annotated[str, Field(max_length=200)]
+"""A number in the unit of its parameter, or text with a unit."""
+
+
+class Range(BaseModel):
+    """Values from `start` to `stop`, both included: `num` of them, or one every `step`."""
+
+    start: Number
+    stop: Number
+    num: int | None = Field(None, ge=2)
+    step: Number | None = None
+    spacing: Literal["linear", "log"] = "linear"
+
+
+class Value(RootModel[float | str | list[Number] | Range]):
+    """A value of a parameter: a number in its unit, text with a unit, a list, or a range."""
+
+
+class Distribution(BaseModel):
+    """An unknown or uncertain value: its bounds, a distribution, or both."""
+
+    lower: Number | None = None
+    upper: Number | None = None
+    mean: Number | None = None
+    deviation: Number | None = None
+    most_likely: Number | None = None
+    median: Number | None = None
+    factor: float | None = None
+    values: list[Number] | None = None
+    densities: list[Number] | None = None
+
+
+class StudySchema(GenerateJsonSchema):
+    """The JSON Schema of studies whose sections are mappings from names to one model of a value.
+
+    The names and units of a scene's parameters come from `/scenes/{scene}`. `/schema` has a model
+    per parameter, for editors.
+    """
+
+    def model_schema(self, schema: ModelSchema) -> dict[str, Any]:
+        """Return the schema of a model: of a section of parameters, that of a mapping."""
+        section = schema["cls"]
+        if PARAMETERS[0] not in section.model_fields:
+            return super().model_schema(schema)
+        entry = TypeAdapter(Value if section is Parameters else Distribution)
+        return {
+            "type": "object",
+            "title": section.__name__,
+            "description": section.__doc__,
+            "additionalProperties": self.generate_inner(entry.core_schema),
+        }
 
 
 def operation_id(route: APIRoute) -> str:
@@ -28,9 +80,9 @@ def operation_id(route: APIRoute) -> str:
 
 
 def install(app: FastAPI) -> None:
-    """Add shared schemas to the OpenAPI document, and serve the document from memory.
+    """Add the schemas of bodies to the OpenAPI document, and serve the document from memory.
 
-    FastAPI would make the document, a megabyte, anew in the event loop for every request.
+    FastAPI would make the document anew in the event loop for every request.
     """
     plain = app.openapi
     routes = app.router.routes
@@ -49,7 +101,7 @@ def install(app: FastAPI) -> None:
         return await made_once(request, (PATH, root, needs_key), make)
 
     def openapi() -> dict[str, Any]:
-        """Return the OpenAPI document with the shared schemas."""
+        """Return the OpenAPI document with the schemas of bodies."""
         is_new = app.openapi_schema is None
         document = plain()
         if is_new:
@@ -61,40 +113,20 @@ def install(app: FastAPI) -> None:
 
 @cache
 def _components() -> dict[str, Any]:
-    """Return the shared schemas of the OpenAPI document by name; callers must not change them.
-
-    They are those of problem documents, studies and execute requests.
-    """
-    requests = {
-        execution_name(process.study): {
-            "type": "object",
-            "description": "An execute request of OGC API - Processes.",
-            "required": ["inputs"],
-            "properties": {
-                "inputs": {
-                    "type": "object",
-                    "required": ["study"],
-                    "properties": {"study": component(process.study.__name__)},
-                },
-                "outputs": {
-                    "type": "object",
-                    "properties": {"dataset": {"type": "object"}},
-                    "additionalProperties": False,
-                },
-                "response": {"enum": ["raw", "document"], "type": "string", "default": "raw"},
-            },
-        }
-        for process in PROCESSES.values()
-    }
-    models: dict[str, Any] = json.loads(kept_text("openapi", _models))
-    return models | requests
-
-
-def _models() -> str:
-    """Return the schemas of problem documents and studies by name, as JSON; takes seconds."""
-    models: list[type[BaseModel]] = [ProblemDocument, Sharing, AnyStudy]
+    """Return the schemas of bodies and problem documents by name; callers must not change them."""
+    models: list[type[BaseModel]] = [ProblemDocument, Sharing, ExecuteRequest, AnyStudy]
     models += [process.study for process in PROCESSES.values()]
-    _, schemas = models_json_schema(
-        [(model, "validation") for model in models], ref_template=component("{model}")["$ref"]
+    _, made = models_json_schema(
+        [(model, "validation") for model in models],
+        ref_template=component("{model}")["$ref"],
+        schema_generator=StudySchema,
     )
-    return json.dumps(schemas["$defs"])
+    schemas: dict[str, Any] = made["$defs"]
+    # A drive is written out in every study that may have one.
+    for schema in [*schemas.values()]:
+        drives = schema.get("properties", {}).get("drive", {}).get("anyOf", [])
+        for number, drive in enumerate(drives):
+            if "title" in drive:
+                schemas[drive["title"]] = drive
+                drives[number] = component(drive["title"])
+    return schemas

@@ -38,11 +38,6 @@ def component(name: str) -> dict[str, Any]:
     return {"$ref": f"#/components/schemas/{name}"}
 
 
-def execution_name(study: type[BaseModel]) -> str:
-    """Return the schema name of an execute request with a kind of study."""
-    return f"{study.__name__}Execution"
-
-
 OBJECT = {"type": "object"}
 BINARY = {"type": "string", "format": "binary"}
 ETAG = {"ETag": {"schema": {"type": "string"}}}

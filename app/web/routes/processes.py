@@ -34,12 +34,13 @@ from vibrafeed.app.web.documents import (
     process_list,
     status_info,
 )
-from vibrafeed.app.web.execution import ACCURACY, PROCESSES, Process
+from vibrafeed.app.web.execution import ACCURACY, PROCESSES, ExecuteRequest, Process
 from vibrafeed.app.web.made_once import MadeOnce
+from vibrafeed.app.web.openapi import StudySchema
 from vibrafeed.app.web.outcomes import results_reply
 from vibrafeed.app.web.prefer import Preferences, preferences
 from vibrafeed.app.web.problems import NoSuchProcessError
-from vibrafeed.app.web.replies import component, execution_name, json_reply, problems
+from vibrafeed.app.web.replies import component, json_reply, problems
 from vibrafeed.app.web.routes import page
 from vibrafeed.app.web.shares import calculate_in_process, slot_of, threads_of
 from vibrafeed.core.errors import StoppedError
@@ -109,7 +110,10 @@ async def describe_process(
     study = PROCESSES[process].study
     made = cast(MadeOnce, request.app.state.made_once)
     # Kept without its links: they hold the name by which the client has called the service.
-    schema, _ = await made(("/processes", process), lambda: orjson.dumps(study.model_json_schema()))
+    schema, _ = await made(
+        ("/processes", process),
+        lambda: orjson.dumps(study.model_json_schema(schema_generator=StudySchema)),
+    )
     return json_reply(description(process, PROCESSES[process], base, schema))
 
 
@@ -309,7 +313,7 @@ def _body(process: Process) -> dict[str, Any]:
 
     The Prefer header is described along with it.
     """
-    schemas = [component(process.study.__name__), component(execution_name(process.study))]
+    schemas = [component(process.study.__name__), component(ExecuteRequest.__name__)]
     content = {"application/json": {"schema": {"anyOf": schemas}, "example": process.example}}
     prefer = {
         "name": "Prefer",

@@ -67,9 +67,7 @@ from vibrafeed.core.dataset.frame import Frame
 from vibrafeed.core.errors import LimitError
 from vibrafeed.core.intake import prepare_content, read_json
 from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.quantities import WORDS
 from vibrafeed.core.study import SweepStudy
-from vibrafeed.core.study.grid_study import PARAMETERS
 from vibrafeed.core.sweep.slice import SliceCut, compute_slice, prepare_cut, table_of
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
@@ -92,13 +90,18 @@ STUDY_BODY = {
 AXIS_VALUES = {
     "parameters": [
         {
-            "name": name,
+            "name": "at",
             "in": "query",
             "required": False,
-            "schema": {"type": "string", "maxLength": 200},
-            "description": f"Value at which the axis {name} is fixed; one of its grid values.",
+            "style": "form",
+            "explode": True,
+            "schema": {
+                "type": "object",
+                "additionalProperties": {"type": "string", "maxLength": 200},
+            },
+            "description": "`name=value` for each axis that is not in `axes`: one of its grid "
+            "values.",
         }
-        for name in (*PARAMETERS, *WORDS)
     ]
 }
 
