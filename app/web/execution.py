@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
 from pydantic import BaseModel, ConfigDict, Field, RootModel
 
+from vibrafeed.app.web.replies import Document
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plan.kind import Kind
@@ -42,21 +43,11 @@ else:
         root: _any_of(kind for kind in KINDS.values() if kind.is_measured)
 
 
-class Inputs(BaseModel):
-    """The inputs of an execute request."""
-
-    model_config = ConfigDict(defer_build=True)
-
-    study: AnyStudy
-
-
 class ExecuteRequest(BaseModel):
-    """An execute request of OGC API - Processes."""
+    """An execute request of OGC API - Processes, with the study under `inputs.study`."""
 
-    model_config = ConfigDict(defer_build=True)
-
-    inputs: Inputs
-    outputs: dict[Literal["dataset"], dict[str, Any]] = {}
+    inputs: Document
+    outputs: Document = Document()
     response: Literal["raw", "document"] = "raw"
 
 

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, cached_property
 from typing import Annotated, Any, Literal
 
 import orjson
 from fastapi import FastAPI, Request
 from fastapi.responses import Response
 from fastapi.routing import APIRoute
-from pydantic import BaseModel, Field, RootModel, TypeAdapter
+from pydantic import BaseModel, Field, RootModel
 from pydantic.json_schema import GenerateJsonSchema, models_json_schema
-from pydantic_core.core_schema import ModelSchema
+from pydantic_core.core_schema import NullableSchema, WithDefaultSchema
 
-from vibrafeed.app.web.execution import PROCESSES, AnyStudy, ExecuteRequest
+from vibrafeed.app.web.documents import JobList, Results
+from vibrafeed.app.web.execution import AnyStudy, ExecuteRequest
 from vibrafeed.app.web.made_once import made_once
-from vibrafeed.app.web.replies import ProblemDocument, component
+from vibrafeed.app.web.replies import Document, ProblemDocument, component
 from vibrafeed.app.web.sharing import Sharing
+from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.study.grid_study import PARAMETERS, Parameters
 
 PATH = "/openapi.json"
@@ -53,6 +55,14 @@ class Distribution(BaseModel):
     densities: list[Number] | None = None
 
 
+class Values(RootModel[dict[str, Value]]):
+    """Values of parameters by name."""
+
+
+class Distributions(RootModel[dict[str, Distribution]]):
+    """Unknown or uncertain parameters by name."""
+
+
 class StudySchema(GenerateJsonSchema):
     """The JSON Schema of studies whose sections are mappings from names to one model of a value.
 
@@ -60,18 +70,31 @@ class StudySchema(GenerateJsonSchema):
     per parameter, for editors.
     """
 
-    def model_schema(self, schema: ModelSchema) -> dict[str, Any]:
-        """Return the schema of a model: of a section of parameters, that of a mapping."""
-        section = schema["cls"]
-        if PARAMETERS[0] not in section.model_fields:
-            return super().model_schema(schema)
-        entry = TypeAdapter(Value if section is Parameters else Distribution)
-        return {
-            "type": "object",
-            "title": section.__name__,
-            "description": section.__doc__,
-            "additionalProperties": self.generate_inner(entry.core_schema),
-        }
+    def generate_inner(self, schema: Any) -> dict[str, Any]:
+        """Return the schema of a part: of a section of parameters, that of a mapping."""
+        if schema["type"] == "model" and PARAMETERS[0] in schema["cls"].model_fields:
+            section = Values if schema["cls"] is Parameters else Distributions
+            made = super().generate_inner(section.__pydantic_core_schema__)
+            self._sections[schema.get("ref")] = made
+            return made
+        if schema["type"] == "definition-ref" and schema["schema_ref"] in self._sections:
+            return self._sections[schema["schema_ref"]]
+        return super().generate_inner(schema)
+
+    @cached_property
+    def _sections(self) -> dict[str | None, dict[str, Any]]:
+        # By the names under which pydantic refers to sections that a study has twice.
+        return {}
+
+    def nullable_schema(self, schema: NullableSchema) -> dict[str, Any]:
+        """Return the schema of a field that is left out where it has no value."""
+        return self.generate_inner(schema["schema"])
+
+    def default_schema(self, schema: WithDefaultSchema) -> dict[str, Any]:
+        """Return the schema of a field with its default, unless that is None."""
+        if schema.get("default") is None:
+            return self.generate_inner(schema["schema"])
+        return super().default_schema(schema)
 
 
 def operation_id(route: APIRoute) -> str:
@@ -114,8 +137,8 @@ def install(app: FastAPI) -> None:
 @cache
 def _components() -> dict[str, Any]:
     """Return the schemas of bodies and problem documents by name; callers must not change them."""
-    models: list[type[BaseModel]] = [ProblemDocument, Sharing, ExecuteRequest, AnyStudy]
-    models += [process.study for process in PROCESSES.values()]
+    models: list[type[BaseModel]] = [ProblemDocument, Sharing, Document, ExecuteRequest, AnyStudy]
+    models += [JobList, Results, *(kind.model for kind in KINDS.values())]
     _, made = models_json_schema(
         [(model, "validation") for model in models],
         ref_template=component("{model}")["$ref"],

@@ -7,7 +7,7 @@ from typing import Any
 
 import orjson
 from fastapi.responses import Response
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict
 
 from vibrafeed.core.errors import MAX_PROBLEMS, Problem
 
@@ -33,12 +33,18 @@ class ProblemDocument(BaseModel):
     errors: list[ProblemItem] | None = None
 
 
+class Document(BaseModel):
+    """A JSON object."""
+
+    model_config = ConfigDict(extra="allow")
+
+
 def component(name: str) -> dict[str, Any]:
     """Return a JSON reference to a schema that `vibrafeed.app.web.openapi` adds to the document."""
     return {"$ref": f"#/components/schemas/{name}"}
 
 
-OBJECT = {"type": "object"}
+OBJECT = component(Document.__name__)
 BINARY = {"type": "string", "format": "binary"}
 ETAG = {"ETag": {"schema": {"type": "string"}}}
 

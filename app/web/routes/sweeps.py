@@ -38,6 +38,7 @@ from vibrafeed.app.web.execution import PROCESSES
 from vibrafeed.app.web.outgoing import reserve_bytes
 from vibrafeed.app.web.replies import (
     BINARY,
+    Document,
     cached_replies,
     component,
     json_reply,
@@ -191,7 +192,7 @@ def _describe_sweep(admission: Admission, key: str, sweep: Prepared, who: Key) -
 @router.get(
     "/{key}/slice",
     summary="Read values of a sweep over one or two axes",
-    response_model=dict[str, Any],
+    response_model=Document,
     responses={
         **cached_replies("The slice", dict.fromkeys([BINARY_TYPE, *TABLES.values()], BINARY)),
         **problems(
