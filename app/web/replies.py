@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import orjson
+from fastapi import APIRouter
 from fastapi.responses import Response
 from pydantic import BaseModel, ConfigDict
 
@@ -100,6 +101,17 @@ def json_reply(content: Any, status: int = 200, headers: dict[str, str] | None =
         media_type="application/json",
         headers=headers,
     )
+
+
+class Router(APIRouter):
+    """A router whose routes of GET answer HEAD, which the OpenAPI document leaves out."""
+
+    def get(self, path: str, **options: Any) -> Any:  # type: ignore[override]
+        """Return the decorator that adds a route of GET and of HEAD; `options` are FastAPI's."""
+        needs = options.get("dependencies")
+        head = self.head(path, include_in_schema=False, dependencies=needs)
+        get = super().get(path, **options)
+        return lambda function: get(head(function))
 
 
 def without_length(media_type: str, headers: Mapping[str, str] | None = None) -> Response:

@@ -6,14 +6,13 @@ import functools
 from pathlib import Path
 from typing import Any
 
-from fastapi import APIRouter
 from fastapi.responses import Response
 
 from vibrafeed import core
-from vibrafeed.app.web.replies import Document, json_reply
+from vibrafeed.app.web.replies import Document, Router, json_reply
 from vibrafeed.core.intake import load_study
 
-router = APIRouter(tags=["scenes"])
+router = Router(tags=["scenes"])
 
 # At the top of the repository, and beside the core where vibrafeed is installed.
 FOLDER = Path(core.__file__).resolve().parent.parent / "configs" / "figures"

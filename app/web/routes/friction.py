@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 from fastapi.responses import Response
 
-from vibrafeed.app.web.replies import Document, json_reply, problems
+from vibrafeed.app.web.replies import Document, Router, json_reply, problems
 from vibrafeed.core.materials import friction
 
-router = APIRouter(tags=["scenes"])
+router = Router(tags=["scenes"])
 
 
 @router.get(

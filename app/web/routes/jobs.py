@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from urllib.parse import urlencode
 
 import orjson
-from fastapi import APIRouter, Query, Request
+from fastapi import Query, Request
 from fastapi.responses import Response, StreamingResponse
 from pydantic import AfterValidator
 
@@ -25,11 +25,11 @@ from vibrafeed.app.web.documents import (
 )
 from vibrafeed.app.web.execution import PROCESSES
 from vibrafeed.app.web.outcomes import find_job, no_such_job
-from vibrafeed.app.web.replies import json_reply, problems
+from vibrafeed.app.web.replies import Router, json_reply, problems, without_length
 from vibrafeed.app.web.shares import hold_slot
 from vibrafeed.app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
 
-router = APIRouter(prefix="/jobs", tags=["jobs"])
+router = Router(prefix="/jobs", tags=["jobs"])
 
 State = Literal["accepted", "running", "successful", "failed", "dismissed"]
 assert set(STATES) == set(State.__args__)  # type: ignore[attr-defined]
@@ -221,8 +221,10 @@ async def follow_job(
         found = keys.of_hash(who.hash)
         return found is None or not found.stands(time.time())
 
-    events = _events(admission, number, who, base, over)
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+    if request.method == "HEAD":
+        return without_length("text/event-stream", headers)
+    events = _events(admission, number, who, base, over)
     return StreamingResponse(events, media_type="text/event-stream", headers=headers)
 
 

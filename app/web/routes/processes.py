@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Annotated, cast
 
 import orjson
-from fastapi import APIRouter, Path, Request
+from fastapi import Path, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 from starlette.requests import ClientDisconnect
@@ -36,13 +36,13 @@ from vibrafeed.app.web.openapi import StudySchema
 from vibrafeed.app.web.outcomes import results_reply
 from vibrafeed.app.web.prefer import Preferences, preferences
 from vibrafeed.app.web.problems import NoSuchProcessError
-from vibrafeed.app.web.replies import Document, component, json_reply, problems
+from vibrafeed.app.web.replies import Document, Router, component, json_reply, problems
 from vibrafeed.app.web.routes import page
 from vibrafeed.app.web.shares import calculate_in_process, slot_of, threads_of
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.plan.price import Price
 
-router = APIRouter(tags=["processes"])
+router = Router(tags=["processes"])
 
 REL = "http://www.opengis.net/def/rel/ogc/1.0/"
 JSON = "application/json"
@@ -53,7 +53,6 @@ _NAME = Path(description="Identifier of a process.", max_length=100)
 
 
 @router.get("/", summary="Landing page", response_model=Document)
-@router.head("/", include_in_schema=False)
 def landing_page(request: Request, base: BaseOf) -> Response:
     """Return links to what the service offers; to a browser, the page."""
     accept = ",".join(request.headers.getlist("accept"))

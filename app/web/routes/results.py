@@ -8,7 +8,7 @@ from typing import Annotated
 
 import fastapi
 from anyio import to_thread
-from fastapi import APIRouter, Query, Request
+from fastapi import Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
@@ -26,7 +26,14 @@ from vibrafeed.app.web.outcomes import (
     manifest_of,
     results_reply,
 )
-from vibrafeed.app.web.replies import BINARY, OBJECT, cached_replies, problems, without_length
+from vibrafeed.app.web.replies import (
+    BINARY,
+    OBJECT,
+    Router,
+    cached_replies,
+    problems,
+    without_length,
+)
 from vibrafeed.app.web.routes.zarr import ZarrKey
 from vibrafeed.app.web.tables import (
     TABLES,
@@ -40,7 +47,7 @@ from vibrafeed.app.web.tables import (
 from vibrafeed.core.dataset.frame import Frame
 from vibrafeed.core.dataset.read import read_netcdf
 
-router = APIRouter(prefix="/jobs", tags=["jobs"])
+router = Router(prefix="/jobs", tags=["jobs"])
 
 # What a group may have: nothing else of a request reaches the disk.
 _KEY = re.compile(r"(zarr\.json|[a-z][a-z0-9_]{0,79}/(zarr\.json|c(/[0-9]{1,12}){0,20}))")
@@ -61,7 +68,6 @@ NO_RESULT = problems(
     response_model=Results,
     responses=NO_RESULT,
 )
-@router.head("/{number}/results", include_in_schema=False)
 def get_results(number: Number, admission: AdmissionOf, base: BaseOf) -> Response:
     """Return the address, the size and the computing time of the dataset."""
     return results_reply(admission, find_job(admission, number), base)
@@ -85,7 +91,6 @@ def get_results(number: Number, admission: AdmissionOf, base: BaseOf) -> Respons
         **problems(s406="No format that Accept allows"),
     },
 )
-@router.head("/{number}/results/dataset", include_in_schema=False)
 async def get_dataset(
     request: Request,
     number: Number,
@@ -177,7 +182,6 @@ def _stored_table(
         **NO_RESULT,
     },
 )
-@router.head("/{number}/results/zarr/{path:path}", include_in_schema=False)
 def get_group(request: Request, number: Number, path: ZarrKey, admission: AdmissionOf) -> Response:
     """Return a key of the Zarr v3 group of a sweep too large for one file.
 
@@ -227,7 +231,6 @@ def get_group(request: Request, number: Number, path: ZarrKey, admission: Admiss
         **NO_RESULT,
     },
 )
-@router.head("/{number}/results/files/{name}", include_in_schema=False)
 def get_file(
     request: Request,
     number: Number,

@@ -5,17 +5,17 @@ from __future__ import annotations
 from typing import Annotated
 
 import orjson
-from fastapi import APIRouter, Path, Query, Request
+from fastapi import Path, Query, Request
 from fastapi.responses import Response
 
 from vibrafeed.app.jobs.errors import NotFoundError
 from vibrafeed.app.kept_texts import study_schema_text
 from vibrafeed.app.web.made_once import made_once
-from vibrafeed.app.web.replies import OBJECT, Document, cached_replies, json_reply, problems
+from vibrafeed.app.web.replies import OBJECT, Document, Router, cached_replies, json_reply, problems
 from vibrafeed.core.catalogue import describe, describe_all
 from vibrafeed.core.scenes import SCENES
 
-router = APIRouter(tags=["scenes"])
+router = Router(tags=["scenes"])
 
 
 @router.get("/scenes", summary="List the scenes", response_model=list[Document])

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import numpy as np
 from anyio import to_thread
-from fastapi import APIRouter, Query, Request
+from fastapi import Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
@@ -39,6 +39,7 @@ from vibrafeed.app.web.outgoing import reserve_bytes
 from vibrafeed.app.web.replies import (
     BINARY,
     Document,
+    Router,
     cached_replies,
     component,
     json_reply,
@@ -71,7 +72,7 @@ from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.study import SweepStudy
 from vibrafeed.core.sweep.slice import SliceCut, compute_slice, prepare_cut, table_of
 
-router = APIRouter(prefix="/sweeps", tags=["sweeps"])
+router = Router(prefix="/sweeps", tags=["sweeps"])
 
 BINARY_TYPE = "application/octet-stream"
 FORMS = {"json": "application/json", "binary": BINARY_TYPE}
@@ -153,7 +154,6 @@ def post_sweep(
         s422="The identifier is malformed",
     ),
 )
-@router.head("/{key}", include_in_schema=False)
 def get_sweep(key: SweepKey, admission: AdmissionOf, who: WhoOf) -> Response:
     """Return the study of a sweep, its size, its axes, and the dimensions of its outputs."""
     return json_reply(_describe_sweep(admission, key, admission.store.sweep(key), who))
@@ -206,7 +206,6 @@ def _describe_sweep(admission: Admission, key: str, sweep: Prepared, who: Key) -
     openapi_extra=AXIS_VALUES,
     dependencies=[refuse_repeated()],
 )
-@router.head("/{key}/slice", include_in_schema=False, dependencies=[refuse_repeated()])
 async def get_slice(
     request: Request,
     key: SweepKey,
@@ -332,7 +331,6 @@ class _Wish:
         ),
     },
 )
-@router.head("/{key}/netcdf", include_in_schema=False)
 async def get_netcdf(
     request: Request,
     key: SweepKey,

@@ -6,7 +6,7 @@ from contextlib import nullcontext
 from typing import Annotated
 
 import numpy as np
-from fastapi import APIRouter, Path, Query, Request
+from fastapi import Path, Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import RedirectResponse, Response
 
@@ -14,11 +14,11 @@ from vibrafeed.app.jobs.errors import NotFoundError
 from vibrafeed.app.web.dependencies import SweepKey, ViewsOf
 from vibrafeed.app.web.downloads import FOR_EVER, content_reply, etag_of, not_modified
 from vibrafeed.app.web.outgoing import reserve_bytes
-from vibrafeed.app.web.replies import BINARY, OBJECT, cached_replies, problems
+from vibrafeed.app.web.replies import BINARY, OBJECT, Router, cached_replies, problems
 from vibrafeed.app.web.shares import slot_of
 from vibrafeed.app.web.zarr_views import ZarrViews
 
-router = APIRouter(prefix="/sweeps", tags=["sweeps"])
+router = Router(prefix="/sweeps", tags=["sweeps"])
 
 CHUNKS = "chunks="
 ZarrKey = Annotated[
@@ -66,7 +66,6 @@ async def get_wished(request: Request, key: SweepKey, chunks: str | None = None)
         ),
     },
 )
-@router.head("/{key}/zarr/{path:path}", include_in_schema=False)
 async def get_zarr(
     request: Request,
     key: SweepKey,
