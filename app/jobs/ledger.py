@@ -18,18 +18,17 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Row, func, select, true
+from sqlalchemy import ColumnElement, Connection, Row, func, select, true, tuple_
 from sqlalchemy.sql.expression import Insert, Select
 
 from vibrafeed.app.jobs.database import Database
 from vibrafeed.app.jobs.disk import why
 from vibrafeed.app.jobs.entries import ACTIVE, STATES, Job, Queue, Wanted, Work
 from vibrafeed.app.jobs.errors import QueueFullError
-from vibrafeed.app.jobs.queries import JOB, conditions, job_of
+from vibrafeed.app.jobs.queries import JOB, TICK, conditions, job_of
 from vibrafeed.app.jobs.tables import JOBS, VERSION, WORK
 
 __all__ = ["ACTIVE", "STATES", "Job", "Ledger", "Queue", "Wanted", "Work"]
-
 
 # With the owner of the job that has waited longest.
 _WORK = select(
@@ -150,6 +149,9 @@ class Ledger:
         state = "successful" if is_there else "accepted"
         started = finished = now if is_there else None
         with self.transaction() as database:
+            # The order of entry is that of the list, also where the clock has been set back.
+            latest = database.execute(select(func.max(JOBS.c.created))).scalar_one()
+            created = now if latest is None else max(now, latest + TICK)
             if not is_there:
                 found = select(WORK.c.began, WORK.c.blocks).where(WORK.c.key == key)
                 row = database.execute(found).one_or_none()
@@ -166,7 +168,7 @@ class Ledger:
             database.execute(
                 JOBS.insert().values(
                     id=number, key=key, process=process, state=state, cells=cells, blocks=blocks,
-                    created=now, started=started, finished=finished, seconds=finished_seconds,
+                    created=created, started=started, finished=finished, seconds=finished_seconds,
                     owner=owner, shared=0, gone=0, done_at_end=None,
                 )
             )  # fmt: skip
@@ -218,13 +220,23 @@ class Ledger:
         rows = self._read(JOB.where(JOBS.c.id.in_(numbers)))
         return {row.id: job_of(row) for row in rows}
 
-    def jobs(self, wanted: Wanted | None = None, *, limit: int, offset: int = 0) -> list[Job]:
-        """Return `limit` jobs that match a filter, newest first, after the first `offset`.
+    def jobs(
+        self,
+        wanted: Wanted | None = None,
+        *,
+        limit: int,
+        after: tuple[float, str] | None = None,
+        offset: int = 0,
+    ) -> list[Job]:
+        """Return `limit` jobs that match a filter, newest first; None matches all jobs.
 
-        `wanted` is the filter; None matches all jobs.
+        `after` is the time of entry and the identifier of a job: the list goes on behind it.
         """
+        place = tuple_(JOBS.c.created, JOBS.c.id)
         chosen = JOB.where(*conditions(wanted or Wanted()))
-        latest = chosen.order_by(JOBS.c.created.desc(), JOBS.c.id)
+        if after is not None:
+            chosen = chosen.where(place < after)
+        latest = chosen.order_by(JOBS.c.created.desc(), JOBS.c.id.desc())
         return [job_of(row) for row in self._read(latest.limit(limit).offset(offset))]
 
     def dismiss(self, number: str) -> Job | None:

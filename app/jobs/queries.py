@@ -6,11 +6,12 @@ import json
 import time
 from typing import Any
 
-from sqlalchemy import BigInteger, ColumnElement, Row, cast, func, select
+from sqlalchemy import ColumnElement, Row, func, select
 
 from vibrafeed.app.jobs.entries import ACTIVE, Job, Wanted
 from vibrafeed.app.jobs.tables import JOBS, WORK
 
+TICK = 1e-6  # s between the times of entry of two jobs, at least
 JOB = select(
     JOBS,
     func.coalesce(WORK.c.done, 0).label("done"),
@@ -25,8 +26,7 @@ def conditions(wanted: Wanted) -> list[ColumnElement[bool]]:
 
     A field of `wanted` that is empty or None gives none.
     """
-    # Times are compared as they are told, to the millisecond. What has not begun has no duration.
-    created = cast(func.round(JOBS.c.created * 1e6), BigInteger) // 1000
+    # What has not begun has no duration.
     seconds = func.coalesce(JOBS.c.finished, time.time()) - JOBS.c.started
     (after, before), (least, most) = wanted.created, wanted.seconds
     clauses: list[ColumnElement[bool]] = []
@@ -36,10 +36,11 @@ def conditions(wanted: Wanted) -> list[ColumnElement[bool]]:
         clauses.append(JOBS.c.process.in_(wanted.processes))
     if wanted.states:
         clauses.append(JOBS.c.state.in_(wanted.states))
+    # A job is told the millisecond in which it was entered, and is found by it.
     if after is not None:
-        clauses.append(created >= round(after * 1000))
+        clauses.append(JOBS.c.created >= after - TICK / 2)
     if before is not None:
-        clauses.append(created <= round(before * 1000))
+        clauses.append(JOBS.c.created < before + 1e-3 - TICK / 2)
     if least is not None:
         clauses.append(seconds >= least)
     if most is not None:
