@@ -116,6 +116,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.keys = keys
     app.state.shares = Shares()
     app.state.large_shares = Shares(of_owner=max(1, CORES - 1))
+    app.state.lists = Shares(of_owner=1)
     app.state.process_pool = process_pool
     app.state.made_once = MadeOnce()
     app.state.views = ZarrViews(store, settings.zarr_cache_bytes)
