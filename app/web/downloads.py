@@ -19,7 +19,6 @@ from starlette.types import Receive, Scope, Send
 
 from vibrafeed.app.jobs.errors import NotFoundError
 from vibrafeed.app.jobs.integrity import Integrity
-from vibrafeed.app.web.outgoing import reserve_bytes
 from vibrafeed.app.web.replies import problem_document
 
 # Bytes that are read at a time: as fast as sendfile, where the 64 KiB of FileResponse take three
@@ -132,8 +131,6 @@ def file_reply(
     headers["Content-Length"] = str(stop - start)
     if request.method == "HEAD":
         stop = start
-    else:
-        reserve_bytes(request, min(stop - start, 2 * PIECE))  # one is read while the last is sent
     checked = None if check is None or digest is None else (check, digest)
     return _FileResponse(path, start, stop, status, headers, media_type, checked)
 

@@ -10,6 +10,7 @@ from fastapi import APIRouter
 from fastapi.responses import Response
 from pydantic import BaseModel, ConfigDict
 
+from vibrafeed.app import logs
 from vibrafeed.core.errors import MAX_PROBLEMS, Problem
 
 PROBLEM_TYPE = "application/problem+json"
@@ -149,6 +150,7 @@ def problem_document(
     headers : dict, optional
         Further headers of the reply.
     """
+    logs.bind(problem=kind.rpartition("/")[2])
     problems = tuple(problems)
     if len(problems) > MAX_PROBLEMS:
         more = len(problems) - MAX_PROBLEMS

@@ -120,7 +120,7 @@ async def get_dataset(
         frame = await to_thread.run_sync(
             lambda: Frame.of(read_netcdf(path, most_rows=most), most=most), limiter=lane
         )
-        reply = await table_reply(request, frame, chosen, lane=lane)
+        reply = table_reply(frame, chosen, lane=lane)
         name = f"{path.parent.name[:12]}.{chosen}"
         reply.headers["Content-Disposition"] = f'attachment; filename="vibrafeed-{name}"'
         reply.headers.update({"ETag": etag, "Cache-Control": ASK_AGAIN})

@@ -7,6 +7,7 @@ import contextlib
 import errno
 import hashlib
 import os
+import threading
 from pathlib import Path
 
 import pytest
@@ -216,3 +217,18 @@ class TestFile:
 def test_an_etag_tells_words_apart():
     assert etag_of("ab", "c") != etag_of("a", "bc")
     assert etag_of("a")[0] == etag_of("a")[-1] == '"'
+
+
+def test_head_of_a_file_that_is_not_made_computes_nothing(client, address, monkeypatch):
+    begun = threading.Event()
+    writer = client.app.state.writer
+    with monkeypatch.context() as patch:
+        patch.setattr(writer, "write", lambda *_: begun.set())
+        head = client.head(f"{address}/netcdf")
+    assert head.status_code == 200
+    assert not begun.is_set()
+    assert "content-length" not in head.headers
+    assert "etag" not in head.headers
+    made = client.get(f"{address}/netcdf")
+    assert made.headers["content-type"] == head.headers["content-type"]
+    assert client.head(f"{address}/netcdf").headers["etag"] == made.headers["etag"]
