@@ -61,7 +61,7 @@ def create_app(settings: Settings) -> FastAPI:
     Nothing runs yet: workers and background tasks start when a server starts the application, and
     stop when it shuts down. Its parts hang on `app.state`, where routes find them.
     """
-    store = Store(settings.data_directory, settings.results_url)
+    store = Store(settings.data_directory)
     ledger = Ledger(settings.ledger)
     keys = Keys(ledger.database, settings.api_key_hashes)
     cluster = Cluster(settings.scheduler, settings.workers)
@@ -147,15 +147,14 @@ def create_app(settings: Settings) -> FastAPI:
 
 
 async def _tidy(admission: Admission, stopping: asyncio.Event) -> None:
-    """Tidy and check the data directory at intervals until the service stops.
+    """Tidy the data directory at intervals until the service stops.
 
-    `admission` removes what is old and compares results with their digests; `stopping` is the event
-    that ends the loop. Errors go to the log, and the loop continues.
+    `admission` removes what is old; `stopping` is the event that ends the loop. Errors go to the
+    log, and the loop continues.
     """
     while not stopping.is_set():
         try:
             await asyncio.to_thread(admission.tidy)
-            await asyncio.to_thread(admission.scrub, stopping.is_set)
         except Exception:
             logger.exception("tidying failed")
         with contextlib.suppress(TimeoutError):

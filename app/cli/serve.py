@@ -48,6 +48,14 @@ def serve(
             help="Print the settings in force and exit, without starting the service.",
         ),
     ] = False,
+    new_ledger: Annotated[
+        bool,
+        typer.Option(
+            "--new-ledger",
+            help="Start although the ledger is empty and the data directory holds studies, whose "
+            "jobs and keys are lost.",
+        ),
+    ] = False,
 ) -> None:
     """Serve the HTTP interface.
 
@@ -60,7 +68,7 @@ def serve(
     if show_settings:
         typer.echo(settings.model_dump_json(indent=2))
         return
-    _check_keys(settings, host)
+    _check_keys(settings, host, new_ledger)
     # Settings are shown, and keys kept, without what serves.
     from vibrafeed.app.main import create_app
     from vibrafeed.app.web.guard import is_loopback
@@ -70,7 +78,7 @@ def serve(
     _check_address(host, port)
     service = create_app(settings)
     _check_directory(settings.data_directory.absolute())
-    _check_ledger(settings, service.state.admission.ledger)
+    _check_ledger(settings, service.state.admission.ledger, new_ledger)
     logs.configure()
     if not (behind_proxy or is_loopback(host)):
         logger.warning(
@@ -139,10 +147,11 @@ def _check_address(host: str, port: int) -> None:
         raise typer.Exit(INVALID_INPUT) from None
 
 
-def _check_keys(settings: Settings, host: str) -> None:
+def _check_keys(settings: Settings, host: str, new_ledger: bool) -> None:
     """Exit if the service would be reachable from other machines and no API key exists.
 
-    `host` is the address to listen on.
+    `host` is the address to listen on. An empty ledger beside studies is refused, too, unless
+    `new_ledger` is True.
     """
     from vibrafeed.app.jobs.errors import LaterLedgerError
     from vibrafeed.app.jobs.keys import Keys
@@ -156,6 +165,8 @@ def _check_keys(settings: Settings, host: str) -> None:
         ledger = Ledger(where)
         keys = Keys(ledger.database)
         try:
+            if not new_ledger:  # a key made now would hide that others are lost
+                _check_entries(settings, ledger)
             keys.look()
         except (OSError, sqlite3.DatabaseError, LaterLedgerError):
             return  # `_check_ledger` says why, and nothing is served
@@ -184,17 +195,25 @@ def _check_directory(directory: Path) -> None:
         _refuse_directory(directory, error.strerror or str(error), first)
 
 
-def _check_ledger(settings: Settings, ledger: Ledger) -> None:
-    """Exit with a message if the ledger, the database of jobs, cannot be written.
+def _check_ledger(settings: Settings, ledger: Ledger, new_ledger: bool) -> None:
+    """Exit with a message if the ledger, the database of jobs, cannot be written or is damaged.
 
-    It is found out by the begin of a write transaction. `settings` say where the ledger is, for the
-    message.
+    So it is if the ledger is empty beside studies, unless `new_ledger` is True. Whether it can be
+    written is found out by the begin of a write transaction. `settings` say where the ledger is,
+    for the message.
     """
-    from vibrafeed.app.jobs.errors import LaterLedgerError
+    from vibrafeed.app.jobs.errors import DamagedLedgerError, LaterLedgerError
 
     try:
         with ledger.transaction():
             pass  # what can begin a change can be opened and written
+        ledger.database.check()
+    except DamagedLedgerError as error:
+        console.fail(
+            f"The ledger is damaged: {' '.join(str(error).split())}. Restore the backup of "
+            f"{_ledger_location(settings)}; studies and results are not affected."
+        )
+        raise typer.Exit(INVALID_INPUT) from None
     except (OSError, sqlite3.DatabaseError, LaterLedgerError) as error:
         text = error.strerror if isinstance(error, OSError) else None
         why = " ".join((text or str(error)).split())
@@ -208,6 +227,26 @@ def _check_ledger(settings: Settings, ledger: Ledger) -> None:
             "database, or leave the setting out to keep the ledger in the data directory."
         )
         raise typer.Exit(INVALID_INPUT) from None
+    if not new_ledger:
+        _check_entries(settings, ledger)
+
+
+def _check_entries(settings: Settings, ledger: Ledger) -> None:
+    """Exit with a message if the ledger is empty and the data directory holds studies."""
+    studies = settings.data_directory / "studies"
+    if studies.is_dir() and any(studies.iterdir()) and ledger.is_empty():
+        console.fail(
+            f"The ledger is empty, but {studies.absolute()} holds studies: restore the backup of "
+            f"{_ledger_location(settings)}, or start once with `vibrafeed serve --new-ledger`, "
+            "which gives up the jobs and keys of before."
+        )
+        raise typer.Exit(INVALID_INPUT)
+
+
+def _ledger_location(settings: Settings) -> str:
+    if settings.ledger_url is None:
+        return str(settings.data_directory.absolute() / "jobs.sqlite3")
+    return "the database of VIBRAFEED_LEDGER_URL"
 
 
 def _refuse_directory(directory: Path, why: str, first: str) -> NoReturn:

@@ -13,13 +13,14 @@ from typing import Any, TypeVar
 from vibrafeed.app.jobs import work
 from vibrafeed.app.jobs.cluster import Cluster
 from vibrafeed.app.jobs.errors import TornBlockError
-from vibrafeed.app.jobs.executor import Executor, LostError
+from vibrafeed.app.jobs.executor import Executor
 from vibrafeed.app.jobs.fair_queue import FairQueue, share_of
 from vibrafeed.app.jobs.ledger import Ledger, Work
 from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.jobs.thread_pool import ThreadPool
 from vibrafeed.app.jobs.work_progress import WorkProgress
 from vibrafeed.app.settings import Settings
+from vibrafeed.core.code_version import code_version
 from vibrafeed.core.errors import VibrafeedError
 from vibrafeed.core.kinds import KINDS
 
@@ -124,8 +125,6 @@ class Dispatcher:
         Receives reports of finished blocks.
     executor : Executor
         Runs the calls on workers.
-    trouble : str or None
-        The reason why results cannot be sent to the object store.
     """
 
     def __init__(
@@ -141,7 +140,6 @@ class Dispatcher:
         self._thread_pool, self._settings = thread_pool, settings
         self._directory = str(settings.data_directory.resolve())
         fair_queue = FairQueue(LASTS * settings.block_seconds)
-        self.trouble: str | None = None
         self.executor = Executor(cluster, fair_queue, settings.grace_seconds)
         self.work_progress = WorkProgress()
 
@@ -173,38 +171,11 @@ class Dispatcher:
     async def is_there(self, item: Work) -> bool:
         """True if the complete result of a study exists on disk, so that it need not be computed.
 
-        The result is then uploaded to the object store, if one is configured, and blocks that were
-        stored while it was computed are removed. `item` is the item of work: the study that jobs
-        wait for.
-
-        Raises
-        ------
-        LostError
-            If the upload fails; the item is then tried again later.
+        Blocks that were stored while it was computed are then removed. `item` is the item of work:
+        the study that jobs wait for.
         """
         await self._thread_pool(self._store.drop_blocks, item.key)
-        if await self._thread_pool(self._store.manifest, item.key) is None:
-            return False
-        await self._send(item)
-        return True
-
-    async def _send(self, item: Work) -> None:
-        """Upload the result of a study to the object store; do nothing if none is configured.
-
-        `item` is the item of work whose result is complete on disk. `self.trouble` is set to a
-        sentence for the status page if the upload fails, and to None if it succeeds.
-
-        Raises
-        ------
-        LostError
-            If the upload fails; the item is then tried again later.
-        """
-        try:
-            await asyncio.to_thread(self._store.send, item.key)
-        except OSError as error:
-            self.trouble = "a result cannot be sent to VIBRAFEED_RESULTS_URL; the log says why"
-            raise LostError(f"the result cannot be copied to the object store: {error}") from error
-        self.trouble = None
+        return await self._thread_pool(self._store.manifest, item.key) is not None
 
     async def _compute_and_write(self, progress: _Progress) -> None:
         """Compute missing blocks of an item and write its result; repeat while any is damaged.
@@ -231,7 +202,6 @@ class Dispatcher:
                     raise
                 logger.warning("a block is computed again: %s", error, extra={"key": item.key})
             else:
-                await self._send(item)
                 return
 
     async def _compute(self, progress: _Progress, missing: list[int]) -> float:
@@ -256,6 +226,7 @@ class Dispatcher:
                     call = self._on_worker(
                         progress, count, work.compute_blocks, item.key, item.process,
                         item.block_cells, indices, item.owner, self._settings.block_seconds,
+                        code_version(),
                     )  # fmt: skip
                     running[asyncio.create_task(call)] = indices
                 if not running:

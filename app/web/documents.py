@@ -95,6 +95,10 @@ class ResultFile(Link):
     )
     elapsedSeconds: float = Field(description="Computing time in seconds.")  # noqa: N815
     cellsPerSecond: float  # noqa: N815
+    version: str = Field(
+        description="Version of vibrafeed that computed it, and a digest of the code, as in "
+        "`0.1.0+1f2e3d4c`."
+    )
 
 
 class Results(BaseModel):
@@ -245,6 +249,7 @@ def results(job: Job, manifest: Manifest, base: str) -> dict[str, Any]:
             "length": manifest.files[ZARR if is_group else NETCDF]["bytes"],
             "elapsedSeconds": manifest.seconds,
             "cellsPerSecond": manifest.cells / max(manifest.seconds, 1e-9),
+            "version": manifest.version,
         }
     }
     if others:

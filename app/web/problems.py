@@ -14,7 +14,6 @@ from starlette.routing import Match, Mount
 
 from vibrafeed.app.jobs import disk
 from vibrafeed.app.jobs.errors import (
-    FetchingError,
     GoneError,
     NoRoomError,
     NotFoundError,
@@ -85,7 +84,6 @@ STATUS: dict[type[Exception], tuple[int, str, str]] = {
     TooManyJobsError: (429, "jobs", "The key has as many jobs as it may"),
     QueueFullError: (429, "queue", "The queue of jobs is full"),
     EndedError: (503, "busy", "The service is busy"),
-    FetchingError: (503, "busy", "The service is busy"),
     BusyError: (503, "busy", "The service is busy"),
     NoRoomError: (507, "storage", "There is no room for the result"),
 }

@@ -500,6 +500,7 @@ class TestSettings:
             ("VIBRAFEED_MAX_REQUESTS", "0", "greater than 0"),
             ("VIBRAFEED_MAX_REQUEST", "9", "Did you mean 'VIBRAFEED_MAX_REQUESTS'?"),
             ("VIBRAFEED_API_KEYS", KEY, "Did you mean 'VIBRAFEED_API_KEY_HASHES'?"),
+            ("VIBRAFEED_RESULTS_URL", "s3://bucket", "kept in VIBRAFEED_DATA_DIRECTORY alone"),
             ("vibrafeed_api_key", KEY, "Did you mean 'VIBRAFEED_API_KEY_HASHES'?"),
         ],
         ids=lambda text: "secret" if KEY in text else None,  # it differs between processes
