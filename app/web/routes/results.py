@@ -18,7 +18,7 @@ from vibrafeed.app.jobs.manifest import JSON, NETCDF, ZARR
 from vibrafeed.app.web.accept import form_for
 from vibrafeed.app.web.dependencies import AdmissionOf, BaseOf, Number, SettingsOf
 from vibrafeed.app.web.documents import NETCDF_TYPE, Results, media_type_of
-from vibrafeed.app.web.downloads import ASK_AGAIN, etag_of, file_reply, not_modified
+from vibrafeed.app.web.downloads import ASK_AGAIN, etag_of, file_reply, not_modified, opened
 from vibrafeed.app.web.outcomes import (
     check_of,
     error_for_missing_file,
@@ -157,7 +157,8 @@ def _stored_table(
         if known is None and request.method == "HEAD":
             known = without_length(TABLES[form], {"ETag": etag, "Cache-Control": ASK_AGAIN})
         if known is None:
-            check.look(path, digest)
+            with opened(path) as file:
+                check.look(file, digest)
         return known or (path, etag)
     return file_reply(
         request,
