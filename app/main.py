@@ -7,7 +7,6 @@ import contextlib
 import logging
 import os
 import threading
-from collections import Counter
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -28,11 +27,9 @@ from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.jobs.writer import Writer
 from vibrafeed.app.settings import Settings
 from vibrafeed.app.web import calculations, guard, openapi, problems
-from vibrafeed.app.web.compress import Compress
 from vibrafeed.app.web.made_once import MadeOnce
 from vibrafeed.app.web.metrics import Metrics, watch_jobs
 from vibrafeed.app.web.observe import Observe
-from vibrafeed.app.web.outgoing import Outgoing, Unsent
 from vibrafeed.app.web.routes import (
     convert,
     figures,
@@ -47,7 +44,6 @@ from vibrafeed.app.web.routes import (
     zarr,
 )
 from vibrafeed.app.web.shares import CORES, SLOTS, Shares
-from vibrafeed.app.web.stopping import Stopping
 from vibrafeed.app.web.warmth import Warmth
 from vibrafeed.app.web.zarr_views import ZarrViews
 
@@ -73,6 +69,7 @@ def create_app(settings: Settings) -> FastAPI:
     admission = Admission(ledger, store, settings, runner.wake, runner.waits)
     process_pool = ProcessPool(SLOTS, (calculations.__name__,))
     writer = Writer(store, admission.make_room, settings, process_pool)
+    warmth = Warmth()
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -89,8 +86,15 @@ def create_app(settings: Settings) -> FastAPI:
         await runner.start()
         stopping = asyncio.Event()
         tidying = asyncio.create_task(_tidy(admission, stopping))
+        beside = [asyncio.create_task(app.state.metrics.watch_loop())]
+        if settings.warm_at_start:
+            warmth.start()
+            beside.append(asyncio.create_task(process_pool.start()))
         yield
+        for task in beside:
+            task.cancel()
         await runner.stop()  # first of all: others may go on with the work
+        await warmth.stop()
         stopping.set()
         await tidying
         await asyncio.to_thread(process_pool.close)
@@ -116,14 +120,11 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.keys = keys
     app.state.shares = Shares()
     app.state.large_shares = Shares(of_owner=max(1, CORES - 1))
+    app.state.lists = Shares(of_owner=1)
     app.state.process_pool = process_pool
     app.state.made_once = MadeOnce()
     app.state.views = ZarrViews(store, settings.zarr_cache_bytes)
-    app.state.unsent = Unsent(settings.max_unsent_bytes)
-    app.state.warmth = Warmth()  # started where the service is served
-    app.state.uploads = (
-        Counter()
-    )  # bodies on their way, by address: `vibrafeed.app.web.connections`
+    app.state.warmth = warmth
     app.state.metrics = Metrics()  # other parts add gauges
     # Of (name, check): see `vibrafeed.app.web.routes.health.readyz`.
     app.state.readiness = [("jobs", runner.fault), ("ledger", ledger.fault)]
@@ -140,12 +141,8 @@ def create_app(settings: Settings) -> FastAPI:
         app.include_router(part.router)
     page.install(app)
     openapi.install(app)
-    app.add_middleware(Compress)  # within what counts the bytes that wait
-    app.add_middleware(Outgoing, unsent=app.state.unsent)
-    guard.install(app, settings, keys)
-    app.add_middleware(Stopping, stopping=app.state.stopping)
+    guard.install(app, settings, keys, app.state.stopping)
     app.add_middleware(Observe, metrics=app.state.metrics, traces=spans)
-    app.add_middleware(guard.SafeHeaders)
     return app
 
 

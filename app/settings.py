@@ -252,12 +252,6 @@ class Settings(BaseSettings):
         description="Maximum number of requests that are served at the same time; further "
         "requests are answered with 503.",
     )
-    max_unsent_bytes: int = Field(
-        default=256_000_000,
-        gt=0,
-        description="Maximum size in bytes of all replies that clients have not yet read; "
-        "beyond it further requests are answered with 503.",
-    )
     warm_at_start: bool = Field(
         default=True,
         description="Compile the simulation code in the background when the service starts, "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import logging
 import os
 import socket
 import sqlite3
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from vibrafeed.app.jobs.ledger import Ledger
     from vibrafeed.app.settings import Settings
 
+logger = logging.getLogger("vibrafeed")
+
 PRIVATE = 0o077  # what others on the machine may not do with files
 OLDER_DATA = Path("data")  # what the data directory was by default
 LEDGER_BYTES = 256 * 1024  # bytes that the ledger needs to begin with, and some more
@@ -30,6 +33,14 @@ LEDGER_BYTES = 256 * 1024  # bytes that the ledger needs to begin with, and some
 def serve(
     host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="Port to listen on.", min=0, max=65535)] = 8000,
+    behind_proxy: Annotated[
+        bool,
+        typer.Option(
+            "--behind-proxy",
+            help="Take the client's address and scheme from X-Forwarded-For and X-Forwarded-Proto, "
+            "as a proxy such as nginx sends them.",
+        ),
+    ] = False,
     show_settings: Annotated[
         bool,
         typer.Option(
@@ -60,22 +71,25 @@ def serve(
     _check_keys(settings, host, new_ledger)
     # Settings are shown, and keys kept, without what serves.
     from vibrafeed.app.main import create_app
-    from vibrafeed.app.web.connections import most_requests, raise_open_files
+    from vibrafeed.app.web.guard import is_loopback
     from vibrafeed.app.web.server import serve_until_stopped
 
     os.umask(PRIVATE)  # studies and results are their owner's, those of the workers too
     _check_address(host, port)
-    most = min(settings.max_requests, most_requests(raise_open_files()))
-    settings = settings.model_copy(update={"max_requests": most})
     service = create_app(settings)
     _check_directory(settings.data_directory.absolute())
     _choose_temporary_folder(settings.data_directory.absolute())
     _check_ledger(settings, service.state.admission.ledger, new_ledger)
     logs.configure()
+    if not (behind_proxy or is_loopback(host)):
+        logger.warning(
+            "other machines reach the service without a proxy, which would add TLS and hold slow "
+            "clients: see docs/operations.md, and start with --behind-proxy behind one"
+        )
     if port and sys.stdout.isatty():  # else it would be a line among those of the log
         _welcome(settings, host, port)
     _tell_of_older_data(settings)
-    serve_until_stopped(service, settings, host, port)
+    serve_until_stopped(service, settings, host, port, behind_proxy=behind_proxy)
 
 
 def _welcome(settings: Settings, host: str, port: int) -> None:

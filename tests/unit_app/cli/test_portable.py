@@ -32,8 +32,6 @@ SERVICE = {  # what the service still needs of POSIX
     ("app/jobs/process_pool.py", "os.sched_param"),
     ("app/jobs/process_pool.py", "os.sched_setscheduler"),
     ("app/jobs/runner.py", "fcntl"),
-    ("app/web/connections.py", "resource"),
-    ("app/web/downloads.py", "os.pread"),
     ("app/web/warmth.py", "os.PRIO_PGRP"),
     ("app/web/warmth.py", "os.killpg"),
     ("app/web/warmth.py", "os.setpriority"),
