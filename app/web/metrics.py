@@ -176,8 +176,6 @@ def watch_jobs(
          lambda: ledger.queue().oldest),
         ("ledger_fault", "1 if the ledger cannot be read.", lambda: ledger.fault() is not None),
         ("workers", "Workers connected to this server; 0 until the first job.", cluster.alive),
-        ("ledger_faults", "Errors that the database of the ledger has reported to this server.",
-         lambda: admission.ledger.database.faults),
         ("disk_used_bytes", "Bytes of studies and results, counted at most once a minute.",
          admission.used_bytes),
         ("disk_quota_bytes", "Maximum bytes of studies and results.",
