@@ -98,7 +98,6 @@ def create_app(settings: Settings) -> FastAPI:
         stopping.set()
         await tidying
         await asyncio.to_thread(process_pool.close)
-        store.close()
         ledger.close()
         if spans is not None:
             await asyncio.to_thread(spans.close)

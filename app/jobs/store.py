@@ -65,10 +65,6 @@ class Store(Blocks):
         super().__init__(directory)
         self.integrity = Integrity()
 
-    def close(self) -> None:
-        """Stop checking files."""
-        self.integrity.close()
-
     def manifest(self, key: str) -> Manifest | None:
         """Return the manifest of a result if the result is complete, and note its use.
 

@@ -25,7 +25,6 @@ OPTIONAL = {  # what is looked for, and not needed
     ("app/cli/studies.py", "os.set_blocking"),
 }
 SERVICE = {  # what the service still needs of POSIX
-    ("app/jobs/integrity.py", "os.pread"),
     ("app/jobs/process_pool.py", "mmap.PROT_READ"),
     ("app/jobs/process_pool.py", "os.SCHED_BATCH"),
     ("app/jobs/process_pool.py", "os.memfd_create"),
