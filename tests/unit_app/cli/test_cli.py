@@ -293,7 +293,9 @@ def test_an_empty_ledger_beside_studies_is_not_taken_for_a_new_one(tmp_path, mon
     assert line.startswith(f"The ledger is empty, but {tmp_path / 'studies'} holds studies: ")
     assert "--new-ledger" in line
     served = []
-    monkeypatch.setattr("vibrafeed.app.web.server.serve_until_stopped", lambda *_: served.append(1))
+    monkeypatch.setattr(
+        "vibrafeed.app.web.server.serve_until_stopped", lambda *_, **__: served.append(1)
+    )
     monkeypatch.setenv("VIBRAFEED_API_KEY_HASHES", "0" * 64)
     assert run("serve", "--new-ledger", "--port", "0").exit_code == 0
     assert served
