@@ -23,6 +23,7 @@ from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plots import drawing
+from vibrafeed.core.plots.pictures import PlotError
 
 LOOK = 0.5  # s between looks at a job that an agent waits for
 INSTRUCTIONS = """Compute how parts move on vibratory feeder tracks.
@@ -136,8 +137,8 @@ def _shown(content: bytes, output: str, kind: str) -> list[Any]:
         name: {
             "unit": values.attrs.get("units", ""),
             "dimensions": dict(values.sizes),
-            "min": values.min().item(),
-            "max": values.max().item(),
+            "min": values.values.min().item(),
+            "max": values.values.max().item(),
         }
         for name, values in dataset.variables.items()
         if values.dtype.kind in "iuf" and values.size
@@ -145,7 +146,7 @@ def _shown(content: bytes, output: str, kind: str) -> list[Any]:
     picture = io.BytesIO()
     try:
         drawing.draw(dataset, variable=output or None, kind=kind or None).savefig(picture)
-    except drawing.PlotError as error:
+    except PlotError as error:
         raise ToolError(str(error)) from None
     return [variables, Image(data=picture.getvalue(), format="png")]
 
