@@ -122,7 +122,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.lists = Shares(of_owner=1)
     app.state.process_pool = process_pool
     app.state.made_once = MadeOnce()
-    app.state.views = ZarrViews(store, settings.zarr_cache_bytes)
+    app.state.views = ZarrViews(store)
     app.state.warmth = warmth
     app.state.metrics = Metrics()  # other parts add gauges
     # Of (name, check): see `vibrafeed.app.web.routes.health.readyz`.

@@ -33,6 +33,7 @@ TEST_SWITCHES = (
     "VIBRAFEED_DURATIONS",
 )
 FORMER = {
+    "VIBRAFEED_ZARR_CACHE_BYTES": "Leave it out: Zarr chunks are computed when they are read",
     "VIBRAFEED_RESULTS_URL": "Leave it out: results are kept in VIBRAFEED_DATA_DIRECTORY alone",
 }
 """Settings of former versions, and the setting that does the same."""
@@ -227,11 +228,6 @@ class Settings(BaseSettings):
         gt=0,
         description="Maximum number of rows of a result sent as an XLSX table, which is "
         "slow to write.",
-    )
-    zarr_cache_bytes: int = Field(
-        default=32_000_000,
-        ge=0,
-        description="Memory, in bytes, that caches the Zarr chunks read last.",
     )
     api_key_hashes: Words = Field(
         default=(),

@@ -37,6 +37,7 @@ COMMANDS: Final = MappingProxyType(
         "materials": "Print published friction, restitution and leaf springs, with their sources.",
         "serve": "Serve the HTTP interface.",
         "key": "Keys for the HTTP interface.",
+        "mcp": "Offer scenes, checks, runs and jobs to an agent (Model Context Protocol).",
     }
 )
 """Each command and the line that lists it; the file of its name has the function of its name."""
@@ -59,7 +60,7 @@ GONE: Final = MappingProxyType(
 GONE_OPTIONS: Final = ("--share", "--shares")
 """Options of `run` in former versions: a cluster (`--scheduler`) does the same."""
 
-SERVICE: Final = ("serve", "key")
+SERVICE: Final = ("serve", "key", "mcp")
 """The commands that need the extra `serve`."""
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, TypeVar
 
 import orjson
 from fastapi import APIRouter
@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict
 from vibrafeed.app import logs
 from vibrafeed.core.errors import MAX_PROBLEMS, Problem
 
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 PROBLEM_TYPE = "application/problem+json"
 
 
@@ -107,7 +108,7 @@ def json_reply(content: Any, status: int = 200, headers: dict[str, str] | None =
 class Router(APIRouter):
     """A router whose routes of GET answer HEAD, which the OpenAPI document leaves out."""
 
-    def get(self, path: str, **options: Any) -> Any:  # type: ignore[override]
+    def get(self, path: str, **options: Any) -> Callable[[_Function], _Function]:
         """Return the decorator that adds a route of GET and of HEAD; `options` are FastAPI's."""
         needs = options.get("dependencies")
         head = self.head(path, include_in_schema=False, dependencies=needs)

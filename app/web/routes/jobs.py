@@ -86,7 +86,7 @@ def refuse_offset(text: str | None) -> None:
     raise ValueError("offset has been replaced by after: follow the link `next`")
 
 
-def parse_place(text: str | None) -> tuple[float, str] | None:
+def parse_cursor(text: str | None) -> tuple[float, str] | None:
     """Return the time of entry and the identifier of the job after which a list goes on.
 
     `text` is that of the link `next`. Raises `ValueError` if it is another.
@@ -160,7 +160,7 @@ async def list_jobs(
     after: Annotated[
         str | None,
         Query(max_length=100, description="The place in the list, as the link `next` has it."),
-        checked(parse_place),
+        checked(parse_cursor),
     ] = None,
     offset: Annotated[str | None, Query(include_in_schema=False), checked(refuse_offset)] = None,
 ) -> Response:
@@ -183,7 +183,7 @@ async def list_jobs(
         """Return the reply; a thread reads the ledger."""
         jobs = []
         if (known or not process) and (not kind or "process" in kind):
-            jobs = admission.ledger.jobs(wanted, limit=limit + 1, after=parse_place(after))
+            jobs = admission.ledger.jobs(wanted, limit=limit + 1, after=parse_cursor(after))
         links = [link("self")]
         if len(jobs) > limit:
             last = jobs[limit - 1]

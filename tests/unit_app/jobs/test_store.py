@@ -433,12 +433,12 @@ class TestDesk:
     def test_use_is_noted(self, store):
         key = carried_out(store, SWEEP)
         long_ago = 1e9  # s, in 2001
-        views = ZarrViews(store, 10**6)
-        views.read(key, "zarr.json")
+        views = ZarrViews(store)
+        views.view(key)
         uses = (
             lambda: store.get(key),
             lambda: store.manifest(key),  # a download
-            lambda: views.read(key, "zarr.json"),  # from memory
+            lambda: views.view(key),  # from memory
         )
         for use in uses:
             os.utime(store.folder(key) / "study.json", (long_ago, long_ago))
