@@ -13,6 +13,7 @@ from starlette.responses import Response
 from starlette.types import Scope
 
 from vibrafeed.app import logs
+from vibrafeed.app.jobs.fair_queue import OF_KEY
 from vibrafeed.app.jobs.keys import NOBODY, Key, Keys, hash_of
 from vibrafeed.app.web.refused_keys import RefusedKeys
 from vibrafeed.app.web.replies import problem_document
@@ -21,7 +22,6 @@ SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 # Figures of all owners together.
 ADMIN_PATHS = frozenset({"/metrics"})
 MAX_KEYS = 2  # in one request: each takes a look at all keys
-OF_KEY = "key "  # begins the name of an owner who has a key
 SOON = 0.01  # s between checks that another request has read the keys
 
 

@@ -26,11 +26,6 @@ OPTIONAL = {  # what is looked for, and not needed
 }
 SERVICE = {  # what the service still needs of POSIX
     ("app/jobs/integrity.py", "os.pread"),
-    ("app/jobs/process_pool.py", "mmap.PROT_READ"),
-    ("app/jobs/process_pool.py", "os.SCHED_BATCH"),
-    ("app/jobs/process_pool.py", "os.memfd_create"),
-    ("app/jobs/process_pool.py", "os.sched_param"),
-    ("app/jobs/process_pool.py", "os.sched_setscheduler"),
     ("app/jobs/runner.py", "fcntl"),
     ("app/web/connections.py", "resource"),
     ("app/web/downloads.py", "os.pread"),
