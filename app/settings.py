@@ -32,6 +32,10 @@ TEST_SWITCHES = (
     "VIBRAFEED_LAW_CELLS",
     "VIBRAFEED_DURATIONS",
 )
+FORMER = {
+    "VIBRAFEED_RESULTS_URL": "Leave it out: results are kept in VIBRAFEED_DATA_DIRECTORY alone",
+}
+"""Settings of former versions, and the setting that does the same."""
 
 _DIGEST = re.compile(r"[0-9a-fA-F]{64}")
 _ORIGIN = re.compile(r"https?://([a-z0-9.-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")
@@ -98,14 +102,6 @@ class Settings(BaseSettings):
         description="Directory in which the service stores studies and results; created if "
         "missing. By default `vibrafeed` in the data folder of the user, on Linux "
         "`~/.local/share`.",
-    )
-    results_url: str = Field(
-        default="",
-        pattern=r"^$|^(s3|gs|az)://.+",
-        description="URL of an object store to which results are copied, as in "
-        "`s3://bucket/prefix`; a server that lacks a result fetches it from "
-        "there. Credentials and address of the store come from the environment, "
-        "as for other clients of the store.",
     )
     ledger_url: SecretStr | None = Field(
         default=None,
@@ -257,12 +253,6 @@ class Settings(BaseSettings):
         description="Maximum number of requests that are served at the same time; further "
         "requests are answered with 503.",
     )
-    max_unsent_bytes: int = Field(
-        default=256_000_000,
-        gt=0,
-        description="Maximum size in bytes of all replies that clients have not yet read; "
-        "beyond it further requests are answered with 503.",
-    )
     warm_at_start: bool = Field(
         default=True,
         description="Compile the simulation code in the background when the service starts, "
@@ -325,20 +315,6 @@ class Settings(BaseSettings):
                 raise ValueError(why)
         return url
 
-    @field_validator("results_url")
-    @classmethod
-    def _store(cls, url: str) -> str:
-        """Return the URL of the object store unchanged.
-
-        Raise `ValueError` if it needs obstore, missing here.
-        """
-        if url and find_spec("obstore") is None:
-            raise ValueError(
-                "an object store needs the package obstore, which is missing: "
-                f"{installing('obstore', 'cluster')}"
-            )
-        return url
-
     @field_validator("scheduler")
     @classmethod
     def _cluster(cls, address: str | None) -> str | None:
@@ -378,14 +354,15 @@ def unknown_variables(names: Iterable[str]) -> list[Problem]:
     """Return a problem for each environment variable named like a setting that does not exist.
 
     `names` are the names of all environment variables. Those that begin with `VIBRAFEED_` have to
-    be settings, or switches of the tests; a problem suggests the setting with the nearest name.
+    be settings, or switches of the tests; a problem says what replaces a former setting,
+    or suggests the nearest name.
     """
     known = [PREFIX + name.upper() for name in Settings.model_fields]
     return [
         Problem(
             name,
             "no setting of vibrafeed is read from an environment variable of this name",
-            suggestion(name.upper(), known),
+            FORMER.get(name.upper()) or suggestion(name.upper(), known),
         )
         for name in sorted(names)
         if name.upper().startswith(PREFIX) and name.upper() not in (*known, *TEST_SWITCHES)

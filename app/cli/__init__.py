@@ -49,7 +49,7 @@ GONE: Final = MappingProxyType(
         "leaves": "vibrafeed materials --leaves prints them",
         "lookup": "vibrafeed run computes the speed; vibrafeed new writes the study",
         "schema": "vibrafeed scenes --schema prints it",
-        "scrub": "The service looks through its results by itself",
+        "scrub": "The service compares each result with its digest before it serves it",
         "validate": "The known answers are TOML files in tests/known_answers",
         "warm": "python -m vibrafeed.core.warm compiles everything",
     }

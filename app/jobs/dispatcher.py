@@ -16,10 +16,11 @@ from vibrafeed.app.jobs.cluster import Cluster
 from vibrafeed.app.jobs.errors import TornBlockError
 from vibrafeed.app.jobs.fair_queue import OF_KEY
 from vibrafeed.app.jobs.ledger import Ledger, Work
-from vibrafeed.app.jobs.process_pool import EndedError, LostError, ProcessPool
+from vibrafeed.app.jobs.process_pool import EndedError, ProcessPool
 from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.jobs.work_progress import WorkProgress
 from vibrafeed.app.settings import Settings
+from vibrafeed.core.code_version import code_version
 from vibrafeed.core.errors import VibrafeedError
 from vibrafeed.core.kinds import KINDS
 
@@ -128,8 +129,6 @@ class Dispatcher:
     ----------
     work_progress : WorkProgress
         Receives reports of finished blocks.
-    trouble : str or None
-        The reason why results cannot be sent to the object store.
     """
 
     def __init__(
@@ -139,7 +138,6 @@ class Dispatcher:
         self._ledger, self._store, self._workers = ledger, store, workers
         self._settings = settings
         self._directory = str(settings.data_directory.resolve())
-        self.trouble: str | None = None
         self.work_progress = WorkProgress()
 
     async def carry_out(self, item: Work, seconds: float) -> None:
@@ -164,38 +162,11 @@ class Dispatcher:
     async def is_there(self, item: Work) -> bool:
         """True if the complete result of a study exists on disk, so that it need not be computed.
 
-        The result is then uploaded to the object store, if one is configured, and blocks that were
-        stored while it was computed are removed. `item` is the item of work: the study that jobs
-        wait for.
-
-        Raises
-        ------
-        LostError
-            If the upload fails; the item is then tried again later.
+        Blocks that were stored while it was computed are then removed. `item` is the item of work:
+        the study that jobs wait for.
         """
         await asyncio.to_thread(self._store.drop_blocks, item.key)
-        if await asyncio.to_thread(self._store.manifest, item.key) is None:
-            return False
-        await self._send(item)
-        return True
-
-    async def _send(self, item: Work) -> None:
-        """Upload the result of a study to the object store; do nothing if none is configured.
-
-        `item` is the item of work whose result is complete on disk. `self.trouble` is set to a
-        sentence for the status page if the upload fails, and to None if it succeeds.
-
-        Raises
-        ------
-        LostError
-            If the upload fails; the item is then tried again later.
-        """
-        try:
-            await asyncio.to_thread(self._store.send, item.key)
-        except OSError as error:
-            self.trouble = "a result cannot be sent to VIBRAFEED_RESULTS_URL; the log says why"
-            raise LostError(f"the result cannot be copied to the object store: {error}") from error
-        self.trouble = None
+        return await asyncio.to_thread(self._store.manifest, item.key) is not None
 
     async def _compute_and_write(self, progress: _Progress) -> None:
         """Compute missing blocks of an item and write its result; repeat while any is damaged.
@@ -222,7 +193,6 @@ class Dispatcher:
                     raise
                 logger.warning("a block is computed again: %s", error, extra={"key": item.key})
             else:
-                await self._send(item)
                 return
 
     async def _compute(self, progress: _Progress, missing: list[int]) -> float:
@@ -247,6 +217,7 @@ class Dispatcher:
                     call = self._on_worker(
                         progress, count, work.compute_blocks, item.key, item.process,
                         item.block_cells, indices, item.owner, self._settings.block_seconds,
+                        code_version(),
                     )  # fmt: skip
                     running[asyncio.create_task(call)] = indices
                 if not running:

@@ -52,11 +52,14 @@ class FairQueue:
     ----------
     slots : int
         The number of slots.
+    of_owner : int, optional
+        The most slots of one owner; by default all but one.
     """
 
-    def __init__(self, slots: int):
+    def __init__(self, slots: int, of_owner: int | None = None):
         """Give out a number of slots."""
         self.slots = slots
+        self._of_owner = of_owner
         self._taken: list[Slot] = []
         self._waiting: list[tuple[int, str, float, asyncio.Future[Slot]]] = []
         self._had: dict[str, float] = {}  # seconds of each owner that is here
@@ -134,7 +137,7 @@ class FairQueue:
         most = max(1, self.slots - 1)
         own = sum(slot.owner == owner for slot in self._taken)
         long = sum(slot.is_long for slot in self._taken)
-        return own < most and (seconds <= SHORT or long < most)
+        return own < (self._of_owner or most) and (seconds <= SHORT or long < most)
 
     def _forget(self, owner: str) -> None:
         """Remove the record of an owner who neither uses a slot nor waits."""

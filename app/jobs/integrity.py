@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import errno
 import hashlib
 import os
 import threading
 from collections import OrderedDict
 from concurrent.futures import ThreadPoolExecutor
 from io import FileIO
-from pathlib import Path
 
 PIECE = 1 << 20  # bytes that are read at a time for a digest
 # Bytes; larger files are read by a thread of their own, so that small ones, which take some
@@ -82,22 +80,6 @@ class Integrity:
                 return False
             self._known.move_to_end(mark)
             return True
-
-
-def has_digest(path: Path, digest: str) -> bool:
-    """True if a file exists and has the given SHA-256 in hexadecimal; always reads the whole file.
-
-    False, too, if the disk cannot read the file back (`EIO`); other errors are raised as `OSError`.
-    """
-    try:
-        with path.open("rb", buffering=0) as file:
-            return _digest(file) == digest
-    except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
-        return False
-    except OSError as error:
-        if error.errno == errno.EIO:
-            return False
-        raise
 
 
 def _digest(file: FileIO) -> str:

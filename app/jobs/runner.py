@@ -123,7 +123,7 @@ class Runner:
         """Return the reason why jobs cannot be carried out; None if they can."""
         if self._main is None or self._main.done():
             return "no work is looked for"
-        return self._workers.trouble or self._dispatcher.trouble
+        return self._workers.trouble
 
     def waits(self) -> str | None:
         """Return the reason why unstarted work waits, other than its place in the queue."""

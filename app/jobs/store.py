@@ -24,7 +24,6 @@ from typing import Any
 import orjson
 from filelock import FileLock
 
-from vibrafeed import core
 from vibrafeed.app.jobs.blocks import Blocks
 from vibrafeed.app.jobs.groups import LIST, complete_list, files_of, read_list
 from vibrafeed.app.jobs.integrity import Integrity
@@ -38,7 +37,7 @@ from vibrafeed.app.jobs.manifest import (
     Manifest,
     fingerprint,
 )
-from vibrafeed.app.jobs.object_store import RemoteResults
+from vibrafeed.core.code_version import code_version
 from vibrafeed.core.dataset.document import to_document
 from vibrafeed.core.dataset.files import PART, partial, whole
 from vibrafeed.core.dataset.netcdf import write_netcdf
@@ -59,35 +58,16 @@ class Store(Blocks):
     ----------
     integrity : Integrity
         Tells whether files of results are what was written.
-    object_store : RemoteResults or None
-        Where results are kept besides, if they are.
     """
 
-    def __init__(self, directory: Path, results_url: str = ""):
-        """Use a data directory, and an object store if a URL is given."""
+    def __init__(self, directory: Path):
+        """Use a data directory."""
         super().__init__(directory)
         self.integrity = Integrity()
-        self.object_store = RemoteResults(results_url) if results_url else None
-
-    def send(self, key: str) -> None:
-        """Upload a result to the object store, if one is set; raise `OSError` if that fails."""
-        if self.object_store is not None:
-            self.object_store.send(key, self.folder(key))
-
-    def fetch(self, key: str) -> bool | None:
-        """Fetch a result from the object store: True if it is here, False if there is none.
-
-        None if the download is under way. `key` is the study's identifier.
-        """
-        return (
-            False if self.object_store is None else self.object_store.fetch(key, self.folder(key))
-        )
 
     def close(self) -> None:
-        """Stop checking and fetching files."""
+        """Stop checking files."""
         self.integrity.close()
-        if self.object_store is not None:
-            self.object_store.close()
 
     def manifest(self, key: str) -> Manifest | None:
         """Return the manifest of a result if the result is complete, and note its use.
@@ -288,7 +268,7 @@ class Store(Blocks):
                 return known
             names = write(folder)
             files = {name: _known(folder, name) for name in names}
-            manifest = Manifest(key=key, version=core.__version__, files=files, **asdict(making))
+            manifest = Manifest(key=key, version=code_version(), files=files, **asdict(making))
             with whole(folder / MANIFEST) as temporary:
                 temporary.write_text(json.dumps(asdict(manifest), indent=1), encoding="utf-8")
             self.drop_blocks(key)

@@ -6,19 +6,18 @@ from contextlib import nullcontext
 from typing import Annotated
 
 import numpy as np
-from fastapi import APIRouter, Path, Query, Request
+from fastapi import Path, Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import RedirectResponse, Response
 
 from vibrafeed.app.jobs.errors import NotFoundError
 from vibrafeed.app.web.dependencies import SweepKey, ViewsOf
 from vibrafeed.app.web.downloads import FOR_EVER, content_reply, etag_of, not_modified
-from vibrafeed.app.web.outgoing import reserve_bytes
-from vibrafeed.app.web.replies import BINARY, OBJECT, cached_replies, problems
+from vibrafeed.app.web.replies import BINARY, OBJECT, Router, cached_replies, problems
 from vibrafeed.app.web.shares import slot_of
 from vibrafeed.app.web.zarr_views import ZarrViews
 
-router = APIRouter(prefix="/sweeps", tags=["sweeps"])
+router = Router(prefix="/sweeps", tags=["sweeps"])
 
 CHUNKS = "chunks="
 ZarrKey = Annotated[
@@ -62,11 +61,9 @@ async def get_wished(request: Request, key: SweepKey, chunks: str | None = None)
             s404="No such sweep, or no such key",
             s409="The sweep is another version's: post it again",
             s422="The key is too long",
-            s503="Too much data waits to be sent",
         ),
     },
 )
-@router.head("/{key}/zarr/{path:path}", include_in_schema=False)
 async def get_zarr(
     request: Request,
     key: SweepKey,
@@ -125,5 +122,4 @@ def _key_reply(
     if request.method == "HEAD":
         headers = {"ETag": etag, "Cache-Control": FOR_EVER, "Content-Length": str(length)}
         return Response(headers=headers, media_type=media_type)
-    reserve_bytes(request, length)
     return content_reply(views.read(key, path, chunks), etag=etag, media_type=media_type)

@@ -27,12 +27,6 @@ OPTIONAL = {  # what is looked for, and not needed
 SERVICE = {  # what the service still needs of POSIX
     ("app/jobs/integrity.py", "os.pread"),
     ("app/jobs/runner.py", "fcntl"),
-    ("app/web/connections.py", "resource"),
-    ("app/web/downloads.py", "os.pread"),
-    ("app/web/warmth.py", "os.PRIO_PGRP"),
-    ("app/web/warmth.py", "os.killpg"),
-    ("app/web/warmth.py", "os.setpriority"),
-    ("app/web/warmth.py", "signal.SIGKILL"),
 }
 LOOKED_FOR = {f"{name}: vibrafeed/{file}" for file, name in OPTIONAL}
 

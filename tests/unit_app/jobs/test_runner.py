@@ -130,7 +130,7 @@ def test_blocks_that_turn_out_long_are_given_back(tmp_path, monkeypatch):
     asked: list[int] = []
 
     def at_first_short(*arguments: Any) -> list[float]:
-        *others, indices, claim, _ = arguments
+        *others, indices, claim, _, _ = arguments
         asked.append(len(indices))
         is_short = len(asked) < 12
         took = work.compute_blocks(*others, indices if is_short else indices[:1], claim)
