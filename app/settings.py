@@ -32,6 +32,11 @@ TEST_SWITCHES = (
     "VIBRAFEED_LAW_CELLS",
     "VIBRAFEED_DURATIONS",
 )
+FORMER = {
+    "VIBRAFEED_ZARR_CACHE_BYTES": "Leave it out: Zarr chunks are computed when they are read",
+    "VIBRAFEED_RESULTS_URL": "Leave it out: results are kept in VIBRAFEED_DATA_DIRECTORY alone",
+}
+"""Settings of former versions, and the setting that does the same."""
 
 _DIGEST = re.compile(r"[0-9a-fA-F]{64}")
 _ORIGIN = re.compile(r"https?://([a-z0-9.-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")
@@ -98,14 +103,6 @@ class Settings(BaseSettings):
         description="Directory in which the service stores studies and results; created if "
         "missing. By default `vibrafeed` in the data folder of the user, on Linux "
         "`~/.local/share`.",
-    )
-    results_url: str = Field(
-        default="",
-        pattern=r"^$|^(s3|gs|az)://.+",
-        description="URL of an object store to which results are copied, as in "
-        "`s3://bucket/prefix`; a server that lacks a result fetches it from "
-        "there. Credentials and address of the store come from the environment, "
-        "as for other clients of the store.",
     )
     ledger_url: SecretStr | None = Field(
         default=None,
@@ -190,14 +187,15 @@ class Settings(BaseSettings):
     scheduler: str | None = Field(
         default=None,
         pattern=r"^(tcp|tls)://",
-        description="Address of a Dask scheduler whose workers see the data directory under the "
-        "same path; by default the service starts its own workers.",
+        description="Address of a Dask scheduler that computes the blocks of jobs, as in "
+        "`tls://scheduler.example:8786`; its workers see the data directory under the same path. "
+        "Whoever reaches a scheduler runs code on its workers.",
     )
     workers: int = Field(
         default_factory=lambda: os.cpu_count() or 1,
         gt=0,
-        description="Number of worker processes that the service starts; by default one for "
-        "each processor core.",
+        description="Number of processes that compute; by default one for each processor core. "
+        "One more is kept for short work.",
     )
     lease_seconds: float = Field(
         default=15.0,
@@ -232,11 +230,6 @@ class Settings(BaseSettings):
         description="Maximum number of rows of a result sent as an XLSX table, which is "
         "slow to write.",
     )
-    zarr_cache_bytes: int = Field(
-        default=32_000_000,
-        ge=0,
-        description="Memory, in bytes, that caches the Zarr chunks read last.",
-    )
     api_key_hashes: Words = Field(
         default=(),
         description="SHA-256 hashes of accepted access keys, in hexadecimal, as a JSON list "
@@ -255,12 +248,6 @@ class Settings(BaseSettings):
         gt=0,
         description="Maximum number of requests that are served at the same time; further "
         "requests are answered with 503.",
-    )
-    max_unsent_bytes: int = Field(
-        default=256_000_000,
-        gt=0,
-        description="Maximum size in bytes of all replies that clients have not yet read; "
-        "beyond it further requests are answered with 503.",
     )
     warm_at_start: bool = Field(
         default=True,
@@ -324,19 +311,19 @@ class Settings(BaseSettings):
                 raise ValueError(why)
         return url
 
-    @field_validator("results_url")
+    @field_validator("scheduler")
     @classmethod
-    def _store(cls, url: str) -> str:
-        """Return the URL of the object store unchanged.
+    def _cluster(cls, address: str | None) -> str | None:
+        """Return the address of the scheduler unchanged.
 
-        Raise `ValueError` if it needs obstore, missing here.
+        Raise `ValueError` if it needs distributed, missing here.
         """
-        if url and find_spec("obstore") is None:
+        if address and find_spec("distributed") is None:
             raise ValueError(
-                "an object store needs the package obstore, which is missing: "
-                f"{installing('obstore', 'cluster')}"
+                "a Dask scheduler needs the package distributed, which is missing: "
+                f"{installing('distributed', 'cluster')}"
             )
-        return url
+        return address
 
     @field_validator("cors_origins")
     @classmethod
@@ -363,14 +350,15 @@ def unknown_variables(names: Iterable[str]) -> list[Problem]:
     """Return a problem for each environment variable named like a setting that does not exist.
 
     `names` are the names of all environment variables. Those that begin with `VIBRAFEED_` have to
-    be settings, or switches of the tests; a problem suggests the setting with the nearest name.
+    be settings, or switches of the tests; a problem says what replaces a former setting,
+    or suggests the nearest name.
     """
     known = [PREFIX + name.upper() for name in Settings.model_fields]
     return [
         Problem(
             name,
             "no setting of vibrafeed is read from an environment variable of this name",
-            suggestion(name.upper(), known),
+            FORMER.get(name.upper()) or suggestion(name.upper(), known),
         )
         for name in sorted(names)
         if name.upper().startswith(PREFIX) and name.upper() not in (*known, *TEST_SWITCHES)

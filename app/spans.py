@@ -28,7 +28,7 @@ from vibrafeed import core
 from vibrafeed.app import logs
 
 if TYPE_CHECKING:
-    from vibrafeed.app.jobs.entries import Work
+    from vibrafeed.app.jobs.ledger import Work
 
 MAX_POSTED = 10_000  # studies whose request is remembered until they are taken up
 FLUSH = 1.0  # s that the last spans may take to leave

@@ -7,12 +7,11 @@ import time
 from collections.abc import Callable
 
 from vibrafeed.app.jobs import audit, work
-from vibrafeed.app.jobs.errors import FetchingError, NotFoundError, NotOwnerError, TooManyJobsError
+from vibrafeed.app.jobs.errors import NotFoundError, NotOwnerError, TooManyJobsError
 from vibrafeed.app.jobs.job_looks import JobLooks
 from vibrafeed.app.jobs.keys import NOBODY, Key
 from vibrafeed.app.jobs.ledger import Job, Ledger
 from vibrafeed.app.jobs.quota import Quota
-from vibrafeed.app.jobs.scrub import BROKEN, damages
 from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.jobs.studies import identifier
 from vibrafeed.app.settings import Settings
@@ -22,8 +21,6 @@ from vibrafeed.core.plan.prepared import Prepared
 
 logger = logging.getLogger("vibrafeed.store")
 
-# Bytes of results that one call of `scrub` reads before it stops; the last result is read whole.
-SCRUBBED = 4_000_000_000
 DAY = 86_400.0  # s
 MAX_JOBS = 100_000  # ended jobs of each owner that the ledger keeps: the latest
 REPORT_BYTES = 10_000_000  # bytes that an accuracy report may take on the disk
@@ -59,7 +56,6 @@ class Admission:
         self.waits = waits
         self._quota = Quota(ledger, store, settings)
         self.posted: Callable[[str], object] = lambda key: None  # told before others may claim it
-        self._scrubbed = ""  # the study that was looked at last
         self.ownership = self._quota.ownership
         self.looks = JobLooks(ledger)
 
@@ -87,23 +83,10 @@ class Admission:
             If too much is waiting.
         TooManyJobsError
             If the key has as many jobs as it may.
-        FetchingError
-            If the result is still being fetched from the object store.
         """
         key = identifier(prepared.study, process)
         block_cells, blocks, needed, price = self._measure_job(prepared, process)
         self._quota.look(key, needed, who)
-        if self.store.manifest(key) is None:
-            try:
-                found = self.store.fetch(key)
-            except OSError:  # it is computed again, then
-                logger.exception("a result cannot be fetched: %s", key)
-            else:
-                if found is None:
-                    raise FetchingError(
-                        "The result of this study is being fetched from the object store. Post "
-                        "the study again in a few seconds."
-                    )
         # In one transaction, so that what is found here is not removed before the job is entered.
         with self.ledger.transaction():
             self._check_jobs(who)
@@ -150,7 +133,7 @@ class Admission:
         Returns
         -------
         bool
-            True if the result exists or is being fetched, or if the work was queued; then all
+            True if the result exists or the work was queued; then all
             successful jobs of the study are accepted again.
 
         Raises
@@ -158,8 +141,6 @@ class Admission:
         NoRoomError
             If the result would not fit.
         """
-        if self.store.fetch(job.key) is not False:
-            return True
         try:
             prepared = self.store.get(job.key)
         except (NotFoundError, StudyError):
@@ -387,28 +368,10 @@ class Admission:
                     self.store.drop_blocks(key)
                     if self.store.used(key) < before:
                         self._quota.remove(key)
-        object_store = self.store.object_store is not None
-        for key in () if object_store else self.ownership.studies() - set(self.store.studies()):
+        for key in self.ownership.studies() - set(self.store.studies()):
             with self.ledger.transaction():
                 if not self.store.used(key):  # removed by hand, or by a server that was killed
                     self.ownership.let_go(key)
-
-    def scrub(self, stopped: Callable[[], bool]) -> None:
-        """Compare stored results with their digests and remove damaged ones, to be made again.
-
-        A call reads some 4 GB and continues where the previous one ended; `stopped` is a function
-        that returns True when the service stops.
-        """
-        read = 0
-        for check in damages(self.store, self._scrubbed, stopped):
-            self._scrubbed = check.name
-            if check.state == BROKEN:
-                path = self.store.folder(check.name) / check.files[0]
-                self.store.remove_file(check.name, path)
-            read += check.bytes
-            if read >= SCRUBBED:
-                return
-        self._scrubbed = ""
 
     def used_bytes(self) -> int:
         """Return the bytes that all studies take on disk, counted at most a minute ago."""

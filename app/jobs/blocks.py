@@ -12,6 +12,7 @@ import numpy as np
 
 from vibrafeed.app.jobs.errors import TornBlockError
 from vibrafeed.app.jobs.studies import Studies
+from vibrafeed.core.code_version import code_version
 from vibrafeed.core.dataset.files import whole
 from vibrafeed.core.plan.pieces import Computed
 
@@ -123,5 +124,7 @@ class Blocks(Studies):
 
     def _block(self, key: str, cells: int, index: int) -> Path:
         """Return the path of a block's file: of a study, cells per block, and number from 0."""
-        # Blocks of another size, left by a job that was given up, are never taken for these.
-        return self.folder(key) / "blocks" / str(cells) / f"{index:06d}.block"
+        # Blocks of another size, left by a job that was given up, are never taken for these; nor
+        # are those of other code, so that no result is made by two.
+        made = f"{cells}-{code_version()}"
+        return self.folder(key) / "blocks" / made / f"{index:06d}.block"

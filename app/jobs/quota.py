@@ -177,9 +177,8 @@ class Quota:
         return leaving
 
     def remove(self, key: str) -> None:
-        """Remove a study from the disk; owners keep their records if an object store has it."""
-        if self._store.object_store is None:
-            self.ownership.let_go(key)
+        """Remove a study from the disk, and its owners' records."""
+        self.ownership.let_go(key)
         self._store.remove(key)
 
     def _beyond(self, promised: Mapping[str, int], key: str, who: Key) -> int:

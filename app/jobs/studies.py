@@ -11,8 +11,8 @@ import time
 from collections import OrderedDict
 from pathlib import Path
 
-from vibrafeed import core
 from vibrafeed.app.jobs.errors import NotFoundError, OtherVersionError
+from vibrafeed.core.code_version import code_version
 from vibrafeed.core.dataset.files import whole
 from vibrafeed.core.errors import StudyError, VibrafeedError
 from vibrafeed.core.intake import prepare_content, read_json
@@ -27,12 +27,12 @@ LONG = 20_000  # bytes of a text; long studies do not push out short ones
 
 
 def identifier(study: Study, process: str | None = None) -> str:
-    """Return the identifier of a study: a SHA-256 of its text and of the program's version.
+    """Return the identifier of a study: a SHA-256 of its text and of the code that computes.
 
     `process` is what is carried out; a process other than the study's own kind, such as `accuracy`,
     is part of what is hashed. Equal studies have equal identifiers and share one result.
     """
-    words = [core.__version__, study.canonical()]
+    words = [code_version(), study.canonical()]
     if process not in (None, study.kind):
         words.insert(0, str(process))
     return hashlib.sha256(" ".join(words).encode()).hexdigest()
@@ -192,7 +192,7 @@ def _not_own(key: str, prepared: Prepared | None) -> VibrafeedError:
             return unknown(key)
     return OtherVersionError(
         f"The sweep '{key[:12]}...' was posted to another version of vibrafeed; this one is "
-        f"{core.__version__} and uses other identifiers. POST the study to /sweeps again."
+        f"{code_version()} and uses other identifiers. POST the study to /sweeps again."
     )
 
 

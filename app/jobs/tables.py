@@ -188,4 +188,12 @@ UPGRADES: tuple[tuple[str, ...], ...] = (
         "CREATE INDEX prices_by_name ON prices (name, finished)",
     ),
     ("DROP TABLE prices", "ALTER TABLE work ADD COLUMN price {real} NOT NULL DEFAULT 0"),
+    (  # Lists of jobs page by the time of entry and the identifier.
+        "DROP INDEX jobs_by_time",
+        "CREATE INDEX jobs_by_time ON jobs (created, id)",
+        "DROP INDEX jobs_by_state",
+        "CREATE INDEX jobs_by_state ON jobs (state, created, id)",
+        "DROP INDEX jobs_by_owner",
+        "CREATE INDEX jobs_by_owner ON jobs (owner, state)",
+    ),
 )

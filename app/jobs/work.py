@@ -14,14 +14,13 @@ from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
-from vibrafeed import core
 from vibrafeed.app.jobs import large
 from vibrafeed.app.jobs.errors import BlindWorkerError, NotFoundError, OtherVersionError
 from vibrafeed.app.jobs.store import Store
-from vibrafeed.app.jobs.studies import identifier
 from vibrafeed.app.settings import Settings
 from vibrafeed.core import lazy
-from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.code_version import code_version
+from vibrafeed.core.errors import StoppedError, StudyError
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.kinds.results import outline
 from vibrafeed.core.plan.pieces import Cut, cells_of_piece, join
@@ -80,7 +79,7 @@ def missing_blocks(directory: str, key: str, process: str, cells: int, count: in
         return [index for index in range(count) if not store.has_block(key, cells, index)]
     if store.has_group(key):  # joined already, and not yet told so
         return []
-    prepared = _study(directory, key, process)
+    prepared = _study(directory, key)
     group = large.group_of_job(store, key, prepared)
     group.begin(outline(prepared), resume=True)
     return group.missing()
@@ -107,8 +106,6 @@ def compute_block(
 
     Raises
     ------
-    OtherVersionError
-        If this version of vibrafeed knows the study by another identifier.
     BlindWorkerError
         If this worker does not find the study.
     StoppedError
@@ -121,9 +118,9 @@ def compute_block(
     if watch.stopped():  # before it began
         raise StoppedError(UNWANTED)
     if process in KINDS and cells == IN_GROUP:
-        large.group_of_job(store, key, _study(directory, key, process)).write(index, watch)
+        large.group_of_job(store, key, _study(directory, key)).write(index, watch)
     elif not store.has_block(key, cells, index):
-        prepared = _study(directory, key, process)
+        prepared = _study(directory, key)
         if process in KINDS:
             part = prepared.within(Cut(prepared, cells).box(index))
             computed = KINDS[prepared.study.kind].compute(part, watch)
@@ -143,13 +140,20 @@ def compute_blocks(
     indices: Sequence[int],
     claim: str = "",
     most: float = math.inf,
+    version: str | None = None,
 ) -> list[float]:
     """Compute blocks of a study, one after another; return the seconds that each took.
 
     Each is stored when it is done, and those before are kept if one fails. After `most` seconds no
-    other begins: blocks of equal size may take very different times. The other arguments and the
+    other begins: blocks of equal size may take very different times. Raises `OtherVersionError` if
+    this worker has other code than the server, whose version is given. The other arguments and the
     errors are those of `compute_block`, with the numbers of the blocks.
     """
+    if version not in (None, code_version()):
+        raise OtherVersionError(
+            f"The server runs vibrafeed {version}, and a worker {code_version()}. Run one version "
+            "on all servers and workers, then post the study again."
+        )
     took: list[float] = []
     for index in indices:
         if sum(took) >= most:
@@ -176,8 +180,6 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
     ------
     TornBlockError
         If a block is missing or cannot be read; it is to be computed anew.
-    OtherVersionError
-        If this version of vibrafeed knows the study by another identifier.
     """
     started = time.perf_counter()
     store = Store(Path(directory))
@@ -185,15 +187,15 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
         if store.manifest(key) is not None:
             store.drop_blocks(key)
         elif process not in KINDS:
-            prepared = _study(directory, key, process)
+            prepared = _study(directory, key)
             from vibrafeed.app.jobs.accuracy import write_report
 
             write_report(store, key, process, prepared, cells, seconds)
         elif cells == IN_GROUP:
-            group = large.group_of_job(store, key, _study(directory, key, process))
+            group = large.group_of_job(store, key, _study(directory, key))
             large.finish(store, key, process, group, seconds)
         else:
-            prepared = _study(directory, key, process)
+            prepared = _study(directory, key)
             pieces = Cut(prepared, cells)
             count = len(pieces)
             blocks = ((pieces.box(i), store.read_block(key, cells, i)) for i in range(count))
@@ -206,7 +208,7 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
 
 
 @lru_cache(maxsize=16)
-def _study(directory: str, key: str, process: str) -> Prepared:
+def _study(directory: str, key: str) -> Prepared:
     """Return a stored study, ready to be computed by this worker.
 
     The latest 16 are cached, as a worker gets one block of cells after another.
@@ -217,18 +219,16 @@ def _study(directory: str, key: str, process: str) -> Prepared:
         The data directory of the service, as the worker sees it.
     key : str
         The study's identifier.
-    process : str
-        What is carried out: the kind of the study, or `accuracy`.
 
     Raises
     ------
     BlindWorkerError
         If the study is not in that directory.
     OtherVersionError
-        If this version of vibrafeed gives the study another identifier.
+        If it was posted to another version of vibrafeed, and this one cannot read it.
     """
     try:
-        prepared = Store(Path(directory)).get(key)
+        return Store(Path(directory)).get(key)
     except NotFoundError:
         raise BlindWorkerError(
             f"A worker on {socket.gethostname()} cannot find the study in {directory}. "
@@ -236,10 +236,8 @@ def _study(directory: str, key: str, process: str) -> Prepared:
             "service (VIBRAFEED_DATA_DIRECTORY) under the same path. Correct that, "
             "then post the study again."
         ) from None
-    if identifier(prepared.study, process) != key:
+    except StudyError as error:
         raise OtherVersionError(
-            "The study was posted to another version of vibrafeed; this worker runs "
-            f"{core.__version__}. Run one version on all servers and workers, then "
-            "post the study again."
-        )
-    return prepared
+            f"vibrafeed {code_version()} cannot read this study of another version: {error}. "
+            "Post it again."
+        ) from None

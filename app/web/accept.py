@@ -61,10 +61,9 @@ def _weight(name: str, ranges: Mapping[str, float]) -> float:
 
 
 def _ranges(header: str) -> dict[str, float]:
-    """Return the weight, 0 to 1, of each element of an Accept or Accept-Encoding header.
+    """Return the weight, 0 to 1, of each media range of an Accept header, such as `text/*`.
 
-    Elements are media ranges such as `text/*`, or names of codings, in small letters. An element
-    without weight has 1; a malformed weight counts as 0.
+    Names are in small letters. A range without weight has 1; a malformed weight counts as 0.
     """
     weights: dict[str, float] = {}
     for item in header.split(","):
@@ -77,9 +76,3 @@ def _ranges(header: str) -> dict[str, float]:
         if name:
             weights[name] = weight if 0 <= weight <= 1 else 0.0
     return weights
-
-
-def takes_gzip(accept_encoding: str) -> bool:
-    """True if a client accepts gzip."""
-    ranges = _ranges(accept_encoding)
-    return ranges.get("gzip", ranges.get("x-gzip", ranges.get("*", 0.0))) > 0

@@ -9,7 +9,7 @@ from typing import Annotated, cast
 
 from fastapi import Depends, Path, Request, params
 from fastapi.concurrency import run_in_threadpool
-from fastapi.exceptions import RequestValidationError
+from fastapi.exceptions import HTTPException, RequestValidationError
 
 from vibrafeed.app.jobs import keys
 from vibrafeed.app.jobs.admission import Admission
@@ -85,8 +85,12 @@ def _names(request: Request) -> list[str]:
 async def body_of(request: Request) -> bytes:
     """Return the request body; raise `TooLargeError` as soon as it exceeds the limit.
 
-    The limit is the setting `max_body_bytes`.
+    The limit is the setting `max_body_bytes`. A coded body is 415: it may unpack to any size.
     """
+    coding = request.headers.get("content-encoding", "identity")
+    if coding.lower() != "identity":
+        detail = f"The body has the content coding {coding[:40]}. Send it without Content-Encoding."
+        raise HTTPException(415, detail, headers={"Accept-Encoding": "identity"})
     limit = (await settings_of(request)).max_body_bytes
     pieces, size = [], 0
     async for piece in request.stream():

@@ -1,4 +1,4 @@
-"""The guard in front of the routes: names and origins, limits, safe headers.
+"""The guard in front of the routes: names and origins, keys, limits.
 
 Plain ASGI layers: they pass streams on piece by piece. What a key lets do is
 `vibrafeed.app.web.entry`'s.
@@ -10,6 +10,7 @@ import ipaddress
 import logging
 import re
 import sqlite3
+import threading
 from collections import Counter
 from typing import Any
 
@@ -17,12 +18,13 @@ from fastapi import FastAPI
 from fastapi.responses import Response
 from starlette.datastructures import Headers
 from starlette.middleware.cors import CORSMiddleware
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Scope, Send
 
 from vibrafeed.app.jobs import disk
+from vibrafeed.app.jobs.fair_queue import OF_KEY
 from vibrafeed.app.jobs.keys import Keys
 from vibrafeed.app.settings import Settings
-from vibrafeed.app.web.entry import OF_KEY, SAFE_METHODS, Entry, owner_of, path_of
+from vibrafeed.app.web.entry import SAFE_METHODS, Entry, owner_of, path_of
 from vibrafeed.app.web.problems import STATUS, TooLargeError
 from vibrafeed.app.web.replies import problem_document, problems
 
@@ -38,22 +40,9 @@ MAX_NAMES = 256  # parameters of a query
 # One key has at most 1/SHARE of the requests that may be under way; without keys one address
 # leaves 1/SHARE of them to others.
 SHARE = 4
+SOON = {"Retry-After": "1"}
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]")
 _HOST = re.compile(r"([a-z0-9._-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")
-
-# Pairs as ASGI has them: added to every reply, and no route sets one of them.
-SAFE = [
-    (b"x-content-type-options", b"nosniff"),
-    (b"x-frame-options", b"DENY"),
-    (b"referrer-policy", b"no-referrer"),
-    (b"cross-origin-resource-policy", b"same-origin"),
-]
-API_POLICY = b"default-src 'none'; frame-ancestors 'none'"
-# Both pages: no script, style or handler within them, nothing that comes from elsewhere.
-PAGE_POLICY = (
-    b"default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
-    b"connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
-)
 
 
 def is_loopback(host: str) -> bool:
@@ -84,12 +73,13 @@ def is_page(path: str) -> bool:
     return path == "/" or path.startswith("/page/")
 
 
-def install(app: FastAPI, settings: Settings, keys: Keys) -> None:
+def install(app: FastAPI, settings: Settings, keys: Keys, stopping: threading.Event) -> None:
     """Add the middleware of this module to the application; the last one added runs first.
 
     It limits requests, checks keys and origins, and lets pages of the allowed origins in (CORS).
+    Once `stopping` is set, new work is refused.
     """
-    app.add_middleware(Limits, settings=settings)
+    app.add_middleware(Limits, settings=settings, stopping=stopping)
     app.add_middleware(Guard, settings=settings, keys=keys)
     if settings.cors_origins:
         app.add_middleware(
@@ -107,29 +97,6 @@ def install(app: FastAPI, settings: Settings, keys: Keys) -> None:
             ],
         )  # fmt: skip
     _describe(app, keys)
-
-
-class SafeHeaders:
-    """Middleware that adds security headers to every reply, such as a content security policy."""
-
-    def __init__(self, app: ASGIApp):
-        """Wrap an application."""
-        self.app = app
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Handle a request; add security headers to its reply."""
-        path = path_of(scope)
-        policy = PAGE_POLICY if is_docs(path) or is_page(path) else API_POLICY
-
-        async def with_headers(message: Message) -> None:
-            """Send a message, with security headers at the start of a reply."""
-            if message["type"] == "http.response.start":
-                message["headers"] = [
-                    *message["headers"], *SAFE, (b"content-security-policy", policy)
-                ]  # fmt: skip
-            await send(message)
-
-        await self.app(scope, receive, with_headers)
 
 
 class Guard:
@@ -221,15 +188,15 @@ class Guard:
 
 
 class Limits:
-    """Middleware that refuses a request if too many are under way, or if its body is too large."""
+    """Middleware that refuses requests beyond the limits, and new work once the service stops."""
 
-    def __init__(self, app: ASGIApp, settings: Settings):
+    def __init__(self, app: ASGIApp, settings: Settings, stopping: threading.Event):
         """Wrap an application, with limits of requests under way and of body size."""
         self.app = app
         self.most = settings.max_requests
         self.most_bytes = settings.max_body_bytes
-        self.under_way = 0
-        self.of_owners: Counter[str] = Counter()
+        self.stopping = stopping
+        self.under_way: Counter[str] = Counter()  # by owner
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle a request, or refuse it before its body is read."""
@@ -241,41 +208,40 @@ class Limits:
         if refusal is not None:
             await refusal(scope, receive, send)
             return
-        self.under_way += 1
-        self.of_owners[owner] += 1
+        self.under_way[owner] += 1
         try:
             await self.app(scope, receive, send)
         finally:
-            self.under_way -= 1
-            self.of_owners[owner] -= 1
-            if not self.of_owners[owner]:
-                del self.of_owners[owner]
+            self.under_way[owner] -= 1
+            self.under_way = +self.under_way  # without owners who have none
 
     def _refusal(self, scope: Scope, owner: str) -> Response | None:
         """Return the error reply to a request beyond the service's limits; None if it may pass.
 
         The reply is 429 if the account has its share of the requests under way, 503 if the service
-        has as many as it takes, and 413 if the declared body is too large. `scope` is ASGI's
-        description of the request; `owner` is its account, an API key or address.
+        has as many as it takes or stops, and 413 if the declared body is too large. `scope` is
+        ASGI's description of the request; `owner` is its account, an API key or address.
         """
+        is_full = self.under_way.total() >= self.most
         part = self.most // SHARE
         share = max(1, part if owner.startswith(OF_KEY) else self.most - part)
-        if share <= self.of_owners[owner] and self.under_way < self.most:
+        if share <= self.under_way[owner] and not is_full:
             detail = f"You have {share:,} requests under way, which is your share."
-            return problem_document(
-                429, "rate", "Too many requests", detail, headers={"Retry-After": "1"}
-            )
-        if self.under_way >= self.most:
+            return problem_document(429, "rate", "Too many requests", detail, headers=SOON)
+        if is_full:
             detail = f"{self.most:,} requests are under way, the most that are taken at a time."
+            return problem_document(503, "busy", "The service is busy", detail, headers=SOON)
+        if scope["method"] == "POST" and self.stopping.is_set():
+            detail = "The service takes no new work. Accepted work continues on the next server."
+            later = {"Retry-After": "5", "Connection": "close"}
             return problem_document(
-                503, "busy", "The service is busy", detail, headers={"Retry-After": "1"}
+                503, "stopping", "The service is stopping", detail, headers=later
             )
         length = Headers(scope=scope).get("content-length", "")
-        if scope["method"] not in SAFE_METHODS and length.isdigit():
-            # Zeros in front count for nothing; what is longer than 20 digits is too large anyway.
-            size = int(length.lstrip("0")[:20] or "0")
-            if size > self.most_bytes:
-                return problem_document(*STATUS[TooLargeError], str(TooLargeError(self.most_bytes)))
+        # No length that fits a limit has more than 20 digits.
+        is_long = length.isdecimal() and (len(length) > 20 or int(length) > self.most_bytes)
+        if is_long and scope["method"] not in SAFE_METHODS:
+            return problem_document(*STATUS[TooLargeError], str(TooLargeError(self.most_bytes)))
         return None
 
 

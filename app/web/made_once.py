@@ -18,53 +18,24 @@ from vibrafeed.app.web.downloads import document_reply, etag_of
 
 
 class MadeOnce:
-    """A cache of documents: each is made once, in a thread, one at a time.
-
-    Requests for a document that is being made wait without holding a thread.
-    """
+    """A cache of documents, each made in a thread, one at a time."""
 
     def __init__(self) -> None:
         """Begin with an empty cache."""
         self._kept: dict[Hashable, tuple[bytes, str]] = {}
-        self._making: dict[Hashable, asyncio.Task[tuple[bytes, str]]] = {}
         self._lock = asyncio.Lock()
 
     async def __call__(self, name: Hashable, make: Callable[[], bytes]) -> tuple[bytes, str]:
         """Return a cached document and its ETag; if the document is missing, make it in a thread.
 
         `name` is its key in the cache; `make` is called without arguments and returns the bytes.
-
-        Raises
-        ------
-        Exception
-            What `make` raises.
         """
-        if name in self._kept:
-            return self._kept[name]
-        making = self._making.get(name)
-        if making is None:
-            making = self._making[name] = asyncio.create_task(self._make(name, make))
-            making.add_done_callback(_retrieve_exception)
-        return await asyncio.shield(making)  # another may wait for it when this client has left
-
-    async def _make(self, name: Hashable, make: Callable[[], bytes]) -> tuple[bytes, str]:
-        """Make a document in a thread, one at a time, cache it, and return its bytes with its ETag.
-
-        `name` is its key in the cache; `make` returns the bytes.
-        """
-        try:
+        if name not in self._kept:
             async with self._lock:
-                content = await asyncio.to_thread(make)
-        finally:
-            del self._making[name]
-        made = self._kept[name] = content, etag_of(hashlib.sha256(content).hexdigest())
-        return made
-
-
-def _retrieve_exception(making: asyncio.Task[tuple[bytes, str]]) -> None:
-    """Retrieve a task's exception, so that asyncio does not warn if no client has awaited it."""
-    if not making.cancelled():
-        making.exception()
+                if name not in self._kept:  # nobody has made it meanwhile
+                    content = await asyncio.to_thread(make)
+                    self._kept[name] = content, etag_of(hashlib.sha256(content).hexdigest())
+        return self._kept[name]
 
 
 async def made_once(request: Request, name: Hashable, make: Callable[[], bytes]) -> Response:

@@ -13,7 +13,7 @@ from vibrafeed.app.jobs.ledger import ACTIVE, Job
 from vibrafeed.app.jobs.manifest import Manifest
 from vibrafeed.app.web.documents import results
 from vibrafeed.app.web.downloads import Check
-from vibrafeed.app.web.problems import BusyError, NoSuchJobError, NotReadyError
+from vibrafeed.app.web.problems import NoSuchJobError, NotReadyError
 from vibrafeed.app.web.replies import json_reply, problem_document
 
 
@@ -39,8 +39,6 @@ def manifest_of(admission: Admission, job: Job) -> Manifest | Response:
     ------
     NotReadyError
         If the job is not done, or its result is damaged and computed again.
-    BusyError
-        While the result is being fetched from the object store.
     GoneError, NotFoundError
         If the result was removed.
     """
@@ -56,14 +54,6 @@ def manifest_of(admission: Admission, job: Job) -> Manifest | Response:
             "when the job is successful."
         )
     manifest = None if job.state == "dismissed" else admission.store.manifest(job.key)
-    if manifest is None and job.state == "successful":
-        is_there = admission.store.fetch(job.key)
-        if is_there is None:
-            raise BusyError(
-                f"The results of the job {job.id} are being fetched from the object store. "
-                "Request them again in a few seconds."
-            )
-        manifest = admission.store.manifest(job.key) if is_there else None
     if manifest is None:
         raise _recompute(admission, job)
     return manifest

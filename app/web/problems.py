@@ -10,11 +10,10 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import Response
 from starlette.exceptions import HTTPException
-from starlette.routing import Match
+from starlette.routing import Match, Mount
 
 from vibrafeed.app.jobs import disk
 from vibrafeed.app.jobs.errors import (
-    FetchingError,
     GoneError,
     NoRoomError,
     NotFoundError,
@@ -85,10 +84,10 @@ STATUS: dict[type[Exception], tuple[int, str, str]] = {
     TooManyJobsError: (429, "jobs", "The key has as many jobs as it may"),
     QueueFullError: (429, "queue", "The queue of jobs is full"),
     EndedError: (503, "busy", "The service is busy"),
-    FetchingError: (503, "busy", "The service is busy"),
     BusyError: (503, "busy", "The service is busy"),
     NoRoomError: (507, "storage", "There is no room for the result"),
 }
+METHODS = ("DELETE", "GET", "HEAD", "PATCH", "POST", "PUT")
 RETRY_AFTER = {429: "5", 503: "1"}
 
 
@@ -169,13 +168,15 @@ def _http(request: Request, error: Exception) -> Response:
 def _methods(request: Request) -> list[str]:
     """Return all methods that the path of a request supports, sorted.
 
-    The router reports only those of one route.
+    The router reports only those of one route, and files of the page none.
     """
-    allowed: set[str] = set()
-    for route in request.app.router.routes:
-        if route.matches(request.scope)[0] is not Match.NONE:
-            allowed.update(getattr(route, "methods", None) or ())
-    return sorted(allowed)
+    routes = [one for one in request.app.router.routes if not isinstance(one, Mount)]
+    scopes = {method: {**request.scope, "method": method} for method in METHODS}
+    return [
+        method
+        for method, scope in scopes.items()
+        if any(route.matches(scope)[0] is Match.FULL for route in routes)
+    ] or ["GET", "HEAD"]
 
 
 def unforeseen(request_id: str) -> Response:

@@ -6,6 +6,7 @@ from typing import Any
 
 from pydantic import BaseModel, Field
 
+from vibrafeed.app.web.replies import Document
 from vibrafeed.core.dataset.table import regime_attributes
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.quantities import QUANTITIES
@@ -33,7 +34,7 @@ class SweepDescription(BaseModel):
     """The description of a sweep."""
 
     id: str
-    study: dict[str, Any]
+    study: Document
     scene: str
     variant: str
     validity: str

@@ -122,7 +122,7 @@ def read_json(text: str | bytes) -> object:
     """
     try:
         # By itself json would let halves of characters through, and take other encodings.
-        text = text if isinstance(text, str) else text.decode("utf-8")
+        text = text if isinstance(text, str) else text.decode("utf-8-sig")
         if text.count("[") + text.count("{") > MAX_BRACKETS:
             _fail("body", f"it holds more than {MAX_BRACKETS:,} objects and lists", EXPECTED)
         content: object = json.loads(

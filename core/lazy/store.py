@@ -22,7 +22,7 @@ import numpy as np
 from dask.base import compute
 from numpy.typing import NDArray
 
-from vibrafeed import core
+from vibrafeed.core.code_version import code_version
 from vibrafeed.core.dataset.files import partial, settle, whole
 from vibrafeed.core.dataset.group import create_arrays, put
 from vibrafeed.core.dataset.netcdf import created
@@ -280,7 +280,7 @@ class ZarrStore:
     @property
     def identity(self) -> dict[str, str]:
         """The text by which a run knows its own group."""
-        return {"study": self.prepared.study.key(), "version": core.__version__}
+        return {"study": self.prepared.study.key(), "version": code_version()}
 
     def begin(self, outline: Table, *, resume: bool = False) -> None:
         """Create the group; with `resume` keep one that a run of the same study has begun.

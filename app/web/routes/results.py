@@ -8,7 +8,7 @@ from typing import Annotated
 
 import fastapi
 from anyio import to_thread
-from fastapi import APIRouter, Query, Request
+from fastapi import Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
@@ -18,7 +18,7 @@ from vibrafeed.app.jobs.manifest import JSON, NETCDF, ZARR
 from vibrafeed.app.web.accept import form_for
 from vibrafeed.app.web.dependencies import AdmissionOf, BaseOf, Number, SettingsOf
 from vibrafeed.app.web.documents import NETCDF_TYPE, Results, media_type_of
-from vibrafeed.app.web.downloads import ASK_AGAIN, etag_of, file_reply, not_modified
+from vibrafeed.app.web.downloads import ASK_AGAIN, etag_of, file_reply, not_modified, opened
 from vibrafeed.app.web.outcomes import (
     check_of,
     error_for_missing_file,
@@ -26,7 +26,14 @@ from vibrafeed.app.web.outcomes import (
     manifest_of,
     results_reply,
 )
-from vibrafeed.app.web.replies import BINARY, OBJECT, cached_replies, problems, without_length
+from vibrafeed.app.web.replies import (
+    BINARY,
+    OBJECT,
+    Router,
+    cached_replies,
+    problems,
+    without_length,
+)
 from vibrafeed.app.web.routes.zarr import ZarrKey
 from vibrafeed.app.web.tables import (
     TABLES,
@@ -40,7 +47,7 @@ from vibrafeed.app.web.tables import (
 from vibrafeed.core.dataset.frame import Frame
 from vibrafeed.core.dataset.read import read_netcdf
 
-router = APIRouter(prefix="/jobs", tags=["jobs"])
+router = Router(prefix="/jobs", tags=["jobs"])
 
 # What a group may have: nothing else of a request reaches the disk.
 _KEY = re.compile(r"(zarr\.json|[a-z][a-z0-9_]{0,79}/(zarr\.json|c(/[0-9]{1,12}){0,20}))")
@@ -61,7 +68,6 @@ NO_RESULT = problems(
     response_model=Results,
     responses=NO_RESULT,
 )
-@router.head("/{number}/results", include_in_schema=False)
 def get_results(number: Number, admission: AdmissionOf, base: BaseOf) -> Response:
     """Return the address, the size and the computing time of the dataset."""
     return results_reply(admission, find_job(admission, number), base)
@@ -85,7 +91,6 @@ def get_results(number: Number, admission: AdmissionOf, base: BaseOf) -> Respons
         **problems(s406="No format that Accept allows"),
     },
 )
-@router.head("/{number}/results/dataset", include_in_schema=False)
 async def get_dataset(
     request: Request,
     number: Number,
@@ -115,7 +120,7 @@ async def get_dataset(
         frame = await to_thread.run_sync(
             lambda: Frame.of(read_netcdf(path, most_rows=most), most=most), limiter=lane
         )
-        reply = await table_reply(request, frame, chosen, lane=lane)
+        reply = table_reply(frame, chosen, lane=lane)
         name = f"{path.parent.name[:12]}.{chosen}"
         reply.headers["Content-Disposition"] = f'attachment; filename="vibrafeed-{name}"'
         reply.headers.update({"ETag": etag, "Cache-Control": ASK_AGAIN})
@@ -152,7 +157,8 @@ def _stored_table(
         if known is None and request.method == "HEAD":
             known = without_length(TABLES[form], {"ETag": etag, "Cache-Control": ASK_AGAIN})
         if known is None:
-            check.look(path, digest)
+            with opened(path) as file:
+                check.look(file, digest)
         return known or (path, etag)
     return file_reply(
         request,
@@ -177,7 +183,6 @@ def _stored_table(
         **NO_RESULT,
     },
 )
-@router.head("/{number}/results/zarr/{path:path}", include_in_schema=False)
 def get_group(request: Request, number: Number, path: ZarrKey, admission: AdmissionOf) -> Response:
     """Return a key of the Zarr v3 group of a sweep too large for one file.
 
@@ -227,7 +232,6 @@ def get_group(request: Request, number: Number, path: ZarrKey, admission: Admiss
         **NO_RESULT,
     },
 )
-@router.head("/{number}/results/files/{name}", include_in_schema=False)
 def get_file(
     request: Request,
     number: Number,

@@ -5,32 +5,20 @@ from __future__ import annotations
 from typing import Annotated
 
 import orjson
-from fastapi import APIRouter, Path, Query, Request
+from fastapi import Path, Query, Request
 from fastapi.responses import Response
-from pydantic import BaseModel
 
 from vibrafeed.app.jobs.errors import NotFoundError
 from vibrafeed.app.kept_texts import study_schema_text
 from vibrafeed.app.web.made_once import made_once
-from vibrafeed.app.web.replies import OBJECT, cached_replies, json_reply, problems
+from vibrafeed.app.web.replies import OBJECT, Document, Router, cached_replies, json_reply, problems
 from vibrafeed.core.catalogue import describe, describe_all
 from vibrafeed.core.scenes import SCENES
 
-router = APIRouter(tags=["scenes"])
+router = Router(tags=["scenes"])
 
 
-class SceneLine(BaseModel):
-    """One scene in the list."""
-
-    name: str
-    title: str
-    source: str
-    variants: list[str]
-    default_variant: str
-    methods: list[str]
-
-
-@router.get("/scenes", summary="List the scenes", response_model=list[SceneLine])
+@router.get("/scenes", summary="List the scenes", response_model=list[Document])
 def list_scenes() -> Response:
     """Return one line for each scene: name, title, source, variants."""
     return json_reply(describe_all())

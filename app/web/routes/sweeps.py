@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import numpy as np
 from anyio import to_thread
-from fastapi import APIRouter, Query, Request
+from fastapi import Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
@@ -35,9 +35,10 @@ from vibrafeed.app.web.dependencies import (
 from vibrafeed.app.web.documents import NETCDF_TYPE
 from vibrafeed.app.web.downloads import ASK_AGAIN, FOR_EVER, etag_of, file_reply, not_modified
 from vibrafeed.app.web.execution import PROCESSES
-from vibrafeed.app.web.outgoing import reserve_bytes
 from vibrafeed.app.web.replies import (
     BINARY,
+    Document,
+    Router,
     cached_replies,
     component,
     json_reply,
@@ -67,17 +68,14 @@ from vibrafeed.core.dataset.frame import Frame
 from vibrafeed.core.errors import LimitError
 from vibrafeed.core.intake import prepare_content, read_json
 from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.quantities import WORDS
 from vibrafeed.core.study import SweepStudy
-from vibrafeed.core.study.grid_study import PARAMETERS
 from vibrafeed.core.sweep.slice import SliceCut, compute_slice, prepare_cut, table_of
 
-router = APIRouter(prefix="/sweeps", tags=["sweeps"])
+router = Router(prefix="/sweeps", tags=["sweeps"])
 
 BINARY_TYPE = "application/octet-stream"
 FORMS = {"json": "application/json", "binary": BINARY_TYPE}
 LARGE = 100_000  # values of a slice; a larger one waits for a slot and a process of its own
-BYTES_A_VALUE = 24  # bytes of a slice's value in JSON, with its regime; fewer in binary
 STUDY_BODY = {
     "requestBody": {
         "required": True,
@@ -92,13 +90,18 @@ STUDY_BODY = {
 AXIS_VALUES = {
     "parameters": [
         {
-            "name": name,
+            "name": "at",
             "in": "query",
             "required": False,
-            "schema": {"type": "string", "maxLength": 200},
-            "description": f"Value at which the axis {name} is fixed; one of its grid values.",
+            "style": "form",
+            "explode": True,
+            "schema": {
+                "type": "object",
+                "additionalProperties": {"type": "string", "maxLength": 200},
+            },
+            "description": "`name=value` for each axis that is not in `axes`: one of its grid "
+            "values.",
         }
-        for name in (*PARAMETERS, *WORDS)
     ]
 }
 
@@ -149,7 +152,6 @@ def post_sweep(
         s422="The identifier is malformed",
     ),
 )
-@router.head("/{key}", include_in_schema=False)
 def get_sweep(key: SweepKey, admission: AdmissionOf, who: WhoOf) -> Response:
     """Return the study of a sweep, its size, its axes, and the dimensions of its outputs."""
     return json_reply(_describe_sweep(admission, key, admission.store.sweep(key), who))
@@ -188,7 +190,7 @@ def _describe_sweep(admission: Admission, key: str, sweep: Prepared, who: Key) -
 @router.get(
     "/{key}/slice",
     summary="Read values of a sweep over one or two axes",
-    response_model=dict[str, Any],
+    response_model=Document,
     responses={
         **cached_replies("The slice", dict.fromkeys([BINARY_TYPE, *TABLES.values()], BINARY)),
         **problems(
@@ -196,13 +198,12 @@ def _describe_sweep(admission: Admission, key: str, sweep: Prepared, who: Key) -
             s406="No format that Accept allows",
             s409="The sweep is another version's: post it again",
             s422="The slice cannot be taken, or takes too long",
-            s503="Too much data waits to be sent, or the process that computed the slice was lost",
+            s503="The process that computed the slice was lost",
         ),
     },
     openapi_extra=AXIS_VALUES,
     dependencies=[refuse_repeated()],
 )
-@router.head("/{key}/slice", include_in_schema=False, dependencies=[refuse_repeated()])
 async def get_slice(
     request: Request,
     key: SweepKey,
@@ -245,13 +246,12 @@ async def get_slice(
         """Return the sweep, the slice not computed yet, and it encoded if it is small.
 
         A second thread for a small slice would take as long again. A wrong request is refused here,
-        before it waits or reserves bytes.
+        before it waits.
         """
         sweep = store.sweep(key)
         cut = wish.prepared(sweep)
         if not is_read or wish.values(sweep) > LARGE:
             return sweep, cut, None
-        reserve_bytes(request, wish.reply_bytes(sweep))
         return sweep, cut, encode_slice(cut, chosen)
 
     if reply is not None:
@@ -265,7 +265,6 @@ async def get_slice(
         if request.method == "HEAD":
             reply = without_length(media_type)
         elif chosen in TABLES:
-            reserve_bytes(request, wish.reply_bytes(sweep))
             rows = most_rows(settings, chosen, wish.most)
             async with turn:
                 threads = threads_of(request)
@@ -273,19 +272,16 @@ async def get_slice(
                     lambda: Frame.of(table_of(sweep, compute_slice(cut, threads)), most=rows),
                     limiter=lane,
                 )
-            reply = await table_reply(request, frame, chosen, lane=lane)
+            reply = table_reply(frame, chosen, lane=lane)
         else:
             if made is None:
-                reserve_bytes(request, wish.reply_bytes(sweep))
                 async with turn:  # in a thread it would hold up everybody's small ones
                     text = await run_in_threadpool(sweep.study.canonical)
                     made = await calculate_in_process(
                         request, encode_slice_of, text, output, wish.axes, fixed, wish.most, chosen,
                         threads_of(request), seconds=settings.max_execution_seconds,
                     )  # fmt: skip
-            # What compresses texts compares a view byte by byte; a copy takes a tenth of that.
-            content = made if chosen == "binary" else bytes(made)
-            reply = Response(content, media_type=media_type)
+            reply = Response(made, media_type=media_type)
         reply.headers.update({"ETag": etag, "Cache-Control": FOR_EVER})
     reply.headers["Vary"] = "Accept"
     return reply
@@ -308,10 +304,6 @@ class _Wish:
         """Check the request against the sweep and return the slice, not computed yet."""
         return prepare_cut(sweep, output=self.output, axes=self.axes, at=self.fixed, most=self.most)
 
-    def reply_bytes(self, sweep: Prepared) -> int:
-        """Return the largest number of bytes of the reply, for which room is reserved."""
-        return BYTES_A_VALUE * min(self.values(sweep), self.most)
-
 
 @router.get(
     "/{key}/netcdf",
@@ -328,7 +320,6 @@ class _Wish:
         ),
     },
 )
-@router.head("/{key}/netcdf", include_in_schema=False)
 async def get_netcdf(
     request: Request,
     key: SweepKey,

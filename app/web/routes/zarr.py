@@ -6,19 +6,18 @@ from contextlib import nullcontext
 from typing import Annotated
 
 import numpy as np
-from fastapi import APIRouter, Path, Query, Request
+from fastapi import Path, Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import RedirectResponse, Response
 
 from vibrafeed.app.jobs.errors import NotFoundError
 from vibrafeed.app.web.dependencies import SweepKey, ViewsOf
 from vibrafeed.app.web.downloads import FOR_EVER, content_reply, etag_of, not_modified
-from vibrafeed.app.web.outgoing import reserve_bytes
-from vibrafeed.app.web.replies import BINARY, OBJECT, cached_replies, problems
+from vibrafeed.app.web.replies import BINARY, OBJECT, Router, cached_replies, problems
 from vibrafeed.app.web.shares import slot_of
 from vibrafeed.app.web.zarr_views import ZarrViews
 
-router = APIRouter(prefix="/sweeps", tags=["sweeps"])
+router = Router(prefix="/sweeps", tags=["sweeps"])
 
 CHUNKS = "chunks="
 ZarrKey = Annotated[
@@ -62,11 +61,9 @@ async def get_wished(request: Request, key: SweepKey, chunks: str | None = None)
             s404="No such sweep, or no such key",
             s409="The sweep is another version's: post it again",
             s422="The key is too long",
-            s503="Too much data waits to be sent",
         ),
     },
 )
-@router.head("/{key}/zarr/{path:path}", include_in_schema=False)
 async def get_zarr(
     request: Request,
     key: SweepKey,
@@ -92,8 +89,7 @@ async def get_zarr(
     if path.startswith(CHUNKS):
         chunks, _, path = path.removeprefix(CHUNKS).partition("/")
     # Who reads many chunks takes no thread from another's small slice.
-    is_computed = not views.holds(key, path, chunks)
-    async with slot_of(request) if is_computed else nullcontext():
+    async with nullcontext() if path.endswith(".json") else slot_of(request):
         return await run_in_threadpool(_key_reply, request, views, key, wanted, path, chunks)
 
 
@@ -125,5 +121,4 @@ def _key_reply(
     if request.method == "HEAD":
         headers = {"ETag": etag, "Cache-Control": FOR_EVER, "Content-Length": str(length)}
         return Response(headers=headers, media_type=media_type)
-    reserve_bytes(request, length)
-    return content_reply(views.read(key, path, chunks), etag=etag, media_type=media_type)
+    return content_reply(view.read(path), etag=etag, media_type=media_type)

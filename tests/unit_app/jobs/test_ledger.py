@@ -248,12 +248,21 @@ def test_lists(ledgers):
     here, _ = ledgers
     jobs = [post(here, str(number)) for number in range(5)]
     assert [job.id for job in here.jobs(limit=3)] == [job.id for job in jobs[:1:-1]]
-    assert [job.id for job in here.jobs(limit=3, offset=3)] == [jobs[1].id, jobs[0].id]
+    after = jobs[2].created, jobs[2].id
+    assert [job.id for job in here.jobs(limit=3, after=after)] == [jobs[1].id, jobs[0].id]
     here.dismiss(jobs[0].id)
     assert [job.id for job in here.jobs(Wanted(states=("dismissed",)), limit=9)] == [jobs[0].id]
     assert here.jobs(Wanted(processes=("sweep",)), limit=9) == []
     here.forget(time.time() + 1, 9)
     assert len(here.jobs(limit=9)) == 4  # those that are active stay
+
+
+def test_the_latest_stands_first_where_the_clock_has_been_set_back(ledgers, monkeypatch):
+    here, there = ledgers
+    first = post(here, "k")
+    monkeypatch.setattr("vibrafeed.app.jobs.ledger.time.time", lambda: first.created - 86_400)
+    last = post(there, "l")
+    assert [job.id for job in here.jobs(limit=9)] == [last.id, first.id]
 
 
 def test_of_jobs_that_are_over_so_many_are_kept(ledgers):

@@ -23,7 +23,8 @@ from vibrafeed.app.jobs.keys import NOBODY, new_key
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import TEST_SWITCHES, Settings, unknown_variables
 from vibrafeed.app.web import guard
-from vibrafeed.app.web.guard import SAFE, is_loopback
+from vibrafeed.app.web.guard import is_loopback
+from vibrafeed.app.web.observe import SAFE
 from waiting import PATIENCE
 
 ROOT = Path(__file__).parents[3]
@@ -279,8 +280,8 @@ def test_every_reply_has_safe_headers(tmp_path):
     ]
     assert [reply.status_code for reply in replies] == [200, 404, 405, 422, 403, 500, 413, 200, 200]
     for reply in replies:
-        for name, value in SAFE:
-            assert reply.headers.get_list(name.decode()) == [value.decode()]
+        for name, value in SAFE.items():
+            assert reply.headers.get_list(name) == [value]
         assert "server" not in reply.headers
         policy = reply.headers["content-security-policy"]
         assert policy.startswith("default-src 'none'; ")
@@ -340,7 +341,7 @@ class TestLimits:
             async def app(scope, receive, send):
                 await go.wait()
 
-            limits = guard.Limits(app, Settings(max_requests=8))
+            limits = guard.Limits(app, Settings(max_requests=8), threading.Event())
             crowd = [asyncio.create_task(of(limits, "127.0.0.1", go)) for _ in range(10)]
             await asyncio.sleep(0)
             other = asyncio.create_task(of(limits, "127.0.0.2", go))
@@ -446,6 +447,29 @@ def test_a_tricky_path_gets_a_problem(tmp_path, path):
     assert reply.headers["content-type"] == "application/problem+json"
 
 
+class TestAbsoluteForm:
+    """Requests as clients send them to proxies, which servers have to take, too (RFC 9112)."""
+
+    @pytest.mark.parametrize(
+        ("url", "status"),
+        [
+            ("http://localhost/scenes", 200),
+            ("HTTP://127.0.0.1:8000/scenes", 200),
+            ("https://localhost", 200),
+            ("http://evil.example/scenes", 403),
+            ("http://localhost/nowhere", 404),
+            ("http://lab@localhost/scenes", 400),
+        ],
+    )
+    def test_the_host_is_that_of_the_url(self, tmp_path, url, status):
+        app = create_app(Settings(data_directory=tmp_path))
+        assert asked(app, url, server=("127.0.0.1", 80))[0] == status
+
+    def test_a_key_is_needed_as_ever(self, tmp_path):
+        app = create_app(Settings(data_directory=tmp_path, api_key_hashes=[HASH]))
+        assert asked(app, "http://localhost/scenes", server=None)[0] == 401
+
+
 @pytest.mark.parametrize("query", ["a=" + 8_200 * "1", 256 * "a=1&", 256 * "&"])
 def test_a_query_that_is_long_to_read_is_not_read(tmp_path, query, monkeypatch):
     """With 5,000 names in each of 64 queries others waited for a minute."""
@@ -476,6 +500,7 @@ class TestSettings:
             ("VIBRAFEED_MAX_REQUESTS", "0", "greater than 0"),
             ("VIBRAFEED_MAX_REQUEST", "9", "Did you mean 'VIBRAFEED_MAX_REQUESTS'?"),
             ("VIBRAFEED_API_KEYS", KEY, "Did you mean 'VIBRAFEED_API_KEY_HASHES'?"),
+            ("VIBRAFEED_RESULTS_URL", "s3://bucket", "kept in VIBRAFEED_DATA_DIRECTORY alone"),
             ("vibrafeed_api_key", KEY, "Did you mean 'VIBRAFEED_API_KEY_HASHES'?"),
         ],
         ids=lambda text: "secret" if KEY in text else None,  # it differs between processes

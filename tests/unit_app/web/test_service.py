@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import codecs
 import contextlib
+import json
 import sqlite3
 import subprocess
 import sys
@@ -52,10 +54,49 @@ def problem(response, status: int = 422) -> dict:
 
 def test_health(client):
     assert client.get("/healthz").json()["status"] == "ok"
-    for path in ("/", "/healthz", "/readyz"):
+
+
+def test_head_is_answered_wherever_get_is(client):
+    for path, operations in client.get("/openapi.json").json()["paths"].items():
+        if "get" in operations:
+            assert client.head(path).status_code != 405, path
+    for path in ("/", "/healthz", "/readyz", "/scenes", "/processes/sweep", "/jobs"):
         head = client.head(path)
         assert head.status_code == client.get(path).status_code
         assert head.headers["content-type"] == client.get(path).headers["content-type"]
+    number = client.post(
+        "/processes/sweep/execution", json=STUDY, headers={"Prefer": "respond-async"}
+    ).json()["jobID"]
+    assert "content-length" not in client.head(f"/jobs/{number}/events").headers
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "allowed"),
+    [
+        ("PUT", "/jobs/x", "DELETE, GET, HEAD, PATCH"),
+        ("PUT", "/sweeps/x", "GET, HEAD, PATCH"),
+        ("GET", "/processes/sweep/execution", "POST"),
+        ("POST", "/page/page.css", "GET, HEAD"),
+    ],
+)
+def test_a_method_that_is_not_allowed_lists_those_that_are(client, method, path, allowed):
+    reply = client.request(method, path)
+    problem(reply, 405)
+    assert reply.headers["allow"] == allowed
+
+
+def test_a_coded_body_is_refused_and_a_mark_of_utf_8_accepted(client):
+    body = json.dumps(STUDY).encode()
+    for path in ("/sweeps", "/processes/sweep/execution", "/convert?to=json"):
+        coded = client.post(path, content=body, headers={"Content-Encoding": "gzip"})
+        assert "Content-Encoding" in problem(coded, 415)["detail"]
+    assert client.post("/sweeps", content=codecs.BOM_UTF8 + body).status_code == 201
+
+
+def test_a_number_of_very_many_digits_is_told_in_our_words(client):
+    body = b'{"parameters": {"friction": ' + b"1" * 15_000 + b"}}"
+    (error,) = problem(client.post("/sweeps", content=body))["errors"]
+    assert error["message"] == "it is a number larger than 1.8e308"
 
 
 def test_the_schema_is_made_once_and_sent_to_whom_has_it_not(client, monkeypatch):
@@ -262,9 +303,8 @@ def test_a_ledger_that_another_process_holds_is_asked_again(client, tmp_path, mo
     assert client.get("/jobs").status_code == 200
 
 
-def test_unknown_routes_and_methods_get_problem_documents(client):
+def test_unknown_routes_get_problem_documents(client):
     problem(client.get("/nowhere"), 404)
-    problem(client.delete("/scenes"), 405)
 
 
 def test_importing_the_app_builds_nothing(tmp_path):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import io
 
 import numpy as np
@@ -14,7 +13,6 @@ from local_client import local_client
 from posted_sweeps import STUDY, problem, with_axes
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
-from vibrafeed.app.web.accept import takes_gzip
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.quantities import REGIMES
@@ -28,7 +26,6 @@ CUT = {
 }
 PARQUET = "application/vnd.apache.parquet"
 XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
-PLAIN = {"Accept-Encoding": "identity"}
 
 
 @pytest.fixture
@@ -112,7 +109,7 @@ class TestSlices:
             assert told in problem(reply, 406)["detail"]
 
     def test_head_computes_nothing(self, client, address, monkeypatch):
-        etag = client.get(f"{address}/slice", params=CUT, headers=PLAIN).headers["etag"]
+        etag = client.get(f"{address}/slice", params=CUT).headers["etag"]
         for module in ("vibrafeed.app.web.routes.sweeps", "vibrafeed.app.web.calculations"):
             monkeypatch.setattr(f"{module}.compute_slice", None)
         reply = client.head(f"{address}/slice", params=CUT)
@@ -190,53 +187,6 @@ class TestResults:
         told = problem(client.get(address, headers={"Accept": XLSX}), 422)
         assert "1,848 rows, the limit is 1,600" in told["detail"]
         assert client.get(address, headers={"Accept": "text/csv"}).status_code == 200
-
-
-class TestCompression:
-    def test_text_is_compressed_and_its_etag_is_weak(self, client, address):
-        plain = client.get(f"{address}/slice", params=CUT, headers=PLAIN)
-        assert "content-encoding" not in plain.headers
-        for form in ("json", "csv"):
-            params = {**CUT, "format": form}
-            plain = client.get(f"{address}/slice", params=params, headers=PLAIN)
-            ask = {"Accept-Encoding": "br;q=1, gzip;q=0.5"}
-            with client.stream("GET", f"{address}/slice", params=params, headers=ask) as reply:
-                raw = b"".join(reply.iter_raw())
-            assert reply.headers["content-encoding"] == "gzip"
-            assert gzip.decompress(raw) == plain.content
-            assert len(raw) < len(plain.content) / 2
-            assert {"accept", "accept-encoding"} == {
-                word.strip().lower() for word in reply.headers["vary"].split(",")
-            }
-            assert reply.headers["etag"] == f"W/{plain.headers['etag']}"
-            known = {**ask, "If-None-Match": reply.headers["etag"]}
-            assert client.get(f"{address}/slice", params=params, headers=known).status_code == 304
-
-    def test_what_stays_plain(self, client, address):
-        gladly = {"Accept-Encoding": "gzip"}
-        for path in ("/zarr/transport_velocity/c/0/0/0/0", "/netcdf"):
-            assert "content-encoding" not in client.get(address + path, headers=gladly).headers
-        for form in ("binary", "parquet", "xlsx"):
-            params = {**CUT, "format": form}
-            reply = client.get(f"{address}/slice", params=params, headers=gladly)
-            assert "content-encoding" not in reply.headers
-            assert reply.headers["etag"].startswith('"')
-        assert "content-encoding" not in client.get("/healthz", headers=gladly).headers
-
-    @pytest.mark.parametrize(
-        ("header", "expected"),
-        [
-            ("", False),
-            ("gzip", True),
-            ("deflate, gzip;q=0", False),
-            ("gzip;q=0.1, *;q=0", True),
-            ("*", True),
-            ("identity", False),
-            ("gzipped", False),
-        ],
-    )
-    def test_accept_encoding(self, header, expected):
-        assert takes_gzip(header) is expected
 
 
 class TestChunks:
